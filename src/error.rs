@@ -1,0 +1,207 @@
+//! The one public error type: where, what was found, what is allowed, and what to do next.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Result with the crate's [`Error`].
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What kind of failure an [`Error`] is; decides the exit code of the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// The operating system refused: missing file, full disk, no permission.
+    Io,
+    /// A file or value does not have the form or range it must have.
+    Invalid,
+    /// The request clashes with what is already there (locked folder, changed study).
+    Conflict,
+    /// The command was used wrongly (exit code 2).
+    Usage,
+    /// The user interrupted; the work so far is saved (exit code 130).
+    Interrupted,
+}
+
+/// An error that says where it happened, what was found, what is allowed and what to do next.
+///
+/// Built step by step; every part but the message is optional:
+///
+/// ```
+/// use realgap::{Error, ErrorKind};
+///
+/// let error = Error::invalid("mass must be positive")
+///     .at_file("robot.ron")
+///     .at_line(12, 19)
+///     .field("mass_kg")
+///     .found("-0.1")
+///     .allowed("more than 0 kg, at most 100 kg")
+///     .hint("a module without mass cannot be simulated; weigh the real one");
+/// assert_eq!(error.kind(), ErrorKind::Invalid);
+/// assert_eq!(
+///     error.to_string(),
+///     "robot.ron:12:19: mass_kg: mass must be positive\n  \
+///        found:   -0.1\n  \
+///        allowed: more than 0 kg, at most 100 kg\n  \
+///        hint:    a module without mass cannot be simulated; weigh the real one"
+/// );
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Error(Box<Parts>);
+
+#[derive(Debug, Clone, PartialEq)]
+struct Parts {
+    kind: ErrorKind,
+    message: String,
+    file: Option<PathBuf>,
+    line_column: Option<(usize, usize)>,
+    field: Option<String>,
+    found: Option<String>,
+    allowed: Option<String>,
+    hint: Option<String>,
+}
+
+impl Error {
+    fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
+        Self(Box::new(Parts {
+            kind,
+            message: message.into(),
+            file: None,
+            line_column: None,
+            field: None,
+            found: None,
+            allowed: None,
+            hint: None,
+        }))
+    }
+
+    /// A value or file that does not have the form it must have.
+    pub fn invalid(message: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Invalid, message)
+    }
+
+    /// A request that clashes with what is already there.
+    pub fn conflict(message: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Conflict, message)
+    }
+
+    /// A wrong use of a command.
+    pub fn usage(message: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Usage, message)
+    }
+
+    /// The user interrupted; the work so far is saved.
+    pub fn interrupted(message: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Interrupted, message)
+    }
+
+    /// The operating system refused `doing` (e.g. "read the recording") on `path`.
+    pub fn io(doing: &str, path: impl AsRef<Path>, source: &std::io::Error) -> Self {
+        use std::io::ErrorKind as Io;
+        let error = Self::new(ErrorKind::Io, format!("cannot {doing}: {source}")).at_file(path);
+        match source.kind() {
+            Io::NotFound => {
+                error.hint("check the path; relative paths start at the current folder")
+            }
+            Io::PermissionDenied | Io::ReadOnlyFilesystem => {
+                error.hint("check the permissions of the file and of its folder")
+            }
+            Io::StorageFull | Io::QuotaExceeded => {
+                error.hint("free some disk space, then run the command again")
+            }
+            _ => error,
+        }
+    }
+
+    /// The file in which the error was found.
+    #[must_use]
+    pub fn at_file(mut self, path: impl AsRef<Path>) -> Self {
+        self.0.file = Some(path.as_ref().to_path_buf());
+        self
+    }
+
+    /// Line and column, both counted from 1.
+    #[must_use]
+    pub fn at_line(mut self, line: usize, column: usize) -> Self {
+        self.0.line_column = Some((line, column));
+        self
+    }
+
+    /// The field or column concerned, e.g. `modules[2].mass_kg`.
+    #[must_use]
+    pub fn field(mut self, field: impl Into<String>) -> Self {
+        self.0.field = Some(field.into());
+        self
+    }
+
+    /// What was found.
+    #[must_use]
+    pub fn found(mut self, found: impl fmt::Display) -> Self {
+        self.0.found = Some(found.to_string());
+        self
+    }
+
+    /// What is allowed instead.
+    #[must_use]
+    pub fn allowed(mut self, allowed: impl fmt::Display) -> Self {
+        self.0.allowed = Some(allowed.to_string());
+        self
+    }
+
+    /// What the user can do next.
+    #[must_use]
+    pub fn hint(mut self, hint: impl fmt::Display) -> Self {
+        self.0.hint = Some(hint.to_string());
+        self
+    }
+
+    /// The kind, which decides the exit code.
+    pub fn kind(&self) -> ErrorKind {
+        self.0.kind
+    }
+
+    /// The message without location, found, allowed and hint.
+    pub fn message(&self) -> &str {
+        &self.0.message
+    }
+
+    /// The file, if the error belongs to one.
+    pub fn file(&self) -> Option<&Path> {
+        self.0.file.as_deref()
+    }
+
+    /// Line and column (from 1), if known.
+    pub fn line_column(&self) -> Option<(usize, usize)> {
+        self.0.line_column
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let p = &self.0;
+        if let Some(file) = &p.file {
+            write!(f, "{}", file.display())?;
+            if let Some((line, column)) = p.line_column {
+                write!(f, ":{line}:{column}")?;
+            }
+            write!(f, ": ")?;
+        } else if let Some((line, column)) = p.line_column {
+            write!(f, "{line}:{column}: ")?;
+        }
+        if let Some(field) = &p.field {
+            write!(f, "{field}: ")?;
+        }
+        write!(f, "{}", p.message)?;
+        for (label, text) in [
+            ("found:  ", &p.found),
+            ("allowed:", &p.allowed),
+            ("hint:   ", &p.hint),
+        ] {
+            if let Some(text) = text {
+                write!(f, "\n  {label} {text}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Error {}

@@ -1,0 +1,2 @@
+//! The `realgap` command.
+fn main() {}

@@ -1,0 +1,130 @@
+//! What a morphology becomes when its glue has set: rigid parts joined by hinges.
+//!
+//! Everything is given in the robot frame: the frame of the root module at zero servo angles,
+//! origin at the root module's centre, x, y, z along its faces.
+
+use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
+
+/// What a solid stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// The cube of a module.
+    Cube,
+    /// The face plate of an active module: it moves with the driven face.
+    Plate,
+}
+
+/// One box of uniform density (unless the module says otherwise), part of a rigid cluster.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solid {
+    /// Index of the module it belongs to.
+    pub module: usize,
+    /// Cube or plate.
+    pub role: Role,
+    /// Half extents along the solid's own axes, metres.
+    pub half_extents_m: Vector3<f64>,
+    /// Pose in the robot frame at zero servo angles, metres.
+    pub robot_from_solid: Isometry3<f64>,
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass in the solid's own frame, metres (zero for a uniform box).
+    pub centre_of_mass_solid_m: Vector3<f64>,
+    /// Inertia about the solid's own centre of mass, along its own axes, kg m².
+    pub inertia_kg_m2: Matrix3<f64>,
+    /// False where the box has mass but must not touch anything (a plate with a module glued on it).
+    pub collides: bool,
+}
+
+/// A rigid cluster of solids: one body of the simulation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// The boxes glued together, at least one.
+    pub solids: Vec<Solid>,
+}
+
+/// Open-loop command of a servo: offset + amplitude·sin(2π·frequency·t + phase).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gait {
+    /// Mean angle, radians.
+    pub offset_rad: f64,
+    /// Amplitude, radians.
+    pub amplitude_rad: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Phase, radians.
+    pub phase_rad: f64,
+}
+
+impl Gait {
+    /// The commanded angle at time `t_s`, radians.
+    pub fn angle_rad(&self, t_s: f64) -> f64 {
+        self.offset_rad
+            + self.amplitude_rad
+                * (std::f64::consts::TAU * self.frequency_hz * t_s + self.phase_rad).sin()
+    }
+}
+
+/// How a servo turns its angle error into motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ServoLaw {
+    /// Velocity command `clamp(gain · error, ±max speed)`, followed within the torque limit.
+    Velocity {
+        /// Gain, 1/s.
+        gain_1_s: f64,
+    },
+    /// Torque `stiffness · error − damping · joint velocity`, clamped to the torque limit.
+    Torque {
+        /// Stiffness, N m/rad.
+        stiffness_nm_rad: f64,
+        /// Damping, N m s/rad.
+        damping_nm_s_rad: f64,
+    },
+}
+
+/// A servo: control law and limits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Servo {
+    /// Control law.
+    pub law: ServoLaw,
+    /// Largest torque, N m.
+    pub max_torque_nm: f64,
+    /// Largest commanded speed, rad/s.
+    pub max_speed_rad_s: f64,
+}
+
+/// A servo joint between two parts; the child turns by +angle about the axis relative to the parent (right-handed).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hinge {
+    /// Index of the active module that owns the servo.
+    pub module: usize,
+    /// Index of the part that carries the servo's cube.
+    pub parent_part: usize,
+    /// Index of the part that the driven face belongs to.
+    pub child_part: usize,
+    /// A point on the axis, robot frame at zero angles, metres.
+    pub anchor_robot_m: Vector3<f64>,
+    /// The axis, robot frame at zero angles.
+    pub axis_robot: Unit<Vector3<f64>>,
+    /// Control law and limits.
+    pub servo: Servo,
+    /// Open-loop command.
+    pub gait: Gait,
+}
+
+/// Rigid parts and hinges of one robot. Part 0 contains the root module; hinges form a tree in which
+/// every parent part comes before its children.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Assembly {
+    /// Names of the modules, by module index.
+    pub module_names: Vec<String>,
+    /// Rigid clusters.
+    pub parts: Vec<Part>,
+    /// Servo joints, exactly one per part other than part 0.
+    pub hinges: Vec<Hinge>,
+    /// The part whose motion is recorded.
+    pub track_part: usize,
+    /// Robot-frame pose of the tracked module at zero angles: its centre is the tracked point, its axes the body frame.
+    pub robot_from_track: Isometry3<f64>,
+    /// Edge length of the tracked module, metres: the "body length" of the `pose` metric.
+    pub body_length_m: f64,
+}

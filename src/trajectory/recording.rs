@@ -1,0 +1,48 @@
+//! A run with its name and metadata: what was recorded, from what, by whom.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::Trajectory;
+use crate::warning::Warning;
+
+/// Where the motion in a recording comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Source {
+    /// Measured on a real robot.
+    Real,
+    /// Made by a simulator (another engine, or hidden parameters) in place of a real run.
+    StandIn,
+}
+
+/// Metadata of a set of recordings, from `meta.ron` beside the files.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Meta {
+    /// Name of the robot (a morphology), e.g. `tripod`.
+    pub robot: String,
+    /// Real or stand-in.
+    pub source: Source,
+    /// How, where and by whom it was recorded; the command for a stand-in.
+    pub description: String,
+    /// Frame of the poses, e.g. "world, z up; pose of the core's centre".
+    pub frame: String,
+    /// Licence of the data.
+    pub licence: String,
+}
+
+/// One recorded run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// File stem (or `stem/group` for one group of a long-format file).
+    pub name: String,
+    /// The file it was read from.
+    pub path: PathBuf,
+    /// The motion.
+    pub trajectory: Trajectory,
+    /// Metadata, where a `meta.ron` lies beside the file.
+    pub meta: Option<Meta>,
+    /// What the reader should know (columns ignored, quaternions renormalised).
+    pub warnings: Vec<Warning>,
+}
