@@ -1,1 +1,20 @@
-//! simulation
+//! Experiments and their simulation with Rapier.
+//!
+//! An [`Experiment`] is plain data: robot, floor, start, duration, solver settings. [`run`] turns
+//! it into a [`Run`] and never changes it. Same experiment → same bits, on any thread.
+//! `world` is the only file of the crate that names `rapier3d`.
+
+mod experiment;
+mod kinematics;
+mod noise;
+mod run;
+mod servo;
+mod world;
+
+pub use experiment::{
+    Adjustment, Contact, Experiment, Floor, FrictionModel, JointKind, Perturbation, Sampling, Solver,
+    Start,
+};
+pub use noise::Noise;
+pub use run::{Run, Status, run};
+pub use world::ENGINE_VERSION;

@@ -1,0 +1,281 @@
+//! Everything that decides what a simulation does, as plain validated data.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use crate::error::{Error, Result};
+use crate::morphology::Assembly;
+use crate::quantity::GRAVITY_M_S2;
+use crate::trajectory::State;
+
+/// The ground: a half-space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Floor {
+    /// Coulomb friction coefficient of the pair robot–floor, dimensionless.
+    pub friction: f64,
+    /// Restitution coefficient of the pair robot–floor, dimensionless, 0 to 1.
+    pub restitution: f64,
+    /// Height of the floor at the world origin, metres.
+    pub height_m: f64,
+    /// Slope about the world y axis, radians; positive: downhill towards +x.
+    pub slope_rad: f64,
+}
+
+impl Default for Floor {
+    fn default() -> Self {
+        Self { friction: 0.5, restitution: 0.1, height_m: 0.0, slope_rad: 0.0 }
+    }
+}
+
+impl Floor {
+    /// The floor's upward unit normal in the world frame.
+    pub fn normal_world(&self) -> Vector3<f64> {
+        Vector3::new(self.slope_rad.sin(), 0.0, self.slope_rad.cos())
+    }
+}
+
+/// State of the robot at time 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Start {
+    /// Placed on the floor at the origin with the servos at their first command, and left to come to rest.
+    Settled,
+    /// The full state of the tracked module; servos at their first command, the whole robot moving as one rigid body.
+    State(State),
+}
+
+/// How parts are jointed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JointKind {
+    /// Reduced coordinates: hinges cannot separate.
+    Multibody,
+    /// Maximal coordinates: hinges are constraints solved with the contacts; cheaper.
+    Impulse,
+}
+
+/// Rapier's friction models.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FrictionModel {
+    /// One friction pyramid and twist per manifold.
+    Simplified,
+    /// A friction cone at every contact point.
+    Coulomb,
+}
+
+/// Contact model of the solver.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Distance at which contacts are predicted, metres.
+    pub prediction_m: f64,
+    /// Natural frequency of the contact softness, Hz.
+    pub natural_frequency_hz: f64,
+    /// Damping ratio of the contact softness, dimensionless.
+    pub damping_ratio: f64,
+    /// Friction model.
+    pub friction_model: FrictionModel,
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Self {
+            prediction_m: 0.002,
+            natural_frequency_hz: 30.0,
+            damping_ratio: 10.0,
+            friction_model: FrictionModel::Coulomb,
+        }
+    }
+}
+
+/// Numerical settings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solver {
+    /// Time per step, seconds.
+    pub timestep_s: f64,
+    /// Solver substeps per step.
+    pub substeps: usize,
+    /// How parts are jointed.
+    pub joint: JointKind,
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self { timestep_s: 1.0 / 240.0, substeps: 8, joint: JointKind::Multibody }
+    }
+}
+
+/// What a study may change about the robot, relative to its morphology.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Adjustment {
+    /// Factor on every mass (inertia follows).
+    pub mass_scale: f64,
+    /// Further factor on every inertia.
+    pub inertia_scale: f64,
+    /// Shift of every cube's centre of mass in the module's own frame, metres.
+    pub centre_of_mass_offset_m: Vector3<f64>,
+    /// Torque limit of every servo in place of the morphology's, N m.
+    pub max_torque_nm: Option<f64>,
+    /// Speed limit of every servo in place of the morphology's, rad/s.
+    pub max_speed_rad_s: Option<f64>,
+    /// Factor on every gait frequency.
+    pub frequency_scale: f64,
+    /// Factor on every gait amplitude.
+    pub amplitude_scale: f64,
+}
+
+impl Default for Adjustment {
+    fn default() -> Self {
+        Self {
+            mass_scale: 1.0,
+            inertia_scale: 1.0,
+            centre_of_mass_offset_m: Vector3::zeros(),
+            max_torque_nm: None,
+            max_speed_rad_s: None,
+            frequency_scale: 1.0,
+            amplitude_scale: 1.0,
+        }
+    }
+}
+
+/// How this one execution differs from the intended one: the draw of one repeat.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Perturbation {
+    /// Shift of the start, world frame, metres. A settled start keeps only what the fall leaves of it.
+    pub shift_world_m: Vector3<f64>,
+    /// Rotation of the start about the tracked point, world frame, rotation vector, radians.
+    pub turn_world_rad: Vector3<f64>,
+    /// Error of every servo's zero, radians, by hinge; empty for none.
+    pub servo_zero_rad: Vec<f64>,
+}
+
+/// When the state is written down.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Sampling {
+    /// At this rate, Hz, from time 0, and at the end.
+    Rate(f64),
+    /// At these times, seconds from the start, increasing.
+    Times(Arc<[f64]>),
+}
+
+/// One execution to be simulated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Experiment {
+    /// The robot.
+    pub assembly: Arc<Assembly>,
+    /// The ground.
+    pub floor: Floor,
+    /// Magnitude of gravity along −z of the world, m/s².
+    pub gravity_m_s2: f64,
+    /// State at time 0.
+    pub start: Start,
+    /// Length of the run, seconds.
+    pub duration_s: f64,
+    /// When the state is written down.
+    pub sampling: Sampling,
+    /// Numerical settings.
+    pub solver: Solver,
+    /// Contact model.
+    pub contact: Contact,
+    /// Changes to the robot.
+    pub adjustment: Adjustment,
+    /// How this execution differs from the intended one.
+    pub perturbation: Perturbation,
+}
+
+impl Experiment {
+    /// An experiment with all defaults: settled start, 10 s, 60 samples a second.
+    pub fn new(assembly: Assembly) -> Self {
+        Self {
+            assembly: Arc::new(assembly),
+            floor: Floor::default(),
+            gravity_m_s2: GRAVITY_M_S2,
+            start: Start::Settled,
+            duration_s: 10.0,
+            sampling: Sampling::Rate(60.0),
+            solver: Solver::default(),
+            contact: Contact::default(),
+            adjustment: Adjustment::default(),
+            perturbation: Perturbation::default(),
+        }
+    }
+
+    /// The robot with the adjustments applied.
+    pub fn adjusted_assembly(&self) -> Assembly {
+        let a = &self.adjustment;
+        let mut robot = Assembly::clone(&self.assembly);
+        for solid in robot.parts.iter_mut().flat_map(|part| &mut part.solids) {
+            solid.mass_kg *= a.mass_scale;
+            solid.inertia_kg_m2 *= a.mass_scale * a.inertia_scale;
+            if solid.role == crate::morphology::Role::Cube {
+                solid.centre_of_mass_solid_m += a.centre_of_mass_offset_m;
+            }
+        }
+        for hinge in &mut robot.hinges {
+            hinge.servo.max_torque_nm = a.max_torque_nm.unwrap_or(hinge.servo.max_torque_nm);
+            hinge.servo.max_speed_rad_s = a.max_speed_rad_s.unwrap_or(hinge.servo.max_speed_rad_s);
+            hinge.gait.frequency_hz *= a.frequency_scale;
+            hinge.gait.amplitude_rad *= a.amplitude_scale;
+        }
+        for (hinge, zero_rad) in robot.hinges.iter_mut().zip(&self.perturbation.servo_zero_rad) {
+            hinge.gait.offset_rad += zero_rad;
+        }
+        robot
+    }
+
+    /// Checks the ranges that no single field can check for itself.
+    ///
+    /// # Errors
+    /// A duration, timestep or sampling that cannot be simulated.
+    pub fn check(&self) -> Result<()> {
+        let range = |field: &str, value: f64, allowed: std::ops::RangeInclusive<f64>, unit: &str| {
+            if allowed.contains(&value) {
+                return Ok(());
+            }
+            Err(Error::invalid("out of range")
+                .field(field)
+                .found(format!("{value} {unit}").trim_end())
+                .allowed(format!("{} to {} {unit}", allowed.start(), allowed.end()).trim_end()))
+        };
+        range("duration_s", self.duration_s, 1e-3..=3600.0, "s")?;
+        range("timestep_s", self.solver.timestep_s, 1e-6..=0.1, "s")?;
+        range("solver.substeps", self.solver.substeps as f64, 1.0..=256.0, "")?;
+        if self.duration_s / self.solver.timestep_s > 1e8 {
+            return Err(Error::invalid("too many steps for one run")
+                .found(format!("{:.0} steps", self.duration_s / self.solver.timestep_s))
+                .allowed("at most 100 000 000")
+                .hint("shorten the duration or lengthen the timestep"));
+        }
+        match &self.sampling {
+            Sampling::Rate(hz) => {
+                range("rate", *hz, 1e-3..=1e5, "Hz")?;
+                if self.duration_s * hz > 1e7 {
+                    return Err(Error::invalid("too many samples for one run")
+                        .found(format!("{:.0} samples", self.duration_s * hz))
+                        .allowed("at most 10 000 000"));
+                }
+            }
+            Sampling::Times(times_s) => {
+                let increasing = times_s.windows(2).all(|w| w[0] < w[1]);
+                if times_s.len() < 2 || !increasing || !times_s.iter().all(|t| t.is_finite()) {
+                    return Err(Error::invalid("sample times must be at least two, finite and increasing"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Sample times, seconds from the start, at least two.
+    pub(super) fn sample_times_s(&self) -> Vec<f64> {
+        match &self.sampling {
+            Sampling::Times(times_s) => times_s.to_vec(),
+            Sampling::Rate(hz) => {
+                let last = (self.duration_s * hz + 1e-9).floor() as usize;
+                let mut times_s: Vec<f64> = (0..=last).map(|k| k as f64 / hz).collect();
+                let end = times_s[last];
+                if self.duration_s - end > 1e-9 {
+                    times_s.push(self.duration_s);
+                }
+                times_s
+            }
+        }
+    }
+}

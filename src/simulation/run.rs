@@ -1,0 +1,332 @@
+//! One run: settle, step, sample, and stop when the state becomes absurd.
+
+use std::time::Duration;
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use serde::Serialize;
+
+use super::experiment::{Experiment, Start};
+use super::kinematics::{lowest_m, part_from_track, robot_from_parts};
+use super::servo::command;
+use super::world::{Motion, World};
+use crate::error::Result;
+use crate::morphology::Assembly;
+use crate::trajectory::{State, Trajectory};
+use crate::warning::Warning;
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "status", rename_all = "snake_case")]
+pub enum Status {
+    /// The whole duration was simulated.
+    Completed,
+    /// The state became non-finite or absurd; the run has no trajectory and cannot win anything.
+    Diverged {
+        /// When, seconds from the start (negative: while settling).
+        at_s: f64,
+        /// What was seen.
+        why: String,
+    },
+}
+
+/// Result of one simulation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// How it ended.
+    pub status: Status,
+    /// The tracked module's motion; `None` when diverged.
+    pub trajectory: Option<Trajectory>,
+    /// Steps taken after settling.
+    pub steps: u64,
+    /// Steps taken to settle.
+    pub settle_steps: u64,
+    /// CPU time of this thread, settling included.
+    pub cpu: Duration,
+    /// Root mean square of command minus angle over all servos and steps, radians; 0 without servos.
+    pub servo_rms_rad: f64,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Farthest distance from the start that a small robot can sensibly reach, metres.
+const FARTHEST_M: f64 = 1e3;
+/// Largest speed, m/s.
+const FASTEST_M_S: f64 = 1e3;
+/// Largest rate of turn, rad/s.
+const FASTEST_RAD_S: f64 = 1e5;
+/// Longest settling, seconds.
+const SETTLE_LIMIT_S: f64 = 3.0;
+/// Below these speeds for `SETTLE_HOLD_S` the robot is at rest.
+const REST_M_S: f64 = 1e-3;
+const REST_RAD_S: f64 = 1e-2;
+const SETTLE_HOLD_S: f64 = 0.1;
+
+/// Simulates the experiment.
+///
+/// # Errors
+/// Settings that cannot be simulated (see [`Experiment::check`]). A simulation that diverges is not an
+/// error but a [`Status`].
+pub fn run(experiment: &Experiment) -> Result<Run> {
+    experiment.check()?;
+    let started = thread_cpu_time();
+    let assembly = experiment.adjusted_assembly();
+    let mut walk = Walk::new(experiment, &assembly);
+    let mut run = walk.run(experiment)?;
+    run.cpu = thread_cpu_time().saturating_sub(started);
+    Ok(run)
+}
+
+/// CPU time of the calling thread; wall time where the platform has no such clock.
+#[cfg(unix)]
+fn thread_cpu_time() -> Duration {
+    let now = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::new(now.tv_sec.unsigned_abs(), u32::try_from(now.tv_nsec).unwrap_or(0))
+}
+
+/// CPU time of the calling thread; wall time where the platform has no such clock.
+#[cfg(not(unix))]
+fn thread_cpu_time() -> Duration {
+    static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
+    START.get_or_init(std::time::Instant::now).elapsed()
+}
+
+/// A world in motion, with the servos' memory.
+struct Walk<'a> {
+    assembly: &'a Assembly,
+    world: World,
+    part_from_track: Isometry3<f64>,
+    angles_rad: Vec<f64>,
+    squared_error_rad2: f64,
+}
+
+impl<'a> Walk<'a> {
+    fn new(experiment: &Experiment, assembly: &'a Assembly) -> Self {
+        let angles_rad: Vec<f64> = assembly.hinges.iter().map(|h| h.gait.angle_rad(0.0)).collect();
+        let robot_from_parts = robot_from_parts(assembly, &angles_rad);
+        let part_from_track = part_from_track(assembly);
+        let perturbation = &experiment.perturbation;
+        let turn = UnitQuaternion::from_scaled_axis(perturbation.turn_world_rad);
+        let (world_from_robot, motion) = match experiment.start {
+            Start::Settled => {
+                let turned: Vec<_> = robot_from_parts.iter().map(|pose| turn * pose).collect();
+                let normal = experiment.floor.normal_world();
+                // The floor passes through (0, 0, height); lift the robot along z until it just touches.
+                let above_m = lowest_m(assembly, &turned, &normal) / normal.z;
+                let mut shift_m = perturbation.shift_world_m;
+                // Never start inside the floor.
+                shift_m.z = shift_m.z.max(0.0) + experiment.floor.height_m - above_m;
+                (Isometry3::from_parts(shift_m.into(), turn), Motion::REST)
+            }
+            Start::State(state) => {
+                let world_from_track = Isometry3::from_parts(
+                    (state.position_world_m + perturbation.shift_world_m).into(),
+                    turn * state.orientation_world_from_body,
+                );
+                let robot_from_track = robot_from_parts[assembly.track_part] * part_from_track;
+                let motion = Motion {
+                    about_world_m: world_from_track.translation.vector,
+                    linear_world_m_s: state.velocity_world_m_s,
+                    angular_world_rad_s: world_from_track.rotation * state.angular_velocity_body_rad_s,
+                };
+                (world_from_track * robot_from_track.inverse(), motion)
+            }
+        };
+        let poses: Vec<_> = robot_from_parts.iter().map(|pose| world_from_robot * pose).collect();
+        let world = World::new(experiment, assembly, &poses, &angles_rad, &motion);
+        Self { assembly, world, part_from_track, angles_rad, squared_error_rad2: 0.0 }
+    }
+
+    /// Drives every servo towards its command at `t_s` and takes one step.
+    fn step(&mut self, t_s: f64) {
+        for (index, hinge) in self.assembly.hinges.iter().enumerate() {
+            let angle_rad = self.world.hinge_angle_rad(index, self.angles_rad[index]);
+            self.angles_rad[index] = angle_rad;
+            let target_rad = hinge.gait.angle_rad(t_s);
+            self.squared_error_rad2 += (target_rad - angle_rad).powi(2);
+            self.world.drive(index, command(&hinge.servo, target_rad, angle_rad));
+        }
+        self.world.step();
+    }
+
+    fn track(&self) -> State {
+        let (pose, velocity_world_m_s, angular_world_rad_s) = self.world.part(self.assembly.track_part);
+        let world_from_track = pose * self.part_from_track;
+        let offset_world_m = pose.rotation * self.part_from_track.translation.vector;
+        State {
+            position_world_m: world_from_track.translation.vector,
+            orientation_world_from_body: world_from_track.rotation,
+            velocity_world_m_s: velocity_world_m_s + angular_world_rad_s.cross(&offset_world_m),
+            angular_velocity_body_rad_s: world_from_track.rotation.inverse() * angular_world_rad_s,
+        }
+    }
+
+    /// Why the present state cannot be taken seriously, if so.
+    fn absurd(&self, origin_world_m: &Vector3<f64>) -> Option<String> {
+        for part in 0..self.assembly.parts.len() {
+            let (pose, linear, angular) = self.world.part(part);
+            let distance_m = (pose.translation.vector - origin_world_m).norm();
+            // Written so that NaN fails the comparison.
+            if !(distance_m <= FARTHEST_M) {
+                return Some(format!("part {part} is {distance_m:.3e} m from the start"));
+            }
+            if !(linear.norm() <= FASTEST_M_S) {
+                return Some(format!("part {part} moves at {:.3e} m/s", linear.norm()));
+            }
+            if !(angular.norm() <= FASTEST_RAD_S) {
+                return Some(format!("part {part} turns at {:.3e} rad/s", angular.norm()));
+            }
+            if !pose.rotation.coords.iter().all(|v| v.is_finite()) {
+                return Some(format!("part {part} has no orientation any more"));
+            }
+        }
+        None
+    }
+
+    fn at_rest(&self) -> bool {
+        (0..self.assembly.parts.len()).all(|part| {
+            let (_, linear, angular) = self.world.part(part);
+            linear.norm() < REST_M_S && angular.norm() < REST_RAD_S
+        })
+    }
+
+    /// Holds the servos at their first command until nothing moves.
+    fn settle(&mut self, timestep_s: f64, origin_world_m: &Vector3<f64>) -> (u64, std::result::Result<Option<Warning>, String>) {
+        let limit = (SETTLE_LIMIT_S / timestep_s).ceil() as u64;
+        let hold = (SETTLE_HOLD_S / timestep_s).ceil() as u64;
+        let mut still = 0;
+        for taken in 1..=limit {
+            self.step(0.0);
+            if let Some(why) = self.absurd(origin_world_m) {
+                return (taken, Err(why));
+            }
+            still = if self.at_rest() { still + 1 } else { 0 };
+            if still >= hold {
+                return (taken, Ok(None));
+            }
+        }
+        let warning = Warning::new(
+            "not-settled",
+            format!("the robot was still moving after {SETTLE_LIMIT_S} s of settling; the run starts from there"),
+        );
+        (limit, Ok(Some(warning)))
+    }
+
+    fn run(&mut self, experiment: &Experiment) -> Result<Run> {
+        let timestep_s = experiment.solver.timestep_s;
+        let mut run = Run {
+            status: Status::Completed,
+            trajectory: None,
+            steps: 0,
+            settle_steps: 0,
+            cpu: Duration::ZERO,
+            servo_rms_rad: 0.0,
+            warnings: Vec::new(),
+        };
+        let origin_world_m = self.track().position_world_m;
+        if experiment.start == Start::Settled {
+            let (taken, outcome) = self.settle(timestep_s, &origin_world_m);
+            run.settle_steps = taken;
+            match outcome {
+                Ok(warning) => run.warnings.extend(warning),
+                Err(why) => {
+                    let at_s = (taken as f64 * timestep_s) - SETTLE_LIMIT_S;
+                    run.status = Status::Diverged { at_s: at_s.min(0.0), why };
+                    return Ok(run);
+                }
+            }
+            self.squared_error_rad2 = 0.0;
+        }
+
+        let times_s = experiment.sample_times_s();
+        let mut path = Path::with_capacity(times_s.len());
+        let mut before = self.track();
+        let mut next = 0;
+        while next < times_s.len() && times_s[next] <= 0.0 {
+            path.push(times_s[next], &before);
+            next += 1;
+        }
+        let end_s = experiment.duration_s.max(times_s[times_s.len() - 1]);
+        let steps = (end_s / timestep_s - 1e-9).ceil() as u64;
+        for step in 1..=steps {
+            let (from_s, to_s) = ((step - 1) as f64 * timestep_s, step as f64 * timestep_s);
+            self.step(from_s);
+            run.steps = step;
+            if let Some(why) = self.absurd(&origin_world_m) {
+                run.status = Status::Diverged { at_s: to_s, why };
+                return Ok(run);
+            }
+            if next < times_s.len() && times_s[next] <= to_s + 1e-9 * timestep_s.max(1e-3) {
+                let after = self.track();
+                while next < times_s.len() && times_s[next] <= to_s + 1e-9 * timestep_s.max(1e-3) {
+                    let share = ((times_s[next] - from_s) / timestep_s).clamp(0.0, 1.0);
+                    path.push(times_s[next], &between(&before, &after, share));
+                    next += 1;
+                }
+                before = after;
+            } else {
+                before = self.track();
+            }
+        }
+        let commands = run.steps * self.assembly.hinges.len() as u64;
+        if commands > 0 {
+            run.servo_rms_rad = (self.squared_error_rad2 / commands as f64).sqrt();
+        }
+        run.trajectory = Some(path.finish()?);
+        Ok(run)
+    }
+}
+
+/// The state a share of the way from one step to the next; exactly the end states at 0 and 1.
+fn between(before: &State, after: &State, share: f64) -> State {
+    if share <= 0.0 {
+        return *before;
+    }
+    if share >= 1.0 {
+        return *after;
+    }
+    let orientation = |a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>| a.try_slerp(b, share, 1e-12).unwrap_or(*b);
+    State {
+        position_world_m: before.position_world_m.lerp(&after.position_world_m, share),
+        orientation_world_from_body: orientation(
+            &before.orientation_world_from_body,
+            &after.orientation_world_from_body,
+        ),
+        velocity_world_m_s: before.velocity_world_m_s.lerp(&after.velocity_world_m_s, share),
+        angular_velocity_body_rad_s: before.angular_velocity_body_rad_s.lerp(&after.angular_velocity_body_rad_s, share),
+    }
+}
+
+/// Samples on their way to becoming a trajectory.
+struct Path {
+    times_s: Vec<f64>,
+    positions: Vec<Vector3<f64>>,
+    orientations: Vec<UnitQuaternion<f64>>,
+    linear: Vec<Vector3<f64>>,
+    angular: Vec<Vector3<f64>>,
+}
+
+impl Path {
+    fn with_capacity(samples: usize) -> Self {
+        Self {
+            times_s: Vec::with_capacity(samples),
+            positions: Vec::with_capacity(samples),
+            orientations: Vec::with_capacity(samples),
+            linear: Vec::with_capacity(samples),
+            angular: Vec::with_capacity(samples),
+        }
+    }
+
+    fn push(&mut self, t_s: f64, state: &State) {
+        self.times_s.push(t_s);
+        self.positions.push(state.position_world_m);
+        self.orientations.push(state.orientation_world_from_body);
+        self.linear.push(state.velocity_world_m_s);
+        self.angular.push(state.angular_velocity_body_rad_s);
+    }
+
+    fn finish(self) -> Result<Trajectory> {
+        Trajectory::new(self.times_s, self.positions)?
+            .with_orientations(self.orientations)?
+            .with_velocities(self.linear, self.angular)
+    }
+}

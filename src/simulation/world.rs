@@ -1,0 +1,339 @@
+//! The only file that names `rapier3d`: a robot on a floor, one step at a time.
+
+use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
+use rapier3d::prelude::{
+    BroadPhaseBvh, CCDSolver, CoefficientCombineRule, ColliderBuilder, ColliderSet, FrictionModel as EngineFriction,
+    GenericJointBuilder, ImpulseJointHandle, ImpulseJointSet, IntegrationParameters, IslandManager, JointAxesMask,
+    JointAxis, MassProperties, MotorModel, MultibodyJointHandle, MultibodyJointSet, NarrowPhase, PhysicsPipeline,
+    RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SharedShape, SoftBodySet,
+};
+use rapier3d::math::{Matrix, Pose, Rotation, Vector};
+
+use super::experiment::{Experiment, FrictionModel, JointKind};
+use super::kinematics::robot_from_part_at_zero;
+use super::servo::Command;
+use crate::morphology::{Assembly, Part};
+
+/// Version of the engine that decides the results bit for bit.
+pub const ENGINE_VERSION: &str = "rapier3d-f64 0.36.1";
+
+/// Factor of the velocity motor: large, so that the torque limit alone decides how fast the command is reached.
+const VELOCITY_MOTOR_FACTOR: f64 = 1e5;
+
+/// Rigid motion of the whole robot at the start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Motion {
+    /// Point at which the linear velocity holds, world frame, metres.
+    pub about_world_m: Vector3<f64>,
+    /// Linear velocity of that point, world frame, m/s.
+    pub linear_world_m_s: Vector3<f64>,
+    /// Angular velocity, world frame, rad/s.
+    pub angular_world_rad_s: Vector3<f64>,
+}
+
+impl Motion {
+    /// No motion.
+    pub const REST: Self = Self {
+        about_world_m: Vector3::new(0.0, 0.0, 0.0),
+        linear_world_m_s: Vector3::new(0.0, 0.0, 0.0),
+        angular_world_rad_s: Vector3::new(0.0, 0.0, 0.0),
+    };
+}
+
+/// A hinge in the engine's hands.
+#[derive(Debug, Clone, Copy)]
+enum Joint {
+    Multibody(MultibodyJointHandle),
+    Impulse(ImpulseJointHandle),
+}
+
+/// Where a hinge's motor finds its parts.
+#[derive(Debug, Clone)]
+struct Axle {
+    joint: Joint,
+    parent: RigidBodyHandle,
+    child: RigidBodyHandle,
+    /// Axis in the parent's frame, which equals the child's at zero angle.
+    axis_part: Vector3<f64>,
+    /// Joint coordinate 0 is the angle the robot started with.
+    start_rad: f64,
+}
+
+/// A robot on a floor.
+pub(super) struct World {
+    gravity: Vector,
+    parameters: IntegrationParameters,
+    pipeline: PhysicsPipeline,
+    islands: IslandManager,
+    broad_phase: BroadPhaseBvh,
+    narrow_phase: NarrowPhase,
+    bodies: RigidBodySet,
+    colliders: ColliderSet,
+    impulse_joints: ImpulseJointSet,
+    multibody_joints: MultibodyJointSet,
+    soft_bodies: SoftBodySet,
+    ccd: CCDSolver,
+    parts: Vec<RigidBodyHandle>,
+    axles: Vec<Axle>,
+}
+
+impl World {
+    /// Builds the world: parts at `world_from_parts`, hinges at `angles_rad`, all moving as one.
+    pub fn new(
+        experiment: &Experiment,
+        assembly: &Assembly,
+        world_from_parts: &[Isometry3<f64>],
+        angles_rad: &[f64],
+        motion: &Motion,
+    ) -> Self {
+        let mut world = Self {
+            gravity: Vector::new(0.0, 0.0, -experiment.gravity_m_s2),
+            parameters: parameters(experiment),
+            pipeline: PhysicsPipeline::new(),
+            islands: IslandManager::new(),
+            broad_phase: BroadPhaseBvh::new(),
+            narrow_phase: NarrowPhase::new(),
+            bodies: RigidBodySet::new(),
+            colliders: ColliderSet::new(),
+            impulse_joints: ImpulseJointSet::new(),
+            multibody_joints: MultibodyJointSet::new(),
+            soft_bodies: SoftBodySet::new(),
+            ccd: CCDSolver::new(),
+            parts: Vec::with_capacity(assembly.parts.len()),
+            axles: Vec::with_capacity(assembly.hinges.len()),
+        };
+        world.lay_floor(experiment);
+        for (index, part) in assembly.parts.iter().enumerate() {
+            let part_from_robot = robot_from_part_at_zero(assembly, index).inverse();
+            world.place_part(experiment, part, &part_from_robot, &world_from_parts[index], motion);
+        }
+        for (hinge, &start_rad) in assembly.hinges.iter().zip(angles_rad) {
+            let parent_from_robot = robot_from_part_at_zero(assembly, hinge.parent_part).inverse();
+            let anchor_parent_m = parent_from_robot * nalgebra::Point3::from(hinge.anchor_robot_m);
+            let frame = Isometry3::from_parts(
+                anchor_parent_m.coords.into(),
+                UnitQuaternion::rotation_between(&Vector3::x(), &hinge.axis_robot)
+                    .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI)),
+            );
+            let child_from_parent =
+                world_from_parts[hinge.child_part].inverse() * world_from_parts[hinge.parent_part];
+            let data = GenericJointBuilder::new(JointAxesMask::LOCKED_REVOLUTE_AXES)
+                .local_frame1(to_pose(&frame))
+                .local_frame2(to_pose(&(child_from_parent * frame)))
+                .contacts_enabled(false)
+                .build();
+            let (parent, child) = (world.parts[hinge.parent_part], world.parts[hinge.child_part]);
+            let multibody = (experiment.solver.joint == JointKind::Multibody)
+                .then(|| world.multibody_joints.insert(parent, child, data, true))
+                .flatten();
+            // `insert` refuses only loops, and hinges form a tree.
+            let joint = match multibody {
+                Some(handle) => Joint::Multibody(handle),
+                None => Joint::Impulse(world.impulse_joints.insert(parent, child, data, true)),
+            };
+            world.axles.push(Axle { joint, parent, child, axis_part: hinge.axis_robot.into_inner(), start_rad });
+        }
+        world.start_multibody();
+        world
+    }
+
+    fn lay_floor(&mut self, experiment: &Experiment) {
+        let floor = &experiment.floor;
+        let n = floor.normal_world();
+        // Value on the robot, 1 on the floor, rule Multiply: the parameter is the pair's value.
+        let collider = ColliderBuilder::new(SharedShape::halfspace(Vector::new(n.x, n.y, n.z)))
+            .position(Pose::from_translation(Vector::new(0.0, 0.0, floor.height_m)))
+            .friction(1.0)
+            .restitution(1.0)
+            .friction_combine_rule(CoefficientCombineRule::Multiply)
+            .restitution_combine_rule(CoefficientCombineRule::Multiply)
+            .build();
+        self.colliders.insert(collider);
+    }
+
+    fn place_part(
+        &mut self,
+        experiment: &Experiment,
+        part: &Part,
+        part_from_robot: &Isometry3<f64>,
+        world_from_part: &Isometry3<f64>,
+        motion: &Motion,
+    ) {
+        let (mass_kg, centre_part_m, inertia_kg_m2) = mass_properties(part, part_from_robot);
+        let centre_world_m = world_from_part * nalgebra::Point3::from(centre_part_m);
+        let velocity = motion.linear_world_m_s
+            + motion.angular_world_rad_s.cross(&(centre_world_m.coords - motion.about_world_m));
+        let body = RigidBodyBuilder::dynamic()
+            .pose(to_pose(world_from_part))
+            .linvel(to_vector(&velocity))
+            .angvel(to_vector(&motion.angular_world_rad_s))
+            .additional_mass_properties(MassProperties::with_inertia_matrix(
+                to_vector(&centre_part_m),
+                mass_kg,
+                to_matrix(&inertia_kg_m2),
+            ))
+            .can_sleep(false)
+            .build();
+        let handle = self.bodies.insert(body);
+        for solid in part.solids.iter().filter(|solid| solid.collides) {
+            let h = solid.half_extents_m;
+            let collider = ColliderBuilder::cuboid(h.x, h.y, h.z)
+                .position(to_pose(&(part_from_robot * solid.robot_from_solid)))
+                .density(0.0)
+                .friction(experiment.floor.friction)
+                .restitution(experiment.floor.restitution)
+                .friction_combine_rule(CoefficientCombineRule::Multiply)
+                .restitution_combine_rule(CoefficientCombineRule::Multiply)
+                .build();
+            self.colliders.insert_with_parent(collider, handle, &mut self.bodies);
+        }
+        self.parts.push(handle);
+    }
+
+    /// A multibody ignores its bodies' velocities and damps its joints unless told otherwise.
+    fn start_multibody(&mut self) {
+        let Some(&root) = self.parts.first() else { return };
+        let Some(link) = self.multibody_joints.rigid_body_link(root).copied() else { return };
+        let Some(body) = self.bodies.get(root) else { return };
+        let (linear, angular) = (body.linvel(), body.angvel());
+        if let Some(multibody) = self.multibody_joints.get_multibody_mut(link.multibody) {
+            multibody.damping_mut().fill(0.0);
+            let mut velocity = multibody.generalized_velocity_mut();
+            for (row, value) in [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z].into_iter().enumerate() {
+                velocity[row] = value;
+            }
+        }
+    }
+
+    /// Advances by one timestep.
+    pub fn step(&mut self) {
+        self.pipeline.step(
+            self.gravity,
+            &self.parameters,
+            &mut self.islands,
+            &mut self.broad_phase,
+            &mut self.narrow_phase,
+            &mut self.bodies,
+            &mut self.colliders,
+            &mut self.impulse_joints,
+            &mut self.multibody_joints,
+            &mut self.soft_bodies,
+            &mut self.ccd,
+            &(),
+            &(),
+        );
+    }
+
+    /// Pose, linear velocity of the part frame's origin and angular velocity of a part, all in the world frame.
+    pub fn part(&self, part: usize) -> (Isometry3<f64>, Vector3<f64>, Vector3<f64>) {
+        let body = &self.bodies[self.parts[part]];
+        let pose = from_pose(body.position());
+        let angular = from_vector(body.angvel());
+        let centre = from_vector(body.center_of_mass());
+        let linear = from_vector(body.linvel()) + angular.cross(&(pose.translation.vector - centre));
+        (pose, linear, angular)
+    }
+
+    /// Angle of a hinge, radians, continued from `near_rad` so that it does not jump at half turns.
+    pub fn hinge_angle_rad(&self, hinge: usize, near_rad: f64) -> f64 {
+        let axle = &self.axles[hinge];
+        let parent = from_rotation(&self.bodies[axle.parent].position().rotation);
+        let child = from_rotation(&self.bodies[axle.child].position().rotation);
+        let relative = parent.inverse() * child;
+        let along = relative.imag().dot(&axle.axis_part);
+        let angle_rad = 2.0 * along.atan2(relative.w);
+        let turns = ((near_rad - angle_rad) / std::f64::consts::TAU).round();
+        angle_rad + turns * std::f64::consts::TAU
+    }
+
+    /// Asks a hinge's motor to do `command` during the next step.
+    pub fn drive(&mut self, hinge: usize, command: Command) {
+        let axle = &self.axles[hinge];
+        let data = match axle.joint {
+            Joint::Impulse(handle) => self.impulse_joints.get_mut(handle, false).map(|joint| &mut joint.data),
+            Joint::Multibody(handle) => self
+                .multibody_joints
+                .get_mut(handle)
+                .and_then(|(multibody, link)| multibody.link_mut(link))
+                .map(|link| &mut link.joint.data),
+        };
+        let Some(data) = data else { return };
+        match command {
+            Command::Velocity { target_rad_s, max_torque_nm } => {
+                data.set_motor_model(JointAxis::AngX, MotorModel::AccelerationBased);
+                data.set_motor_velocity(JointAxis::AngX, target_rad_s, VELOCITY_MOTOR_FACTOR);
+                data.set_motor_max_force(JointAxis::AngX, max_torque_nm);
+            }
+            Command::Spring { target_rad, stiffness_nm_rad, damping_nm_s_rad, max_torque_nm } => {
+                data.set_motor_model(JointAxis::AngX, MotorModel::ForceBased);
+                let target = target_rad - axle.start_rad;
+                data.set_motor_position(JointAxis::AngX, target, stiffness_nm_rad, damping_nm_s_rad);
+                data.set_motor_max_force(JointAxis::AngX, max_torque_nm);
+            }
+        }
+    }
+}
+
+fn parameters(experiment: &Experiment) -> IntegrationParameters {
+    let contact = &experiment.contact;
+    let mut p = IntegrationParameters {
+        dt: experiment.solver.timestep_s,
+        num_solver_iterations: experiment.solver.substeps,
+        normalized_prediction_distance: contact.prediction_m,
+        friction_model: match contact.friction_model {
+            FrictionModel::Simplified => EngineFriction::Simplified,
+            FrictionModel::Coulomb => EngineFriction::Coulomb,
+        },
+        ..IntegrationParameters::default()
+    };
+    p.contact_softness.natural_frequency = contact.natural_frequency_hz;
+    p.contact_softness.damping_ratio = contact.damping_ratio;
+    p
+}
+
+/// Mass (kg), centre of mass (m) and inertia about it (kg m²) of a rigid cluster, in the part's frame.
+fn mass_properties(part: &Part, part_from_robot: &Isometry3<f64>) -> (f64, Vector3<f64>, Matrix3<f64>) {
+    let centre_of = |solid: &crate::morphology::Solid| {
+        (part_from_robot * solid.robot_from_solid * nalgebra::Point3::from(solid.centre_of_mass_solid_m)).coords
+    };
+    let mass_kg: f64 = part.solids.iter().map(|solid| solid.mass_kg).sum();
+    let centre_m = part.solids.iter().map(|solid| centre_of(solid) * solid.mass_kg).sum::<Vector3<f64>>() / mass_kg;
+    let mut inertia = Matrix3::zeros();
+    for solid in &part.solids {
+        let turn = (part_from_robot * solid.robot_from_solid).rotation.to_rotation_matrix();
+        let d = centre_of(solid) - centre_m;
+        // Parallel axes (Steiner).
+        inertia += turn * solid.inertia_kg_m2 * turn.transpose()
+            + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * solid.mass_kg;
+    }
+    (mass_kg, centre_m, inertia)
+}
+
+fn to_vector(v: &Vector3<f64>) -> Vector {
+    Vector::new(v.x, v.y, v.z)
+}
+
+fn from_vector(v: Vector) -> Vector3<f64> {
+    Vector3::new(v.x, v.y, v.z)
+}
+
+fn to_matrix(m: &Matrix3<f64>) -> Matrix {
+    Matrix::from_cols(
+        to_vector(&m.column(0).into_owned()),
+        to_vector(&m.column(1).into_owned()),
+        to_vector(&m.column(2).into_owned()),
+    )
+}
+
+fn to_pose(pose: &Isometry3<f64>) -> Pose {
+    let q = pose.rotation.quaternion();
+    Pose::from_parts(to_vector(&pose.translation.vector), Rotation::from_xyzw(q.i, q.j, q.k, q.w))
+}
+
+fn from_rotation(rotation: &Rotation) -> UnitQuaternion<f64> {
+    UnitQuaternion::new_unchecked(Quaternion::new(rotation.w, rotation.x, rotation.y, rotation.z))
+}
+
+fn from_pose(pose: &Pose) -> Isometry3<f64> {
+    Isometry3::from_parts(from_vector(pose.translation).into(), from_rotation(&pose.rotation))
+}
