@@ -1,1 +1,134 @@
-//! parameter
+//! Named numbers of an experiment that may be set, swept and tuned.
+//!
+//! One registry, [`PARAMETERS`], holds name, unit, bounds, default, meaning, and how to read and
+//! write the number. Adding a parameter is one entry in the file of its group.
+
+mod assignment;
+mod body;
+mod contact;
+mod floor;
+mod gait;
+mod servo;
+mod solver;
+
+pub use assignment::{Assignment, ParameterSet};
+
+use crate::error::{Error, Result};
+use crate::quantity::Unit;
+use crate::simulation::Experiment;
+
+/// A named number of an experiment.
+#[derive(Debug, Clone, Copy)]
+pub struct Parameter {
+    /// Name, `group.quantity_unit`.
+    pub name: &'static str,
+    /// Unit of the value.
+    pub unit: Unit,
+    /// Smallest and largest allowed value, both allowed.
+    pub bounds: (f64, f64),
+    /// True where only whole numbers make sense.
+    pub whole: bool,
+    /// What it means, one sentence.
+    pub doc: &'static str,
+    /// Reads the value; `None` where the robot's own file decides (a limit that is not overridden).
+    pub get: fn(&Experiment) -> Option<f64>,
+    set: fn(&mut Experiment, f64),
+}
+
+impl PartialEq for Parameter {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+/// Every parameter, by group.
+pub fn all() -> impl Iterator<Item = &'static Parameter> {
+    PARAMETERS.iter().flat_map(|group| group.iter())
+}
+
+/// The registry: one slice per group.
+pub static PARAMETERS: &[&[Parameter]] = &[
+    floor::PARAMETERS,
+    contact::PARAMETERS,
+    solver::PARAMETERS,
+    body::PARAMETERS,
+    servo::PARAMETERS,
+    gait::PARAMETERS,
+];
+
+/// Looks a parameter up by name.
+///
+/// # Errors
+/// An unknown name; the error lists the nearest known ones.
+pub fn by_name(name: &str) -> Result<&'static Parameter> {
+    all().find(|parameter| parameter.name == name).ok_or_else(|| {
+        let group = name.split('.').next().unwrap_or(name);
+        let mut near: Vec<&str> = all().map(|p| p.name).filter(|known| known.starts_with(group)).collect();
+        if near.is_empty() {
+            near = all().map(|p| p.name).collect();
+        }
+        Error::invalid("there is no such parameter")
+            .found(format!("\"{name}\""))
+            .allowed(near.join(", "))
+            .hint("`realgap parameters` lists all of them")
+    })
+}
+
+impl Parameter {
+    /// Checks that `value` is allowed.
+    ///
+    /// # Errors
+    /// A value out of bounds, not finite, or not whole where it must be.
+    pub fn check(&self, value: f64) -> Result<()> {
+        let (low, high) = self.bounds;
+        let in_bounds = value >= low && value <= high;
+        if in_bounds && (!self.whole || value.fract() == 0.0) {
+            return Ok(());
+        }
+        let kind = if self.whole { "whole numbers from " } else { "" };
+        Err(Error::invalid("out of bounds")
+            .field(self.name)
+            .found(value)
+            .allowed(format!("{kind}{low} to {high} {}", self.unit.symbol()).trim_end()))
+    }
+
+    /// A new experiment with this parameter set to `value`.
+    ///
+    /// # Errors
+    /// As [`Parameter::check`].
+    pub fn apply(&self, experiment: &Experiment, value: f64) -> Result<Experiment> {
+        self.check(value)?;
+        let mut changed = experiment.clone();
+        (self.set)(&mut changed, value);
+        Ok(changed)
+    }
+
+    /// Name and unit for an axis or table: `floor.friction` or `floor.height_m (m)`.
+    pub fn label(&self) -> String {
+        match self.unit {
+            Unit::One => self.name.to_owned(),
+            unit => format!("{} ({})", self.name, unit.symbol()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_bounds_are_ordered() {
+        let mut seen = std::collections::BTreeSet::new();
+        for parameter in all() {
+            assert!(seen.insert(parameter.name), "{} stands twice", parameter.name);
+            assert!(parameter.bounds.0 < parameter.bounds.1, "{}", parameter.name);
+            assert!(!parameter.doc.is_empty() && parameter.doc.ends_with('.'), "{}", parameter.name);
+        }
+    }
+
+    #[test]
+    fn an_unknown_name_is_answered_with_its_neighbours() {
+        let error = by_name("floor.frictoin").unwrap_err().to_string();
+        assert!(error.contains("floor.friction, floor.restitution"), "{error}");
+    }
+}

@@ -1,1 +1,14 @@
-//! store
+//! Results on disk: one SQLite file per results folder, safe against kill −9 at any moment.
+//!
+//! Every finished trial is one transaction, so a trial is either completely there or not at all.
+//! The folder is locked while a process writes into it, and a [`Fingerprint`] of everything that
+//! decides the results refuses to mix two studies in one folder.
+
+mod database;
+mod fingerprint;
+mod lock;
+mod trial;
+
+pub use database::{STORE_FILE, Store};
+pub use fingerprint::Fingerprint;
+pub use trial::{Outcome, OutcomeStatus, Trial};

@@ -1,0 +1,111 @@
+//! Values given to parameters: from `--set name=value`, from a file, from a grid.
+
+use std::fmt;
+
+use super::{Parameter, by_name};
+use crate::error::{Error, Result};
+use crate::simulation::Experiment;
+
+/// One parameter with a checked value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Assignment {
+    /// The parameter.
+    pub parameter: &'static Parameter,
+    /// Its value, in the parameter's unit, within its bounds.
+    pub value: f64,
+}
+
+impl Assignment {
+    /// A checked assignment.
+    ///
+    /// # Errors
+    /// An unknown name or a value out of bounds.
+    pub fn new(name: &str, value: f64) -> Result<Self> {
+        let parameter = by_name(name)?;
+        parameter.check(value)?;
+        Ok(Self { parameter, value })
+    }
+}
+
+impl std::str::FromStr for Assignment {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let shape = || Error::usage("not an assignment").found(format!("\"{text}\"")).allowed("name=value, e.g. floor.friction=0.4");
+        let (name, value) = text.split_once('=').ok_or_else(shape)?;
+        let value = value.trim().parse().map_err(|_| shape())?;
+        Self::new(name.trim(), value)
+    }
+}
+
+impl fmt::Display for Assignment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.parameter.name, self.value)
+    }
+}
+
+/// Values for some parameters, in order; a later value for the same parameter replaces the earlier.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ParameterSet(Vec<Assignment>);
+
+impl ParameterSet {
+    /// An empty set: changes nothing.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The set with one more assignment.
+    #[must_use]
+    pub fn with(mut self, assignment: Assignment) -> Self {
+        match self.0.iter_mut().find(|known| known.parameter == assignment.parameter) {
+            Some(known) => known.value = assignment.value,
+            None => self.0.push(assignment),
+        }
+        self
+    }
+
+    /// The set with all of `other`'s assignments after its own.
+    #[must_use]
+    pub fn with_all(self, other: &Self) -> Self {
+        other.0.iter().fold(self, |set, assignment| set.with(*assignment))
+    }
+
+    /// The assignments, in order.
+    pub fn iter(&self) -> impl Iterator<Item = &Assignment> {
+        self.0.iter()
+    }
+
+    /// The value of a parameter, where the set has one.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.0.iter().find(|a| a.parameter.name == name).map(|a| a.value)
+    }
+
+    /// True where nothing is set.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// A new experiment with every assignment applied.
+    pub fn apply(&self, experiment: &Experiment) -> Experiment {
+        let mut changed = experiment.clone();
+        for assignment in &self.0 {
+            (assignment.parameter.set)(&mut changed, assignment.value);
+        }
+        changed
+    }
+}
+
+impl FromIterator<Assignment> for ParameterSet {
+    fn from_iter<T: IntoIterator<Item = Assignment>>(assignments: T) -> Self {
+        assignments.into_iter().fold(Self::new(), Self::with)
+    }
+}
+
+impl fmt::Display for ParameterSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, assignment) in self.0.iter().enumerate() {
+            write!(f, "{}{assignment}", if index == 0 { "" } else { ", " })?;
+        }
+        Ok(())
+    }
+}

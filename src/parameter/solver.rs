@@ -1,0 +1,25 @@
+//! Numerical settings: worth a sweep of their own, because they change results too.
+
+use super::Parameter;
+use crate::quantity::Unit;
+
+pub(super) static PARAMETERS: &[Parameter] = &[
+    Parameter {
+        name: "timestep_s",
+        unit: Unit::Second,
+        bounds: (1e-6, 0.1),
+        whole: false,
+        doc: "Time per simulation step.",
+        get: |e| Some(e.solver.timestep_s),
+        set: |e, value| e.solver.timestep_s = value,
+    },
+    Parameter {
+        name: "solver.substeps",
+        unit: Unit::One,
+        bounds: (1.0, 256.0),
+        whole: true,
+        doc: "Solver substeps per step.",
+        get: |e| Some(e.solver.substeps as f64),
+        set: |e, value| e.solver.substeps = value as usize,
+    },
+];

@@ -1,0 +1,75 @@
+//! Everything that decides the results of a study, as named texts that can be compared.
+
+use crate::error::{Error, Result};
+
+/// Named texts in order: versions, hashes of inputs, ranges, settings.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Fingerprint(Vec<(String, String)>);
+
+impl Fingerprint {
+    /// An empty fingerprint.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The fingerprint with one more entry.
+    #[must_use]
+    pub fn with(mut self, name: impl Into<String>, value: impl ToString) -> Self {
+        self.0.push((name.into(), value.to_string()));
+        self
+    }
+
+    /// The entries, in order.
+    pub fn entries(&self) -> &[(String, String)] {
+        &self.0
+    }
+
+    /// Checks that `self` (what is asked for now) equals `stored`.
+    ///
+    /// # Errors
+    /// The first entry that differs, with both values.
+    pub fn must_equal(&self, stored: &Self) -> Result<()> {
+        let value = |set: &Self, name: &str| set.0.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone());
+        let names = self.0.iter().chain(&stored.0).map(|(name, _)| name);
+        for name in names {
+            let (now, then) = (value(self, name), value(stored, name));
+            if now != then {
+                let text = |v: Option<String>| v.unwrap_or_else(|| "nothing".to_owned());
+                return Err(Error::conflict("the stored results belong to a different study")
+                    .field(name.clone())
+                    .found(format!("now {}, stored {}", text(now), text(then)))
+                    .allowed("the same study, unchanged")
+                    .hint("undo the change, choose another folder with -o, or start anew with --restart"));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl FromIterator<(String, String)> for Fingerprint {
+    fn from_iter<T: IntoIterator<Item = (String, String)>>(entries: T) -> Self {
+        Self(entries.into_iter().collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_difference_is_named_with_both_values() {
+        let stored = Fingerprint::new().with("engine", "1").with("points", 21);
+        let now = Fingerprint::new().with("engine", "1").with("points", 11);
+        assert!(stored.must_equal(&stored).is_ok());
+        let message = now.must_equal(&stored).unwrap_err().to_string();
+        assert!(message.contains("points") && message.contains("now 11, stored 21"), "{message}");
+    }
+
+    #[test]
+    fn an_entry_missing_on_either_side_is_a_difference() {
+        let long = Fingerprint::new().with("engine", "1").with("points", 21);
+        let short = Fingerprint::new().with("engine", "1");
+        assert!(long.must_equal(&short).is_err());
+        assert!(short.must_equal(&long).is_err());
+    }
+}

@@ -1,0 +1,43 @@
+//! What is kept of one evaluated point of a study.
+
+/// How the simulation of one case ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum OutcomeStatus {
+    /// The whole duration was simulated.
+    Completed,
+    /// The state became absurd; the reason.
+    Diverged(String),
+}
+
+/// Result of simulating one case: one start, compared with one or more recordings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// How it ended.
+    pub status: OutcomeStatus,
+    /// Steps taken.
+    pub steps: u64,
+    /// Length of the net displacement in the plane, metres; NaN when diverged.
+    pub net_displacement_m: f64,
+    /// Scores against the case's recordings, in order; empty where the metric needs a basis or the case diverged.
+    pub scores: Vec<f64>,
+    /// The prepared path, metres, where it is needed later; empty otherwise.
+    pub path_xy_m: Vec<[f64; 2]>,
+}
+
+/// One evaluated point: parameter values and one outcome per case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// Index of the point in the study's order.
+    pub index: usize,
+    /// Values of the study's parameters, in the study's order.
+    pub values: Vec<f64>,
+    /// One outcome per case.
+    pub outcomes: Vec<Outcome>,
+}
+
+impl Trial {
+    /// True where every case was simulated to its end.
+    pub fn completed(&self) -> bool {
+        self.outcomes.iter().all(|outcome| outcome.status == OutcomeStatus::Completed)
+    }
+}

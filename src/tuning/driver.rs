@@ -1,0 +1,163 @@
+//! The driver owns parallelism, the store, progress and stopping; it knows nothing of what is evaluated.
+
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+use crate::error::{Error, Result};
+use crate::store::{Store, Trial};
+
+/// How a drive ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// Every point has been evaluated.
+    Complete,
+    /// Stopped early; everything finished so far is stored.
+    Interrupted,
+}
+
+/// A batch of points to be evaluated into a store.
+pub struct Evaluation<'a> {
+    /// Number of points of the study.
+    pub points: usize,
+    /// Number of threads, at least 1.
+    pub jobs: usize,
+    /// Set from outside to stop after the points under way.
+    pub stop: &'a AtomicBool,
+}
+
+/// Evaluates all points that the store does not have yet, in parallel, and stores each as it comes.
+///
+/// Which thread evaluates which point has no influence on any result. `progress` is called on the
+/// calling thread with the number of points finished so far, stored ones included.
+///
+/// # Errors
+/// The first error of `evaluate` or of the store; everything finished before is stored.
+pub fn drive(
+    evaluation: &Evaluation<'_>,
+    store: &mut Store,
+    evaluate: impl Fn(usize) -> Result<Trial> + Sync,
+    mut progress: impl FnMut(usize),
+) -> Result<Ending> {
+    let finished: BTreeSet<usize> = store.finished()?;
+    let todo: Vec<usize> = (0..evaluation.points).filter(|index| !finished.contains(index)).collect();
+    let mut done = evaluation.points - todo.len();
+    progress(done);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(evaluation.jobs.max(1))
+        .build()
+        .map_err(|e| Error::conflict(format!("cannot start {} threads: {e}", evaluation.jobs)).hint("use fewer --jobs"))?;
+    let next = AtomicUsize::new(0);
+    let abort = AtomicBool::new(false);
+    let (sender, receiver) = mpsc::channel::<Result<Trial>>();
+    let mut first_error = None;
+    pool.in_place_scope(|scope| {
+        for _ in 0..evaluation.jobs.max(1) {
+            let (sender, next, abort, todo, evaluate) = (sender.clone(), &next, &abort, &todo, &evaluate);
+            scope.spawn(move |_| {
+                while !abort.load(Ordering::Relaxed) && !evaluation.stop.load(Ordering::Relaxed) {
+                    let Some(&index) = todo.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
+                    if sender.send(evaluate(index)).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        while let Ok(first) = receiver.recv() {
+            // Whatever has piled up meanwhile goes into the same transaction.
+            let mut trials = Vec::new();
+            for result in std::iter::once(first).chain(receiver.try_iter()) {
+                match result {
+                    Ok(trial) => trials.push(trial),
+                    Err(error) => {
+                        abort.store(true, Ordering::Relaxed);
+                        first_error.get_or_insert(error);
+                    }
+                }
+            }
+            if let Err(error) = store.insert(&trials) {
+                abort.store(true, Ordering::Relaxed);
+                first_error.get_or_insert(error);
+                continue;
+            }
+            done += trials.len();
+            progress(done);
+        }
+    });
+    match first_error {
+        Some(error) => Err(error),
+        None if done == evaluation.points => Ok(Ending::Complete),
+        None => Ok(Ending::Interrupted),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::{Fingerprint, Outcome, OutcomeStatus};
+
+    fn trial(index: usize) -> Trial {
+        let outcome = Outcome {
+            status: OutcomeStatus::Completed,
+            steps: 1,
+            net_displacement_m: index as f64,
+            scores: vec![(index as f64).sin()],
+            path_xy_m: vec![],
+        };
+        Trial { index, values: vec![index as f64], outcomes: vec![outcome] }
+    }
+
+    #[test]
+    fn an_interrupted_drive_goes_on_where_it_stopped_and_ends_with_the_same_bits() {
+        let whole = tempfile::tempdir().unwrap();
+        let parts = tempfile::tempdir().unwrap();
+        let fingerprint = Fingerprint::new();
+        let never = AtomicBool::new(false);
+        let mut store = Store::create(whole.path(), &fingerprint).unwrap();
+        let evaluation = Evaluation { points: 40, jobs: 1, stop: &never };
+        assert_eq!(drive(&evaluation, &mut store, |i| Ok(trial(i)), |_| ()).unwrap(), Ending::Complete);
+
+        let stop = AtomicBool::new(false);
+        let mut partial = Store::create(parts.path(), &fingerprint).unwrap();
+        let evaluation = Evaluation { points: 40, jobs: 3, stop: &stop };
+        let ending = drive(
+            &evaluation,
+            &mut partial,
+            |i| {
+                if i == 11 {
+                    stop.store(true, Ordering::Relaxed);
+                }
+                Ok(trial(i))
+            },
+            |_| (),
+        );
+        assert_eq!(ending.unwrap(), Ending::Interrupted);
+        let before = partial.finished().unwrap().len();
+        assert!((1..40).contains(&before), "{before}");
+        let evaluation = Evaluation { points: 40, jobs: 2, stop: &never };
+        let mut first_progress = None;
+        let ending = drive(&evaluation, &mut partial, |i| Ok(trial(i)), |n| {
+            first_progress.get_or_insert(n);
+        });
+        assert_eq!(ending.unwrap(), Ending::Complete);
+        assert_eq!(first_progress, Some(before));
+        assert_eq!(partial.trials().unwrap(), store.trials().unwrap());
+    }
+
+    #[test]
+    fn an_error_stops_the_drive_and_keeps_what_was_finished() {
+        let folder = tempfile::tempdir().unwrap();
+        let never = AtomicBool::new(false);
+        let mut store = Store::create(folder.path(), &Fingerprint::new()).unwrap();
+        let evaluation = Evaluation { points: 10, jobs: 1, stop: &never };
+        let error = drive(
+            &evaluation,
+            &mut store,
+            |i| if i == 4 { Err(Error::invalid("point 4")) } else { Ok(trial(i)) },
+            |_| (),
+        );
+        assert_eq!(error.unwrap_err().message(), "point 4");
+        assert!(store.finished().unwrap().len() >= 4);
+    }
+}

@@ -1,0 +1,147 @@
+//! Which points of a study cannot be told apart from the best one.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Where the uncertainty of the scores comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum UncertaintySource {
+    /// Resampling the recordings (two or more).
+    Bootstrap,
+    /// Repeating the best point with perturbed starts (one recording).
+    Ensemble,
+}
+
+/// The set of points that fit as well as the best within the uncertainty of the scores.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uncertainty {
+    /// Where it comes from.
+    pub source: UncertaintySource,
+    /// Confidence level, e.g. 0.95.
+    pub level: f64,
+    /// Standard deviation of the best point's score, in the metric's unit.
+    pub best_score_sd: f64,
+    /// One flag per point; the best itself is always in.
+    pub indistinguishable: Vec<bool>,
+}
+
+/// Resamples of the bootstrap.
+const RESAMPLES: usize = 2000;
+
+/// Paired bootstrap over recordings (Efron & Tibshirani 1993, chapters 8 and 16).
+///
+/// `scores[point]` holds one score per recording, or `None` where the point has no score. A point
+/// is indistinguishable from `best` when it does at least as well in more than `1 − level` of the
+/// resamples: the one-sided paired test at that level does not reject it.
+pub fn bootstrap_indistinguishable(scores: &[Option<Vec<f64>>], best: usize, level: f64, seed: u64) -> Uncertainty {
+    let best_scores = scores[best].clone().unwrap_or_default();
+    let recordings = best_scores.len();
+    let weights = resample_weights(recordings, seed);
+    let weighted = |values: &[f64], weight: &[f64]| values.iter().zip(weight).map(|(v, w)| v * w).sum::<f64>();
+    let indistinguishable = scores
+        .iter()
+        .enumerate()
+        .map(|(point, point_scores)| {
+            let Some(point_scores) = point_scores else { return false };
+            let difference: Vec<f64> = point_scores.iter().zip(&best_scores).map(|(p, b)| p - b).collect();
+            let as_good = weights.iter().filter(|weight| weighted(&difference, weight) <= 0.0).count();
+            point == best || as_good as f64 > (1.0 - level) * RESAMPLES as f64
+        })
+        .collect();
+    let means: Vec<f64> = weights.iter().map(|weight| weighted(&best_scores, weight)).collect();
+    Uncertainty {
+        source: UncertaintySource::Bootstrap,
+        level,
+        best_score_sd: standard_deviation(&means),
+        indistinguishable,
+    }
+}
+
+/// With one recording: how much the score of the best point varies when its start is perturbed.
+///
+/// `repeats` are scores of the best point under perturbed starts. A point is indistinguishable when
+/// its score exceeds the best's by no more than two such single runs differ by chance
+/// (z·√2·sd, one-sided at `level`).
+pub fn spread_indistinguishable(scores: &[Option<f64>], best: usize, repeats: &[f64], level: f64) -> Uncertainty {
+    let best_score_sd = standard_deviation(repeats);
+    let margin = normal_quantile(level) * std::f64::consts::SQRT_2 * best_score_sd;
+    let limit = scores[best].unwrap_or(f64::NEG_INFINITY) + margin;
+    let indistinguishable = scores
+        .iter()
+        .enumerate()
+        .map(|(point, score)| point == best || score.is_some_and(|score| score <= limit))
+        .collect();
+    Uncertainty { source: UncertaintySource::Ensemble, level, best_score_sd, indistinguishable }
+}
+
+/// Weights of every resample: how often each recording was drawn, divided by their number.
+fn resample_weights(recordings: usize, seed: u64) -> Vec<Vec<f64>> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    (0..RESAMPLES)
+        .map(|_| {
+            let mut weights = vec![0.0; recordings];
+            for _ in 0..recordings {
+                weights[rng.random_range(0..recordings)] += 1.0 / recordings as f64;
+            }
+            weights
+        })
+        .collect()
+}
+
+/// Sample standard deviation; 0 for fewer than two values.
+fn standard_deviation(values: &[f64]) -> f64 {
+    if values.len() < 2 {
+        return 0.0;
+    }
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64).sqrt()
+}
+
+/// Quantile of the standard normal for the usual one-sided levels.
+fn normal_quantile(level: f64) -> f64 {
+    match level {
+        l if l >= 0.99 => 2.326_347_874,
+        l if l >= 0.95 => 1.644_853_627,
+        _ => 1.281_551_566,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_that_is_worse_on_every_recording_is_told_apart() {
+        let scores = vec![Some(vec![1.0, 2.0, 3.0]), Some(vec![1.1, 2.1, 3.1]), None];
+        let set = bootstrap_indistinguishable(&scores, 0, 0.95, 1);
+        assert_eq!(set.indistinguishable, [true, false, false]);
+    }
+
+    #[test]
+    fn a_point_that_wins_half_of_the_time_is_not_told_apart() {
+        let best: Vec<f64> = (0..20).map(|r| f64::from(r % 2)).collect();
+        let other: Vec<f64> = (0..20).map(|r| f64::from((r + 1) % 2) + 0.01).collect();
+        let set = bootstrap_indistinguishable(&[Some(best), Some(other)], 0, 0.95, 1);
+        assert_eq!(set.indistinguishable, [true, true]);
+    }
+
+    /// Standard error of the mean of n values: sd / √n (with the population sd).
+    #[test]
+    fn the_bootstrap_spread_is_the_standard_error() {
+        let best: Vec<f64> = (0..50).map(|r| (f64::from(r) * 1.7).sin()).collect();
+        let mean = best.iter().sum::<f64>() / 50.0;
+        let expected = (best.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 50.0 / 50.0).sqrt();
+        let set = bootstrap_indistinguishable(&[Some(best)], 0, 0.95, 3);
+        assert!((set.best_score_sd / expected - 1.0).abs() < 0.05, "{} {expected}", set.best_score_sd);
+    }
+
+    #[test]
+    fn with_one_recording_the_margin_is_what_two_runs_differ_by_chance() {
+        let repeats = [0.9, 1.0, 1.1];
+        let scores = [Some(1.0), Some(1.2), Some(1.3), None];
+        let set = spread_indistinguishable(&scores, 0, &repeats, 0.95);
+        assert!((set.best_score_sd - 0.1).abs() < 1e-12);
+        assert_eq!(set.indistinguishable, [true, true, false, false]);
+    }
+}
