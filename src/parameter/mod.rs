@@ -14,6 +14,7 @@ mod solver;
 pub use assignment::{Assignment, ParameterSet};
 
 use crate::error::{Error, Result};
+use crate::morphology::Assembly;
 use crate::quantity::Unit;
 use crate::simulation::Experiment;
 
@@ -101,6 +102,19 @@ impl Parameter {
         let mut changed = experiment.clone();
         (self.set)(&mut changed, value);
         Ok(changed)
+    }
+
+    /// The value where nothing is set; `None` where the robot's file decides.
+    pub fn default_value(&self) -> Option<f64> {
+        let nobody = Assembly {
+            module_names: Vec::new(),
+            parts: Vec::new(),
+            hinges: Vec::new(),
+            track_part: 0,
+            robot_from_track: nalgebra::Isometry3::identity(),
+            body_length_m: 1.0,
+        };
+        (self.get)(&Experiment::new(nobody))
     }
 
     /// Name and unit for an axis or table: `floor.friction` or `floor.height_m (m)`.

@@ -1,1 +1,20 @@
-//! study
+//! A study: experiment + recordings + parameters + metric, read from RON and made ready to evaluate.
+//!
+//! [`Study::read`] parses the file, [`Problem::new`] turns it into cases (one simulation each),
+//! [`Problem::evaluate`] simulates one point, [`Scores::new`] compares all points with reality.
+
+mod case;
+mod clip;
+mod file;
+mod problem;
+mod recording;
+mod score;
+mod sweep;
+mod values;
+
+pub use case::{Case, Target};
+pub use file::{Overrides, StartRule, Study};
+pub use problem::Problem;
+pub use score::{PointScore, Scores};
+pub use sweep::{LEVEL, Mode, Sweep, sweep};
+pub use values::{BestFile, read_parameters};

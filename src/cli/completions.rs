@@ -1,0 +1,22 @@
+//! `realgap completions`: shell completions on standard output.
+
+use std::process::ExitCode;
+
+use clap::{Args, CommandFactory};
+use realgap::Result;
+
+/// Print shell completions, e.g. `realgap completions bash > ~/.local/share/bash-completion/completions/realgap`
+#[derive(Debug, Args)]
+pub struct Completions {
+    /// The shell
+    shell: clap_complete::Shell,
+}
+
+impl Completions {
+    pub fn run(self) -> Result<ExitCode> {
+        let mut text = Vec::new();
+        clap_complete::generate(self.shell, &mut super::Cli::command(), "realgap", &mut text);
+        super::terminal::print(String::from_utf8_lossy(&text).trim_end());
+        Ok(ExitCode::SUCCESS)
+    }
+}

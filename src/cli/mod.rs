@@ -1,0 +1,77 @@
+//! The command line: one file per subcommand, each one library call plus printing.
+
+mod check;
+mod compare;
+mod completions;
+mod interrupt;
+mod option;
+mod parameters;
+mod progress;
+mod record;
+mod simulate;
+mod sweep;
+mod terminal;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use realgap::{ErrorKind, Result};
+
+/// How far is your simulated robot from the real one, what closes the gap, and how sure may you be?
+///
+/// Robots are modular cubes described in RON files (morphologies/), studies are RON files too (sweeps/),
+/// real runs are CSV or TUM files (real_trajectories/).
+#[derive(Debug, Parser)]
+#[command(name = "realgap", version, max_term_width = 100, arg_required_else_help = true, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+The usual way through:
+  realgap check morphologies/tripod.ron             what is in this file, and is it sound?
+  realgap simulate morphologies/tripod.ron -o a.csv one run, written as a trajectory
+  realgap compare real.csv a.csv --plot gap.png     how far apart are the two?
+  realgap sweep sweeps/tripod_floor.ron             which friction and restitution fit best?
+
+Exit codes: 0 fine, 1 failed, 2 wrong usage, 130 interrupted (the work so far is saved).";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Check(check::Check),
+    Simulate(simulate::Simulate),
+    Compare(compare::Compare),
+    Sweep(sweep::Sweep),
+    Record(record::Record),
+    Parameters(parameters::Parameters),
+    Completions(completions::Completions),
+}
+
+/// Parses the arguments, runs the command, prints the error if there is one.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match run(cli.command) {
+        Ok(code) => code,
+        Err(error) => {
+            terminal::print_error(&error);
+            ExitCode::from(match error.kind() {
+                ErrorKind::Usage => 2,
+                ErrorKind::Interrupted => 130,
+                _ => 1,
+            })
+        }
+    }
+}
+
+fn run(command: Command) -> Result<ExitCode> {
+    match command {
+        Command::Check(check) => check.run(),
+        Command::Simulate(simulate) => simulate.run(),
+        Command::Compare(compare) => compare.run(),
+        Command::Sweep(sweep) => sweep.run(),
+        Command::Record(record) => record.run(),
+        Command::Parameters(parameters) => parameters.run(),
+        Command::Completions(completions) => completions.run(),
+    }
+}

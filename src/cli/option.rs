@@ -1,0 +1,87 @@
+//! Options that several commands share, as typed values.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use realgap::Result;
+use realgap::parameter::{Assignment, ParameterSet};
+use realgap::quantity::LengthUnit;
+use realgap::simulation::JointKind;
+use realgap::study::read_parameters;
+
+/// How results are printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Format {
+    /// A table for people
+    #[default]
+    Table,
+    /// JSON for machines
+    Json,
+}
+
+/// Unit of length of a file that is not in metres.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum UnitOption {
+    /// Metres
+    #[default]
+    M,
+    /// Centimetres
+    Cm,
+    /// Millimetres
+    Mm,
+}
+
+impl From<UnitOption> for LengthUnit {
+    fn from(unit: UnitOption) -> Self {
+        match unit {
+            UnitOption::M => Self::Metre,
+            UnitOption::Cm => Self::Centimetre,
+            UnitOption::Mm => Self::Millimetre,
+        }
+    }
+}
+
+/// How parts are jointed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Joint {
+    /// Reduced coordinates
+    Multibody,
+    /// Constraints
+    Impulse,
+}
+
+impl From<Joint> for JointKind {
+    fn from(joint: Joint) -> Self {
+        match joint {
+            Joint::Multibody => Self::Multibody,
+            Joint::Impulse => Self::Impulse,
+        }
+    }
+}
+
+/// Values for parameters, from files and from the command line.
+#[derive(Debug, Clone, Args)]
+pub struct Values {
+    /// Set a parameter, e.g. `--set floor.friction=0.4` (repeatable; `realgap parameters` lists them)
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parse_assignment)]
+    set: Vec<Assignment>,
+    /// Take parameters from a file such as the `best.ron` of a sweep (repeatable)
+    #[arg(long = "parameters", value_name = "FILE")]
+    parameters: Vec<PathBuf>,
+}
+
+/// clap prints the message itself, so the error is given as plain text.
+fn parse_assignment(text: &str) -> std::result::Result<Assignment, String> {
+    text.parse().map_err(|error: realgap::Error| error.to_string())
+}
+
+impl Values {
+    /// All values: files first, in order, then `--set`.
+    pub fn parameter_set(&self) -> Result<ParameterSet> {
+        let mut all = ParameterSet::new();
+        for path in &self.parameters {
+            all = all.with_all(&read_parameters(path)?);
+        }
+        Ok(self.set.iter().fold(all, |set, assignment| set.with(*assignment)))
+    }
+}

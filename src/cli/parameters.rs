@@ -1,0 +1,49 @@
+//! `realgap parameters`: the registry.
+
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::Result;
+use realgap::parameter;
+use realgap::report::{Side, TextTable};
+use serde_json::json;
+
+use super::option::Format;
+use super::terminal;
+
+/// List every parameter that can be set, swept or tuned, with unit, bounds, default and meaning
+#[derive(Debug, Args)]
+pub struct Parameters {
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Parameters {
+    pub fn run(self) -> Result<ExitCode> {
+        if self.format == Format::Json {
+            let rows: Vec<_> = parameter::all()
+                .map(|p| {
+                    json!({"name": p.name, "unit": p.unit.label(), "low": p.bounds.0, "high": p.bounds.1,
+                           "default": p.default_value(), "whole": p.whole, "doc": p.doc})
+                })
+                .collect();
+            terminal::print(terminal::json(&rows)?);
+            return Ok(ExitCode::SUCCESS);
+        }
+        let mut table = TextTable::new([
+            ("parameter", Side::Left),
+            ("unit", Side::Left),
+            ("low", Side::Right),
+            ("high", Side::Right),
+            ("default", Side::Right),
+            ("meaning", Side::Left),
+        ]);
+        for p in parameter::all() {
+            let default = p.default_value().map_or("robot".to_owned(), |value| format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_owned());
+            table.push([p.name.to_owned(), p.unit.symbol().to_owned(), p.bounds.0.to_string(), p.bounds.1.to_string(), default, p.doc.to_owned()]);
+        }
+        terminal::print(table.render(terminal::stdout_wants_colour()).trim_end());
+        Ok(ExitCode::SUCCESS)
+    }
+}

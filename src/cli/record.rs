@@ -1,0 +1,116 @@
+//! `realgap record`: stand-in recordings from hidden parameters, with noise.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::morphology::Morphology;
+use realgap::simulation::{self, Experiment, Noise, Sampling, Status};
+use realgap::trajectory::{self, Meta, Source};
+use realgap::{Error, Result};
+
+use super::option::Values;
+use super::terminal;
+
+/// Make stand-in recordings: repeats of a simulation with start, servo and camera noise
+///
+/// They take the place of real runs where there are none, so that a calibration can be tested on known
+/// truth. `meta.ron` beside them says that they are stand-ins and how they were made.
+#[derive(Debug, Args)]
+pub struct Record {
+    /// The robot
+    morphology: PathBuf,
+    /// Folder for the recordings
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Number of recordings
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    repeats: u64,
+    /// Length of each, seconds
+    #[arg(long, value_name = "S", default_value_t = 20.0)]
+    duration: f64,
+    /// Samples per second
+    #[arg(long, value_name = "HZ", default_value_t = 30.0)]
+    rate: f64,
+    #[command(flatten)]
+    values: Values,
+    /// Seed of the noise
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Start position error, standard deviation in metres
+    #[arg(long, value_name = "M", default_value_t = 0.001)]
+    start_position_noise: f64,
+    /// Start tilt and heading error, standard deviation in radians
+    #[arg(long, value_name = "RAD", default_value_t = 0.0175)]
+    start_angle_noise: f64,
+    /// Servo zero error, standard deviation in radians
+    #[arg(long, value_name = "RAD", default_value_t = 0.00436)]
+    servo_zero_noise: f64,
+    /// Camera position error, standard deviation in metres
+    #[arg(long, value_name = "M", default_value_t = 0.001)]
+    camera_noise: f64,
+    /// Camera orientation error, standard deviation in radians
+    #[arg(long, value_name = "RAD", default_value_t = 0.005)]
+    camera_angle_noise: f64,
+}
+
+impl Record {
+    pub fn run(self) -> Result<ExitCode> {
+        let noise = Noise {
+            start_position_m: self.start_position_noise,
+            start_tilt_rad: self.start_angle_noise,
+            start_heading_rad: self.start_angle_noise,
+            servo_zero_rad: self.servo_zero_noise,
+            camera_m: self.camera_noise,
+            camera_rad: self.camera_angle_noise,
+        };
+        noise.check()?;
+        let morphology = Morphology::read(&self.morphology)?;
+        let mut experiment = Experiment::new(morphology.assemble());
+        experiment.duration_s = self.duration;
+        experiment.sampling = Sampling::Rate(self.rate);
+        let values = self.values.parameter_set()?;
+        let experiment = values.apply(&experiment);
+        std::fs::create_dir_all(&self.output).map_err(|e| Error::io("make the folder", &self.output, &e))?;
+        let bar = super::progress::bar(self.repeats as usize, "recording");
+        for repeat in 0..self.repeats {
+            let run = simulation::run(&noise.perturb(&experiment, self.seed, repeat))?;
+            let motion = match (run.trajectory, run.status) {
+                (Some(motion), _) => motion,
+                (None, Status::Diverged { at_s, why }) => {
+                    return Err(Error::invalid(format!("repeat {repeat} diverged after {at_s:.3} s: {why}")));
+                }
+                (None, Status::Completed) => return Err(Error::invalid(format!("repeat {repeat} has no motion"))),
+            };
+            let path = self.output.join(format!("run_{repeat:02}.csv"));
+            trajectory::write(&path, &noise.record(&motion, self.seed, repeat)?)?;
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        let meta = Meta {
+            robot: morphology.name().to_owned(),
+            source: Source::StandIn,
+            description: format!(
+                "STAND-IN: simulated by realgap {} ({}), not recorded from hardware. {} repeats of {} s at {} Hz, seed {}, with {}. \
+                 Noise (standard deviations): start {} m and {} rad, servo zero {} rad, camera {} m and {} rad.",
+                env!("CARGO_PKG_VERSION"),
+                simulation::ENGINE_VERSION,
+                self.repeats,
+                self.duration,
+                self.rate,
+                self.seed,
+                if values.is_empty() { "default parameters".to_owned() } else { values.to_string() },
+                noise.start_position_m,
+                noise.start_tilt_rad,
+                noise.servo_zero_rad,
+                noise.camera_m,
+                noise.camera_rad,
+            ),
+            frame: "world, z up; pose of the tracked module's centre".to_owned(),
+            licence: "MIT OR Apache-2.0".to_owned(),
+        };
+        trajectory::write_meta(&self.output, &meta)?;
+        terminal::print(format!("{} stand-in recordings of {} in {}", self.repeats, morphology.name(), self.output.display()));
+        Ok(ExitCode::SUCCESS)
+    }
+}

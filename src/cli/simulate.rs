@@ -1,0 +1,147 @@
+//! `realgap simulate`: one run of one robot.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::morphology::Morphology;
+use realgap::report::quantity;
+use realgap::simulation::{self, Experiment, JointKind, Run, Sampling, Status};
+use realgap::trajectory;
+use realgap::{Error, Result};
+use realgap::quantity::Unit;
+use serde_json::json;
+
+use super::option::{Format, Joint, Values};
+use super::terminal;
+
+/// Simulate one run of a robot from rest and print what it did
+///
+/// The robot is placed on the floor with its servos at their first command, comes to rest, and then
+/// follows its gait. `-o` writes the tracked module's motion (.csv with velocities, or .tum).
+#[derive(Debug, Args)]
+pub struct Simulate {
+    /// The robot, e.g. morphologies/tripod.ron
+    morphology: PathBuf,
+    /// Length of the run, seconds
+    #[arg(long, value_name = "S", default_value_t = 10.0)]
+    duration: f64,
+    /// Time per step, seconds [default: see `realgap parameters`]
+    #[arg(long, value_name = "S")]
+    timestep: Option<f64>,
+    /// Solver substeps per step [default: see `realgap parameters`]
+    #[arg(long, value_name = "N")]
+    substeps: Option<usize>,
+    /// How parts are jointed
+    #[arg(long, value_enum)]
+    joint: Option<Joint>,
+    #[command(flatten)]
+    values: Values,
+    /// Samples per second of the output
+    #[arg(long, value_name = "HZ", default_value_t = 60.0)]
+    rate: f64,
+    /// Write the motion to this file
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Simulate {
+    pub fn run(self) -> Result<ExitCode> {
+        let morphology = Morphology::read(&self.morphology)?;
+        let mut experiment = Experiment::new(morphology.assemble());
+        experiment.duration_s = self.duration;
+        experiment.sampling = Sampling::Rate(self.rate);
+        let mut experiment = self.values.parameter_set()?.apply(&experiment);
+        if let Some(timestep_s) = self.timestep {
+            experiment.solver.timestep_s = timestep_s;
+        }
+        if let Some(substeps) = self.substeps {
+            experiment.solver.substeps = substeps;
+        }
+        if let Some(joint) = self.joint {
+            experiment.solver.joint = JointKind::from(joint);
+        }
+        if let Some(output) = &self.output {
+            trajectory::format_of(output)?;
+        }
+        let run = simulation::run(&experiment)?;
+        terminal::print_warnings(&run.warnings);
+        if let (Some(output), Some(motion)) = (&self.output, &run.trajectory) {
+            terminal::print_warnings(&trajectory::write(output, motion)?);
+        }
+        self.print(&morphology, &experiment, &run)?;
+        match &run.status {
+            Status::Completed => Ok(ExitCode::SUCCESS),
+            Status::Diverged { at_s, why } => Err(Error::invalid(format!("the simulation diverged {at_s:.3} s after the start: {why}"))
+                .at_file(&self.morphology)
+                .hint("try a shorter --timestep or more --substeps; check masses, sizes and servo limits")),
+        }
+    }
+
+    fn print(&self, morphology: &Morphology, experiment: &Experiment, run: &Run) -> Result<()> {
+        let simulated_s = run.steps as f64 * experiment.solver.timestep_s;
+        let cpu_s = run.cpu.as_secs_f64();
+        let whole_s = (run.steps + run.settle_steps) as f64 * experiment.solver.timestep_s;
+        let times_real = whole_s / cpu_s.max(1e-9);
+        let net_m = run.trajectory.as_ref().map(|t| t.net_displacement_world_m());
+        let path_m = run.trajectory.as_ref().map(|t| t.path_length_xy_m());
+        let turned_rad = run.trajectory.as_ref().and_then(heading_change_rad);
+        if self.format == Format::Json {
+            let report = json!({
+                "morphology": morphology.name(),
+                "status": run.status,
+                "net_displacement_m": net_m.map(|d| d.xy().norm()),
+                "net_displacement_world_m": net_m.map(|d| [d.x, d.y, d.z]),
+                "path_length_m": path_m,
+                "heading_rad": net_m.map(|d| d.y.atan2(d.x)),
+                "turned_rad": turned_rad,
+                "servo_rms_rad": run.servo_rms_rad,
+                "cpu_s": cpu_s,
+                "steps": run.steps,
+                "settle_steps": run.settle_steps,
+                "simulated_s": simulated_s,
+                "times_real_time": times_real,
+                "timestep_s": experiment.solver.timestep_s,
+                "substeps": experiment.solver.substeps,
+                "engine": simulation::ENGINE_VERSION,
+                "version": env!("CARGO_PKG_VERSION"),
+                "warnings": run.warnings,
+                "output": self.output,
+            });
+            terminal::print(terminal::json(&report)?);
+            return Ok(());
+        }
+        let mut lines = vec![format!("{}: {simulated_s:.2} s simulated", morphology.name())];
+        if let (Some(net), Some(path)) = (net_m, path_m) {
+            lines.push(format!("  net displacement  {}", quantity(net.xy().norm(), Unit::Metre)));
+            lines.push(format!("  path length       {}", quantity(path, Unit::Metre)));
+            lines.push(format!("  heading           {:.1} deg (direction of the net displacement)", net.y.atan2(net.x).to_degrees()));
+            if let Some(turned) = turned_rad {
+                lines.push(format!("  turned            {:.1} deg (change of the tracked module's heading)", turned.to_degrees()));
+            }
+            if !experiment.assembly.hinges.is_empty() {
+                lines.push(format!("  servo error       {:.2} deg rms", run.servo_rms_rad.to_degrees()));
+            }
+        }
+        lines.push(format!("  cost              {:.3} s CPU, {} steps + {} to settle, {times_real:.0} x real time", cpu_s, run.steps, run.settle_steps));
+        if let (Some(output), Some(motion)) = (&self.output, &run.trajectory) {
+            lines.push(format!("  written           {} ({} samples)", output.display(), motion.len()));
+        }
+        terminal::print(lines.join("\n"));
+        Ok(())
+    }
+}
+
+/// Accumulated change of the body's heading about the world z axis, radians.
+fn heading_change_rad(motion: &trajectory::Trajectory) -> Option<f64> {
+    let world_from_body = motion.orientations_world_from_body()?;
+    let step = |w: &[nalgebra::UnitQuaternion<f64>]| {
+        let q = w[1] * w[0].inverse();
+        2.0 * q.k.atan2(q.w)
+    };
+    let wrap = |angle: f64| angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round();
+    Some(world_from_body.windows(2).map(|w| wrap(step(w))).sum())
+}

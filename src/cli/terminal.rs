@@ -1,0 +1,47 @@
+//! Printing: colours only on a terminal that wants them, broken pipes are no error.
+
+use std::io::{IsTerminal, Write};
+
+use realgap::{Error, Warning};
+
+/// Whether a stream wants colours: a terminal, and `NO_COLOR` unset or empty.
+fn wants_colour(is_terminal: bool) -> bool {
+    is_terminal && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}
+
+/// Whether standard output wants colours.
+pub fn stdout_wants_colour() -> bool {
+    wants_colour(std::io::stdout().is_terminal())
+}
+
+/// Writes text and a newline to standard output; a reader that has gone away is no error.
+pub fn print(text: impl AsRef<str>) {
+    let _ = writeln!(std::io::stdout(), "{}", text.as_ref());
+}
+
+/// Writes text and a newline to standard error.
+pub fn note(text: impl AsRef<str>) {
+    let _ = writeln!(std::io::stderr(), "{}", text.as_ref());
+}
+
+/// Prints an error to standard error.
+pub fn print_error(error: &Error) {
+    let label = if wants_colour(std::io::stderr().is_terminal()) { "\x1b[1;31merror:\x1b[0m" } else { "error:" };
+    note(format!("{label} {error}"));
+}
+
+/// Prints warnings to standard error, each once.
+pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>) {
+    let label = if wants_colour(std::io::stderr().is_terminal()) { "\x1b[1;33mwarning:\x1b[0m" } else { "warning:" };
+    let mut seen = std::collections::BTreeSet::new();
+    for warning in warnings {
+        if seen.insert(warning) {
+            note(format!("{label} {warning}"));
+        }
+    }
+}
+
+/// Pretty JSON of a value of ours.
+pub fn json(value: &impl serde::Serialize) -> realgap::Result<String> {
+    serde_json::to_string_pretty(value).map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))
+}

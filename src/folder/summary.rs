@@ -1,0 +1,176 @@
+//! `summary.json`: the answer with its uncertainty and where it comes from.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::verdict::{Verdict, verdicts};
+use crate::comparison::pose_errors;
+use crate::error::{Error, Result};
+use crate::file::write_atomic;
+use crate::simulation;
+use crate::study::{Problem, Sweep};
+use crate::tuning::{Ending, UncertaintySource};
+use crate::warning::Warning;
+
+/// The answer of a sweep.
+#[derive(Debug, Clone, Serialize)]
+pub struct Summary {
+    /// Name of the study.
+    pub study: String,
+    /// What it is for.
+    pub description: String,
+    /// True when every point was evaluated.
+    pub complete: bool,
+    /// Points evaluated.
+    pub points: usize,
+    /// Points of the study.
+    pub points_total: usize,
+    /// Points without a score.
+    pub diverged: usize,
+    /// Recordings compared with.
+    pub recordings: usize,
+    /// The metric.
+    pub metric: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// The best point; `None` when every point diverged.
+    pub best: Option<Best>,
+    /// How sure the best point is.
+    pub uncertainty: Option<UncertaintySummary>,
+    /// What the recordings say about each parameter.
+    pub verdicts: Vec<Verdict>,
+    /// Principal components kept and the share of the variance each explains, where the metric uses them.
+    pub components: Option<Vec<f64>>,
+    /// Pose errors of the best point, where the recordings have orientations.
+    pub pose: Option<PoseSummary>,
+    /// Versions, settings and input hashes.
+    pub provenance: BTreeMap<String, String>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// The best point.
+#[derive(Debug, Clone, Serialize)]
+pub struct Best {
+    /// Parameter values by name.
+    pub parameters: BTreeMap<String, f64>,
+    /// Score in the metric's unit.
+    pub score: f64,
+    /// Mean absolute difference of the net displacements, metres.
+    pub displacement_error_m: Option<f64>,
+}
+
+/// How sure the best point is.
+#[derive(Debug, Clone, Serialize)]
+pub struct UncertaintySummary {
+    /// Where it comes from.
+    pub source: UncertaintySource,
+    /// Confidence level.
+    pub level: f64,
+    /// Standard deviation of the best score.
+    pub best_score_sd: f64,
+    /// Points that cannot be told apart from the best, itself included.
+    pub indistinguishable: usize,
+}
+
+/// Mean over recordings of the pose errors of the best point.
+#[derive(Debug, Clone, Serialize)]
+pub struct PoseSummary {
+    /// Mean position error, percent of the body length.
+    pub position_percent: f64,
+    /// Mean rotation error, degrees.
+    pub rotation_deg: f64,
+}
+
+impl Summary {
+    pub(super) fn new(problem: &Problem, sweep: &Sweep) -> Result<Self> {
+        let study = problem.study();
+        let scores = &sweep.scores;
+        let best = scores.best.and_then(|best| {
+            let point = &scores.points[best];
+            point.score.map(|score| Best {
+                parameters: problem
+                    .parameter_set(&point.values)
+                    .iter()
+                    .map(|a| (a.parameter.name.to_owned(), a.value))
+                    .collect(),
+                score,
+                displacement_error_m: point.displacement_error_m,
+            })
+        });
+        let mut warnings = problem.warnings().to_vec();
+        let diverged = scores.points.iter().filter(|point| point.diverged.is_some()).count();
+        if diverged > 0 {
+            warnings.push(Warning::new("diverged", format!("{diverged} of {} points diverged and have no score", scores.points.len())));
+        }
+        if sweep.ending == Ending::Interrupted {
+            warnings.push(Warning::new(
+                "incomplete",
+                format!("only {} of {} points were evaluated: the best of these may not be the best of all", scores.points.len(), study.grid.len()),
+            ));
+        }
+        if study.recordings.len() == 1 {
+            warnings.push(Warning::new(
+                "one-recording",
+                "one recording says nothing about how repeatable reality is; the uncertainty is that of perturbed simulated starts",
+            ));
+        }
+        Ok(Self {
+            study: study.name.clone(),
+            description: study.description.clone(),
+            complete: sweep.ending == Ending::Complete,
+            points: scores.points.len(),
+            points_total: study.grid.len(),
+            diverged,
+            recordings: study.recordings.len(),
+            metric: study.metric.name(),
+            unit: study.metric.unit().label(),
+            best,
+            uncertainty: sweep.uncertainty.as_ref().map(|u| UncertaintySummary {
+                source: u.source,
+                level: u.level,
+                best_score_sd: u.best_score_sd,
+                indistinguishable: u.indistinguishable.iter().filter(|is_in| **is_in).count(),
+            }),
+            verdicts: verdicts(problem, sweep),
+            components: scores.basis.as_ref().map(|b| b.explained_variance_ratio().iter().take(b.kept()).copied().collect()),
+            pose: pose(problem, sweep)?,
+            provenance: problem.fingerprint().entries().iter().cloned().collect(),
+            warnings,
+        })
+    }
+
+    pub(super) fn write(&self, folder: &Path) -> Result<()> {
+        let path = folder.join("summary.json");
+        let mut text = serde_json::to_string_pretty(self)
+            .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")).at_file(&path))?;
+        text.push('\n');
+        write_atomic(&path, text.as_bytes())
+    }
+}
+
+/// Simulates the best point once more and measures its pose errors.
+fn pose(problem: &Problem, sweep: &Sweep) -> Result<Option<PoseSummary>> {
+    let Some(best) = sweep.scores.best else { return Ok(None) };
+    if problem.study().metric.name() != "pose" {
+        return Ok(None);
+    }
+    let values = &sweep.scores.points[best].values;
+    let (mut position, mut rotation_rad, mut count) = (0.0, 0.0, 0.0);
+    for (index, case) in problem.cases().iter().enumerate() {
+        let run = simulation::run(&problem.experiment(index, values))?;
+        let Some(simulated) = run.trajectory else { return Ok(None) };
+        for target in &case.targets {
+            let errors = pose_errors(&target.motion, &simulated, case.experiment.assembly.body_length_m)?;
+            position += errors.position_fraction_mean;
+            rotation_rad += errors.rotation_rad_mean;
+            count += 1.0;
+        }
+    }
+    Ok(Some(PoseSummary {
+        position_percent: 100.0 * position / count,
+        rotation_deg: (rotation_rad / count).to_degrees(),
+    }))
+}

@@ -1,0 +1,67 @@
+//! `points.csv` and `scores.csv`: the same bytes for the same study, however it was run.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::file::write_atomic;
+use crate::study::{PointScore, Problem, Sweep};
+
+/// One row a point: parameters as columns, then score, unit, status and displacement error.
+pub(super) fn write_points(folder: &Path, problem: &Problem, sweep: &Sweep) -> Result<()> {
+    let names = names(problem);
+    let header: Vec<&str> =
+        names.iter().copied().chain(["score", "unit", "status", "displacement_error_m"]).collect();
+    let rows = sweep.scores.points.iter().map(|point| {
+        let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
+        row.push(number(point.score));
+        row.push(sweep.scores.unit.label().to_owned());
+        row.push(status(point).to_owned());
+        row.push(number(point.displacement_error_m));
+        row
+    });
+    write(&folder.join("points.csv"), &header, rows)
+}
+
+/// One row a point and recording, where there are several recordings.
+pub(super) fn write_scores(folder: &Path, problem: &Problem, sweep: &Sweep) -> Result<()> {
+    let recordings = &problem.study().recordings;
+    if recordings.len() < 2 {
+        return Ok(());
+    }
+    let names = names(problem);
+    let header: Vec<&str> = names.iter().copied().chain(["recording", "score", "unit"]).collect();
+    let rows = sweep.scores.points.iter().flat_map(|point| {
+        recordings.iter().zip(&point.recordings).map(|(recording, score)| {
+            let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
+            row.push(recording.name.clone());
+            row.push(score.to_string());
+            row.push(sweep.scores.unit.label().to_owned());
+            row
+        })
+    });
+    write(&folder.join("scores.csv"), &header, rows)
+}
+
+fn names(problem: &Problem) -> Vec<&'static str> {
+    problem.study().grid.ranges().iter().map(|range| range.parameter.name).collect()
+}
+
+fn status(point: &PointScore) -> &'static str {
+    if point.diverged.is_some() { "diverged" } else { "ok" }
+}
+
+/// Shortest text that reads back to the same bits; empty where there is no number.
+fn number(value: Option<f64>) -> String {
+    value.map_or(String::new(), |value| value.to_string())
+}
+
+fn write(path: &Path, header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Result<()> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let fail = |e: csv::Error| Error::invalid(format!("cannot write the table: {e}")).at_file(path);
+    writer.write_record(header).map_err(fail)?;
+    for row in rows {
+        writer.write_record(&row).map_err(fail)?;
+    }
+    let bytes = writer.into_inner().map_err(|e| Error::invalid(format!("cannot write the table: {e}")).at_file(path))?;
+    write_atomic(path, &bytes)
+}

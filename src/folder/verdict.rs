@@ -1,0 +1,100 @@
+//! What the recordings say about each parameter, in plain language.
+
+use serde::Serialize;
+
+use crate::study::{Problem, Sweep};
+use crate::tuning::Range;
+
+/// One parameter's best value and the range that fits as well.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Name of the parameter.
+    pub parameter: String,
+    /// Its unit.
+    pub unit: String,
+    /// Best value.
+    pub best: f64,
+    /// Smallest value in the indistinguishable set.
+    pub low: f64,
+    /// Largest value in the indistinguishable set.
+    pub high: f64,
+    /// False where the recordings do not determine the parameter within the searched range.
+    pub identified: bool,
+    /// One sentence.
+    pub text: String,
+}
+
+/// Above this share of the searched range a parameter counts as not determined.
+const UNIDENTIFIED_SHARE: f64 = 0.5;
+
+/// One verdict per parameter; none where no point has a score.
+pub(super) fn verdicts(problem: &Problem, sweep: &Sweep) -> Vec<Verdict> {
+    let (Some(best), Some(uncertainty)) = (sweep.scores.best, &sweep.uncertainty) else { return Vec::new() };
+    let points = &sweep.scores.points;
+    let ranges = problem.study().grid.ranges();
+    ranges
+        .iter()
+        .enumerate()
+        .map(|(dimension, range)| {
+            let set = points.iter().zip(&uncertainty.indistinguishable).filter(|(_, is_in)| **is_in);
+            let values: Vec<f64> = set.map(|(point, _)| point.values[dimension]).collect();
+            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            verdict(range, points[best].values[dimension], low, high)
+        })
+        .collect()
+}
+
+fn verdict(range: &Range, best: f64, low: f64, high: f64) -> Verdict {
+    let identified = high - low <= UNIDENTIFIED_SHARE * (range.to - range.from);
+    // A grid cannot say more than its step.
+    let digits = (1.0 - (range.step() / 2.0).log10().floor()).clamp(0.0, 9.0) as usize;
+    let unit = range.parameter.unit.symbol();
+    let show = |value: f64| format!("{value:.digits$} {unit}").trim_end().to_owned();
+    let name = range.parameter.name;
+    let at_edge = best == range.from || best == range.to;
+    let text = match (identified, at_edge) {
+        (false, _) => format!(
+            "{name} is not determined by these recordings: values from {} to {} fit as well as the best, {}",
+            show(low), show(high), show(best)
+        ),
+        (true, true) => format!(
+            "{name} = {} lies at the edge of the searched range: widen it before you believe it ({} to {} fit as well)",
+            show(best), show(low), show(high)
+        ),
+        (true, false) if low == high => {
+            format!("{name} = {}, known to within the grid's step of {}", show(best), show(range.step()))
+        }
+        (true, false) => format!("{name} = {}; values from {} to {} fit as well", show(best), show(low), show(high)),
+    };
+    Verdict { parameter: name.to_owned(), unit: range.parameter.unit.label().to_owned(), best, low, high, identified, text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameter::by_name;
+
+    fn friction() -> Range {
+        Range::new(by_name("floor.friction").unwrap(), 0.05, 1.05, 21).unwrap()
+    }
+
+    #[test]
+    fn a_parameter_that_the_data_do_not_determine_is_called_so() {
+        let verdict = verdict(&friction(), 0.4, 0.05, 0.95);
+        assert!(!verdict.identified);
+        assert!(verdict.text.contains("not determined"), "{}", verdict.text);
+    }
+
+    #[test]
+    fn a_best_value_at_the_edge_is_not_believed() {
+        assert!(verdict(&friction(), 0.05, 0.05, 0.1).text.contains("widen"));
+    }
+
+    #[test]
+    fn a_determined_parameter_gets_its_interval() {
+        let verdict = verdict(&friction(), 0.45, 0.4, 0.5);
+        assert!(verdict.identified);
+        assert_eq!(verdict.text, "floor.friction = 0.450; values from 0.400 to 0.500 fit as well");
+    }
+}

@@ -1,0 +1,244 @@
+//! The RON form of a study, and its validated form.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use crate::comparison::{self, Components, Metric};
+use crate::error::{Error, Result};
+use crate::file::{Source, parse_ron};
+use crate::morphology::Morphology;
+use crate::parameter::{Assignment, ParameterSet, by_name};
+use crate::simulation::JointKind;
+use crate::trajectory::Recording;
+use crate::quantity::LengthUnit;
+use crate::tuning::{Grid, Range};
+use crate::warning::Warning;
+
+/// Where a simulated run starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum StartRule {
+    /// At rest on the floor, the same for every recording.
+    Settled,
+    /// At the first state of each recording.
+    FromRecording,
+}
+
+/// A study file as written.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Study")]
+struct StudyFile {
+    #[serde(default)]
+    description: String,
+    morphology: PathBuf,
+    #[serde(default)]
+    recordings: Vec<String>,
+    start: StartRule,
+    duration_s: Option<f64>,
+    timestep_s: Option<f64>,
+    substeps: Option<usize>,
+    joint: Option<Joint>,
+    #[serde(default)]
+    set: BTreeMap<String, f64>,
+    parameters: Vec<RangeFile>,
+    #[serde(default = "default_metric")]
+    metric: String,
+    components: Option<ComponentsFile>,
+    #[serde(default = "default_seed")]
+    seed: u64,
+    #[serde(default)]
+    truth: BTreeMap<String, f64>,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+enum Joint {
+    Multibody,
+    Impulse,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+enum ComponentsFile {
+    Variance(f64),
+    Count(usize),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Range")]
+struct RangeFile {
+    name: String,
+    from: f64,
+    to: f64,
+    #[serde(default = "default_points")]
+    points: usize,
+}
+
+fn default_metric() -> String {
+    comparison::DEFAULT_METRIC.to_owned()
+}
+
+fn default_seed() -> u64 {
+    1
+}
+
+/// 21 × 21 = 441, as in paper 003, section 2.3.
+fn default_points() -> usize {
+    21
+}
+
+/// What the caller wants different from the file.
+#[derive(Debug, Clone, Default)]
+pub struct Overrides {
+    /// Globs of recordings, relative to the current folder, in place of the file's.
+    pub recordings: Vec<String>,
+    /// Only the first so many recordings.
+    pub limit_recordings: Option<usize>,
+    /// Metric in place of the file's.
+    pub metric: Option<String>,
+    /// Points per parameter in place of the file's.
+    pub points: Option<usize>,
+    /// Fixed values, after the file's own.
+    pub set: ParameterSet,
+    /// Unit of length of the recordings.
+    pub unit: LengthUnit,
+}
+
+/// A validated study with its recordings read.
+#[derive(Debug)]
+pub struct Study {
+    /// File stem.
+    pub name: String,
+    /// The file.
+    pub path: PathBuf,
+    /// What it is for.
+    pub description: String,
+    /// The robot.
+    pub morphology: Morphology,
+    /// SHA-256 of the morphology file.
+    pub morphology_sha256: String,
+    /// Globs of the recordings, relative to the file.
+    pub recording_globs: Vec<String>,
+    /// What reality did.
+    pub recordings: Vec<Recording>,
+    /// SHA-256 of each recording's file.
+    pub recordings_sha256: Vec<String>,
+    /// Where simulated runs start.
+    pub start: StartRule,
+    /// Length of the runs, seconds; `None`: as long as the recordings.
+    pub duration_s: Option<f64>,
+    /// How parts are jointed, where the study says so.
+    pub joint: Option<JointKind>,
+    /// Fixed parameter values.
+    pub set: ParameterSet,
+    /// The parameters that vary.
+    pub grid: Grid,
+    /// How far apart two trajectories are.
+    pub metric: &'static dyn Metric,
+    /// How many principal components the `pca` metric keeps.
+    pub components: Components,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Known truth of a stand-in, for marking it in pictures; never used by the fit.
+    pub truth: ParameterSet,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+impl Study {
+    /// Reads a study, its morphology and its recordings.
+    ///
+    /// # Errors
+    /// Any of the files missing or malformed, unknown parameters or metrics, empty ranges, no recordings.
+    pub fn read(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
+        let study = Self::read_without_recordings(path, overrides)?;
+        let found = super::recording::find(&study, overrides)?;
+        Ok(Self {
+            recordings: found.recordings,
+            recordings_sha256: found.sha256,
+            warnings: found.warnings,
+            ..study
+        })
+    }
+
+    /// Reads a study and its morphology but not its recordings: to check the file itself.
+    ///
+    /// # Errors
+    /// As [`Study::read`], recordings apart.
+    pub fn read_without_recordings(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
+        let path = path.as_ref();
+        let source = Source::read(path, "study")?;
+        let file: StudyFile = parse_ron(&source)?;
+
+        let morphology_path = path.parent().unwrap_or(Path::new("")).join(&file.morphology);
+        let morphology_source = Source::read(&morphology_path, "morphology").map_err(|e| match e.file() {
+            Some(_) => e,
+            None => source.at("morphology", e),
+        })?;
+        let morphology = Morphology::parse(&morphology_source)?;
+
+        let mut set = ParameterSet::new();
+        let named = [("timestep_s", file.timestep_s), ("solver.substeps", file.substeps.map(|n| n as f64))];
+        for (name, value) in named {
+            if let Some(value) = value {
+                set = set.with(Assignment::new(name, value).map_err(|e| source.at(name.trim_start_matches("solver."), e))?);
+            }
+        }
+        for (name, value) in &file.set {
+            set = set.with(Assignment::new(name, *value).map_err(|e| source.at("set", e))?);
+        }
+        set = set.with_all(&overrides.set);
+
+        let mut ranges = Vec::new();
+        for (index, range) in file.parameters.iter().enumerate() {
+            let checked = by_name(&range.name)
+                .and_then(|p| Range::new(p, range.from, range.to, overrides.points.unwrap_or(range.points)))
+                .map_err(|e| source.at(&format!("parameters[{index}]"), e))?;
+            ranges.push(checked);
+        }
+        let grid = Grid::new(ranges).map_err(|e| source.at("parameters", e))?;
+        let metric_name = overrides.metric.as_deref().unwrap_or(&file.metric);
+        let metric = comparison::by_name(metric_name).map_err(|e| match overrides.metric {
+            Some(_) => e.field("--metric"),
+            None => source.at("metric", e),
+        })?;
+        let components = match file.components {
+            None => Components::default(),
+            Some(ComponentsFile::Variance(share)) => Components::Variance(share),
+            Some(ComponentsFile::Count(count)) => Components::Count(count),
+        };
+        if let Some(duration_s) = file.duration_s
+            && !(1e-3..=3600.0).contains(&duration_s)
+        {
+            let error = Error::invalid("out of range").field("duration_s").found(duration_s).allowed("0.001 to 3600 s");
+            return Err(source.at("duration_s", error));
+        }
+        let truth = file
+            .truth
+            .iter()
+            .map(|(name, value)| Assignment::new(name, *value).map_err(|e| source.at("truth", e)))
+            .collect::<Result<ParameterSet>>()?;
+        Ok(Self {
+            name: path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default(),
+            path: path.to_path_buf(),
+            description: file.description,
+            morphology,
+            morphology_sha256: morphology_source.sha256(),
+            recordings: Vec::new(),
+            recordings_sha256: Vec::new(),
+            start: file.start,
+            duration_s: file.duration_s,
+            joint: file.joint.map(|joint| match joint {
+                Joint::Multibody => JointKind::Multibody,
+                Joint::Impulse => JointKind::Impulse,
+            }),
+            set,
+            grid,
+            metric,
+            components,
+            seed: file.seed,
+            truth,
+            recording_globs: file.recordings,
+            warnings: Vec::new(),
+        })
+    }
+}

@@ -1,0 +1,194 @@
+//! A study made ready: its cases, and what it takes to evaluate one point.
+
+use super::case::{Case, cases};
+use super::file::Study;
+use crate::comparison::{Context, Pair};
+use crate::error::Result;
+use crate::parameter::{Assignment, ParameterSet};
+use crate::simulation::{self, ENGINE_VERSION, Experiment, Noise, Status};
+use crate::store::{Fingerprint, Outcome, OutcomeStatus, Trial};
+use crate::trajectory::{Prepared, prepare};
+use crate::warning::Warning;
+
+/// A study with its cases.
+#[derive(Debug)]
+pub struct Problem {
+    study: Study,
+    cases: Vec<Case>,
+    warnings: Vec<Warning>,
+    body_length_m: f64,
+}
+
+impl Problem {
+    /// Builds the cases of a study.
+    ///
+    /// # Errors
+    /// Recordings from which no run can start, or settings that cannot be simulated.
+    pub fn new(study: Study) -> Result<Self> {
+        let (cases, mut warnings) = cases(&study)?;
+        warnings.extend(study.warnings.iter().cloned());
+        warnings.sort();
+        warnings.dedup();
+        let body_length_m = study.morphology.assemble().body_length_m;
+        let problem = Self { study, cases, warnings, body_length_m };
+        problem.check_recordings()?;
+        Ok(problem)
+    }
+
+    /// Compares each recording with itself, so that one the metric cannot use is refused before any work.
+    fn check_recordings(&self) -> Result<()> {
+        if self.study.metric.needs().basis {
+            return Ok(());
+        }
+        for target in self.cases.iter().flat_map(|case| &case.targets) {
+            let pair = Pair {
+                real: &target.motion,
+                simulated: &target.motion,
+                real_prepared: &target.prepared,
+                simulated_prepared: &target.prepared,
+            };
+            self.study
+                .metric
+                .compare(&pair, &self.context())
+                .map_err(|e| e.at_file(&self.study.recordings[target.recording].path))?;
+        }
+        Ok(())
+    }
+
+    /// The study.
+    pub fn study(&self) -> &Study {
+        &self.study
+    }
+
+    /// The simulations of one point.
+    pub fn cases(&self) -> &[Case] {
+        &self.cases
+    }
+
+    /// What the reader should know.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
+    /// Simulated seconds of one point, settling apart.
+    pub fn simulated_s(&self) -> f64 {
+        self.cases.iter().map(|case| case.experiment.duration_s).sum()
+    }
+
+    pub(super) fn context(&self) -> Context<'_> {
+        Context { basis: None, body_length_m: Some(self.body_length_m) }
+    }
+
+    /// The study's parameters with these values, in the study's order.
+    pub fn parameter_set(&self, values: &[f64]) -> ParameterSet {
+        self.study
+            .grid
+            .ranges()
+            .iter()
+            .zip(values)
+            .map(|(range, &value)| Assignment { parameter: range.parameter, value })
+            .collect()
+    }
+
+    /// Simulates every case of grid point `index` and keeps what the comparison needs.
+    ///
+    /// # Errors
+    /// A metric that cannot compare; a diverged simulation is an outcome, not an error.
+    pub fn evaluate(&self, index: usize) -> Result<Trial> {
+        let values = self.study.grid.values(index);
+        let outcomes = (0..self.cases.len())
+            .map(|case| self.evaluate_case(case, &self.experiment(case, &values)))
+            .collect::<Result<_>>()?;
+        Ok(Trial { index, values, outcomes })
+    }
+
+    /// The experiment of a case with these parameter values.
+    pub fn experiment(&self, case: usize, values: &[f64]) -> Experiment {
+        self.parameter_set(values).apply(&self.cases[case].experiment)
+    }
+
+    /// Simulates case 0 with these values under `noise`, repeat number `repeat`.
+    ///
+    /// # Errors
+    /// As [`Problem::evaluate`].
+    pub fn evaluate_perturbed(&self, values: &[f64], noise: &Noise, repeat: u64) -> Result<Outcome> {
+        self.evaluate_case(0, &noise.perturb(&self.experiment(0, values), self.study.seed, repeat))
+    }
+
+    fn evaluate_case(&self, case: usize, experiment: &Experiment) -> Result<Outcome> {
+        let run = simulation::run(experiment)?;
+        let Some(motion) = run.trajectory else {
+            let why = match run.status {
+                Status::Diverged { at_s, why } => format!("at {at_s:.3} s: {why}"),
+                Status::Completed => "no motion".to_owned(),
+            };
+            return Ok(Outcome {
+                status: OutcomeStatus::Diverged(why),
+                steps: run.steps,
+                net_displacement_m: f64::NAN,
+                scores: Vec::new(),
+                path_xy_m: Vec::new(),
+            });
+        };
+        let prepared = prepare(&motion)?;
+        let needs_basis = self.study.metric.needs().basis;
+        let mut scores = Vec::new();
+        if !needs_basis {
+            for target in &self.cases[case].targets {
+                let pair = Pair {
+                    real: &target.motion,
+                    simulated: &motion,
+                    real_prepared: &target.prepared,
+                    simulated_prepared: &prepared,
+                };
+                scores.push(self.study.metric.compare(&pair, &self.context())?.value);
+            }
+        }
+        // Scores with a basis exist only once all paths are known; the pictures need the first case's.
+        let path_xy_m = if needs_basis || case == 0 { prepared.xy_m().to_vec() } else { Vec::new() };
+        Ok(Outcome {
+            status: OutcomeStatus::Completed,
+            steps: run.steps,
+            net_displacement_m: prepared.net_displacement_m(),
+            scores,
+            path_xy_m,
+        })
+    }
+
+    /// Reality's prepared paths, by recording.
+    pub fn real_paths(&self) -> Vec<&Prepared> {
+        let mut paths: Vec<(usize, &Prepared)> =
+            self.cases.iter().flat_map(|case| &case.targets).map(|target| (target.recording, &target.prepared)).collect();
+        paths.sort_by_key(|(recording, _)| *recording);
+        paths.into_iter().map(|(_, prepared)| prepared).collect()
+    }
+
+    /// Everything that decides the results.
+    pub fn fingerprint(&self) -> Fingerprint {
+        let study = &self.study;
+        let experiment = &self.cases[0].experiment;
+        let mut print = Fingerprint::new()
+            .with("realgap", env!("CARGO_PKG_VERSION"))
+            .with("engine", ENGINE_VERSION)
+            .with("study", &study.name)
+            .with("morphology sha256", &study.morphology_sha256)
+            .with("metric", study.metric.name())
+            .with("components", format!("{:?}", study.components))
+            .with("start", format!("{:?}", study.start))
+            .with("duration_s", study.duration_s.map_or("recording".to_owned(), |d| d.to_string()))
+            .with("solver", format!("{:?}", experiment.solver))
+            .with("contact", format!("{:?}", experiment.contact))
+            .with("set", &study.set)
+            .with("seed", study.seed);
+        for range in study.grid.ranges() {
+            print = print.with(
+                format!("parameter {}", range.parameter.name),
+                format!("{} to {}, {} points", range.from, range.to, range.points),
+            );
+        }
+        for (recording, sha256) in study.recordings.iter().zip(&study.recordings_sha256) {
+            print = print.with(format!("recording {}", recording.name), sha256);
+        }
+        print
+    }
+}

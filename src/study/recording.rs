@@ -1,0 +1,104 @@
+//! Finding and reading the recordings of a study.
+
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::file::{Overrides, Study};
+use crate::error::{Error, Result};
+use crate::trajectory::{self, Recording, Source};
+use crate::warning::Warning;
+
+/// Recordings with the hashes of their files.
+pub(super) struct Found {
+    pub recordings: Vec<Recording>,
+    pub sha256: Vec<String>,
+    pub warnings: Vec<Warning>,
+}
+
+/// Reads every recording that the overrides' globs (relative to the current folder) or the study's own
+/// (relative to its file) name, in order of their paths.
+pub(super) fn find(study: &Study, overrides: &Overrides) -> Result<Found> {
+    let (globs, base) = if overrides.recordings.is_empty() {
+        (&study.recording_globs, study.path.parent().unwrap_or(Path::new("")))
+    } else {
+        (&overrides.recordings, Path::new(""))
+    };
+    if globs.is_empty() {
+        return Err(Error::invalid("the study names no recordings")
+            .at_file(&study.path)
+            .field("recordings")
+            .hint("name them with --recordings 'FOLDER/*.csv', or in the file: recordings: [\"../runs/*.csv\"]"));
+    }
+    let mut paths = Vec::new();
+    for pattern in globs {
+        let whole = base.join(pattern);
+        let found = expand(&whole)?;
+        if found.is_empty() {
+            return Err(Error::invalid("no file matches")
+                .field("recordings")
+                .found(whole.display())
+                .allowed("a glob that matches at least one .csv or .tum file")
+                .hint("in a shell, quote the glob; it is relative to the current folder, in a study file to that file"));
+        }
+        paths.extend(found);
+    }
+    let mut unique: Vec<PathBuf> = Vec::new();
+    for path in paths {
+        if !unique.contains(&path) {
+            unique.push(path);
+        }
+    }
+    unique.truncate(overrides.limit_recordings.unwrap_or(usize::MAX).max(1));
+
+    let mut found = Found { recordings: Vec::new(), sha256: Vec::new(), warnings: Vec::new() };
+    for path in &unique {
+        let bytes = std::fs::read(path).map_err(|e| Error::io("read the recording", path, &e))?;
+        let sha256: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        for recording in trajectory::read_all(path, overrides.unit)? {
+            found.sha256.push(sha256.clone());
+            found.recordings.push(recording);
+        }
+    }
+    found.recordings.truncate(overrides.limit_recordings.unwrap_or(usize::MAX).max(1));
+    found.sha256.truncate(found.recordings.len());
+    found.warnings = warnings(study, &found.recordings);
+    Ok(found)
+}
+
+fn expand(pattern: &Path) -> Result<Vec<PathBuf>> {
+    let text = pattern.to_string_lossy();
+    let entries = glob::glob(&text).map_err(|e| {
+        Error::invalid(format!("not a glob: {}", e.msg)).field("recordings").found(&text)
+    })?;
+    let mut paths = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(|e| Error::io("look for recordings", e.path(), e.error()))?;
+        // A folder's README and meta.ron lie beside the recordings; only what can be read is taken.
+        if path.is_file() && trajectory::format_of(&path).is_ok() {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    Ok(paths)
+}
+
+fn warnings(study: &Study, recordings: &[Recording]) -> Vec<Warning> {
+    let mut warnings: Vec<Warning> = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
+    let robots: std::collections::BTreeSet<&str> =
+        recordings.iter().filter_map(|r| r.meta.as_ref()).map(|meta| meta.robot.as_str()).collect();
+    if robots.len() > 1 {
+        let names: Vec<_> = robots.iter().copied().collect();
+        warnings.push(Warning::new("different-robots", format!("the recordings are of different robots: {}", names.join(", "))));
+    }
+    for robot in robots.iter().filter(|robot| **robot != study.morphology.name()) {
+        let message = format!("recordings of the robot \"{robot}\" are matched with a simulation of \"{}\"", study.morphology.name());
+        warnings.push(Warning::new("other-robot", message));
+    }
+    if recordings.iter().any(|r| r.meta.as_ref().is_some_and(|meta| meta.source == Source::StandIn)) {
+        warnings.push(Warning::new("stand-in", "the recordings are stand-ins made by a simulator, not recorded from hardware"));
+    }
+    warnings.sort();
+    warnings.dedup();
+    warnings
+}
