@@ -1,1 +1,0 @@
-//! Reading our RON files.

@@ -1,0 +1,38 @@
+//! Reading files written by people: robots, studies and metadata in RON.
+//!
+//! [`Source`] is a text with its path; [`parse_ron`] turns it into a typed value or into an
+//! [`Error`](crate::Error) that names file, line, column and field. What a type cannot say (two modules on one
+//! face, a cycle) is found later; [`Source::at`] then gives that error its line, too.
+//!
+//! ```
+//! use realgap::file::{Source, parse_ron};
+//!
+//! #[derive(Debug, serde::Deserialize)]
+//! #[serde(deny_unknown_fields)]
+//! struct Floor {
+//!     friction: f64,
+//! }
+//!
+//! let source = Source::new("floor.ron", "(\n    fricton: 0.4,\n)");
+//! let error = parse_ron::<Floor>(&source).unwrap_err();
+//! assert_eq!(
+//!     error.to_string(),
+//!     "floor.ron:2:5: fricton: unknown field\n  \
+//!        found:   fricton\n  \
+//!        allowed: friction\n  \
+//!        hint:    did you mean `friction`?"
+//! );
+//!
+//! let source = Source::new("floor.ron", "(friction: 0.4)");
+//! assert_eq!(parse_ron::<Floor>(&source)?.friction, 0.4);
+//! # Ok::<(), realgap::Error>(())
+//! ```
+
+mod decode;
+mod outline;
+mod source;
+mod suggestion;
+
+pub use decode::{parse_ron, write_ron};
+pub use source::{MAX_FILE_BYTES, MAX_NESTING, Source};
+pub use suggestion::nearest_name;

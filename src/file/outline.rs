@@ -1,0 +1,332 @@
+//! Where things are in a RON text: a light scanner that knows brackets, strings and comments, and nothing of types.
+//!
+//! The RON parser gives positions while it parses; errors found afterwards, when values are
+//! checked against each other, need them too. The scanner is tolerant: at the first thing it does
+//! not understand it stops and what it has seen so far stands.
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+/// One step from a value to a value inside it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Step<'a> {
+    Key(&'a str),
+    Index(usize),
+}
+
+/// An entry of a list, struct or map.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Entry {
+    /// E.g. `modules[3].kind.side_m`.
+    pub(super) path: String,
+    /// Bytes of the whole entry: key, colon and value.
+    pub(super) whole: Range<usize>,
+    /// Bytes of the value.
+    pub(super) value: Range<usize>,
+}
+
+/// Why scanning ended early.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stop {
+    /// More than the allowed number of brackets are open at this byte.
+    TooDeep(usize),
+    /// Not RON; the parser will say what is wrong.
+    Malformed,
+}
+
+/// Refuses texts with more than `limit` brackets open at once, before any recursive parser sees them.
+pub(super) fn check_depth(text: &str, limit: usize) -> Result<(), Stop> {
+    let mut scanner = Scanner::new(text, limit);
+    match scanner.document(&mut |_, _, _| {}) {
+        Err(Stop::TooDeep(offset)) => Err(Stop::TooDeep(offset)),
+        Ok(()) | Err(Stop::Malformed) => Ok(()),
+    }
+}
+
+/// The entry at `path`, or the nearest enclosing one that is present.
+pub(super) fn find(text: &str, limit: usize, path: &str) -> Option<Entry> {
+    let mut best: Option<Entry> = None;
+    visit(text, limit, &mut |steps, whole, value| {
+        let candidate = path_text(steps);
+        let encloses = path.strip_prefix(candidate.as_str()).is_some_and(|rest| {
+            rest.is_empty() || rest.starts_with('.') || rest.starts_with('[')
+        });
+        if encloses && best.as_ref().is_none_or(|b| b.path.len() < candidate.len()) {
+            best = Some(Entry {
+                path: candidate,
+                whole,
+                value,
+            });
+        }
+    });
+    best
+}
+
+/// The innermost entry that contains the byte `offset`.
+pub(super) fn entry_at(text: &str, limit: usize, offset: usize) -> Option<Entry> {
+    let mut best: Option<Entry> = None;
+    visit(text, limit, &mut |steps, whole, value| {
+        let contains = whole.start <= offset && offset <= whole.end;
+        // Entries are visited inside out, so the first hit at a deeper level wins; a later sibling
+        // that starts exactly at the offset is the better answer than one that ends there.
+        let better = best
+            .as_ref()
+            .is_none_or(|b| whole.len() < b.whole.len() || b.whole.end == offset);
+        let around_best = best
+            .as_ref()
+            .is_some_and(|b| whole.start <= b.whole.start && b.whole.end <= whole.end);
+        if contains && better && !around_best {
+            best = Some(Entry {
+                path: path_text(steps),
+                whole,
+                value,
+            });
+        }
+    });
+    best
+}
+
+type Visitor<'v> = dyn FnMut(&[Step<'_>], Range<usize>, Range<usize>) + 'v;
+
+fn visit(text: &str, limit: usize, visitor: &mut Visitor<'_>) {
+    // Where scanning stops early, what was visited before stands.
+    let _stopped = Scanner::new(text, limit).document(visitor);
+}
+
+fn path_text(steps: &[Step<'_>]) -> String {
+    let mut path = String::new();
+    for step in steps {
+        match step {
+            Step::Key(key) => {
+                if !path.is_empty() {
+                    path.push('.');
+                }
+                path.push_str(key);
+            }
+            Step::Index(index) => {
+                let _infallible = write!(path, "[{index}]");
+            }
+        }
+    }
+    path
+}
+
+struct Scanner<'a> {
+    text: &'a str,
+    position: usize,
+    limit: usize,
+    steps: Vec<Step<'a>>,
+}
+
+impl<'a> Scanner<'a> {
+    fn new(text: &'a str, limit: usize) -> Self {
+        Self {
+            text,
+            position: 0,
+            limit,
+            steps: Vec::new(),
+        }
+    }
+
+    fn rest(&self) -> &'a str {
+        &self.text[self.position..]
+    }
+
+    fn peek(&self) -> Option<char> {
+        self.rest().chars().next()
+    }
+
+    fn skip_past(&mut self, end: &str) -> Result<(), Stop> {
+        let length = self.rest().find(end).ok_or(Stop::Malformed)?;
+        self.position += length + end.len();
+        Ok(())
+    }
+
+    fn document(&mut self, visitor: &mut Visitor<'_>) -> Result<(), Stop> {
+        self.skip_blank()?;
+        while self.rest().starts_with("#!") {
+            self.skip_past("]")?;
+            self.skip_blank()?;
+        }
+        self.value(0, visitor)
+    }
+
+    /// White space and comments.
+    fn skip_blank(&mut self) -> Result<(), Stop> {
+        loop {
+            let rest = self.rest();
+            self.position += rest.len() - rest.trim_start().len();
+            if self.rest().starts_with("//") {
+                let rest = self.rest();
+                self.position += rest.find('\n').unwrap_or(rest.len());
+            } else if self.rest().starts_with("/*") {
+                self.block_comment()?;
+            } else {
+                return Ok(());
+            }
+        }
+    }
+
+    /// RON's block comments nest.
+    fn block_comment(&mut self) -> Result<(), Stop> {
+        let mut open = 0_usize;
+        loop {
+            let rest = self.rest();
+            let next = rest
+                .find("/*")
+                .into_iter()
+                .chain(rest.find("*/"))
+                .min()
+                .ok_or(Stop::Malformed)?;
+            self.position += next + 2;
+            open = if rest[next..].starts_with("/*") {
+                open + 1
+            } else {
+                open - 1
+            };
+            if open == 0 {
+                return Ok(());
+            }
+        }
+    }
+
+    fn value(&mut self, depth: usize, visitor: &mut Visitor<'_>) -> Result<(), Stop> {
+        match self.peek() {
+            None => Err(Stop::Malformed),
+            Some('(' | '[' | '{') => self.container(depth, visitor),
+            Some('"') => self.string(),
+            Some('\'') => self.character(),
+            Some('r' | 'b') if self.raw_hashes().is_some() => self.raw_string(),
+            Some('b') if self.rest().starts_with("b\"") => {
+                self.position += 1;
+                self.string()
+            }
+            Some(_) => {
+                let word = self.word()?;
+                let after_word = self.position;
+                self.skip_blank()?;
+                if self.peek() == Some('(') && word.starts_with(|c: char| c.is_alphabetic()) {
+                    return self.container(depth, visitor);
+                }
+                self.position = after_word;
+                Ok(())
+            }
+        }
+    }
+
+    /// A number, identifier or anything else without brackets; at least one character.
+    fn word(&mut self) -> Result<&'a str, Stop> {
+        let rest = self.rest();
+        let end = rest
+            .find(|c: char| c.is_whitespace() || ",:()[]{}\"'/".contains(c))
+            .unwrap_or(rest.len());
+        if end == 0 {
+            return Err(Stop::Malformed);
+        }
+        self.position += end;
+        Ok(&rest[..end])
+    }
+
+    fn string(&mut self) -> Result<(), Stop> {
+        let mut escaped = false;
+        for (index, c) in self.rest().char_indices().skip(1) {
+            match c {
+                _ if escaped => escaped = false,
+                '\\' => escaped = true,
+                '"' => {
+                    self.position += index + 1;
+                    return Ok(());
+                }
+                _ => {}
+            }
+        }
+        Err(Stop::Malformed)
+    }
+
+    fn character(&mut self) -> Result<(), Stop> {
+        self.position += 1;
+        if self.peek() == Some('\\') {
+            self.position += 1;
+        }
+        self.position += self.peek().map_or(0, char::len_utf8);
+        self.skip_past("'")
+    }
+
+    /// The number of `#` of the raw string that starts here, if one does.
+    fn raw_hashes(&self) -> Option<usize> {
+        let rest = self.rest();
+        let rest = rest.strip_prefix('b').unwrap_or(rest).strip_prefix('r')?;
+        let hashes = rest.len() - rest.trim_start_matches('#').len();
+        rest[hashes..].starts_with('"').then_some(hashes)
+    }
+
+    fn raw_string(&mut self) -> Result<(), Stop> {
+        let hashes = self.raw_hashes().ok_or(Stop::Malformed)?;
+        self.skip_past("\"")?;
+        self.skip_past(&format!("\"{}", "#".repeat(hashes)))
+    }
+
+    fn container(&mut self, depth: usize, visitor: &mut Visitor<'_>) -> Result<(), Stop> {
+        if depth >= self.limit {
+            return Err(Stop::TooDeep(self.position));
+        }
+        let (close, keyed) = match self.peek() {
+            Some('(') => (')', true),
+            Some('{') => ('}', true),
+            _ => (']', false),
+        };
+        self.position += 1;
+        for index in 0.. {
+            self.skip_blank()?;
+            if self.peek() == Some(close) {
+                break;
+            }
+            let start = self.position;
+            let step = match self.key().filter(|_| keyed) {
+                Some(key) => Step::Key(key),
+                None => {
+                    self.position = start;
+                    Step::Index(index)
+                }
+            };
+            self.skip_blank()?;
+            let value_start = self.position;
+            self.steps.push(step);
+            let outcome = self.value(depth + 1, visitor);
+            // An unfinished entry still reaches as far as it was understood.
+            visitor(
+                &self.steps,
+                start..self.position,
+                value_start..self.position,
+            );
+            self.steps.pop();
+            outcome?;
+            self.skip_blank()?;
+            match self.peek() {
+                Some(',') => self.position += 1,
+                Some(c) if c == close => break,
+                _ => return Err(Stop::Malformed),
+            }
+        }
+        self.position += 1;
+        Ok(())
+    }
+
+    /// `name:` or `"name":`; leaves the position behind the colon.
+    fn key(&mut self) -> Option<&'a str> {
+        let start = self.position;
+        let name = if self.peek() == Some('"') {
+            self.string().ok()?;
+            self.text[start..self.position].trim_matches('"')
+        } else {
+            self.word().ok()?
+        };
+        self.skip_blank().ok()?;
+        // `1::2` is no key; RON has no double colons outside of names.
+        if self.peek() != Some(':') {
+            return None;
+        }
+        self.position += 1;
+        Some(name)
+    }
+}

@@ -1,0 +1,156 @@
+//! A text and where it came from.
+
+use std::fmt::Write as _;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest as _, Sha256};
+
+use super::outline::{self, Entry};
+use crate::{Error, Result};
+
+/// Largest file of ours that is read, in bytes (1 MB). Robots and studies are a few kilobytes.
+pub const MAX_FILE_BYTES: u64 = 1_000_000;
+
+/// Most brackets that may be open at once. Robots use six.
+pub const MAX_NESTING: usize = 32;
+
+/// The text of a file, with its path for error messages.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Source {
+    path: PathBuf,
+    text: String,
+}
+
+impl Source {
+    /// A text that is already in memory; `path` is what error messages call it.
+    pub fn new(path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
+        Self {
+            path: path.into(),
+            text: text.into(),
+        }
+    }
+
+    /// Reads the file at `path`; `kind` is what error messages call it, e.g. "morphology".
+    ///
+    /// # Errors
+    /// Missing or unreadable files, folders, more than [`MAX_FILE_BYTES`], and anything that is not UTF-8 text.
+    pub fn read(path: impl AsRef<Path>, kind: &str) -> Result<Self> {
+        let path = path.as_ref();
+        let doing = format!("read the {kind}");
+        let refuse = |error: std::io::Error| Error::io(&doing, path, &error);
+        let file = std::fs::File::open(path).map_err(refuse)?;
+        if file.metadata().map_err(refuse)?.is_dir() {
+            return Err(Error::invalid(format!("cannot {doing}: this is a folder"))
+                .at_file(path)
+                .hint("name one file inside it"));
+        }
+        let mut bytes = Vec::new();
+        // One byte more than allowed, so that endless files (/dev/zero) are refused, not read.
+        file.take(MAX_FILE_BYTES + 1)
+            .read_to_end(&mut bytes)
+            .map_err(refuse)?;
+        Self::from_bytes(path, bytes, kind)
+    }
+
+    /// A file's bytes that are already in memory; the same checks as [`Source::read`].
+    ///
+    /// # Errors
+    /// More than [`MAX_FILE_BYTES`], and anything that is not UTF-8 text.
+    pub fn from_bytes(path: impl Into<PathBuf>, bytes: Vec<u8>, kind: &str) -> Result<Self> {
+        let path = path.into();
+        if bytes.len() as u64 > MAX_FILE_BYTES {
+            return Err(
+                Error::invalid(format!("cannot read the {kind}: the file is too large"))
+                    .at_file(&path)
+                    .found(format!("more than {MAX_FILE_BYTES} bytes"))
+                    .allowed(format!("at most {MAX_FILE_BYTES} bytes"))
+                    .hint(format!("is this really a {kind} file?")),
+            );
+        }
+        match String::from_utf8(bytes) {
+            Ok(text) => Ok(Self { path, text }),
+            Err(error) => {
+                let good = error.utf8_error().valid_up_to();
+                let bytes = error.as_bytes();
+                let text = String::from_utf8_lossy(&bytes[..good]);
+                let (line, column) = line_column(&text, text.len());
+                Err(Error::invalid(format!(
+                    "cannot read the {kind}: the file is not UTF-8 text"
+                ))
+                .at_file(path)
+                .at_line(line, column)
+                .found(format!("the byte 0x{:02x}", bytes.get(good).unwrap_or(&0)))
+                .hint("save it as UTF-8 in a text editor"))
+            }
+        }
+    }
+
+    /// The path that error messages name.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The whole text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// SHA-256 of the text as 64 lower-case hexadecimal digits, for provenance.
+    pub fn sha256(&self) -> String {
+        let mut hex = String::with_capacity(64);
+        for byte in Sha256::digest(self.text.as_bytes()) {
+            let _infallible = write!(hex, "{byte:02x}");
+        }
+        hex
+    }
+
+    /// Line and column (from 1) of the value at `path`, e.g. `glue[3].child`; of the nearest enclosing
+    /// value when the text leaves that one out; `None` when not even the first step is there.
+    pub fn locate(&self, path: &str) -> Option<(usize, usize)> {
+        self.find(path)
+            .map(|entry| line_column(&self.text, entry.value.start))
+    }
+
+    /// Adds this file, and the line and column of `path` as in [`Source::locate`], to an error.
+    #[must_use]
+    pub fn at(&self, path: &str, error: Error) -> Error {
+        let error = error.at_file(&self.path);
+        match self.locate(path) {
+            Some((line, column)) => error.at_line(line, column),
+            None => error,
+        }
+    }
+
+    pub(super) fn find(&self, path: &str) -> Option<Entry> {
+        outline::find(&self.text, MAX_NESTING, path)
+    }
+
+    pub(super) fn entry_at(&self, offset: usize) -> Option<Entry> {
+        outline::entry_at(&self.text, MAX_NESTING, offset)
+    }
+
+    pub(super) fn line_column(&self, offset: usize) -> (usize, usize) {
+        line_column(&self.text, offset)
+    }
+
+    /// The byte at line and column (from 1, columns in characters); the end of the text when beyond it.
+    pub(super) fn offset(&self, line: usize, column: usize) -> usize {
+        let mut start = 0;
+        for (index, text) in self.text.split_inclusive('\n').enumerate() {
+            if index + 1 == line {
+                let within = text.char_indices().nth(column.saturating_sub(1));
+                return start + within.map_or(text.len(), |(offset, _)| offset);
+            }
+            start += text.len();
+        }
+        self.text.len()
+    }
+}
+
+fn line_column(text: &str, offset: usize) -> (usize, usize) {
+    let before = &text[..offset.min(text.len())];
+    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    let line = 1 + before.matches('\n').count();
+    (line, 1 + before[line_start..].chars().count())
+}

@@ -1,0 +1,145 @@
+//! From modules and glue to rigid parts and hinges.
+
+use nalgebra::{Isometry3, Unit, Vector3};
+
+use super::Morphology;
+use super::assembly::{Assembly, Hinge, Part, Role, Solid};
+use super::layout::{Placement, plate_box};
+use super::module::{Drive, DriveAxis, Module};
+use super::tree::is_glued;
+
+/// Parts in the making: where the cube and the driven face of every module went.
+struct Workshop<'a> {
+    morphology: &'a Morphology,
+    parts: Vec<Part>,
+    hinges: Vec<Hinge>,
+    cube_part: Vec<usize>,
+}
+
+pub(super) fn assemble(morphology: &Morphology) -> Assembly {
+    let modules = morphology.modules();
+    let mut workshop = Workshop {
+        morphology,
+        parts: vec![Part { solids: Vec::new() }],
+        hinges: Vec::new(),
+        cube_part: vec![0; modules.len()],
+    };
+    for &module in &morphology.tree.order {
+        workshop.add(module);
+    }
+    let track = morphology.track();
+    Assembly {
+        module_names: modules.iter().map(|module| module.name.clone()).collect(),
+        parts: workshop.parts,
+        hinges: workshop.hinges,
+        track_part: workshop.cube_part[track],
+        robot_from_track: morphology.placements[track].pose_of(Vector3::zeros()),
+        body_length_m: modules[track].side_m,
+    }
+}
+
+impl Workshop<'_> {
+    /// Adds a module whose part exists, and opens the parts of its children.
+    fn add(&mut self, index: usize) {
+        let morphology = self.morphology;
+        let module = &morphology.modules()[index];
+        let placement = &morphology.placements[index];
+        let part = self.cube_part[index];
+        self.parts[part].solids.push(cube(index, module, placement));
+        if let Some(drive) = &module.drive
+            && !is_glued(morphology.glue(), index, drive.face)
+        {
+            let free = self.open_part(index, part, drive, 1.0);
+            self.add_plate(index, free, true);
+        }
+        for &glue in &morphology.tree.child_glue[index] {
+            let joint = &morphology.glue()[glue];
+            let child = &morphology.modules()[joint.child];
+            self.cube_part[joint.child] = match (&module.drive, &child.drive) {
+                (Some(drive), _) if drive.face == joint.face => {
+                    let moved = self.open_part(index, part, drive, 1.0);
+                    self.add_plate(index, moved, false);
+                    moved
+                }
+                (_, Some(drive)) if drive.face == joint.child_face => {
+                    // The child holds on with its driven face: its plate stays with the parent, and its
+                    // cube turns the other way round.
+                    self.add_plate(joint.child, part, false);
+                    self.open_part(joint.child, part, drive, -1.0)
+                }
+                _ => part,
+            };
+        }
+    }
+
+    /// Opens a new part that the servo of `module` moves against `parent_part`. `sign` is −1 where the
+    /// servo's cube is on the far side of the hinge.
+    fn open_part(&mut self, module: usize, parent_part: usize, drive: &Drive, sign: f64) -> usize {
+        let placement = &self.morphology.placements[module];
+        let normal = drive.face.normal();
+        let axis_module = match drive.axis {
+            DriveAxis::Normal { .. } => normal,
+            DriveAxis::Tangent { axis } => axis.normal(),
+        };
+        let half_side_m = self.morphology.modules()[module].side_m / 2.0;
+        let child_part = self.parts.len();
+        self.parts.push(Part { solids: Vec::new() });
+        self.hinges.push(Hinge {
+            module,
+            parent_part,
+            child_part,
+            anchor_robot_m: placement.point(normal * half_side_m),
+            axis_robot: Unit::new_unchecked(
+                placement.robot_from_module.apply(axis_module * sign),
+            ),
+            servo: drive.servo,
+            gait: drive.gait,
+        });
+        child_part
+    }
+
+    fn add_plate(&mut self, index: usize, part: usize, collides: bool) {
+        let module = &self.morphology.modules()[index];
+        if let (Some(plate), Some((centre, half))) = (module.plate(), plate_box(module)) {
+            let pose = self.morphology.placements[index].pose_of(centre);
+            self.parts[part]
+                .solids
+                .push(plate_solid(index, pose, half, plate.mass_kg, collides));
+        }
+    }
+}
+
+fn cube(index: usize, module: &Module, placement: &Placement) -> Solid {
+    Solid {
+        module: index,
+        role: Role::Cube,
+        half_extents_m: Vector3::repeat(module.side_m / 2.0),
+        robot_from_solid: placement.pose_of(Vector3::zeros()),
+        mass_kg: module.mass_kg,
+        centre_of_mass_solid_m: module.centre_of_mass_m,
+        inertia_kg_m2: module.cube_inertia_kg_m2(),
+        collides: true,
+    }
+}
+
+fn plate_solid(
+    module: usize,
+    robot_from_solid: Isometry3<f64>,
+    half_extents_m: Vector3<f64>,
+    mass_kg: f64,
+    collides: bool,
+) -> Solid {
+    let square = half_extents_m.component_mul(&half_extents_m);
+    // A uniform box: m/3 times the sum of the squared half extents across the axis.
+    let moments = Vector3::repeat(square.sum()) - square;
+    Solid {
+        module,
+        role: Role::Plate,
+        half_extents_m,
+        robot_from_solid,
+        mass_kg,
+        centre_of_mass_solid_m: Vector3::zeros(),
+        inertia_kg_m2: nalgebra::Matrix3::from_diagonal(&(moments * (mass_kg / 3.0))),
+        collides,
+    }
+}

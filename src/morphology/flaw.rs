@@ -1,0 +1,42 @@
+//! An error together with the place in the file that it belongs to.
+
+use crate::Error;
+use crate::file::Source;
+
+/// A value, or what is wrong with it.
+pub(super) type Checked<T> = Result<T, Flaw>;
+
+/// What is wrong with a blueprint, and where: `path` is the way to the value in a RON file
+/// (`modules[2].kind.mass_kg`), from which line and column follow when there is a file.
+#[derive(Debug)]
+pub(super) struct Flaw {
+    path: String,
+    error: Error,
+}
+
+impl Flaw {
+    pub(super) fn new(path: impl Into<String>, error: Error) -> Self {
+        Self {
+            path: path.into(),
+            error,
+        }
+    }
+
+    #[must_use]
+    pub(super) fn hint(self, hint: &str) -> Self {
+        Self {
+            error: self.error.hint(hint),
+            ..self
+        }
+    }
+
+    /// For blueprints that came from no file.
+    pub(super) fn without_file(self) -> Error {
+        self.error.field(self.path)
+    }
+
+    pub(super) fn in_file(self, source: &Source) -> Error {
+        let error = source.at(&self.path, self.error);
+        error.field(self.path)
+    }
+}

@@ -1,0 +1,38 @@
+//! Glue: which module sits on which face of which other, and how it is turned.
+
+use nalgebra::Vector3;
+
+use super::face::{CubeRotation, Face};
+
+/// One glued pair. The child sits centre to centre on the parent's face, without a gap.
+///
+/// The child is turned so that its `child_face` looks at the parent: not at all when `child_face` is opposite
+/// to `face` (the default), the shorter way round when the two are at right angles, and by a half turn about
+/// the parent's z axis (x axis for the faces ±z) when the two have the same name. Then it is turned by
+/// `quarter_turns` × 90° about the outward normal of the parent's face, right-handed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Glue {
+    /// Index of the parent module.
+    pub parent: usize,
+    /// Face of the parent, in the parent's frame.
+    pub face: Face,
+    /// Index of the child module.
+    pub child: usize,
+    /// Face of the child, in the child's frame.
+    pub child_face: Face,
+    /// 0 to 3.
+    pub quarter_turns: u8,
+}
+
+impl Glue {
+    /// Rotation of the child in the frame of the parent.
+    pub(super) fn parent_from_child(&self) -> CubeRotation {
+        CubeRotation::between(self.child_face, self.face.opposite())
+            .then(CubeRotation::quarter_turns(self.face, self.quarter_turns))
+    }
+
+    /// Centre of the child in the frame of the parent, m.
+    pub(super) fn child_centre_m(&self, parent_side_m: f64, child_side_m: f64) -> Vector3<f64> {
+        self.face.normal() * ((parent_side_m + child_side_m) / 2.0)
+    }
+}

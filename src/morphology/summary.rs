@@ -1,0 +1,70 @@
+//! A robot in a few numbers.
+
+use nalgebra::Vector3;
+
+use super::Morphology;
+use super::layout::blocks;
+
+/// What `check` prints about a robot. Robot frame: origin at the centre of the root module, zero servo angles.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// Number of modules.
+    pub modules: usize,
+    /// Number of rigid parts.
+    pub parts: usize,
+    /// Number of servo joints.
+    pub hinges: usize,
+    /// Mass of cubes and plates, kg.
+    pub mass_kg: f64,
+    /// Centre of mass, robot frame, m.
+    pub centre_of_mass_robot_m: Vector3<f64>,
+    /// Lower corner of the bounding box of everything that can touch, robot frame, m.
+    pub lower_robot_m: Vector3<f64>,
+    /// Upper corner of the same box, robot frame, m.
+    pub upper_robot_m: Vector3<f64>,
+    /// Edge length of the tracked module, m.
+    pub body_length_m: f64,
+}
+
+impl Summary {
+    /// Edges of the bounding box, m.
+    pub fn size_m(&self) -> Vector3<f64> {
+        self.upper_robot_m - self.lower_robot_m
+    }
+}
+
+pub(super) fn summarise(morphology: &Morphology) -> Summary {
+    let assembly = morphology.assemble();
+    let mut mass_kg = 0.0;
+    let mut moment = Vector3::zeros();
+    for solid in assembly.parts.iter().flat_map(|part| &part.solids) {
+        mass_kg += solid.mass_kg;
+        let centre = solid.robot_from_solid * nalgebra::Point3::from(solid.centre_of_mass_solid_m);
+        moment += centre.coords * solid.mass_kg;
+    }
+    let (lower_robot_m, upper_robot_m) =
+        blocks(morphology.modules(), morphology.glue(), &morphology.placements)
+            .iter()
+            .fold(
+                (
+                    Vector3::repeat(f64::INFINITY),
+                    Vector3::repeat(f64::NEG_INFINITY),
+                ),
+                |(lower, upper), block| {
+                    (
+                        lower.inf(&(block.centre_robot_m - block.half_robot_m)),
+                        upper.sup(&(block.centre_robot_m + block.half_robot_m)),
+                    )
+                },
+            );
+    Summary {
+        modules: morphology.modules().len(),
+        parts: assembly.parts.len(),
+        hinges: assembly.hinges.len(),
+        mass_kg,
+        centre_of_mass_robot_m: moment / mass_kg,
+        lower_robot_m,
+        upper_robot_m,
+        body_length_m: assembly.body_length_m,
+    }
+}
