@@ -3,6 +3,7 @@
 pub mod comparison;
 pub mod error;
 pub mod file;
+pub mod folder;
 pub mod morphology;
 pub mod parameter;
 pub mod quantity;

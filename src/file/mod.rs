@@ -30,9 +30,11 @@
 
 mod decode;
 mod outline;
+mod output;
 mod source;
 mod suggestion;
 
 pub use decode::{parse_ron, write_ron};
+pub use output::write_atomic;
 pub use source::{MAX_FILE_BYTES, MAX_NESTING, Source};
 pub use suggestion::nearest_name;
