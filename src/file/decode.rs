@@ -134,7 +134,7 @@ fn wanted(code: &Code) -> Option<&'static str> {
         Code::ExpectedArray => "a list `[ ... ]`",
         Code::ExpectedMap => "a map `{ ... }`",
         Code::ExpectedIdentifier | Code::SuggestRawIdentifier(_) | Code::InvalidIdentifier(_) => {
-            "a name without quotes"
+            "a name, without quotes"
         }
         Code::ExpectedOption => "a value",
         Code::ExpectedUnit => "()",
@@ -220,9 +220,8 @@ impl Spot<'_> {
             .as_ref()
             .is_some_and(|e| e.value.start < self.offset && self.offset < e.value.end);
         match code {
-            Code::ExpectedStringEnd => self.here(
-                Error::invalid("the text never ends").hint("close it with a double quote"),
-            ),
+            Code::ExpectedStringEnd => self
+                .here(Error::invalid("the text never ends").hint("close it with a double quote")),
             Code::UnclosedBlockComment => {
                 self.here(Error::invalid("the comment never ends").hint("close it with `*/`"))
             }
@@ -238,9 +237,8 @@ impl Spot<'_> {
                 Error::invalid("the file ends too early")
                     .hint("look for a bracket that is never closed"),
             ),
-            Code::ExpectedComma if inside_value => self.wrong_kind(
-                "a value that fits here (whole numbers are written without a point)",
-            ),
+            Code::ExpectedComma if inside_value => self
+                .wrong_kind("a value that fits here (whole numbers are written without a point)"),
             Code::ExpectedComma => self.here(
                 Error::invalid("a comma or a closing bracket is missing")
                     .hint("entries are separated by commas"),
@@ -248,9 +246,9 @@ impl Spot<'_> {
             Code::ExpectedMapColon => self.here(
                 Error::invalid("a colon is missing").hint("fields are written `name: value`"),
             ),
-            Code::ExpectedStructLikeEnd | Code::ExpectedOptionEnd => self.here(
-                Error::invalid("a closing `)` is missing, or there is one value too many"),
-            ),
+            Code::ExpectedStructLikeEnd | Code::ExpectedOptionEnd => self.here(Error::invalid(
+                "a closing `)` is missing, or there is one value too many",
+            )),
             Code::ExpectedArrayEnd => self.here(Error::invalid("a closing `]` is missing")),
             Code::ExpectedMapEnd => self.here(Error::invalid("a closing `}` is missing")),
             Code::UnexpectedChar(c) => {

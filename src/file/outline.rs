@@ -48,9 +48,9 @@ pub(super) fn find(text: &str, limit: usize, path: &str) -> Option<Entry> {
     let mut best: Option<Entry> = None;
     visit(text, limit, &mut |steps, whole, value| {
         let candidate = path_text(steps);
-        let encloses = path.strip_prefix(candidate.as_str()).is_some_and(|rest| {
-            rest.is_empty() || rest.starts_with('.') || rest.starts_with('[')
-        });
+        let encloses = path
+            .strip_prefix(candidate.as_str())
+            .is_some_and(|rest| rest.is_empty() || rest.starts_with('.') || rest.starts_with('['));
         if encloses && best.as_ref().is_none_or(|b| b.path.len() < candidate.len()) {
             best = Some(Entry {
                 path: candidate,

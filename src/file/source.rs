@@ -69,7 +69,14 @@ impl Source {
             );
         }
         match String::from_utf8(bytes) {
-            Ok(text) => Ok(Self { path, text }),
+            // Some editors of Windows start every file with a byte order mark.
+            Ok(text) => Ok(Self {
+                path,
+                text: match text.strip_prefix('\u{feff}') {
+                    Some(rest) => rest.to_owned(),
+                    None => text,
+                },
+            }),
             Err(error) => {
                 let good = error.utf8_error().valid_up_to();
                 let bytes = error.as_bytes();

@@ -16,7 +16,8 @@ pub fn nearest_name<'a>(
     if found.chars().count() > 64 {
         return None;
     }
-    let limit = 1 + found.chars().count() / 4;
+    // One slip per three letters: a single letter is close to every other, which says nothing.
+    let limit = (found.chars().count() + 1) / 3;
     allowed
         .into_iter()
         .map(|name| (edit_distance(found, name), name))

@@ -89,9 +89,7 @@ impl Workshop<'_> {
             parent_part,
             child_part,
             anchor_robot_m: placement.point(normal * half_side_m),
-            axis_robot: Unit::new_unchecked(
-                placement.robot_from_module.apply(axis_module * sign),
-            ),
+            axis_robot: Unit::new_unchecked(placement.robot_from_module.apply(axis_module * sign)),
             servo: drive.servo,
             gait: drive.gait,
         });

@@ -88,7 +88,7 @@ pub struct Servo {
     pub law: ServoLaw,
     /// Largest torque, N m.
     pub max_torque_nm: f64,
-    /// Largest commanded speed, rad/s.
+    /// Largest commanded speed, rad/s; infinite for a servo without a speed limit.
     pub max_speed_rad_s: f64,
 }
 
@@ -97,11 +97,12 @@ pub struct Servo {
 pub struct Hinge {
     /// Index of the active module that owns the servo.
     pub module: usize,
-    /// Index of the part that carries the servo's cube.
+    /// Index of the part nearer to the root. It carries the servo's cube, unless the module holds on to its
+    /// parent by its driven face; the axis is reversed then, so that the sentence above holds for both.
     pub parent_part: usize,
-    /// Index of the part that the driven face belongs to.
+    /// Index of the part further from the root: what the driven face carries, or else the servo's cube.
     pub child_part: usize,
-    /// A point on the axis, robot frame at zero angles, metres.
+    /// The centre of the driven face, a point on the axis, robot frame at zero angles, metres.
     pub anchor_robot_m: Vector3<f64>,
     /// The axis, robot frame at zero angles.
     pub axis_robot: Unit<Vector3<f64>>,

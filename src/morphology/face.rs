@@ -166,7 +166,8 @@ mod tests {
         let turn = CubeRotation::quarter_turns(Face::PosZ, 1);
         assert_eq!(turn.apply(Vector3::x()), Vector3::y());
         for face in Face::ALL {
-            let turns = CubeRotation::quarter_turns(face, 3).then(CubeRotation::quarter_turns(face, 1));
+            let turns =
+                CubeRotation::quarter_turns(face, 3).then(CubeRotation::quarter_turns(face, 1));
             assert_eq!(turns, CubeRotation::identity());
         }
     }

@@ -243,8 +243,9 @@ fn required<T>(value: Option<T>, default: Option<T>, field: &str, at: &str) -> C
     value.or(default).ok_or_else(|| {
         Flaw::new(
             at,
-            Error::invalid(format!("the field `{field}` is missing"))
-                .hint(format!("add `{field}` here, or to `defaults` for all modules")),
+            Error::invalid(format!("the field `{field}` is missing")).hint(format!(
+                "add `{field}` here, or to `defaults` for all modules"
+            )),
         )
     })
 }
@@ -274,7 +275,13 @@ impl ModuleFile {
                     servo: required(servo, defaults.servo, "servo", at)?.into(),
                     gait: gait.unwrap_or(GaitFile::HOLD).into(),
                 };
-                (side_m, mass_kg, inertia_kg_m2, centre_of_mass_m, Some(drive))
+                (
+                    side_m,
+                    mass_kg,
+                    inertia_kg_m2,
+                    centre_of_mass_m,
+                    Some(drive),
+                )
             }
         };
         Ok(Module {
@@ -383,7 +390,10 @@ impl From<Servo> for ServoFile {
                 },
             },
             max_torque_nm: servo.max_torque_nm,
-            max_speed_rad_s: servo.max_speed_rad_s.is_finite().then_some(servo.max_speed_rad_s),
+            max_speed_rad_s: servo
+                .max_speed_rad_s
+                .is_finite()
+                .then_some(servo.max_speed_rad_s),
         }
     }
 }

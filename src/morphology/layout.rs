@@ -90,7 +90,9 @@ pub(super) fn blocks(modules: &[Module], glue: &[Glue], placements: &[Placement]
             half_robot_m: Vector3::repeat(module.side_m / 2.0),
         });
         if let Some((centre, half)) = plate_box(module)
-            && module.driven_face().is_some_and(|face| !is_glued(glue, index, face))
+            && module
+                .driven_face()
+                .is_some_and(|face| !is_glued(glue, index, face))
         {
             blocks.push(Block {
                 module: index,
@@ -116,11 +118,7 @@ pub(super) fn plate_box(module: &Module) -> Option<(Vector3<f64>, Vector3<f64>)>
 }
 
 /// Refuses robots in which two boxes are in the same place at zero angles. Touching is fine.
-pub(super) fn check_overlap(
-    modules: &[Module],
-    tree: &Tree,
-    blocks: &[Block],
-) -> Checked<()> {
+pub(super) fn check_overlap(modules: &[Module], tree: &Tree, blocks: &[Block]) -> Checked<()> {
     for (index, block) in blocks.iter().enumerate() {
         let Some(other) = blocks[..index].iter().find(|other| other.overlaps(block)) else {
             continue;

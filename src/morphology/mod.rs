@@ -57,7 +57,7 @@
 //! |---|---|---|
 //! | `face` | the driven face; whatever is glued onto it moves with it | |
 //! | `axis` | `Normal(plate: (side_m, thickness_m, mass_kg))`: spins about its outward normal; or `Tangent(axis: PosY)`: bends about an axis through the centre of the face, at right angles to its normal | plate sides and masses as for cubes, thickness up to 10 m |
-//! | `servo` | `(law, max_torque_nm, max_speed_rad_s)`; law `Velocity(gain_1_s)` or `Torque(stiffness_nm_rad, damping_nm_s_rad)` | torque above 0 to 1e4 N m; speed above 0 to 1e4 rad/s, left out: no limit |
+//! | `servo` | `(law, max_torque_nm, max_speed_rad_s)`; law `Velocity(gain_1_s)` or `Torque(stiffness_nm_rad, damping_nm_s_rad)` | torque above 0 to 1e4 N m; gain up to 1e5 1/s, stiffness and damping up to 1e6; speed above 0 to 1e4 rad/s, left out: no limit |
 //! | `gait` | `(offset_rad, amplitude_rad, frequency_hz, phase_rad)`; offset and phase default to 0, no gait holds 0 rad | angles −1000 to 1000 rad, 0 to 100 Hz |
 //!
 //! The **plate** is a square slab on the outside of the driven face. Where a module is glued onto that face, the module

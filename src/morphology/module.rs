@@ -122,11 +122,11 @@ impl Module {
         }
         for (index, offset) in self.centre_of_mass_m.iter().enumerate() {
             let half = self.side_m / 2.0;
-            if !(offset.abs() <= half) {
+            if offset.is_nan() || offset.abs() > half {
                 return Err(Flaw::new(
                     format!("{at}.centre_of_mass_m[{index}]"),
                     Error::invalid("the centre of mass must lie inside the cube")
-                        .found(format!("{offset} m"))
+                        .found(format!("{} m", number(*offset)))
                         .allowed(format!("between {} m and {half} m", -half)),
                 ));
             }
@@ -141,7 +141,8 @@ impl Drive {
             DriveAxis::Normal { plate: Some(plate) } => {
                 let at = format!("{at}.axis.plate");
                 check_side(plate.side_m, &format!("{at}.side_m"))?;
-                Range::above(0.0, 10.0, "m").check(plate.thickness_m, &format!("{at}.thickness_m"))?;
+                Range::above(0.0, 10.0, "m")
+                    .check(plate.thickness_m, &format!("{at}.thickness_m"))?;
                 check_mass(plate.mass_kg, &format!("{at}.mass_kg"))?;
             }
             DriveAxis::Normal { plate: None } => {}
@@ -165,7 +166,8 @@ impl Drive {
         let angle = Range::within(-MAX_ANGLE_RAD, MAX_ANGLE_RAD, "rad");
         angle.check(self.gait.offset_rad, &format!("{at}.offset_rad"))?;
         angle.check(self.gait.amplitude_rad, &format!("{at}.amplitude_rad"))?;
-        Range::within(0.0, 100.0, "Hz").check(self.gait.frequency_hz, &format!("{at}.frequency_hz"))?;
+        Range::within(0.0, 100.0, "Hz")
+            .check(self.gait.frequency_hz, &format!("{at}.frequency_hz"))?;
         angle.check(self.gait.phase_rad, &format!("{at}.phase_rad"))
     }
 
@@ -236,7 +238,9 @@ fn check_inertia(moments: [f64; 3], at: &str) -> Checked<()> {
             return Err(Flaw::new(
                 at,
                 Error::invalid("no solid has such moments of inertia")
-                    .found(format!("{moment} kg m^2, but the two others sum to {others}"))
+                    .found(format!(
+                        "{moment} kg m^2, but the two others sum to {others}"
+                    ))
                     .allowed("no moment larger than the sum of the two others"),
             ));
         }
@@ -270,14 +274,20 @@ impl Range {
     }
 
     fn check(&self, value: f64, at: &str) -> Checked<()> {
-        let Self { low, high, unit, .. } = *self;
+        let Self {
+            low, high, unit, ..
+        } = *self;
         if value >= low && value <= high && !(self.low_excluded && value == low) {
             return Ok(());
         }
         let allowed = if self.low_excluded {
-            format!("more than {low} {unit}, at most {high} {unit}")
+            format!(
+                "more than {} {unit}, at most {} {unit}",
+                number(low),
+                number(high)
+            )
         } else {
-            format!("{low} {unit} to {high} {unit}")
+            format!("{} {unit} to {} {unit}", number(low), number(high))
         };
         let problem = if value.is_finite() {
             "out of range"
@@ -287,8 +297,17 @@ impl Range {
         Err(Flaw::new(
             at,
             Error::invalid(problem)
-                .found(format!("{value} {unit}"))
+                .found(format!("{} {unit}", number(value)))
                 .allowed(allowed),
         ))
+    }
+}
+
+/// As people write it: 1e300 has no use for 300 digits.
+fn number(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() || (1e-4..1e7).contains(&value.abs()) {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
     }
 }

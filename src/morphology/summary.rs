@@ -42,21 +42,24 @@ pub(super) fn summarise(morphology: &Morphology) -> Summary {
         let centre = solid.robot_from_solid * nalgebra::Point3::from(solid.centre_of_mass_solid_m);
         moment += centre.coords * solid.mass_kg;
     }
-    let (lower_robot_m, upper_robot_m) =
-        blocks(morphology.modules(), morphology.glue(), &morphology.placements)
-            .iter()
-            .fold(
-                (
-                    Vector3::repeat(f64::INFINITY),
-                    Vector3::repeat(f64::NEG_INFINITY),
-                ),
-                |(lower, upper), block| {
-                    (
-                        lower.inf(&(block.centre_robot_m - block.half_robot_m)),
-                        upper.sup(&(block.centre_robot_m + block.half_robot_m)),
-                    )
-                },
-            );
+    let (lower_robot_m, upper_robot_m) = blocks(
+        morphology.modules(),
+        morphology.glue(),
+        &morphology.placements,
+    )
+    .iter()
+    .fold(
+        (
+            Vector3::repeat(f64::INFINITY),
+            Vector3::repeat(f64::NEG_INFINITY),
+        ),
+        |(lower, upper), block| {
+            (
+                lower.inf(&(block.centre_robot_m - block.half_robot_m)),
+                upper.sup(&(block.centre_robot_m + block.half_robot_m)),
+            )
+        },
+    );
     Summary {
         modules: morphology.modules().len(),
         parts: assembly.parts.len(),

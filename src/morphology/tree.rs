@@ -52,10 +52,12 @@ impl Tree {
             next += 1;
         }
         // With one root and one parent for everyone else, whoever was not reached hangs on a cycle.
-        let reached: Vec<bool> = order.iter().fold(vec![false; modules.len()], |mut seen, &m| {
-            seen[m] = true;
-            seen
-        });
+        let reached: Vec<bool> = order
+            .iter()
+            .fold(vec![false; modules.len()], |mut seen, &m| {
+                seen[m] = true;
+                seen
+            });
         if let Some(lost) = reached.iter().position(|&seen| !seen) {
             return Err(cycle(lost, modules, glue, &parent_glue));
         }
@@ -105,11 +107,7 @@ pub(super) fn quarter_turns_flaw(index: usize, found: i64) -> Flaw {
     )
 }
 
-fn find_root(
-    modules: &[Module],
-    glue: &[Glue],
-    parent_glue: &[Option<usize>],
-) -> Checked<usize> {
+fn find_root(modules: &[Module], glue: &[Glue], parent_glue: &[Option<usize>]) -> Checked<usize> {
     let roots: Vec<usize> = (0..modules.len())
         .filter(|&module| parent_glue[module].is_none())
         .collect();
@@ -144,12 +142,7 @@ fn find_root(
 }
 
 /// Climbs from a module that the root does not reach until a module comes up again.
-fn cycle(
-    start: usize,
-    modules: &[Module],
-    glue: &[Glue],
-    parent_glue: &[Option<usize>],
-) -> Flaw {
+fn cycle(start: usize, modules: &[Module], glue: &[Glue], parent_glue: &[Option<usize>]) -> Flaw {
     let mut climbed = vec![start];
     let mut last_glue = 0;
     let mut module = start;
@@ -226,7 +219,9 @@ fn check_drives(modules: &[Module], glue: &[Glue]) -> Checked<()> {
                         joint.face.name(),
                         modules[joint.parent].name
                     ))
-                    .hint("two servos would drive one glue joint: put a passive module between them"),
+                    .hint(
+                        "two servos would drive one glue joint: put a passive module between them",
+                    ),
             ));
         }
     }
@@ -236,7 +231,9 @@ fn check_drives(modules: &[Module], glue: &[Glue]) -> Checked<()> {
             continue;
         }
         let hint = match drive.axis {
-            DriveAxis::Normal { .. } => "give it a plate, glue a module onto that face, or make it Passive",
+            DriveAxis::Normal { .. } => {
+                "give it a plate, glue a module onto that face, or make it Passive"
+            }
             DriveAxis::Tangent { .. } => "glue a module onto that face, or make it Passive",
         };
         return Err(Flaw::new(
