@@ -1,1 +1,43 @@
-//! report
+//! Pictures and tables: plain data in, a file or a text out.
+//!
+//! | what | function | shows |
+//! |---|---|---|
+//! | [`HeatMap`] | [`draw_heat_map`] | the score over two parameters |
+//! | [`Curve`] | [`draw_curve`] | the score over one parameter |
+//! | [`PanelGrid`] | [`draw_panels`] | simulated paths at several parameter values, over the real ones |
+//! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
+//! | [`TextTable`] | [`TextTable::render`] | a table for the terminal |
+//!
+//! Every `draw_…` function writes PNG or SVG by the extension of the path. The file is complete or
+//! it is not there, and the same data give the same bytes. Nothing here knows where the data come
+//! from: callers fill the structs. This is the only room that names `plotters`.
+
+mod axis;
+mod canvas;
+mod colour;
+mod curve;
+mod font;
+mod frame;
+mod heading;
+mod heatmap;
+mod legend;
+mod number;
+mod overlay;
+mod panel;
+mod path;
+mod picture;
+mod scale;
+mod table;
+#[cfg(test)]
+mod tests;
+
+pub use axis::{AxisSpec, Truth};
+pub use curve::{Curve, draw_curve};
+pub use heatmap::{HeatMap, draw_heat_map};
+pub use number::{DisplayUnit, number, quantity};
+pub use overlay::{Overlay, OverlayPath, draw_overlay};
+pub use panel::{Panel, PanelGrid, draw_panels};
+pub use path::PathPoint;
+pub use picture::check_picture_path;
+pub use scale::ScoreScale;
+pub use table::{Side, TextTable};

@@ -1,0 +1,179 @@
+//! The legend: symbols with a text, in as many rows as they need.
+
+use plotters::backend::DrawingBackend;
+use plotters::style::RGBColor;
+
+use super::canvas::{Align, Canvas, Letter, Point};
+use super::colour::{DIVERGED, DIVERGED_LINE, INK, VERMILLION, WHITE, score_colour};
+use super::font::{Weight, shorten};
+
+const SIZE: f64 = 21.0;
+const ROW_HEIGHT: f64 = 33.0;
+const SYMBOL_WIDTH: f64 = 40.0;
+const SYMBOL_GAP: f64 = 10.0;
+const ENTRY_GAP: f64 = 34.0;
+
+/// What stands for something in the picture.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Symbol {
+    Line {
+        colour: RGBColor,
+        width: f64,
+        dash: Option<(f64, f64)>,
+    },
+    Star,
+    Outline,
+    Diverged,
+    Cross,
+    Ring,
+    Start,
+    Shade(RGBColor),
+}
+
+pub(super) struct Legend {
+    /// Left edge of the symbol, row, symbol, text.
+    entries: Vec<(f64, usize, Symbol, String)>,
+    rows: usize,
+}
+
+impl Legend {
+    /// Sets the entries in rows no wider than `width`.
+    pub(super) fn new(entries: Vec<(Symbol, String)>, width: f64) -> Self {
+        let letter = letter();
+        let mut x = 0.0;
+        let mut row = 0;
+        let mut set: Vec<(f64, usize, Symbol, String)> = Vec::new();
+        // Several entries that need several rows stand in columns, which are easier to read.
+        let widest = entries
+            .iter()
+            .map(|(_, text)| SYMBOL_WIDTH + SYMBOL_GAP + letter.width(text))
+            .fold(0.0, f64::max);
+        let total: f64 = entries
+            .iter()
+            .map(|(_, text)| SYMBOL_WIDTH + SYMBOL_GAP + letter.width(text) + ENTRY_GAP)
+            .sum();
+        let columns = ((width + ENTRY_GAP) / (widest + ENTRY_GAP))
+            .floor()
+            .max(1.0);
+        let column =
+            (total - ENTRY_GAP > width && entries.len() > 4).then(|| (width + ENTRY_GAP) / columns);
+        for (symbol, text) in entries {
+            let text = shorten(
+                &text,
+                Weight::Regular,
+                SIZE,
+                width - SYMBOL_WIDTH - SYMBOL_GAP,
+            );
+            let entry_width = column.map_or(SYMBOL_WIDTH + SYMBOL_GAP + letter.width(&text), |c| {
+                c - ENTRY_GAP
+            });
+            if x > 0.0 && x + entry_width > width + 0.5 {
+                x = 0.0;
+                row += 1;
+            }
+            set.push((x, row, symbol, text));
+            x += entry_width + ENTRY_GAP;
+        }
+        let rows = if set.is_empty() { 0 } else { row + 1 };
+        Self { entries: set, rows }
+    }
+
+    pub(super) fn height(&self) -> f64 {
+        self.rows as f64 * ROW_HEIGHT
+    }
+
+    pub(super) fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, left: f64, top: f64) {
+        for (x, row, symbol, text) in &self.entries {
+            let middle = top + (*row as f64 + 0.5) * ROW_HEIGHT;
+            draw_symbol(canvas, *symbol, (left + x, middle));
+            let text_x = left + x + SYMBOL_WIDTH + SYMBOL_GAP;
+            canvas.text_beside(text, (text_x, middle), Align::Left, letter());
+        }
+    }
+}
+
+fn letter() -> Letter {
+    Letter::new(SIZE, Weight::Regular, INK)
+}
+
+fn draw_symbol<B: DrawingBackend>(canvas: &mut Canvas<B>, symbol: Symbol, (left, middle): Point) {
+    let right = left + SYMBOL_WIDTH;
+    let centre = (left + SYMBOL_WIDTH / 2.0, middle);
+    let (from, to) = ((left + 4.0, middle - 11.0), (right - 4.0, middle + 11.0));
+    match symbol {
+        Symbol::Line {
+            colour,
+            width,
+            dash,
+        } => canvas.path(&[(left, middle), (right, middle)], width, colour, dash),
+        Symbol::Star => draw_star(canvas, centre),
+        Symbol::Outline => {
+            canvas.cell(from, to, score_colour(0.25));
+            canvas.outline(from, to, 6.0, WHITE);
+            canvas.outline(from, to, 3.0, INK);
+        }
+        Symbol::Diverged => {
+            draw_diverged(canvas, from, to);
+            canvas.outline(from, to, 1.0, DIVERGED_LINE);
+        }
+        Symbol::Cross => draw_cross(canvas, centre),
+        Symbol::Ring => draw_ring(canvas, centre),
+        Symbol::Start => draw_start(canvas, centre),
+        Symbol::Shade(colour) => canvas.cell(from, to, colour),
+    }
+}
+
+/// The mark of the best point: visible on every colour.
+pub(super) fn draw_star<B: DrawingBackend>(canvas: &mut Canvas<B>, centre: Point) {
+    canvas.star(centre, 18.0, INK);
+    canvas.star(centre, 11.5, WHITE);
+}
+
+/// The mark of the true values, where they are known: leaves the star within it visible.
+pub(super) fn draw_ring<B: DrawingBackend>(canvas: &mut Canvas<B>, centre: Point) {
+    canvas.ring(centre, 13.0, 7.5, WHITE);
+    canvas.ring(centre, 13.0, 4.0, VERMILLION);
+}
+
+/// The mark of the start of a path.
+pub(super) fn draw_start<B: DrawingBackend>(canvas: &mut Canvas<B>, centre: Point) {
+    canvas.disc(centre, 7.0, INK);
+    canvas.disc(centre, 4.0, WHITE);
+}
+
+/// The mark of a diverged point of a curve.
+pub(super) fn draw_cross<B: DrawingBackend>(canvas: &mut Canvas<B>, (x, y): Point) {
+    let r = 7.0;
+    for sign in [-1.0, 1.0] {
+        canvas.path(
+            &[(x - r, y - sign * r), (x + r, y + sign * r)],
+            3.0,
+            DIVERGED_LINE,
+            None,
+        );
+    }
+}
+
+/// Hatching from corner to corner; neighbouring areas hatch through, as the lines are those of x + y = constant.
+pub(super) fn draw_diverged<B: DrawingBackend>(canvas: &mut Canvas<B>, from: Point, to: Point) {
+    canvas.cell(from, to, DIVERGED);
+    const SPACING: f64 = 9.0;
+    let ((x0, y0), (x1, y1)) = (
+        (from.0.round(), from.1.round()),
+        (to.0.round(), to.1.round()),
+    );
+    let mut sum = ((x0 + y0) / SPACING).ceil() * SPACING;
+    while sum < x1 + y1 {
+        let start = (sum - y0).min(x1);
+        let end = (sum - y1).max(x0);
+        if start - end > 0.5 {
+            canvas.path(
+                &[(start, sum - start), (end, sum - end)],
+                1.2,
+                DIVERGED_LINE,
+                None,
+            );
+        }
+        sum += SPACING;
+    }
+}
