@@ -42,7 +42,7 @@ impl AxisSpec {
 
     /// Parameters keep their unit: people compare the axis with what they typed.
     fn display_unit(&self) -> DisplayUnit {
-        DisplayUnit::for_largest(self.unit, f64::INFINITY)
+        DisplayUnit::for_size(self.unit, f64::INFINITY)
     }
 }
 

@@ -2,9 +2,11 @@
 
 use plotters::backend::DrawingBackend;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontTransform, RGBColor, ShapeStyle, TextStyle};
+use plotters::style::{
+    Color, FontDesc, FontFamily, FontStyle, FontTransform, RGBColor, ShapeStyle, TextStyle,
+};
 
-use super::font::{self, CAPITAL_HEIGHT_EM, LINE_HEIGHT_EM, Weight};
+use super::font::{self, CAPITAL_HEIGHT_EM, Weight};
 use crate::{Error, Result};
 
 /// A point in picture units, y downwards.
@@ -252,13 +254,59 @@ impl<B: DrawingBackend> Canvas<B> {
             .chars()
             .map(|c| if c.is_control() { ' ' } else { c })
             .collect();
-        // Each backend has its own idea of "font size" and of "top of the text"; the second number
-        // is the distance from that top to the baseline, in em.
-        let (size_em, top_em) = match self.medium {
-            Medium::Pixels => (LINE_HEIGHT_EM, LINE_HEIGHT_EM / 2.0),
-            Medium::Vector => (1.24, 0.76),
+        match self.medium {
+            Medium::Pixels => self.raster_text(&text, anchor, align, letter, upwards),
+            Medium::Vector => self.vector_text(&text, anchor, align, letter, upwards),
+        }
+    }
+
+    fn raster_text(
+        &mut self,
+        text: &str,
+        anchor: Point,
+        align: Align,
+        letter: Letter,
+        upwards: bool,
+    ) {
+        let before = match align {
+            Align::Left => 0.0,
+            Align::Centre => letter.width(text) / 2.0,
+            Align::Right => letter.width(text),
         };
-        let top = top_em * letter.size;
+        let (x, y) = if upwards {
+            self.at((anchor.0, anchor.1 + before))
+        } else {
+            self.at((anchor.0 - before, anchor.1))
+        };
+        let mut outcome = Ok(());
+        let backend = &mut self.backend;
+        let size = letter.size * self.per_unit;
+        font::rasterise(text, letter.weight, size, |dx, dy, coverage| {
+            let at = if upwards {
+                (x + dy, y - dx)
+            } else {
+                (x + dx, y + dy)
+            };
+            let colour = letter.colour.mix(coverage).to_backend_color();
+            if let Err(failure) = backend.draw_pixel(at, colour) {
+                outcome = Err(failure.to_string());
+            }
+        });
+        self.keep(outcome);
+    }
+
+    fn vector_text(
+        &mut self,
+        text: &str,
+        anchor: Point,
+        align: Align,
+        letter: Letter,
+        upwards: bool,
+    ) {
+        // plotters divides the size by this, and moves the baseline down by that.
+        const SIZE_PER_EM: f64 = 1.24;
+        const TOP_TO_BASELINE_EM: f64 = 0.76;
+        let top = TOP_TO_BASELINE_EM * letter.size;
         let position = if upwards {
             (anchor.0 - top, anchor.1)
         } else {
@@ -269,15 +317,21 @@ impl<B: DrawingBackend> Canvas<B> {
             Align::Centre => HPos::Center,
             Align::Right => HPos::Right,
         };
-        let mut font = font::font(letter.weight, letter.size * size_em * self.per_unit);
+        let style = match letter.weight {
+            Weight::Regular => FontStyle::Normal,
+            Weight::Bold => FontStyle::Bold,
+        };
+        let size = letter.size * SIZE_PER_EM * self.per_unit;
+        let mut font = FontDesc::new(FontFamily::Name(font::SVG_FAMILY), size, style);
         if upwards {
             font = font.transform(FontTransform::Rotate270);
         }
+        let colour = letter.colour.to_rgba();
         let style = TextStyle::from(font)
-            .color(&letter.colour.to_rgba())
+            .color(&colour)
             .pos(Pos::new(h_pos, VPos::Top));
         let position = self.at(position);
-        let outcome = self.backend.draw_text(&text, &style, position);
+        let outcome = self.backend.draw_text(text, &style, position);
         self.keep(outcome.map_err(|e| e.to_string()));
     }
 }

@@ -82,12 +82,12 @@ impl Curve {
         self.scores[index].filter(|score| score.is_finite())
     }
 
-    fn legend(&self, diverged: usize) -> Legend {
+    fn legend(&self, diverged: usize, unit: DisplayUnit) -> Legend {
         let mut entries = Vec::new();
         if let Some(best) = self.best {
-            let score = self.score(best).map_or("diverged".to_string(), |score| {
-                DisplayUnit::for_largest(self.score_unit, score).format(score)
-            });
+            let score = self
+                .score(best)
+                .map_or("diverged".to_string(), |score| unit.format(score));
             let place = self.x.at(self.x_values[best]);
             entries.push((Symbol::Star, format!("best: {score} at {place}")));
         }
@@ -170,14 +170,13 @@ impl Picture for Curve {
             .filter_map(|i| self.score(i))
             .collect();
         let diverged = self.scores.len() - finite.len();
-        let largest = finite.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        let unit = DisplayUnit::for_largest(self.score_unit, largest);
+        let unit = DisplayUnit::for_values(self.score_unit, finite.iter().copied());
         let shown: Vec<f64> = finite.iter().map(|score| score * unit.factor).collect();
         let y = with_room(Scale::for_scores(&shown, self.scale));
 
         let heading = Heading::new(&self.title, &self.subtitle, WIDTH - 2.0 * MARGIN);
         heading.draw(canvas, MARGIN, 14.0);
-        let legend = self.legend(diverged);
+        let legend = self.legend(diverged, unit);
         let legend_top = HEIGHT - 16.0 - legend.height();
         legend.draw(canvas, MARGIN, legend_top);
 

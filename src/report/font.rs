@@ -1,23 +1,21 @@
 //! The embedded font, so that a picture has the same bytes on every machine.
+//!
+//! Letters are set here and not by plotters, which (0.3.7) leaves out the space that a letter has
+//! on its left, so that they come out unevenly spaced.
 
 use std::sync::OnceLock;
 
-use plotters::style::{FontDesc, FontFamily, FontStyle, register_font};
+use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 
 use crate::{Error, Result};
 
-/// The name under which the font is registered; an SVG viewer reads it as a list of fallbacks.
-const FAMILY: &str = "Roboto, Helvetica, Arial, sans-serif";
-const REGULAR: &[u8] = include_bytes!("../../assets/font/Roboto-Regular.ttf");
-const BOLD: &[u8] = include_bytes!("../../assets/font/Roboto-Bold.ttf");
-
+/// The family for SVG, whose text is set by the viewer: the embedded font first, then what is common.
+pub(super) const SVG_FAMILY: &str = "Roboto, Helvetica, Arial, sans-serif";
 /// Height of a capital letter, as a share of the em.
 pub(super) const CAPITAL_HEIGHT_EM: f64 = 0.711;
-/// plotters wants the height of a line from ascent to descent where people say "font size".
-pub(super) const LINE_HEIGHT_EM: f64 = (1900.0 + 500.0) / 2048.0;
 
-/// Size at which text is measured: plotters rounds widths to whole pixels, so measure large.
-const MEASURE_SIZE: f64 = 1000.0;
+const REGULAR: &[u8] = include_bytes!("../../assets/font/Roboto-Regular.ttf");
+const BOLD: &[u8] = include_bytes!("../../assets/font/Roboto-Bold.ttf");
 
 /// Weight of the letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,14 +24,19 @@ pub(super) enum Weight {
     Bold,
 }
 
-/// Makes the font known to plotters, once per process.
-pub(super) fn register() -> Result<()> {
-    static REGISTERED: OnceLock<bool> = OnceLock::new();
-    let registered = *REGISTERED.get_or_init(|| {
-        register_font(FAMILY, FontStyle::Normal, REGULAR).is_ok()
-            && register_font(FAMILY, FontStyle::Bold, BOLD).is_ok()
-    });
-    if registered {
+fn face(weight: Weight) -> Option<&'static FontRef<'static>> {
+    static FACES: [OnceLock<Option<FontRef<'static>>>; 2] = [OnceLock::new(), OnceLock::new()];
+    let (face, bytes) = match weight {
+        Weight::Regular => (&FACES[0], REGULAR),
+        Weight::Bold => (&FACES[1], BOLD),
+    };
+    face.get_or_init(|| FontRef::try_from_slice(bytes).ok())
+        .as_ref()
+}
+
+/// Fails if the embedded font cannot be read; after this, texts are not silently missing.
+pub(super) fn check() -> Result<()> {
+    if face(Weight::Regular).is_some() && face(Weight::Bold).is_some() {
         Ok(())
     } else {
         Err(Error::invalid("the embedded font cannot be read")
@@ -41,24 +44,45 @@ pub(super) fn register() -> Result<()> {
     }
 }
 
-/// The font with `size` in plotters' meaning.
-pub(super) fn font(weight: Weight, size: f64) -> FontDesc<'static> {
-    let style = match weight {
-        Weight::Regular => FontStyle::Normal,
-        Weight::Bold => FontStyle::Bold,
-    };
-    FontDesc::new(FontFamily::Name(FAMILY), size, style)
+/// ab_glyph scales to the height from descent to ascent where people say "font size".
+fn scale(face: &FontRef<'static>, size: f64) -> PxScale {
+    let per_em = face.height_unscaled() / face.units_per_em().unwrap_or(2048.0);
+    PxScale::from(size as f32 * per_em)
 }
 
 /// Width of `text` in pixels at `size` pixels per em.
 pub(super) fn text_width(text: &str, weight: Weight, size: f64) -> f64 {
-    let layout = font(weight, MEASURE_SIZE * LINE_HEIGHT_EM).layout_box(text);
-    // The font is registered before anything is measured; the estimate is a second safety net.
-    let width = layout.map_or(
-        0.55 * MEASURE_SIZE * text.chars().count() as f64,
-        |((left, _), (right, _))| f64::from(right - left),
-    );
-    width / MEASURE_SIZE * size
+    let Some(face) = face(weight) else {
+        return 0.0;
+    };
+    let scaled = face.as_scaled(scale(face, size));
+    text.chars()
+        .map(|c| f64::from(scaled.h_advance(face.glyph_id(c))))
+        .sum()
+}
+
+/// Calls `dot(x, y, coverage)` for every pixel of `text`, with the start of the baseline at (0, 0).
+pub(super) fn rasterise(text: &str, weight: Weight, size: f64, mut dot: impl FnMut(i32, i32, f64)) {
+    let Some(face) = face(weight) else {
+        return;
+    };
+    let scale = scale(face, size);
+    let scaled = face.as_scaled(scale);
+    let mut x = 0.0;
+    for id in text.chars().map(|c| face.glyph_id(c)) {
+        let glyph = id.with_scale_and_position(scale, point(x, 0.0));
+        x += scaled.h_advance(id);
+        if let Some(outline) = face.outline_glyph(glyph) {
+            let corner = outline.px_bounds().min;
+            outline.draw(|dx, dy, coverage| {
+                dot(
+                    corner.x as i32 + dx as i32,
+                    corner.y as i32 + dy as i32,
+                    f64::from(coverage.clamp(0.0, 1.0)),
+                );
+            });
+        }
+    }
 }
 
 /// `text`, shortened with an ellipsis where it is wider than `width`.
@@ -115,7 +139,7 @@ mod tests {
 
     #[test]
     fn wrapping_keeps_every_line_within_the_width() {
-        register().unwrap();
+        check().unwrap();
         let text = "a rather long title that has to go somewhere and anundividablewordthatislongerthanaline";
         let lines = wrap(text, Weight::Bold, 28.0, 300.0, 3);
         assert_eq!(lines.len(), 3);

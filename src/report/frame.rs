@@ -11,6 +11,8 @@ pub(super) const TICK_SIZE: f64 = 20.0;
 pub(super) const LABEL_SIZE: f64 = 23.0;
 const TICK_LENGTH: f64 = 7.0;
 const TICK_GAP: f64 = 6.0;
+/// How far a tick label may reach beyond the frame.
+const STICK_OUT: f64 = 11.0;
 
 /// Room below a frame for tick labels, and for tick labels with an axis label.
 pub(super) const BELOW_TICKS: f64 = TICK_LENGTH + TICK_GAP + TICK_SIZE;
@@ -95,9 +97,11 @@ impl Frame {
             let x = self.at_x(tick.value).round();
             let bottom = self.bottom.round();
             canvas.fill((x - 1.0, bottom), (x + 1.0, bottom + TICK_LENGTH), INK);
-            // Labels of uneven ticks could touch: the mark stays, the text gives way.
+            // Labels must not touch each other or those of the next panel: the mark stays, the text
+            // gives way.
             let half = letter.width(&tick.label) / 2.0;
-            if x - half > free_from {
+            let sticks_out = (x + half - self.right).max(self.left - (x - half));
+            if x - half > free_from && sticks_out <= STICK_OUT {
                 let anchor = (x, bottom + TICK_LENGTH + TICK_GAP + 0.75 * TICK_SIZE);
                 canvas.text(&tick.label, anchor, Align::Centre, letter);
                 free_from = x + half + 10.0;

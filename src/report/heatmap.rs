@@ -105,17 +105,12 @@ impl HeatMap {
             .collect()
     }
 
-    fn display_unit(&self, finite: &[f64]) -> DisplayUnit {
-        let largest = finite.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        DisplayUnit::for_largest(self.score_unit, largest)
-    }
-
-    fn legend(&self, finite: &[f64]) -> Legend {
+    fn legend(&self, finite: &[f64], unit: DisplayUnit) -> Legend {
         let mut entries = Vec::new();
         if let Some((ix, iy)) = self.best {
-            let score = self.score(ix, iy).map_or("diverged".to_string(), |score| {
-                DisplayUnit::for_largest(self.score_unit, score).format(score)
-            });
+            let score = self
+                .score(ix, iy)
+                .map_or("diverged".to_string(), |score| unit.format(score));
             let place = format!(
                 "{}, {}",
                 self.x.at(self.x_values[ix]),
@@ -230,9 +225,6 @@ impl HeatMap {
     }
 
     fn draw_marks<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, frame: &Frame) {
-        if let Some((ix, iy)) = self.best {
-            draw_star(canvas, frame.at((self.x_values[ix], self.y_values[iy])));
-        }
         if let Some(truth) = &self.truth {
             let is_inside = [frame.x.share(truth.x), frame.y.share(truth.y)]
                 .iter()
@@ -240,6 +232,9 @@ impl HeatMap {
             if is_inside {
                 draw_ring(canvas, frame.at((truth.x, truth.y)));
             }
+        }
+        if let Some((ix, iy)) = self.best {
+            draw_star(canvas, frame.at((self.x_values[ix], self.y_values[iy])));
         }
     }
 }
@@ -251,14 +246,14 @@ impl Picture for HeatMap {
 
     fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
         let finite = self.finite_scores();
-        let unit = self.display_unit(&finite);
+        let unit = DisplayUnit::for_values(self.score_unit, finite.iter().copied());
         let shown: Vec<f64> = finite.iter().map(|score| score * unit.factor).collect();
         let scores = Scale::for_scores(&shown, self.scale);
         let bar_ticks = scores.ticks(7);
 
         let heading = Heading::new(&self.title, &self.subtitle, WIDTH - 2.0 * MARGIN);
         heading.draw(canvas, MARGIN, 14.0);
-        let legend = self.legend(&finite);
+        let legend = self.legend(&finite, unit);
         let legend_top = HEIGHT - 16.0 - legend.height();
         legend.draw(canvas, MARGIN, legend_top);
 

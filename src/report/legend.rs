@@ -117,7 +117,7 @@ fn draw_symbol<B: DrawingBackend>(canvas: &mut Canvas<B>, symbol: Symbol, (left,
             canvas.outline(from, to, 1.0, DIVERGED_LINE);
         }
         Symbol::Cross => draw_cross(canvas, centre),
-        Symbol::Ring => draw_ring(canvas, centre),
+        Symbol::Ring => canvas.ring(centre, 12.0, 3.5, VERMILLION),
         Symbol::Start => draw_start(canvas, centre),
         Symbol::Shade(colour) => canvas.cell(from, to, colour),
     }
@@ -129,10 +129,10 @@ pub(super) fn draw_star<B: DrawingBackend>(canvas: &mut Canvas<B>, centre: Point
     canvas.star(centre, 11.5, WHITE);
 }
 
-/// The mark of the true values, where they are known: leaves the star within it visible.
+/// The mark of the true values, where they are known: wide enough for a star within it.
 pub(super) fn draw_ring<B: DrawingBackend>(canvas: &mut Canvas<B>, centre: Point) {
-    canvas.ring(centre, 13.0, 7.5, WHITE);
-    canvas.ring(centre, 13.0, 4.0, VERMILLION);
+    canvas.ring(centre, 21.0, 7.0, WHITE);
+    canvas.ring(centre, 21.0, 3.5, VERMILLION);
 }
 
 /// The mark of the start of a path.

@@ -12,21 +12,32 @@ pub struct DisplayUnit {
 }
 
 impl DisplayUnit {
-    /// The unit in which values up to `largest` (in `unit`) read well: 0.0123 m as 1.23 cm.
-    pub fn for_largest(unit: Unit, largest: f64) -> Self {
-        let largest = largest.abs();
+    /// The unit in which values of this `size` (in `unit`) read well: 0.0123 m as 1.23 cm.
+    pub fn for_size(unit: Unit, size: f64) -> Self {
+        let size = size.abs();
         let (factor, symbol) = match unit {
-            Unit::Metre if largest >= 1.0 => (1.0, "m"),
-            Unit::Metre if largest >= 0.01 => (100.0, "cm"),
-            Unit::Metre if largest >= 1e-4 || largest == 0.0 => (1e3, "mm"),
+            Unit::Metre if size >= 1.0 => (1.0, "m"),
+            Unit::Metre if size >= 0.01 => (100.0, "cm"),
+            Unit::Metre if size >= 1e-4 || size == 0.0 => (1e3, "mm"),
             Unit::Metre => (1e6, "µm"),
-            Unit::Second if largest < 0.1 && largest > 0.0 => (1e3, "ms"),
+            Unit::Second if size < 0.1 && size > 0.0 => (1e3, "ms"),
             Unit::Degree => (1.0, "°"),
             Unit::NewtonMetre => (1.0, "N·m"),
             Unit::MetrePerSecondSquared => (1.0, "m/s²"),
             other => (1.0, other.symbol()),
         };
         Self { factor, symbol }
+    }
+
+    /// One unit for all of `values`, so that they can be compared at a glance: that of their median.
+    pub fn for_values(unit: Unit, values: impl IntoIterator<Item = f64>) -> Self {
+        let mut sizes: Vec<f64> = values
+            .into_iter()
+            .filter(|value| value.is_finite() && *value != 0.0)
+            .map(f64::abs)
+            .collect();
+        sizes.sort_by(f64::total_cmp);
+        Self::for_size(unit, sizes.get(sizes.len() / 2).copied().unwrap_or(0.0))
     }
 
     /// `value` (in the stored unit) with its symbol: `1.23 cm`.
@@ -58,7 +69,7 @@ impl DisplayUnit {
 /// assert_eq!(quantity(0.2, Unit::One), "0.200");
 /// ```
 pub fn quantity(value: f64, unit: Unit) -> String {
-    DisplayUnit::for_largest(unit, value).format(value)
+    DisplayUnit::for_size(unit, value).format(value)
 }
 
 /// `value` with three significant digits; powers of ten only far from 1; `–` when it is not finite.

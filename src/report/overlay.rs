@@ -9,7 +9,7 @@ use super::colour::{self, INK};
 use super::frame::{BELOW_LABEL, Frame, left_of_label};
 use super::heading::Heading;
 use super::legend::{Legend, Symbol, draw_start};
-use super::number;
+use super::number::DisplayUnit;
 use super::path::{PathPoint, bounds_cm, draw_path, equal_aspect, finite_cm};
 use super::picture::{self, Picture};
 use crate::quantity::Unit;
@@ -18,7 +18,7 @@ use crate::{Error, Result};
 const WIDTH: f64 = 1200.0;
 const MARGIN: f64 = 34.0;
 /// Height of the frame as a share of its width.
-const SHAPE: std::ops::RangeInclusive<f64> = 0.4..=0.85;
+const SHAPE: std::ops::RangeInclusive<f64> = 0.3..=0.85;
 /// More names than this would crowd out the picture.
 const LEGEND_ENTRIES: usize = 24;
 
@@ -75,8 +75,10 @@ impl Overlay {
     }
 
     fn legend(&self, width: f64) -> Legend {
+        let discrepancies = self.others.iter().filter_map(|path| path.discrepancy);
+        let unit = DisplayUnit::for_values(self.unit, discrepancies);
         let text = |path: &OverlayPath| match path.discrepancy {
-            Some(value) => format!("{}: {}", path.name, number::quantity(value, self.unit)),
+            Some(value) => format!("{}: {}", path.name, unit.format(value)),
             None => path.name.clone(),
         };
         let reference = Symbol::Line {
@@ -102,6 +104,11 @@ impl Overlay {
     }
 }
 
+/// A tick for every so many pixels of height.
+fn tick_count(height: f64) -> usize {
+    (height / 65.0).clamp(3.0, 8.0) as usize
+}
+
 impl Picture for Overlay {
     fn size(&self) -> (u32, u32) {
         let (heading, legend, frame_height) = self.layout();
@@ -125,7 +132,7 @@ impl Picture for Overlay {
         // The width of the labels depends on the range and the range on the frame: one round is
         // enough, as only the number of digits matters.
         let (_, rough) = equal_aspect(x, y, (WIDTH - 2.0 * MARGIN - 70.0) / frame_height);
-        let left = MARGIN + left_of_label(&rough.ticks(6)).round();
+        let left = MARGIN + left_of_label(&rough.ticks(tick_count(frame_height))).round();
         let right = WIDTH - MARGIN;
         let (x, y) = equal_aspect(x, y, (right - left) / frame_height);
         let frame = Frame {
@@ -136,7 +143,7 @@ impl Picture for Overlay {
             x,
             y,
         };
-        let (x_ticks, y_ticks) = (x.ticks(9), y.ticks(6));
+        let (x_ticks, y_ticks) = (x.ticks(9), y.ticks(tick_count(frame_height)));
         frame.draw_grid(canvas, &x_ticks, &y_ticks);
         draw_path(
             canvas,

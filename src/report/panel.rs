@@ -6,11 +6,11 @@ use plotters::backend::DrawingBackend;
 
 use super::canvas::{Align, Canvas, Letter};
 use super::colour::{BLUE, DIVERGED, FAINT_INK, INK, VERMILLION, tint};
-use super::font::{Weight, shorten};
-use super::frame::{BELOW_LABEL, BELOW_TICKS, Frame, left_of_label, left_of_ticks};
+use super::font::{Weight, shorten, wrap};
+use super::frame::{BELOW_LABEL, Frame, left_of_label};
 use super::heading::Heading;
 use super::legend::{Legend, Symbol, draw_star, draw_start};
-use super::number;
+use super::number::DisplayUnit;
 use super::path::{PathPoint, bounds_cm, draw_path, equal_aspect, finite_cm};
 use super::picture::{self, Picture};
 use super::scale::{Scale, Tick};
@@ -19,13 +19,16 @@ use crate::{Error, Result};
 
 const WIDTH: f64 = 1260.0;
 const MARGIN: f64 = 30.0;
-const GAP: f64 = 22.0;
-/// Room above a panel for its two lines.
-const TITLE: f64 = 64.0;
+const GAP: f64 = 24.0;
+const ROW_GAP: f64 = 10.0;
+/// Room above a panel for the discrepancy, and for each line of the note.
+const TITLE: f64 = 38.0;
+const NOTE_LINE: f64 = 26.0;
+const NOTE_LINES_AT_MOST: usize = 3;
 const TITLE_SIZE: f64 = 23.0;
 const NOTE_SIZE: f64 = 20.0;
 /// Height of a panel as a share of its width.
-const SHAPE: std::ops::RangeInclusive<f64> = 0.5..=1.1;
+const SHAPE: std::ops::RangeInclusive<f64> = 0.42..=1.1;
 /// More panels would be smaller than their titles.
 const COLUMNS_AT_MOST: usize = 6;
 const PANELS_AT_MOST: usize = 60;
@@ -86,6 +89,9 @@ struct Layout {
     y: Scale,
     x_ticks: Vec<Tick>,
     y_ticks: Vec<Tick>,
+    unit: DisplayUnit,
+    /// Room above each panel.
+    head: f64,
     left: f64,
     top: f64,
     panel_width: f64,
@@ -97,6 +103,16 @@ struct Layout {
 impl Panel {
     fn finite_score(&self) -> Option<f64> {
         self.score.filter(|score| score.is_finite())
+    }
+
+    fn note_lines(&self, width: f64) -> Vec<String> {
+        wrap(
+            &self.note,
+            Weight::Regular,
+            NOTE_SIZE,
+            width,
+            NOTE_LINES_AT_MOST,
+        )
     }
 }
 
@@ -115,19 +131,29 @@ impl PanelGrid {
         let simulated = good.flat_map(|panel| &panel.simulated_m);
         let (x, y) = bounds_cm(self.reality_m.iter().chain(simulated).map(Vec::as_slice));
         let shape = ((y.1 - y.0) / (x.1 - x.0)).clamp(*SHAPE.start(), *SHAPE.end());
-        let ticks = |scale: &Scale| scale.ticks(if columns > 4.0 { 3 } else { 4 });
+        let tick_count = |length: f64| (length / 62.0).clamp(3.0, 9.0) as usize;
+        // The width of the labels decides the width of the panels and the other way round: one
+        // round is enough, as only the number of digits matters.
         let (_, rough) = equal_aspect(x, y, 1.0 / shape);
-        let left = (MARGIN + left_of_label(&ticks(&rough))).round();
+        let left = (MARGIN + left_of_label(&rough.ticks(4))).round();
         let panel_width = ((WIDTH - MARGIN - left - GAP * (columns - 1.0)) / columns).floor();
         let panel_height = (panel_width.min(560.0) * shape).round();
         let (x, y) = equal_aspect(x, y, panel_width / panel_height);
+        let note_lines = self
+            .panels
+            .iter()
+            .map(|panel| panel.note_lines(panel_width).len());
+        let head = TITLE + NOTE_LINE * note_lines.max().unwrap_or(0) as f64;
         let top = (14.0 + heading.height() + 10.0).round();
         let legend_top =
-            top + rows * (TITLE + panel_height) + (rows - 1.0) * 8.0 + BELOW_LABEL + 10.0;
+            top + rows * (head + panel_height) + (rows - 1.0) * ROW_GAP + BELOW_LABEL + 10.0;
+        let scores = self.panels.iter().filter_map(Panel::finite_score);
         Layout {
             height: legend_top + legend.height() + 14.0,
-            x_ticks: ticks(&x),
-            y_ticks: ticks(&y),
+            x_ticks: x.ticks(tick_count(panel_width)),
+            y_ticks: y.ticks(tick_count(panel_height)),
+            unit: DisplayUnit::for_values(self.unit, scores),
+            head,
             heading,
             legend,
             x,
@@ -212,21 +238,24 @@ impl PanelGrid {
 
         let width = frame.right - frame.left;
         let title = match score {
-            Some(score) => number::quantity(score, self.unit),
+            Some(score) => layout.unit.format(score),
             None => "diverged".to_string(),
         };
         let title_colour = if score.is_some() { INK } else { FAINT_INK };
         let letter = Letter::new(TITLE_SIZE, Weight::Bold, title_colour);
         let mut title_left = frame.left;
+        let head_top = frame.top - layout.head;
         if panel.is_best {
-            draw_star(canvas, (title_left + 17.0, frame.top - 46.0));
+            draw_star(canvas, (title_left + 17.0, head_top + 18.0));
             title_left += 40.0;
         }
         let title = shorten(&title, Weight::Bold, TITLE_SIZE, width);
-        canvas.text(&title, (title_left, frame.top - 37.0), Align::Left, letter);
+        canvas.text(&title, (title_left, head_top + 27.0), Align::Left, letter);
         let letter = Letter::new(NOTE_SIZE, Weight::Regular, FAINT_INK);
-        let note = shorten(&panel.note, Weight::Regular, NOTE_SIZE, width);
-        canvas.text(&note, (frame.left, frame.top - 11.0), Align::Left, letter);
+        for (index, line) in panel.note_lines(width).iter().enumerate() {
+            let baseline = head_top + TITLE - 11.0 + NOTE_LINE * (index as f64 + 1.0);
+            canvas.text(line, (frame.left, baseline), Align::Left, letter);
+        }
     }
 }
 
@@ -239,11 +268,12 @@ impl Picture for PanelGrid {
         let layout = self.layout();
         layout.heading.draw(canvas, MARGIN, 14.0);
         layout.legend.draw(canvas, MARGIN, layout.legend_top);
-        let mut last_bottom: f64 = 0.0;
         for (index, panel) in self.panels.iter().enumerate() {
             let (row, column) = (index / self.columns, index % self.columns);
             let left = layout.left + column as f64 * (layout.panel_width + GAP);
-            let top = layout.top + TITLE + row as f64 * (TITLE + layout.panel_height + 8.0);
+            let top = layout.top
+                + layout.head
+                + row as f64 * (layout.head + layout.panel_height + ROW_GAP);
             let frame = Frame {
                 left,
                 top,
@@ -260,9 +290,6 @@ impl Picture for PanelGrid {
             if index + self.columns >= self.panels.len() {
                 frame.draw_x_axis(canvas, &layout.x_ticks, "x (cm)");
             }
-            last_bottom = last_bottom.max(frame.bottom);
         }
-        debug_assert!(last_bottom + BELOW_TICKS <= layout.height);
-        debug_assert!(left_of_ticks(&layout.y_ticks) <= layout.left);
     }
 }

@@ -32,8 +32,8 @@ pub(super) fn bounds_cm<'a>(
         x = (x.0.min(point.0), x.1.max(point.0));
         y = (y.0.min(point.1), y.1.max(point.1));
     }
-    // A robot that stays where it is still gets a millimetre of axis.
-    let size = (x.1 - x.0).max(y.1 - y.0).max(0.1);
+    // A robot that stays where it is still gets two millimetres of axis.
+    let size = (x.1 - x.0).max(y.1 - y.0).max(1.0);
     let room = |(low, high): (f64, f64)| {
         let room = 0.06 * size + (0.1 * size - (high - low)).max(0.0) / 2.0;
         (low - room, high + room)

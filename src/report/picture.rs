@@ -52,7 +52,7 @@ pub fn check_picture_path(path: impl AsRef<Path>) -> Result<()> {
 /// Draws `picture` and writes it.
 pub(super) fn write(picture: &impl Picture, path: &Path) -> Result<()> {
     let format = format_of(path)?;
-    font::register()?;
+    font::check()?;
     let bytes = match format {
         Format::Png => png(picture)?,
         Format::Svg => svg(picture)?,

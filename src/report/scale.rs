@@ -3,8 +3,8 @@
 /// How scores are spread over colours or heights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ScoreScale {
-    /// Logarithmic where the scores span more than 1.5 decades, linear otherwise. Where a logarithm
-    /// is called for but some score is 0 or negative: linear, ending at the 98th percentile.
+    /// Logarithmic where the scores span more than 1.5 decades, linear otherwise. Where they span
+    /// that much but some are negative: linear, ending at the 98th percentile.
     #[default]
     Auto,
     /// Linear from the smallest to the largest score.
@@ -75,7 +75,7 @@ impl Scale {
         };
         match (wanted, positive) {
             (ScoreScale::Log, Some(p)) if high > p => as_log(p),
-            (ScoreScale::Auto, Some(p)) if spans_decades && low > 0.0 => as_log(p),
+            (ScoreScale::Auto, Some(p)) if spans_decades && low >= 0.0 => as_log(p),
             (ScoreScale::Auto, _) if spans_decades => {
                 let last = ((sorted.len() - 1) as f64 * ROBUST_SHARE).floor() as usize;
                 let end = sorted[last];
@@ -84,6 +84,8 @@ impl Scale {
                     ..Self::linear(low, end)
                 }
             }
+            // All scores 0: negative ones on the colour bar would only puzzle.
+            _ if low == 0.0 && high == 0.0 => Self::linear(0.0, 1.0),
             _ => Self::linear(low, high),
         }
     }
@@ -179,7 +181,9 @@ fn label(value: f64, step: f64) -> String {
         value
     };
     let size = value.abs().max(step);
-    let text = if !(1e-4..1e6).contains(&size) {
+    let text = if value == 0.0 && !(1e-4..1e6).contains(&step) {
+        "0".to_string()
+    } else if !(1e-4..1e6).contains(&size) {
         let digits = (size.log10().floor() - (step * 1.0001).log10().floor()).max(0.0) as usize;
         format!("{value:.*e}", digits.min(6))
     } else {
@@ -224,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wide_span_is_logarithmic_and_a_zero_makes_it_robust() {
+    fn a_wide_span_is_logarithmic_or_else_robust() {
         let wide: Vec<f64> = (0..100).map(|i| 10f64.powf(f64::from(i) / 40.0)).collect();
         let scale = Scale::for_scores(&wide, ScoreScale::Auto);
         assert!(scale.is_log && !scale.is_clipped);
@@ -236,6 +240,10 @@ mod tests {
         let mut with_zero = wide.clone();
         with_zero.push(0.0);
         let scale = Scale::for_scores(&with_zero, ScoreScale::Auto);
+        assert!(scale.is_log && scale.is_clipped && scale.low == 1.0);
+        let mut with_negative = wide.clone();
+        with_negative.push(-1.0);
+        let scale = Scale::for_scores(&with_negative, ScoreScale::Auto);
         assert!(!scale.is_log && scale.is_clipped);
         assert!(!Scale::for_scores(&wide, ScoreScale::Linear).is_log);
         assert!(!Scale::for_scores(&[2.0, 3.0, 4.0], ScoreScale::Auto).is_log);

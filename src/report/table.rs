@@ -52,7 +52,7 @@ impl TextTable {
     /// ```
     pub fn render(&self, bold_header: bool) -> String {
         let mut table = Table::new();
-        table.load_preset(presets::NOTHING);
+        table.load_style(presets::NOTHING);
         // Never wrap: output that is piped must not depend on the width of a terminal.
         table.set_content_arrangement(ContentArrangement::Disabled);
         table.set_header(self.columns.iter().map(|(name, _)| name));

@@ -91,8 +91,9 @@ fn valley(nx: usize, ny: usize) -> HeatMap {
     }
     HeatMap {
         title: "tripod_floor: which floor makes the simulation match reality?".into(),
-        subtitle: "4 stand-in recordings, not hardware · 441 points · rapier 0.36.1, 1/240 s, 4 substeps"
-            .into(),
+        subtitle:
+            "4 stand-in recordings, not hardware · 441 points · rapier 0.36.1, 1/240 s, 4 substeps"
+                .into(),
         x: AxisSpec::new("friction", Unit::One),
         y: AxisSpec::new("restitution", Unit::One),
         x_values,
@@ -128,8 +129,13 @@ fn nine_panels() -> PanelGrid {
         .map(|i| {
             let (row, column) = (f64::from(i / 3), f64::from(i % 3));
             Panel {
-                score: (i != 2).then_some(0.012 + 0.05 * (row - 1.0).abs() + 0.03 * (column - 1.0).abs()),
-                note: format!("friction {:.2}, restitution {:.2}", 0.1 + 0.4 * column, 0.8 - 0.4 * row),
+                score: (i != 2)
+                    .then_some(0.012 + 0.05 * (row - 1.0).abs() + 0.03 * (column - 1.0).abs()),
+                note: format!(
+                    "friction {:.2}, restitution {:.2}",
+                    0.1 + 0.4 * column,
+                    0.8 - 0.4 * row
+                ),
                 simulated_m: vec![curved_path(0.5 + 0.3 * row, 1.5 - 0.6 * column, 0.6)],
                 is_best: i == 4,
             }
@@ -170,7 +176,9 @@ fn curve(count: usize) -> Curve {
     let x_values = grid(count, 0.05, 1.0);
     let scores: Vec<_> = x_values
         .iter()
-        .map(|x| (*x < 0.9).then_some(0.006 + 0.12 * (x - 0.42) * (x - 0.42) + 0.002 * (40.0 * x).sin()))
+        .map(|x| {
+            (*x < 0.9).then_some(0.006 + 0.12 * (x - 0.42) * (x - 0.42) + 0.002 * (40.0 * x).sin())
+        })
         .collect();
     let best = (0..count)
         .filter(|&i| scores[i].is_some())
@@ -199,7 +207,13 @@ fn curve(count: usize) -> Curve {
 fn an_ordinary_heat_map() {
     let map = valley(21, 21);
     let svg = check("heatmap", |path| draw_heat_map(&map, path));
-    for text in ["tripod_floor", "not hardware", "friction", "restitution", "PCA discrepancy (cm)"] {
+    for text in [
+        "tripod_floor",
+        "not hardware",
+        "friction",
+        "restitution",
+        "PCA discrepancy (cm)",
+    ] {
         assert!(svg.contains(text), "{text}");
     }
     assert!(svg.contains("sans-serif"));
@@ -208,10 +222,15 @@ fn an_ordinary_heat_map() {
 #[test]
 fn heat_maps_of_extreme_data() {
     let mut wide = valley(21, 21);
-    wide.scores.iter_mut().flatten().for_each(|s| *s = (*s * 80.0).powi(3));
+    wide.scores
+        .iter_mut()
+        .flatten()
+        .for_each(|s| *s = (*s * 80.0).powi(3));
     wide.title = "scores over four decades".into();
     assert!(check("heatmap_log", |p| draw_heat_map(&wide, p)).contains("log scale"));
     wide.scores[5] = Some(0.0);
+    assert!(check("heatmap_zero", |p| draw_heat_map(&wide, p)).contains("lowest values cut"));
+    wide.scores[5] = Some(-1.0);
     assert!(check("heatmap_robust", |p| draw_heat_map(&wide, p)).contains("98th percentile"));
 
     check("heatmap_huge", |p| draw_heat_map(&valley(101, 101), p));
@@ -255,7 +274,12 @@ fn heat_maps_of_extreme_data() {
 #[test]
 fn curves() {
     let svg = check("curve", |p| draw_curve(&curve(21), p));
-    for text in ["cube_toss", "friction", "PCA discrepancy (cm)", "diverged (2)"] {
+    for text in [
+        "cube_toss",
+        "friction",
+        "PCA discrepancy (cm)",
+        "diverged (3)",
+    ] {
         assert!(svg.contains(text), "{text}");
     }
     check("curve_one", |p| draw_curve(&curve(1), p));
@@ -272,11 +296,20 @@ fn curves() {
 #[test]
 fn panels() {
     let svg = check("panels", |p| draw_panels(&nine_panels(), p));
-    for text in ["tripod_floor", "x (cm)", "y (cm)", "diverged", "friction 0.10", "1.20 cm"] {
+    for text in [
+        "tripod_floor",
+        "x (cm)",
+        "y (cm)",
+        "diverged",
+        "friction 0.10",
+        "1.20 cm",
+    ] {
         assert!(svg.contains(text), "{text}");
     }
     let mut many = nine_panels();
-    many.reality_m = (0..6).map(|i| curved_path(0.7 + 0.04 * f64::from(i), 1.0, 0.5)).collect();
+    many.reality_m = (0..6)
+        .map(|i| curved_path(0.7 + 0.04 * f64::from(i), 1.0, 0.5))
+        .collect();
     many.panels.truncate(5);
     many.columns = 2;
     check("panels_two_columns", |p| draw_panels(&many, p));
@@ -284,7 +317,10 @@ fn panels() {
     let mut still = nine_panels();
     still.reality_m = vec![vec![[0.0, 0.0]; 182], Vec::new()];
     for panel in &mut still.panels {
-        panel.simulated_m = vec![vec![[0.0, 0.0]], vec![[f64::NAN, 0.0], [f64::INFINITY, 1.0]]];
+        panel.simulated_m = vec![
+            vec![[0.0, 0.0]],
+            vec![[f64::NAN, 0.0], [f64::INFINITY, 1.0]],
+        ];
     }
     check("panels_still", |p| draw_panels(&still, p));
 
@@ -294,10 +330,17 @@ fn panels() {
     check("panels_one", |p| draw_panels(&one, p));
 
     let mut upright = nine_panels();
-    for path in upright.panels.iter_mut().flat_map(|panel| &mut panel.simulated_m) {
+    for path in upright
+        .panels
+        .iter_mut()
+        .flat_map(|panel| &mut panel.simulated_m)
+    {
         path.iter_mut().for_each(|point| point.swap(0, 1));
     }
-    upright.panels.iter_mut().for_each(|panel| panel.note = panel.note.repeat(5));
+    upright
+        .panels
+        .iter_mut()
+        .for_each(|panel| panel.note = panel.note.repeat(5));
     upright.columns = 5;
     check("panels_upright", |p| draw_panels(&upright, p));
 }
@@ -305,7 +348,13 @@ fn panels() {
 #[test]
 fn overlays() {
     let svg = check("overlay", |p| draw_overlay(&overlay(4), p));
-    for text in ["aligned", "x (cm)", "y (cm)", "simulated_friction_0.1: 2.46 cm", "(reference)"] {
+    for text in [
+        "aligned",
+        "x (cm)",
+        "y (cm)",
+        "simulated_friction_0.1: 2.46 cm",
+        "(reference)",
+    ] {
         assert!(svg.contains(text), "{text}");
     }
     check("overlay_many", |p| draw_overlay(&overlay(40), p));
@@ -322,22 +371,40 @@ fn wrong_data_are_refused() {
     let kinds = |error: crate::Error| error.kind();
     let mut map = valley(3, 3);
     map.scores.pop();
-    assert_eq!(kinds(draw_heat_map(&map, path).unwrap_err()), ErrorKind::Invalid);
+    assert_eq!(
+        kinds(draw_heat_map(&map, path).unwrap_err()),
+        ErrorKind::Invalid
+    );
     let mut map = valley(3, 3);
     map.x_values[1] = f64::NAN;
-    assert_eq!(kinds(draw_heat_map(&map, path).unwrap_err()), ErrorKind::Invalid);
+    assert_eq!(
+        kinds(draw_heat_map(&map, path).unwrap_err()),
+        ErrorKind::Invalid
+    );
     let mut map = valley(3, 3);
     map.x_values.clear();
-    assert_eq!(kinds(draw_heat_map(&map, path).unwrap_err()), ErrorKind::Invalid);
+    assert_eq!(
+        kinds(draw_heat_map(&map, path).unwrap_err()),
+        ErrorKind::Invalid
+    );
     let mut map = valley(3, 3);
     map.best = Some((3, 0));
-    assert_eq!(kinds(draw_heat_map(&map, path).unwrap_err()), ErrorKind::Invalid);
+    assert_eq!(
+        kinds(draw_heat_map(&map, path).unwrap_err()),
+        ErrorKind::Invalid
+    );
     let mut grid = nine_panels();
     grid.panels.clear();
-    assert_eq!(kinds(draw_panels(&grid, path).unwrap_err()), ErrorKind::Invalid);
+    assert_eq!(
+        kinds(draw_panels(&grid, path).unwrap_err()),
+        ErrorKind::Invalid
+    );
     let mut nothing = overlay(0);
     nothing.reference.points_m.clear();
-    assert_eq!(kinds(draw_overlay(&nothing, path).unwrap_err()), ErrorKind::Invalid);
+    assert_eq!(
+        kinds(draw_overlay(&nothing, path).unwrap_err()),
+        ErrorKind::Invalid
+    );
 }
 
 #[test]
@@ -356,6 +423,9 @@ fn files_that_cannot_be_written_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let taken = folder.path().join("map.png");
     std::fs::create_dir(&taken).unwrap();
-    assert_eq!(draw_heat_map(&map, &taken).unwrap_err().kind(), ErrorKind::Io);
+    assert_eq!(
+        draw_heat_map(&map, &taken).unwrap_err().kind(),
+        ErrorKind::Io
+    );
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
