@@ -13,7 +13,7 @@ use super::heading::Heading;
 use super::legend::{Legend, Symbol, draw_cross, draw_star};
 use super::number::DisplayUnit;
 use super::picture::{self, Picture};
-use super::scale::{Scale, ScoreScale};
+use super::scale::{AXIS_DECADES, Scale, ScoreScale};
 use crate::quantity::Unit;
 use crate::{Error, Result};
 
@@ -172,7 +172,7 @@ impl Picture for Curve {
         let diverged = self.scores.len() - finite.len();
         let unit = DisplayUnit::for_values(self.score_unit, finite.iter().copied());
         let shown: Vec<f64> = finite.iter().map(|score| score * unit.factor).collect();
-        let y = with_room(Scale::for_scores(&shown, self.scale));
+        let y = with_room(Scale::for_scores(&shown, self.scale, AXIS_DECADES));
 
         let heading = Heading::new(&self.title, &self.subtitle, WIDTH - 2.0 * MARGIN);
         heading.draw(canvas, MARGIN, 14.0);
@@ -210,9 +210,14 @@ impl Picture for Curve {
             let line = [(x, whole.top), (x, whole.bottom)];
             canvas.path(&line, 3.0, VERMILLION, Some((10.0, 7.0)));
         }
+        let mut free_from = f64::NEG_INFINITY;
         for index in (0..self.scores.len()).filter(|&i| self.score(i).is_none()) {
             let x = frame.at_x(self.x_values[index]);
-            draw_cross(canvas, (x, whole.top + STRIP / 2.0));
+            // A dense row of crosses is as clear as a complete one, and can be read.
+            if x >= free_from {
+                draw_cross(canvas, (x, whole.top + STRIP / 2.0));
+                free_from = x + 20.0;
+            }
         }
         self.draw_scores(canvas, &frame, unit.factor);
         whole.draw_outline(canvas);
@@ -224,6 +229,8 @@ impl Picture for Curve {
                 (frame.left + frame.right) / 2.0,
                 (frame.top + frame.bottom) / 2.0,
             );
+            let (x, y) = centre;
+            canvas.cell((x - 210.0, y - 30.0), (x + 210.0, y + 30.0), WHITE);
             let letter = Letter::new(28.0, Weight::Bold, FAINT_INK);
             canvas.text_beside("every simulation diverged", centre, Align::Centre, letter);
         }

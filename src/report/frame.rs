@@ -12,7 +12,7 @@ pub(super) const LABEL_SIZE: f64 = 23.0;
 const TICK_LENGTH: f64 = 7.0;
 const TICK_GAP: f64 = 6.0;
 /// How far a tick label may reach beyond the frame.
-const STICK_OUT: f64 = 11.0;
+const STICK_OUT: f64 = 14.5;
 
 /// Room below a frame for tick labels, and for tick labels with an axis label.
 pub(super) const BELOW_TICKS: f64 = TICK_LENGTH + TICK_GAP + TICK_SIZE;

@@ -13,7 +13,7 @@ use super::heading::Heading;
 use super::legend::{Legend, Symbol, draw_diverged, draw_ring, draw_star};
 use super::number::DisplayUnit;
 use super::picture::{self, Picture};
-use super::scale::{Scale, ScoreScale, Tick};
+use super::scale::{COLOUR_DECADES, Scale, ScoreScale, Tick};
 use crate::quantity::Unit;
 use crate::{Error, Result};
 
@@ -248,7 +248,7 @@ impl Picture for HeatMap {
         let finite = self.finite_scores();
         let unit = DisplayUnit::for_values(self.score_unit, finite.iter().copied());
         let shown: Vec<f64> = finite.iter().map(|score| score * unit.factor).collect();
-        let scores = Scale::for_scores(&shown, self.scale);
+        let scores = Scale::for_scores(&shown, self.scale, COLOUR_DECADES);
         let bar_ticks = scores.ticks(7);
 
         let heading = Heading::new(&self.title, &self.subtitle, WIDTH - 2.0 * MARGIN);

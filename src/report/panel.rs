@@ -19,7 +19,7 @@ use crate::{Error, Result};
 
 const WIDTH: f64 = 1260.0;
 const MARGIN: f64 = 30.0;
-const GAP: f64 = 24.0;
+const GAP: f64 = 30.0;
 const ROW_GAP: f64 = 10.0;
 /// Room above a panel for the discrepancy, and for each line of the note.
 const TITLE: f64 = 38.0;
@@ -131,7 +131,7 @@ impl PanelGrid {
         let simulated = good.flat_map(|panel| &panel.simulated_m);
         let (x, y) = bounds_cm(self.reality_m.iter().chain(simulated).map(Vec::as_slice));
         let shape = ((y.1 - y.0) / (x.1 - x.0)).clamp(*SHAPE.start(), *SHAPE.end());
-        let tick_count = |length: f64| (length / 62.0).clamp(3.0, 9.0) as usize;
+        let tick_count = |length: f64| (length / 50.0).clamp(3.0, 9.0) as usize;
         // The width of the labels decides the width of the panels and the other way round: one
         // round is enough, as only the number of digits matters.
         let (_, rough) = equal_aspect(x, y, 1.0 / shape);

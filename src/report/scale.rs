@@ -9,15 +9,17 @@ pub enum ScoreScale {
     Auto,
     /// Linear from the smallest to the largest score.
     Linear,
-    /// Logarithmic over at most four decades below the largest score; scores below that range, or
-    /// not positive, are drawn at its lower end.
+    /// Logarithmic over at most four decades of colours, or twelve of an axis, below the largest
+    /// score; scores below that range, or not positive, are drawn at its lower end.
     Log,
 }
 
 /// Decades of scores from which on [`ScoreScale::Auto`] is logarithmic.
 const LOG_FROM_DECADES: f64 = 1.5;
-/// Decades that a logarithmic scale shows at most: one perfect match must not wash out the rest.
-const LOG_AT_MOST_DECADES: f64 = 4.0;
+/// Decades that logarithmic colours show at most: one perfect match must not wash out the rest.
+pub(super) const COLOUR_DECADES: f64 = 4.0;
+/// Decades that a logarithmic axis shows at most; height tells more steps apart than colour.
+pub(super) const AXIS_DECADES: f64 = 12.0;
 const ROBUST_SHARE: f64 = 0.98;
 
 /// A range of values, `low < high`, and how to get from values to shares of it.
@@ -55,7 +57,7 @@ impl Scale {
     }
 
     /// The scale for `values`, of which there is at least one, all finite.
-    pub(super) fn for_scores(values: &[f64], wanted: ScoreScale) -> Self {
+    pub(super) fn for_scores(values: &[f64], wanted: ScoreScale, decades: f64) -> Self {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
         let (Some(&low), Some(&high)) = (sorted.first(), sorted.last()) else {
@@ -64,7 +66,7 @@ impl Scale {
         let positive = sorted.iter().copied().find(|&v| v > 0.0);
         let spans_decades = positive.is_some_and(|p| (high / p).log10() > LOG_FROM_DECADES);
         let as_log = |from: f64| {
-            let floor = high * 10f64.powf(-LOG_AT_MOST_DECADES);
+            let floor = high * 10f64.powf(-decades);
             let from = from.max(floor);
             Self {
                 low: from,
@@ -230,7 +232,7 @@ mod tests {
     #[test]
     fn a_wide_span_is_logarithmic_or_else_robust() {
         let wide: Vec<f64> = (0..100).map(|i| 10f64.powf(f64::from(i) / 40.0)).collect();
-        let scale = Scale::for_scores(&wide, ScoreScale::Auto);
+        let scale = Scale::for_scores(&wide, ScoreScale::Auto, COLOUR_DECADES);
         assert!(scale.is_log && !scale.is_clipped);
         assert_eq!(
             labels(scale, 8),
@@ -239,16 +241,16 @@ mod tests {
 
         let mut with_zero = wide.clone();
         with_zero.push(0.0);
-        let scale = Scale::for_scores(&with_zero, ScoreScale::Auto);
+        let scale = Scale::for_scores(&with_zero, ScoreScale::Auto, COLOUR_DECADES);
         assert!(scale.is_log && scale.is_clipped && scale.low == 1.0);
         let mut with_negative = wide.clone();
         with_negative.push(-1.0);
-        let scale = Scale::for_scores(&with_negative, ScoreScale::Auto);
+        let scale = Scale::for_scores(&with_negative, ScoreScale::Auto, COLOUR_DECADES);
         assert!(!scale.is_log && scale.is_clipped);
-        assert!(!Scale::for_scores(&wide, ScoreScale::Linear).is_log);
-        assert!(!Scale::for_scores(&[2.0, 3.0, 4.0], ScoreScale::Auto).is_log);
+        assert!(!Scale::for_scores(&wide, ScoreScale::Linear, COLOUR_DECADES).is_log);
+        assert!(!Scale::for_scores(&[2.0, 3.0, 4.0], ScoreScale::Auto, COLOUR_DECADES).is_log);
         // One perfect match must not wash out the rest.
-        let scale = Scale::for_scores(&[1e-15, 0.5, 1.0], ScoreScale::Auto);
+        let scale = Scale::for_scores(&[1e-15, 0.5, 1.0], ScoreScale::Auto, COLOUR_DECADES);
         assert!(scale.is_clipped && scale.low == 1e-4);
         assert_eq!(scale.share(-1.0), 0.0);
     }
