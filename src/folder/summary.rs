@@ -69,8 +69,10 @@ pub struct UncertaintySummary {
     pub source: UncertaintySource,
     /// Confidence level.
     pub level: f64,
-    /// Standard deviation of the best score.
+    /// Standard deviation of the best score when reality is sampled again.
     pub best_score_sd: f64,
+    /// Standard deviation of the best score when the simulated start is perturbed.
+    pub simulation_sd: f64,
     /// Points that cannot be told apart from the best, itself included.
     pub indistinguishable: usize,
 }
@@ -132,6 +134,7 @@ impl Summary {
                 source: u.source,
                 level: u.level,
                 best_score_sd: u.best_score_sd,
+                simulation_sd: u.simulation_sd,
                 indistinguishable: u.indistinguishable.iter().filter(|is_in| **is_in).count(),
             }),
             verdicts: verdicts(problem, sweep),

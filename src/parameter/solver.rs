@@ -22,4 +22,13 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         get: |e| Some(e.solver.substeps as f64),
         set: |e, value| e.solver.substeps = value as usize,
     },
+    Parameter {
+        name: "solver.relaxations",
+        unit: Unit::One,
+        bounds: (0.0, 16.0),
+        whole: true,
+        doc: "Passes without bias at the end of every substep; each drains some energy of the hinges.",
+        get: |e| Some(e.solver.relaxations as f64),
+        set: |e, value| e.solver.relaxations = value as usize,
+    },
 ];

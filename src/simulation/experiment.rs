@@ -58,7 +58,7 @@ pub enum JointKind {
 pub enum FrictionModel {
     /// One friction pyramid and twist per manifold.
     Simplified,
-    /// A friction cone at every contact point.
+    /// A friction cone at every contact point, opposite to its slip.
     Coulomb,
 }
 
@@ -93,13 +93,16 @@ pub struct Solver {
     pub timestep_s: f64,
     /// Solver substeps per step.
     pub substeps: usize,
+    /// Passes without bias at the end of every substep (Rapier's "internal stabilization iterations"): 0 keeps
+    /// the energy of hinges, which such a pass drains (docs/fidelity.md).
+    pub relaxations: usize,
     /// How parts are jointed.
     pub joint: JointKind,
 }
 
 impl Default for Solver {
     fn default() -> Self {
-        Self { timestep_s: 1.0 / 240.0, substeps: 8, joint: JointKind::Multibody }
+        Self { timestep_s: 1.0 / 240.0, substeps: 8, relaxations: 0, joint: JointKind::Impulse }
     }
 }
 

@@ -5,6 +5,7 @@
 //! `world` is the only file of the crate that names `rapier3d`.
 
 mod experiment;
+mod friction;
 mod kinematics;
 mod noise;
 mod run;

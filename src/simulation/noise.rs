@@ -46,16 +46,15 @@ const START_STREAM: u64 = 1;
 const CAMERA_STREAM: u64 = 2;
 
 impl Noise {
-    /// A careful repeat on a bench: 1 mm, 1° of tilt and heading, 1° of servo zero, no camera error.
-    pub fn careful_repeat() -> Self {
+    /// How exactly a robot can be put down by hand: 1 mm, 1° of tilt and heading.
+    pub fn careful_start() -> Self {
         let degree = 1.0_f64.to_radians();
-        Self {
-            start_position_m: 1e-3,
-            start_tilt_rad: degree,
-            start_heading_rad: degree,
-            servo_zero_rad: degree,
-            ..Self::default()
-        }
+        Self { start_position_m: 1e-3, start_tilt_rad: degree, start_heading_rad: degree, ..Self::default() }
+    }
+
+    /// A careful repeat with another robot of the same make: [`Noise::careful_start`] and 1° of servo zero.
+    pub fn careful_repeat() -> Self {
+        Self { servo_zero_rad: 1.0_f64.to_radians(), ..Self::careful_start() }
     }
 
     /// Checks that every standard deviation is finite and not negative.

@@ -2,30 +2,81 @@
 
 use crate::morphology::{Servo, ServoLaw};
 
-/// What a joint motor is asked to do during one step.
+/// What a joint motor is asked to do during one step, within its torque limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Command {
-    /// Follow this joint velocity, with at most this torque.
-    Velocity { target_rad_s: f64, max_torque_nm: f64 },
-    /// Spring and damper about a target angle, with at most this torque.
-    Spring { target_rad: f64, stiffness_nm_rad: f64, damping_nm_s_rad: f64, max_torque_nm: f64 },
+    /// Follow a joint velocity: torque = damping · (target − velocity).
+    Velocity {
+        /// Joint velocity, rad/s.
+        target_rad_s: f64,
+        /// Damping, N m s/rad.
+        damping_nm_s_rad: f64,
+        /// Torque limit, N m.
+        max_torque_nm: f64,
+    },
+    /// Spring and damper: torque = stiffness · (target − angle) − damping · velocity.
+    Spring {
+        /// Target minus present angle, rad.
+        error_rad: f64,
+        /// Stiffness, N m/rad.
+        stiffness_nm_rad: f64,
+        /// Damping, N m s/rad.
+        damping_nm_s_rad: f64,
+        /// Torque limit, N m.
+        max_torque_nm: f64,
+    },
 }
 
+/// How stiffly a velocity servo holds its speed: it spends its whole torque on this share of its top speed.
+const SPEED_SLACK: f64 = 1.0 / 40.0;
+/// Top speed that stands in for "unlimited" when the stiffness is chosen, rad/s.
+const UNLIMITED_RAD_S: f64 = 10.0;
+
 /// The command of a servo at `angle_rad` that should be at `target_rad`.
+///
+/// The velocity law is given to the engine as a spring while its speed limit does not bind
+/// (stiffness = gain · damping is the same law): the engine re-reads the angle every substep, so the gain
+/// holds exactly however long the step (docs/fidelity.md).
 pub(super) fn command(servo: &Servo, target_rad: f64, angle_rad: f64) -> Command {
+    let error_rad = target_rad - angle_rad;
+    let max_torque_nm = servo.max_torque_nm;
     match servo.law {
         ServoLaw::Velocity { gain_1_s } => {
-            let limit = servo.max_speed_rad_s;
-            Command::Velocity {
-                target_rad_s: (gain_1_s * (target_rad - angle_rad)).clamp(-limit, limit),
-                max_torque_nm: servo.max_torque_nm,
+            let top_rad_s = if servo.max_speed_rad_s.is_finite() { servo.max_speed_rad_s } else { UNLIMITED_RAD_S };
+            let damping_nm_s_rad = max_torque_nm / (SPEED_SLACK * top_rad_s.max(f64::MIN_POSITIVE));
+            if (gain_1_s * error_rad).abs() > servo.max_speed_rad_s {
+                let target_rad_s = servo.max_speed_rad_s.copysign(error_rad);
+                return Command::Velocity { target_rad_s, damping_nm_s_rad, max_torque_nm };
             }
+            Command::Spring { error_rad, stiffness_nm_rad: gain_1_s * damping_nm_s_rad, damping_nm_s_rad, max_torque_nm }
         }
-        ServoLaw::Torque { stiffness_nm_rad, damping_nm_s_rad } => Command::Spring {
-            target_rad,
-            stiffness_nm_rad,
-            damping_nm_s_rad,
-            max_torque_nm: servo.max_torque_nm,
-        },
+        ServoLaw::Torque { stiffness_nm_rad, damping_nm_s_rad } => {
+            Command::Spring { error_rad, stiffness_nm_rad, damping_nm_s_rad, max_torque_nm }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn servo(max_speed_rad_s: f64) -> Servo {
+        Servo { law: ServoLaw::Velocity { gain_1_s: 30.0 }, max_torque_nm: 0.2, max_speed_rad_s }
+    }
+
+    #[test]
+    fn within_the_speed_limit_the_gain_decides() {
+        let Command::Spring { error_rad, stiffness_nm_rad, damping_nm_s_rad, .. } = command(&servo(8.0), 0.2, 0.1) else {
+            panic!("not a spring")
+        };
+        // Free of load, torque 0 means velocity = stiffness / damping · error = gain · error.
+        assert!((stiffness_nm_rad / damping_nm_s_rad * error_rad - 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn beyond_it_the_limit_decides() {
+        let Command::Velocity { target_rad_s, .. } = command(&servo(8.0), -1.0, 0.0) else { panic!("not a velocity") };
+        assert_eq!(target_rad_s, -8.0);
+        assert!(matches!(command(&servo(f64::INFINITY), -1.0, 0.0), Command::Spring { .. }));
     }
 }

@@ -1,7 +1,10 @@
 //! The only file that names `rapier3d`: a robot on a floor, one step at a time.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
 use rapier3d::prelude::{
+    ActiveHooks, PhysicsHooks,
     BroadPhaseBvh, CCDSolver, CoefficientCombineRule, ColliderBuilder, ColliderSet, FrictionModel as EngineFriction,
     GenericJointBuilder, ImpulseJointHandle, ImpulseJointSet, IntegrationParameters, IslandManager, JointAxesMask,
     JointAxis, MassProperties, MotorModel, MultibodyJointHandle, MultibodyJointSet, NarrowPhase, PhysicsPipeline,
@@ -10,15 +13,13 @@ use rapier3d::prelude::{
 use rapier3d::math::{Matrix, Pose, Rotation, Vector};
 
 use super::experiment::{Experiment, FrictionModel, JointKind};
+use super::friction::Friction;
 use super::kinematics::robot_from_part_at_zero;
 use super::servo::Command;
 use crate::morphology::{Assembly, Part};
 
 /// Version of the engine that decides the results bit for bit.
 pub const ENGINE_VERSION: &str = "rapier3d-f64 0.36.1";
-
-/// Factor of the velocity motor: large, so that the torque limit alone decides how fast the command is reached.
-const VELOCITY_MOTOR_FACTOR: f64 = 1e5;
 
 /// Rigid motion of the whole robot at the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,6 +76,8 @@ pub(super) struct World {
     ccd: CCDSolver,
     parts: Vec<RigidBodyHandle>,
     axles: Vec<Axle>,
+    /// Turns sliding friction opposite to slip; only where every contact has a cone of its own.
+    friction: Option<Friction>,
 }
 
 impl World {
@@ -101,6 +104,7 @@ impl World {
             ccd: CCDSolver::new(),
             parts: Vec::with_capacity(assembly.parts.len()),
             axles: Vec::with_capacity(assembly.hinges.len()),
+            friction: (experiment.contact.friction_model == FrictionModel::Coulomb).then(Friction::default),
         };
         world.lay_floor(experiment);
         for (index, part) in assembly.parts.iter().enumerate() {
@@ -184,6 +188,7 @@ impl World {
                 .restitution(experiment.floor.restitution)
                 .friction_combine_rule(CoefficientCombineRule::Multiply)
                 .restitution_combine_rule(CoefficientCombineRule::Multiply)
+                .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
                 .build();
             self.colliders.insert_with_parent(collider, handle, &mut self.bodies);
         }
@@ -207,6 +212,13 @@ impl World {
 
     /// Advances by one timestep.
     pub fn step(&mut self) {
+        if let Some(friction) = &mut self.friction {
+            friction.refresh(&self.multibody_joints);
+        }
+        let hooks: &dyn PhysicsHooks = match &self.friction {
+            Some(friction) => friction,
+            None => &(),
+        };
         self.pipeline.step(
             self.gravity,
             &self.parameters,
@@ -219,7 +231,7 @@ impl World {
             &mut self.multibody_joints,
             &mut self.soft_bodies,
             &mut self.ccd,
-            &(),
+            hooks,
             &(),
         );
     }
@@ -242,32 +254,35 @@ impl World {
         let relative = parent.inverse() * child;
         let along = relative.imag().dot(&axle.axis_part);
         let angle_rad = 2.0 * along.atan2(relative.w);
-        let turns = ((near_rad - angle_rad) / std::f64::consts::TAU).round();
-        angle_rad + turns * std::f64::consts::TAU
+        let turns = ((near_rad - angle_rad) / TAU).round();
+        angle_rad + turns * TAU
     }
 
-    /// Asks a hinge's motor to do `command` during the next step.
-    pub fn drive(&mut self, hinge: usize, command: Command) {
+    /// Asks the motor of a hinge that is at `angle_rad` to do `command` during the next step.
+    pub fn drive(&mut self, hinge: usize, angle_rad: f64, command: Command) {
         let axle = &self.axles[hinge];
+        let coordinate_rad = angle_rad - axle.start_rad;
         let data = match axle.joint {
-            Joint::Impulse(handle) => self.impulse_joints.get_mut(handle, false).map(|joint| &mut joint.data),
+            Joint::Impulse(handle) => {
+                // An impulse joint knows its angle only up to whole turns.
+                let wrapped_rad = coordinate_rad - TAU * (coordinate_rad / TAU).round();
+                self.impulse_joints.get_mut(handle, false).map(|joint| (&mut joint.data, wrapped_rad))
+            }
             Joint::Multibody(handle) => self
                 .multibody_joints
                 .get_mut(handle)
                 .and_then(|(multibody, link)| multibody.link_mut(link))
-                .map(|link| &mut link.joint.data),
+                .map(|link| (&mut link.joint.data, coordinate_rad)),
         };
-        let Some(data) = data else { return };
+        let Some((data, here_rad)) = data else { return };
+        data.set_motor_model(JointAxis::AngX, MotorModel::ForceBased);
         match command {
-            Command::Velocity { target_rad_s, max_torque_nm } => {
-                data.set_motor_model(JointAxis::AngX, MotorModel::AccelerationBased);
-                data.set_motor_velocity(JointAxis::AngX, target_rad_s, VELOCITY_MOTOR_FACTOR);
+            Command::Velocity { target_rad_s, damping_nm_s_rad, max_torque_nm } => {
+                data.set_motor_velocity(JointAxis::AngX, target_rad_s, damping_nm_s_rad);
                 data.set_motor_max_force(JointAxis::AngX, max_torque_nm);
             }
-            Command::Spring { target_rad, stiffness_nm_rad, damping_nm_s_rad, max_torque_nm } => {
-                data.set_motor_model(JointAxis::AngX, MotorModel::ForceBased);
-                let target = target_rad - axle.start_rad;
-                data.set_motor_position(JointAxis::AngX, target, stiffness_nm_rad, damping_nm_s_rad);
+            Command::Spring { error_rad, stiffness_nm_rad, damping_nm_s_rad, max_torque_nm } => {
+                data.set_motor_position(JointAxis::AngX, here_rad + error_rad, stiffness_nm_rad, damping_nm_s_rad);
                 data.set_motor_max_force(JointAxis::AngX, max_torque_nm);
             }
         }
@@ -279,6 +294,7 @@ fn parameters(experiment: &Experiment) -> IntegrationParameters {
     let mut p = IntegrationParameters {
         dt: experiment.solver.timestep_s,
         num_solver_iterations: experiment.solver.substeps,
+        num_internal_stabilization_iterations: experiment.solver.relaxations,
         normalized_prediction_distance: contact.prediction_m,
         friction_model: match contact.friction_model {
             FrictionModel::Simplified => EngineFriction::Simplified,

@@ -4,11 +4,14 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use super::problem::Problem;
-use super::score::{PointScore, Scores};
+use super::file::StartRule;
+use super::score::Scores;
 use crate::error::{Error, Result};
 use crate::simulation::Noise;
 use crate::store::{OutcomeStatus, STORE_FILE, Store};
-use crate::tuning::{Ending, Evaluation, Uncertainty, bootstrap_indistinguishable, drive, spread_indistinguishable};
+use crate::tuning::{Ending, Evaluation, Uncertainty, bootstrap_indistinguishable, drive, spread_indistinguishable,
+    standard_deviation,
+};
 
 /// What to do with results that are already in the folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -35,7 +38,7 @@ pub struct Sweep {
 
 /// Confidence level of the indistinguishable set.
 pub const LEVEL: f64 = 0.95;
-/// Perturbed repeats of the best point where there is only one recording.
+/// Perturbed repeats of the best point: how much a score depends on the very start.
 const REPEATS: u64 = 16;
 
 /// Evaluates every point of the problem's grid into the store in `folder`.
@@ -93,21 +96,33 @@ fn open(problem: &Problem, folder: &Path, mode: Mode) -> Result<Store> {
 }
 
 fn uncertainty(problem: &Problem, scores: &Scores, best: usize) -> Result<Uncertainty> {
-    let recordings = problem.study().recordings.len();
-    if recordings >= 2 {
+    let study = problem.study();
+    let values = &scores.points[best].values;
+    if study.recordings.len() >= 2 {
         let all: Vec<Option<Vec<f64>>> =
             scores.points.iter().map(|point| point.score.map(|_| point.recordings.clone())).collect();
-        return Ok(bootstrap_indistinguishable(&all, best, LEVEL, problem.study().seed));
+        // Where every recording has its own start, each score is a draw of its own and the bootstrap sees the
+        // noise of single simulations; one simulation for all recordings hides it.
+        let simulation_sd = match study.start {
+            StartRule::Settled => standard_deviation(&repeats(problem, scores, values, &Noise::careful_start())?),
+            StartRule::FromRecording => 0.0,
+        };
+        return Ok(bootstrap_indistinguishable(&all, best, simulation_sd, LEVEL, study.seed));
     }
-    let PointScore { values, .. } = &scores.points[best];
-    let noise = Noise::careful_repeat();
-    let mut repeats = Vec::new();
-    for repeat in 0..REPEATS {
-        let outcome = problem.evaluate_perturbed(values, &noise, repeat)?;
-        if outcome.status == OutcomeStatus::Completed {
-            repeats.extend(scores.outcome_scores(problem, 0, &outcome)?);
-        }
-    }
+    let repeats = repeats(problem, scores, values, &Noise::careful_repeat())?;
     let all: Vec<Option<f64>> = scores.points.iter().map(|point| point.score).collect();
     Ok(spread_indistinguishable(&all, best, &repeats, LEVEL))
+}
+
+/// Scores of perturbed repeats of the best point; diverged ones are left out.
+fn repeats(problem: &Problem, scores: &Scores, values: &[f64], noise: &Noise) -> Result<Vec<f64>> {
+    let mut repeats = Vec::new();
+    for repeat in 0..REPEATS {
+        let outcome = problem.evaluate_perturbed(values, noise, repeat)?;
+        if outcome.status == OutcomeStatus::Completed {
+            let scores = scores.outcome_scores(problem, 0, &outcome)?;
+            repeats.push(scores.iter().sum::<f64>() / scores.len() as f64);
+        }
+    }
+    Ok(repeats)
 }

@@ -53,12 +53,17 @@ impl Range {
         Ok(Self { parameter, from, to, points })
     }
 
-    /// Value number `index`, exact at both ends.
+    /// Value number `index`, exact at both ends, between them rounded to 12 significant digits: the
+    /// 0.405 that a person would write, not 0.40499999999999997.
     pub fn value(&self, index: usize) -> f64 {
+        if index == 0 {
+            return self.from;
+        }
         if index + 1 == self.points {
             return self.to;
         }
-        self.from + (self.to - self.from) * index as f64 / (self.points - 1) as f64
+        let exact = self.from + (self.to - self.from) * index as f64 / (self.points - 1) as f64;
+        format!("{exact:.11e}").parse().unwrap_or(exact)
     }
 
     /// All values, increasing.
@@ -154,6 +159,7 @@ mod tests {
         assert_eq!(grid.values(0), [0.05, 0.0]);
         assert_eq!(grid.values(1), [0.05, 0.045]);
         assert_eq!(grid.values(440), [1.0, 0.9]);
+        assert_eq!(grid.values(9), [0.05, 0.405]);
         for index in 0..441 {
             assert_eq!(grid.index(&grid.coordinates(index)), index);
         }

@@ -20,8 +20,11 @@ pub struct Uncertainty {
     pub source: UncertaintySource,
     /// Confidence level, e.g. 0.95.
     pub level: f64,
-    /// Standard deviation of the best point's score, in the metric's unit.
+    /// Standard deviation of the best point's score when reality is sampled again, in the metric's unit.
     pub best_score_sd: f64,
+    /// Standard deviation of the best point's score when its simulated start is perturbed, in the metric's
+    /// unit; 0 where every recording has its own start, because then the recordings carry that noise.
+    pub simulation_sd: f64,
     /// One flag per point; the best itself is always in.
     pub indistinguishable: Vec<bool>,
 }
@@ -31,22 +34,37 @@ const RESAMPLES: usize = 2000;
 
 /// Paired bootstrap over recordings (Efron & Tibshirani 1993, chapters 8 and 16).
 ///
-/// `scores[point]` holds one score per recording, or `None` where the point has no score. A point
-/// is indistinguishable from `best` when it does at least as well in more than `1 − level` of the
-/// resamples: the one-sided paired test at that level does not reject it.
-pub fn bootstrap_indistinguishable(scores: &[Option<Vec<f64>>], best: usize, level: f64, seed: u64) -> Uncertainty {
+/// `scores[point]` holds one score per recording, or `None` where the point has no score. Every point
+/// is one deterministic simulation, whose score would differ by `simulation_sd` from an equally valid start;
+/// the difference of two points then carries normal noise of √2 times that. A point is indistinguishable
+/// from `best` when the probability that it does at least as well exceeds `1 − level`: the mean of
+/// Φ(−difference / (√2 · simulation_sd)) over the resamples, or the share of resamples without that noise.
+pub fn bootstrap_indistinguishable(
+    scores: &[Option<Vec<f64>>],
+    best: usize,
+    simulation_sd: f64,
+    level: f64,
+    seed: u64,
+) -> Uncertainty {
     let best_scores = scores[best].clone().unwrap_or_default();
-    let recordings = best_scores.len();
-    let weights = resample_weights(recordings, seed);
+    let weights = resample_weights(best_scores.len(), seed);
     let weighted = |values: &[f64], weight: &[f64]| values.iter().zip(weight).map(|(v, w)| v * w).sum::<f64>();
+    let noise_sd = std::f64::consts::SQRT_2 * simulation_sd;
+    let as_good = |difference: f64| {
+        if noise_sd > 0.0 {
+            0.5 * libm::erfc(difference / noise_sd * std::f64::consts::FRAC_1_SQRT_2)
+        } else {
+            f64::from(u8::from(difference <= 0.0))
+        }
+    };
     let indistinguishable = scores
         .iter()
         .enumerate()
         .map(|(point, point_scores)| {
             let Some(point_scores) = point_scores else { return false };
             let difference: Vec<f64> = point_scores.iter().zip(&best_scores).map(|(p, b)| p - b).collect();
-            let as_good = weights.iter().filter(|weight| weighted(&difference, weight) <= 0.0).count();
-            point == best || as_good as f64 > (1.0 - level) * RESAMPLES as f64
+            let probability: f64 = weights.iter().map(|weight| as_good(weighted(&difference, weight))).sum();
+            point == best || probability > (1.0 - level) * RESAMPLES as f64
         })
         .collect();
     let means: Vec<f64> = weights.iter().map(|weight| weighted(&best_scores, weight)).collect();
@@ -54,6 +72,7 @@ pub fn bootstrap_indistinguishable(scores: &[Option<Vec<f64>>], best: usize, lev
         source: UncertaintySource::Bootstrap,
         level,
         best_score_sd: standard_deviation(&means),
+        simulation_sd,
         indistinguishable,
     }
 }
@@ -72,7 +91,7 @@ pub fn spread_indistinguishable(scores: &[Option<f64>], best: usize, repeats: &[
         .enumerate()
         .map(|(point, score)| point == best || score.is_some_and(|score| score <= limit))
         .collect();
-    Uncertainty { source: UncertaintySource::Ensemble, level, best_score_sd, indistinguishable }
+    Uncertainty { source: UncertaintySource::Ensemble, level, best_score_sd, simulation_sd: best_score_sd, indistinguishable }
 }
 
 /// Weights of every resample: how often each recording was drawn, divided by their number.
@@ -90,7 +109,7 @@ fn resample_weights(recordings: usize, seed: u64) -> Vec<Vec<f64>> {
 }
 
 /// Sample standard deviation; 0 for fewer than two values.
-fn standard_deviation(values: &[f64]) -> f64 {
+pub fn standard_deviation(values: &[f64]) -> f64 {
     if values.len() < 2 {
         return 0.0;
     }
@@ -114,7 +133,7 @@ mod tests {
     #[test]
     fn a_point_that_is_worse_on_every_recording_is_told_apart() {
         let scores = vec![Some(vec![1.0, 2.0, 3.0]), Some(vec![1.1, 2.1, 3.1]), None];
-        let set = bootstrap_indistinguishable(&scores, 0, 0.95, 1);
+        let set = bootstrap_indistinguishable(&scores, 0, 0.0, 0.95, 1);
         assert_eq!(set.indistinguishable, [true, false, false]);
     }
 
@@ -122,8 +141,19 @@ mod tests {
     fn a_point_that_wins_half_of_the_time_is_not_told_apart() {
         let best: Vec<f64> = (0..20).map(|r| f64::from(r % 2)).collect();
         let other: Vec<f64> = (0..20).map(|r| f64::from((r + 1) % 2) + 0.01).collect();
-        let set = bootstrap_indistinguishable(&[Some(best), Some(other)], 0, 0.95, 1);
+        let set = bootstrap_indistinguishable(&[Some(best), Some(other)], 0, 0.0, 0.95, 1);
         assert_eq!(set.indistinguishable, [true, true]);
+    }
+
+    #[test]
+    fn the_noise_of_single_simulations_widens_the_set() {
+        let scores = vec![Some(vec![1.0, 2.0, 3.0]), Some(vec![1.1, 2.1, 3.1])];
+        let told_apart = |simulation_sd| {
+            !bootstrap_indistinguishable(&scores, 0, simulation_sd, 0.95, 1).indistinguishable[1]
+        };
+        // One-sided 5 %: told apart from a difference of 1.645 · √2 · sd on.
+        assert!(told_apart(0.1 / (1.645 * 1.4143)));
+        assert!(!told_apart(0.1 / (1.644 * 1.4142)));
     }
 
     /// Standard error of the mean of n values: sd / √n (with the population sd).
@@ -132,7 +162,7 @@ mod tests {
         let best: Vec<f64> = (0..50).map(|r| (f64::from(r) * 1.7).sin()).collect();
         let mean = best.iter().sum::<f64>() / 50.0;
         let expected = (best.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 50.0 / 50.0).sqrt();
-        let set = bootstrap_indistinguishable(&[Some(best)], 0, 0.95, 3);
+        let set = bootstrap_indistinguishable(&[Some(best)], 0, 0.0, 0.95, 3);
         assert!((set.best_score_sd / expected - 1.0).abs() < 0.05, "{} {expected}", set.best_score_sd);
     }
 
