@@ -1,7 +1,28 @@
-//! Recorded and simulated motion: types, file formats, resampling, alignment.
+//! Recorded and simulated motion: types, file formats, resampling, preparation for comparison.
+//!
+//! [`read`] and [`write`] know CSV and TUM text ([`FORMATS`]); [`prepare`] brings a path into the
+//! form in which paths are compared.
 
+mod align;
+mod csv;
+mod format;
+mod meta;
+mod prepare;
 mod recording;
+mod resample;
+mod sample;
 mod state;
+mod text;
+mod tum;
 
+pub use csv::{Csv, GROUP_COLUMNS};
+pub use format::{
+    FORMATS, Format, Parsed, Rendered, format_of, read, read_all, read_groups, write,
+};
+pub use meta::{META_FILE, read_meta_beside};
+pub use prepare::{POINTS, Prepared, prepare};
 pub use recording::{Meta, Recording, Source};
+pub use resample::{Interpolator, resample};
 pub use state::{State, Trajectory};
+pub use text::{MAX_COLUMNS, MAX_FILE_BYTES, MAX_ROWS};
+pub use tum::Tum;

@@ -1,0 +1,223 @@
+//! What a metric is, and the registry of all of them.
+
+use serde::Serialize;
+
+use super::cluster::PcaCluster;
+use super::evo::{Ape, Rpe, UmeyamaApe};
+use super::pca::{Basis, Pca};
+use super::pointwise::{Displacement, Rms};
+use super::pose::{Pose, Rotation};
+use super::shape::{Dtw, Frechet, Hausdorff};
+use crate::error::{Error, Result};
+use crate::quantity::Unit;
+use crate::trajectory::{Prepared, Trajectory};
+use crate::warning::Warning;
+
+/// Two trajectories to be compared, raw and prepared.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<'a> {
+    /// The recording (or whatever is the reference).
+    pub real: &'a Trajectory,
+    /// The simulation (or another recording).
+    pub simulated: &'a Trajectory,
+    /// `real`, prepared.
+    pub real_prepared: &'a Prepared,
+    /// `simulated`, prepared.
+    pub simulated_prepared: &'a Prepared,
+}
+
+/// What some metrics need besides the two trajectories.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Context<'a> {
+    /// Principal components of all trajectories of the comparison.
+    pub basis: Option<&'a Basis>,
+    /// Width of the robot, metres.
+    pub body_length_m: Option<f64>,
+}
+
+/// What a metric cannot do without.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Needs {
+    /// The prepared trajectories (all but `pose`).
+    pub preparation: bool,
+    /// [`Context::basis`].
+    pub basis: bool,
+    /// Orientations in both trajectories.
+    pub orientation: bool,
+    /// [`Context::body_length_m`].
+    pub body_length: bool,
+}
+
+impl Needs {
+    /// Only the prepared points.
+    pub const POINTS: Self = Self {
+        preparation: true,
+        basis: false,
+        orientation: false,
+        body_length: false,
+    };
+}
+
+/// A distance between two trajectories.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Score {
+    /// The distance in `unit`, finite, 0 for equal trajectories.
+    pub value: f64,
+    /// Unit of `value`.
+    pub unit: Unit,
+    /// Number of samples that were compared.
+    pub samples: usize,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// What [`Metric::measure`] returns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    /// The distance in the metric's unit.
+    pub value: f64,
+    /// Number of samples that were compared.
+    pub samples: usize,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+impl Measurement {
+    /// A measurement without warnings.
+    pub fn new(value: f64, samples: usize) -> Self {
+        Self {
+            value,
+            samples,
+            warnings: Vec::new(),
+        }
+    }
+}
+
+/// A distance between two trajectories. Implement [`Metric::measure`]; call [`Metric::compare`].
+///
+/// Contract (a test runs over [`METRICS`]): 0 for equal trajectories, never negative, finite, the same
+/// after turning both about z, and symmetric where [`Metric::is_symmetric`] says so.
+pub trait Metric: Sync {
+    /// Name on the command line, e.g. `pca`.
+    fn name(&self) -> &'static str;
+    /// Name as a column, with the unit, e.g. `pca_coefficients_m`.
+    fn column(&self) -> &'static str;
+    /// Unit of the values.
+    fn unit(&self) -> Unit;
+    /// One line for people.
+    fn doc(&self) -> &'static str;
+    /// What it cannot do without.
+    fn needs(&self) -> Needs;
+    /// Whether exchanging the trajectories leaves the value.
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+    /// The distance; everything that [`Metric::needs`] names is present.
+    ///
+    /// # Errors
+    /// Trajectories that this metric cannot compare.
+    fn measure(&self, pair: &Pair<'_>, context: &Context<'_>) -> Result<Measurement>;
+
+    /// The distance, with the warnings of the preparation where it was used.
+    ///
+    /// # Errors
+    /// Something is missing that the metric needs, or the distance is not a finite number.
+    fn compare(&self, pair: &Pair<'_>, context: &Context<'_>) -> Result<Score> {
+        let needs = self.needs();
+        check_needs(self.name(), needs, pair, context)?;
+        let measured = self.measure(pair, context)?;
+        if !measured.value.is_finite() {
+            return Err(Error::invalid("the distance is not a finite number")
+                .field(self.name())
+                .found(measured.value)
+                .hint("check the unit of the trajectories, and the tracker for lost samples"));
+        }
+        let mut warnings = measured.warnings;
+        if needs.preparation {
+            warnings.extend_from_slice(pair.real_prepared.warnings());
+            warnings.extend_from_slice(pair.simulated_prepared.warnings());
+        }
+        Ok(Score {
+            value: measured.value,
+            unit: self.unit(),
+            samples: measured.samples,
+            warnings,
+        })
+    }
+}
+
+fn check_needs(name: &str, needs: Needs, pair: &Pair<'_>, context: &Context<'_>) -> Result<()> {
+    let refuse = |what: &str, hint: &str| {
+        Err(Error::invalid(format!("the metric `{name}` needs {what}")).hint(hint))
+    };
+    if needs.basis && context.basis.is_none() {
+        return refuse(
+            "a basis of principal components",
+            "fit one with Basis::fit on all trajectories of the comparison",
+        );
+    }
+    if needs.body_length
+        && !context
+            .body_length_m
+            .is_some_and(|m| m > 0.0 && m.is_finite())
+    {
+        return refuse("the body length of the robot", "it must be more than 0 m");
+    }
+    if needs.orientation {
+        for (which, trajectory) in [("reference", pair.real), ("other", pair.simulated)] {
+            if trajectory.orientations_world_from_body().is_none() {
+                return Err(Error::invalid(format!(
+                    "the metric `{name}` needs orientations, and the {which} trajectory has none"
+                ))
+                .allowed("columns qw,qx,qy,qz")
+                .hint("choose a metric of positions, e.g. pca or rms"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Name of the metric that is used unless another is asked for.
+pub const DEFAULT_METRIC: &str = "pca";
+
+/// Every known metric; the first is the default.
+pub const METRICS: &[&dyn Metric] = &[
+    &Pca,
+    &PcaCluster,
+    &Displacement,
+    &Rms,
+    &Hausdorff,
+    &Frechet,
+    &Dtw,
+    &Ape,
+    &UmeyamaApe,
+    &Rpe,
+    &Rotation,
+    &Pose,
+];
+
+/// The metric called `name`.
+///
+/// ```
+/// use realgap::comparison::by_name;
+///
+/// assert_eq!(by_name("dtw")?.column(), "dtw_sum_m");
+/// assert!(by_name("dwt").unwrap_err().to_string().contains("hausdorff"));
+/// # Ok::<(), realgap::Error>(())
+/// ```
+///
+/// # Errors
+/// An unknown name; the error lists the known ones.
+pub fn by_name(name: &str) -> Result<&'static dyn Metric> {
+    METRICS
+        .iter()
+        .copied()
+        .find(|metric| metric.name() == name)
+        .ok_or_else(|| {
+            let known: Vec<&str> = METRICS.iter().map(|metric| metric.name()).collect();
+            Error::invalid("unknown metric")
+                .field("metric")
+                .found(name)
+                .allowed(known.join(", "))
+        })
+}

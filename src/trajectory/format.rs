@@ -1,0 +1,219 @@
+//! File formats of trajectories: one trait, one registry, reading and writing by extension.
+//!
+//! A new format is one new file that implements [`Format`] and one line in [`FORMATS`]; the
+//! contract test below runs over all of them.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::csv::{Csv, group_columns_of, parse_groups};
+use super::meta::read_meta_beside;
+use super::text::{MAX_FILE_BYTES, read_text};
+use super::tum::Tum;
+use super::{Recording, Trajectory};
+use crate::error::{Error, Result};
+use crate::quantity::LengthUnit;
+use crate::warning::Warning;
+
+/// What a format found in a text.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parsed {
+    /// The motion.
+    pub trajectory: Trajectory,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// A trajectory as text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rendered {
+    /// The whole file.
+    pub text: String,
+    /// What the format could not hold.
+    pub warnings: Vec<Warning>,
+}
+
+/// A file format of trajectories.
+///
+/// Contract: what [`Format::render`] writes, [`Format::parse`] reads back bit for bit, apart from what
+/// the warnings of `render` name; and `parse` never panics, whatever the text.
+pub trait Format: Sync {
+    /// Name, e.g. `csv`.
+    fn name(&self) -> &'static str;
+    /// One line for people.
+    fn doc(&self) -> &'static str;
+    /// File extensions in lower case, without the dot; the first one is preferred.
+    fn extensions(&self) -> &'static [&'static str];
+    /// Reads `text`, whose lengths are in `unit`.
+    ///
+    /// # Errors
+    /// Anything that is not a trajectory in this format, with line and column.
+    fn parse(&self, text: &str, unit: LengthUnit) -> Result<Parsed>;
+    /// Writes a trajectory, in metres.
+    fn render(&self, trajectory: &Trajectory) -> Rendered;
+}
+
+/// Every known format.
+pub const FORMATS: &[&dyn Format] = &[&Csv, &Tum];
+
+/// The format that the extension of `path` names.
+///
+/// # Errors
+/// An unknown extension, or none.
+pub fn format_of(path: &Path) -> Result<&'static dyn Format> {
+    let extension = path
+        .extension()
+        .map(|e| e.to_string_lossy().to_ascii_lowercase());
+    let wanted = extension.as_deref().unwrap_or_default();
+    FORMATS
+        .iter()
+        .copied()
+        .find(|format| format.extensions().contains(&wanted))
+        .ok_or_else(|| {
+            let known: Vec<String> = FORMATS
+                .iter()
+                .flat_map(|format| format.extensions())
+                .map(|e| format!(".{e}"))
+                .collect();
+            Error::invalid("unknown kind of trajectory file")
+                .at_file(path)
+                .found(match extension {
+                    Some(extension) => format!(".{extension}"),
+                    None => "no extension".to_owned(),
+                })
+                .allowed(known.join(", "))
+        })
+}
+
+/// Reads one recording; the extension chooses the format, and a `meta.ron` beside the file is attached.
+///
+/// Lengths in the file are in `unit`; the result is in metres.
+///
+/// # Errors
+/// Unreadable file, unknown extension, more than [`MAX_FILE_BYTES`], anything that is not a
+/// trajectory (with file, line and column), or a broken `meta.ron`.
+pub fn read(path: impl AsRef<Path>, unit: LengthUnit) -> Result<Recording> {
+    let path = path.as_ref();
+    let format = format_of(path)?;
+    let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
+    let parsed = format
+        .parse(&text, unit)
+        .map_err(|error| error.at_file(path))?;
+    recording(path, stem(path), parsed)
+}
+
+/// Reads every recording in a CSV file with grouping columns, e.g. `condition,run,sample,t_s,x_m,y_m`.
+///
+/// One recording per combination of the values of `group_columns`, in order of first appearance, named
+/// `<file stem>/<value>/<value>...`.
+///
+/// # Errors
+/// As [`read`]; a grouping column that the file lacks; an extension other than `.csv`.
+pub fn read_groups(
+    path: impl AsRef<Path>,
+    unit: LengthUnit,
+    group_columns: &[&str],
+) -> Result<Vec<Recording>> {
+    let path = path.as_ref();
+    let format = format_of(path)?;
+    if format.name() != Csv.name() {
+        return Err(Error::invalid("only CSV files can hold several recordings")
+            .at_file(path)
+            .found(format.name()));
+    }
+    let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
+    groups(path, &text, unit, group_columns)
+}
+
+/// Reads whatever is in the file: its groups if it is a CSV file with a column `run`, else one recording.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_all(path: impl AsRef<Path>, unit: LengthUnit) -> Result<Vec<Recording>> {
+    let path = path.as_ref();
+    let format = format_of(path)?;
+    let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
+    if format.name() == Csv.name() {
+        let columns = group_columns_of(&text);
+        if !columns.is_empty() {
+            return groups(path, &text, unit, &columns);
+        }
+    }
+    let parsed = format
+        .parse(&text, unit)
+        .map_err(|error| error.at_file(path))?;
+    Ok(vec![recording(path, stem(path), parsed)?])
+}
+
+fn groups(
+    path: &Path,
+    text: &str,
+    unit: LengthUnit,
+    group_columns: &[&str],
+) -> Result<Vec<Recording>> {
+    parse_groups(text, unit, group_columns)
+        .map_err(|error| error.at_file(path))?
+        .into_iter()
+        .map(|(key, parsed)| recording(path, format!("{}/{}", stem(path), key.join("/")), parsed))
+        .collect()
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem()
+        .map(|stem| stem.to_string_lossy().into_owned())
+        .unwrap_or_default()
+}
+
+fn recording(path: &Path, name: String, parsed: Parsed) -> Result<Recording> {
+    Ok(Recording {
+        name,
+        path: path.to_path_buf(),
+        trajectory: parsed.trajectory,
+        meta: read_meta_beside(path)?,
+        warnings: parsed.warnings,
+    })
+}
+
+/// Writes `trajectory` to `path`, in metres; the extension chooses the format.
+///
+/// The file appears whole or not at all: it is written under another name in the same folder, then
+/// renamed. The warnings name what the format cannot hold.
+///
+/// # Errors
+/// Unknown extension, unwritable folder, full disk.
+pub fn write(path: impl AsRef<Path>, trajectory: &Trajectory) -> Result<Vec<Warning>> {
+    let path = path.as_ref();
+    let rendered = format_of(path)?.render(trajectory);
+    write_whole(path, &rendered.text).map_err(|e| Error::io("write the trajectory", path, &e))?;
+    Ok(rendered.warnings)
+}
+
+fn write_whole(path: &Path, text: &str) -> std::io::Result<()> {
+    use std::io::Write as _;
+    // A pipe or device cannot be replaced by a file.
+    if std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
+        return std::fs::write(path, text);
+    }
+    let temporary = temporary_beside(path);
+    let written = std::fs::File::create_new(&temporary)
+        .and_then(|mut file| {
+            file.write_all(text.as_bytes())?;
+            file.sync_all()
+        })
+        .and_then(|()| std::fs::rename(&temporary, path));
+    if written.is_err() {
+        // Best effort: the first error is the one that matters.
+        let _ignored = std::fs::remove_file(&temporary);
+    }
+    written
+}
+
+fn temporary_beside(path: &Path) -> PathBuf {
+    static COUNTER: AtomicU64 = AtomicU64::new(0);
+    let count = COUNTER.fetch_add(1, Ordering::Relaxed);
+    let name = path
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned())
+        .unwrap_or_default();
+    path.with_file_name(format!(".{name}.{}-{count}.tmp", std::process::id()))
+}

@@ -1,0 +1,267 @@
+//! Text files of numbers: read within limits, cut into cells that know their line and column.
+
+use std::io::Read as _;
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+/// Largest recording that is read, in bytes (256 MB).
+pub const MAX_FILE_BYTES: u64 = 256_000_000;
+
+/// Most lines of numbers in one recording: over two hours at 592 Hz.
+pub const MAX_ROWS: usize = 5_000_000;
+
+/// Most columns in one line; ours have at most 14.
+pub const MAX_COLUMNS: usize = 1_000;
+
+/// The text of `path`, without a byte order mark.
+///
+/// # Errors
+/// Unreadable, a folder, more than `limit` bytes, or not UTF-8 (with line and column).
+pub(super) fn read_text(path: &Path, limit: u64, kind: &str) -> Result<String> {
+    let doing = format!("read the {kind}");
+    let refuse = |error: std::io::Error| Error::io(&doing, path, &error);
+    let file = std::fs::File::open(path).map_err(refuse)?;
+    if file.metadata().map_err(refuse)?.is_dir() {
+        return Err(Error::invalid(format!("cannot {doing}: this is a folder"))
+            .at_file(path)
+            .hint("name one file inside it"));
+    }
+    let mut bytes = Vec::new();
+    // One byte more than allowed, so that endless files (/dev/zero) are refused, not read.
+    file.take(limit + 1)
+        .read_to_end(&mut bytes)
+        .map_err(refuse)?;
+    if bytes.len() as u64 > limit {
+        return Err(
+            Error::invalid(format!("cannot {doing}: the file is too large"))
+                .at_file(path)
+                .found(format!("more than {limit} bytes"))
+                .allowed(format!("at most {limit} bytes"))
+                .hint("split it, or record at a lower rate"),
+        );
+    }
+    if bytes.starts_with(b"\xef\xbb\xbf") {
+        bytes.drain(..3);
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let good = error.utf8_error().valid_up_to();
+        let before = String::from_utf8_lossy(&error.as_bytes()[..good]);
+        let line = before.matches('\n').count() + 1;
+        let column = before.rsplit('\n').next().map_or(0, |l| l.chars().count()) + 1;
+        Error::invalid(format!("cannot {doing}: the file is not UTF-8 text"))
+            .at_file(path)
+            .at_line(line, column)
+            .hint("save it as UTF-8 text")
+    })
+}
+
+/// One value of a line.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cell<'a> {
+    pub(super) text: &'a str,
+    line_text: &'a str,
+    start: usize,
+    line: usize,
+}
+
+impl Cell<'_> {
+    /// Adds line and column (both from 1, counted in characters) to an error.
+    pub(super) fn locate(&self, error: Error) -> Error {
+        let column = self.line_text[..self.start].chars().count() + 1;
+        error.at_line(self.line, column)
+    }
+
+    /// The value as a finite number.
+    pub(super) fn number(&self, field: &str) -> Result<f64> {
+        match self.text.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(self.locate(
+                Error::invalid("not a finite number")
+                    .field(field)
+                    .found(excerpt(self.text))
+                    .allowed("a finite number")
+                    .hint("leave out samples that the tracker has lost"),
+            )),
+            Err(_) => Err(self.locate(
+                Error::invalid("not a number")
+                    .field(field)
+                    .found(if self.text.is_empty() {
+                        "nothing".to_owned()
+                    } else {
+                        excerpt(self.text)
+                    })
+                    .allowed("a number such as 0.25 or 2.5e-1"),
+            )),
+        }
+    }
+}
+
+/// At most 40 characters of `text`, for messages.
+pub(super) fn excerpt(text: &str) -> String {
+    if text.chars().count() <= 40 {
+        text.to_owned()
+    } else {
+        text.chars().take(37).collect::<String>() + "..."
+    }
+}
+
+/// What separates the cells of a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Separator {
+    /// One comma; cells may be quoted.
+    Comma,
+    /// Any run of white space.
+    Space,
+}
+
+/// Cuts line number `line` (from 1) into `cells`, which is emptied first.
+pub(super) fn cut<'a>(
+    line_text: &'a str,
+    line: usize,
+    separator: Separator,
+    cells: &mut Vec<Cell<'a>>,
+) -> Result<()> {
+    cells.clear();
+    let mut rest = 0;
+    while let Some((range, next)) = next_cell(line_text, rest, separator) {
+        let raw = &line_text[range.clone()];
+        let trimmed = raw.trim();
+        let mut start = range.start + (raw.len() - raw.trim_start().len());
+        let mut text = trimmed;
+        if separator == Separator::Comma
+            && let Some(inner) = trimmed
+                .strip_prefix('"')
+                .and_then(|inner| inner.strip_suffix('"'))
+        {
+            text = inner;
+            start += 1;
+        }
+        let cell = Cell {
+            text,
+            line_text,
+            start,
+            line,
+        };
+        if cells.len() == MAX_COLUMNS {
+            return Err(cell.locate(
+                Error::invalid("too many columns")
+                    .allowed(format!("at most {MAX_COLUMNS} columns")),
+            ));
+        }
+        cells.push(cell);
+        match next {
+            Some(next) => rest = next,
+            None => break,
+        }
+    }
+    Ok(())
+}
+
+/// The bytes of the cell that begins at or after `from`, and where the next one begins.
+fn next_cell(
+    line: &str,
+    from: usize,
+    separator: Separator,
+) -> Option<(std::ops::Range<usize>, Option<usize>)> {
+    let rest = &line[from..];
+    match separator {
+        Separator::Space => {
+            let start = from + rest.find(|c: char| !c.is_whitespace())?;
+            let end = line[start..]
+                .find(char::is_whitespace)
+                .map_or(line.len(), |length| start + length);
+            Some((start..end, Some(end)))
+        }
+        Separator::Comma => {
+            let mut quoted = false;
+            let end = rest.find(|c: char| {
+                quoted ^= c == '"';
+                c == ',' && !quoted
+            });
+            Some(match end {
+                Some(length) => (from..from + length, Some(from + length + 1)),
+                None => (from..line.len(), None),
+            })
+        }
+    }
+}
+
+/// Refuses one row more than [`MAX_ROWS`].
+pub(super) fn check_rows(rows: usize, line: usize) -> Result<()> {
+    if rows >= MAX_ROWS {
+        return Err(Error::invalid("too many rows")
+            .at_line(line, 1)
+            .allowed(format!("at most {MAX_ROWS} samples in one file"))
+            .hint("record at a lower rate, or split the file"));
+    }
+    Ok(())
+}
+
+/// Shortest text that reads back as exactly the same number.
+pub(super) fn push_number(out: &mut String, value: f64) {
+    use std::fmt::Write as _;
+    let size = value.abs();
+    // Writing to a String cannot fail.
+    let _infallible = if value == 0.0 || (1e-5..1e16).contains(&size) {
+        write!(out, "{value}")
+    } else {
+        write!(out, "{value:e}")
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cell_knows_its_column_in_characters() {
+        let mut cells = Vec::new();
+        cut("µm, \"b\" ,oops", 7, Separator::Comma, &mut cells).unwrap();
+        assert_eq!(
+            cells.iter().map(|c| c.text).collect::<Vec<_>>(),
+            ["µm", "b", "oops"]
+        );
+        let error = cells[2].number("x_m").unwrap_err();
+        assert_eq!(error.line_column(), Some((7, 10)));
+    }
+
+    #[test]
+    fn a_comma_inside_quotes_does_not_separate() {
+        let mut cells = Vec::new();
+        cut("\"a,b\",2,", 1, Separator::Comma, &mut cells).unwrap();
+        assert_eq!(
+            cells.iter().map(|c| c.text).collect::<Vec<_>>(),
+            ["a,b", "2", ""]
+        );
+    }
+
+    #[test]
+    fn white_space_separates_in_any_amount() {
+        let mut cells = Vec::new();
+        cut("  1 \t 2  3 ", 1, Separator::Space, &mut cells).unwrap();
+        assert_eq!(
+            cells.iter().map(|c| c.text).collect::<Vec<_>>(),
+            ["1", "2", "3"]
+        );
+    }
+
+    #[test]
+    fn numbers_are_short_and_read_back_exactly() {
+        for (value, text) in [(0.1, "0.1"), (1.0, "1"), (-0.0, "-0"), (1e-300, "1e-300")] {
+            let mut out = String::new();
+            push_number(&mut out, value);
+            assert_eq!(out, text);
+            assert_eq!(
+                out.parse::<f64>().map(f64::to_bits),
+                Ok(f64::to_bits(value))
+            );
+        }
+    }
+
+    #[test]
+    fn a_line_of_endless_columns_is_refused() {
+        let line = "1,".repeat(MAX_COLUMNS + 1);
+        assert!(cut(&line, 1, Separator::Comma, &mut Vec::new()).is_err());
+    }
+}

@@ -1,0 +1,103 @@
+//! TUM text: `timestamp tx ty tz qx qy qz qw` per line, `#` starts a comment.
+
+use nalgebra::UnitQuaternion;
+
+use super::Trajectory;
+use super::format::{Format, Parsed, Rendered};
+use super::sample::{Layout, Samples};
+use super::text::{Separator, cut, push_number};
+use crate::error::Result;
+use crate::quantity::LengthUnit;
+use crate::warning::Warning;
+
+/// The text format of the TUM RGB-D benchmark, which evo and many SLAM programs read.
+///
+/// Eight numbers a line, separated by white space: seconds, position, quaternion with the real part LAST
+/// (world from body). It cannot hold velocities, planar trajectories (z is written as 0), or the
+/// absence of orientation (written as no rotation); writing warns about what is lost.
+#[derive(Debug, Clone, Copy)]
+pub struct Tum;
+
+impl Format for Tum {
+    fn name(&self) -> &'static str {
+        "tum"
+    }
+
+    fn doc(&self) -> &'static str {
+        "TUM text: timestamp tx ty tz qx qy qz qw, separated by spaces, # comments"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["tum", "txt"]
+    }
+
+    fn parse(&self, text: &str, unit: LengthUnit) -> Result<Parsed> {
+        let layout = Layout {
+            names: ["timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"]
+                .map(str::to_owned)
+                .to_vec(),
+            time: 0,
+            x: 1,
+            y: 2,
+            z: Some(3),
+            quaternion: Some([7, 4, 5, 6]),
+            velocity: None,
+            time_hint: None,
+        };
+        let mut samples = Samples::new(unit);
+        let mut cells = Vec::new();
+        for (index, line) in text.lines().enumerate() {
+            let line = line.split('#').next().unwrap_or_default();
+            cut(line, index + 1, Separator::Space, &mut cells)?;
+            if !cells.is_empty() {
+                samples.push(&layout, &cells, index + 1)?;
+            }
+        }
+        let (trajectory, warnings) = samples.finish(&layout)?;
+        Ok(Parsed {
+            trajectory,
+            warnings,
+        })
+    }
+
+    fn render(&self, trajectory: &Trajectory) -> Rendered {
+        let mut warnings = Vec::new();
+        let mut lost = |yes: bool, what: &str| {
+            if yes {
+                warnings.push(Warning::new(
+                    "not-written",
+                    format!("TUM files cannot say {what}"),
+                ));
+            }
+        };
+        lost(
+            trajectory.velocities_world_m_s().is_some(),
+            "velocities; they are left out",
+        );
+        lost(
+            trajectory.is_planar(),
+            "that z is unknown; it is written as 0",
+        );
+        let orientations = trajectory.orientations_world_from_body();
+        lost(
+            orientations.is_none(),
+            "that orientation is unknown; it is written as no rotation",
+        );
+        let mut text = String::from("# timestamp tx ty tz qx qy qz qw\n");
+        for (index, (time_s, p)) in trajectory
+            .times_s()
+            .iter()
+            .zip(trajectory.positions_world_m())
+            .enumerate()
+        {
+            let q = orientations.map_or_else(UnitQuaternion::identity, |all| all[index]);
+            push_number(&mut text, *time_s);
+            for value in [p.x, p.y, p.z, q.i, q.j, q.k, q.w] {
+                text.push(' ');
+                push_number(&mut text, value);
+            }
+            text.push('\n');
+        }
+        Rendered { text, warnings }
+    }
+}
