@@ -73,6 +73,8 @@ fn bits(t: &Trajectory) -> Vec<u64> {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+
     #[test]
     fn every_format_reads_back_what_it_wrote(trajectory in any_trajectory()) {
         for format in FORMATS {

@@ -114,7 +114,8 @@ fn analytic_curves_agree_with_the_reference_libraries() {
         .iter()
         .zip(curves[TURNED].trajectory.positions_world_m())
     {
-        assert!((p - q).amax() <= 1.01e-12, "turned.csv is this very curve");
+        // `real` is rounded, too, and its rounding is turned: half a unit times 1 + cos 0.7 + sin 0.7.
+        assert!((p - q).amax() <= 1.21e-12, "turned.csv is this very curve");
     }
     curves[TURNED].trajectory = exact;
     // The reference is listed again, and counts once.

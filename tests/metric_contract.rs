@@ -73,7 +73,7 @@ fn shape() -> impl Strategy<Value = [f64; 5]> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn every_metric_is_finite_not_negative_and_zero_for_equals(a in shape(), b in shape()) {

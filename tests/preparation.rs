@@ -40,6 +40,8 @@ fn has_heading(prepared: &Prepared) -> bool {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+
     #[test]
     fn it_starts_at_the_origin_and_ends_on_the_x_axis(points in points()) {
         let prepared = prepare(&uniform(&points)).unwrap();
