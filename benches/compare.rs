@@ -1,5 +1,5 @@
 //! Cost of preparing and comparing: every metric on two trajectories, and the basis of a whole sweep.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::expect_used)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{UnitQuaternion, Vector3};

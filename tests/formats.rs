@@ -1,4 +1,5 @@
 //! Trajectory files: what is written reads back, and what is wrong is named with file, line and column.
+#![allow(clippy::unwrap_used)] // a test may fail loudly
 
 use std::path::Path;
 

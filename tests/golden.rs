@@ -1,4 +1,5 @@
 //! Every comparison agrees with independent libraries (tests/golden/README.md), to 1e-6 relative.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test may fail loudly
 
 use std::path::{Path, PathBuf};
 

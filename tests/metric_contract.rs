@@ -1,4 +1,5 @@
 //! What every metric promises, checked over the whole registry.
+#![allow(clippy::unwrap_used)] // a test may fail loudly
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,5 @@
 //! Preparation keeps what matters and removes what does not: place, heading and sampling rate.
+#![allow(clippy::unwrap_used)] // a test may fail loudly
 
 use std::f64::consts::PI;
 

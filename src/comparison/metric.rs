@@ -146,6 +146,12 @@ pub trait Metric: Sync {
     }
 }
 
+impl std::fmt::Debug for dyn Metric {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Metric({})", self.name())
+    }
+}
+
 fn check_needs(name: &str, needs: Needs, pair: &Pair<'_>, context: &Context<'_>) -> Result<()> {
     let refuse = |what: &str, hint: &str| {
         Err(Error::invalid(format!("the metric `{name}` needs {what}")).hint(hint))

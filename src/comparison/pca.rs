@@ -277,7 +277,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// Left singular vectors of a matrix whose columns are centred trajectories, most variance first, and their
 /// shares of the total variance; directions without variance are left out.
 ///
-/// Not nalgebra's SVD: on centred tables, which always lack full rank, it was off by up to 6e-4 (docs/design.md).
+/// Not nalgebra's SVD: on tables of three centred trajectories version 0.35 was wrong by up to 4 % (docs/design.md).
 /// The eigenvectors of the symmetric product are orthonormal to the last digit whatever the rank; that small
 /// singular values lose digits in the product does not matter, since they are measured again on the matrix.
 fn principal(centred: &DMatrix<f64>) -> (Vec<Vec<f64>>, Vec<f64>) {
