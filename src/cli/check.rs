@@ -7,7 +7,7 @@ use clap::Args;
 use realgap::file::Source;
 use realgap::morphology::Morphology;
 use realgap::quantity::LengthUnit;
-use realgap::study::{Overrides, Study, StartRule, read_parameters};
+use realgap::study::{Overrides, StartRule, Study, read_parameters};
 use realgap::{Error, Result, trajectory};
 
 use super::option::UnitOption;
@@ -38,7 +38,10 @@ impl Check {
         }
         if failed > 0 {
             if self.files.len() > 1 {
-                terminal::note(format!("{failed} of {} files are not sound", self.files.len()));
+                terminal::note(format!(
+                    "{failed} of {} files are not sound",
+                    self.files.len()
+                ));
             }
             return Ok(ExitCode::FAILURE);
         }
@@ -68,10 +71,23 @@ fn morphology(source: &Source) -> Result<String> {
     let summary = robot.summary();
     let size = summary.size_m();
     let mut lines = vec![
-        format!("  morphology \"{}\": {} modules, {} hinges, {} rigid parts", robot.name(), summary.modules, summary.hinges, summary.parts),
+        format!(
+            "  morphology \"{}\": {} modules, {} hinges, {} rigid parts",
+            robot.name(),
+            summary.modules,
+            summary.hinges,
+            summary.parts
+        ),
         format!("  mass          {:.4} kg", summary.mass_kg),
-        format!("  bounding box  {:.4} x {:.4} x {:.4} m at zero servo angles", size[0], size[1], size[2]),
-        format!("  tracked       \"{}\", body length {:.4} m", robot.track(), summary.body_length_m),
+        format!(
+            "  bounding box  {:.4} x {:.4} x {:.4} m at zero servo angles",
+            size[0], size[1], size[2]
+        ),
+        format!(
+            "  tracked       \"{}\", body length {:.4} m",
+            robot.track(),
+            summary.body_length_m
+        ),
     ];
     lines.extend(robot.warnings().iter().map(|w| format!("  warning: {w}")));
     Ok(lines.join("\n"))
@@ -79,9 +95,20 @@ fn morphology(source: &Source) -> Result<String> {
 
 fn study(path: &Path) -> Result<String> {
     let study = Study::read_without_recordings(path, &Overrides::default())?;
-    let mut lines = vec![format!("  study of the robot \"{}\", metric {} in {}", study.morphology.name(), study.metric.name(), study.metric.unit())];
+    let mut lines = vec![format!(
+        "  study of the robot \"{}\", metric {} in {}",
+        study.morphology.name(),
+        study.metric.name(),
+        study.metric.unit()
+    )];
     for range in study.grid.ranges() {
-        lines.push(format!("  {:<24} {} to {}, {} points", range.parameter.label(), range.from, range.to, range.points));
+        lines.push(format!(
+            "  {:<24} {} to {}, {} points",
+            range.parameter.label(),
+            range.from,
+            range.to,
+            range.points
+        ));
     }
     let points = study.grid.len();
     match Study::read(path, &Overrides::default()) {
@@ -92,8 +119,15 @@ fn study(path: &Path) -> Result<String> {
             };
             let problem = realgap::study::Problem::new(whole)?;
             let one = time_one(&problem)?;
-            lines.push(format!("  {} recordings, {points} points, {simulations} simulations", problem.study().recordings.len()));
-            lines.push(format!("  about {:.0} CPU s ({:.3} s a point, measured on this machine just now)", one * points as f64, one));
+            lines.push(format!(
+                "  {} recordings, {points} points, {simulations} simulations",
+                problem.study().recordings.len()
+            ));
+            lines.push(format!(
+                "  about {:.0} CPU s ({:.3} s a point, measured on this machine just now)",
+                one * points as f64,
+                one
+            ));
             lines.extend(problem.warnings().iter().map(|w| format!("  warning: {w}")));
         }
         Err(error) if study.recording_globs.is_empty() => {
@@ -114,20 +148,29 @@ fn time_one(problem: &realgap::study::Problem) -> Result<f64> {
 
 fn parameters(path: &Path) -> Result<String> {
     let set = read_parameters(path)?;
-    let lines: Vec<String> = set.iter().map(|a| format!("  {:<24} {}", a.parameter.label(), a.value)).collect();
+    let lines: Vec<String> = set
+        .iter()
+        .map(|a| format!("  {:<24} {}", a.parameter.label(), a.value))
+        .collect();
     Ok(lines.join("\n"))
 }
 
 fn meta(path: &Path) -> Result<String> {
     let meta = trajectory::read_meta(path)?;
-    Ok(format!("  recordings of the robot \"{}\", source {:?}\n  {}\n  frame {}, licence {}", meta.robot, meta.source, meta.description, meta.frame, meta.licence))
+    Ok(format!(
+        "  recordings of the robot \"{}\", source {:?}\n  {}\n  frame {}, licence {}",
+        meta.robot, meta.source, meta.description, meta.frame, meta.licence
+    ))
 }
 
 fn motion(path: &Path, unit: LengthUnit) -> Result<String> {
     let mut lines = Vec::new();
     for recording in trajectory::read_all(path, unit)? {
         let motion = &recording.trajectory;
-        let columns = match (motion.orientations_world_from_body(), motion.velocities_world_m_s()) {
+        let columns = match (
+            motion.orientations_world_from_body(),
+            motion.velocities_world_m_s(),
+        ) {
             (Some(_), Some(_)) => "positions, orientations and velocities",
             (Some(_), None) => "positions and orientations",
             _ => "positions",

@@ -64,9 +64,16 @@ impl Compare {
         };
         let unit = LengthUnit::from(self.unit);
         let reference = trajectory::read(&self.reference, unit)?;
-        let others: Vec<Recording> =
-            self.trajectories.iter().map(|path| trajectory::read(path, unit)).collect::<Result<_>>()?;
-        terminal::print_warnings(std::iter::once(&reference).chain(&others).flat_map(|r| &r.warnings));
+        let others: Vec<Recording> = self
+            .trajectories
+            .iter()
+            .map(|path| trajectory::read(path, unit))
+            .collect::<Result<_>>()?;
+        terminal::print_warnings(
+            std::iter::once(&reference)
+                .chain(&others)
+                .flat_map(|r| &r.warnings),
+        );
         let comparison = Comparison::new(&reference, &others, components)?;
         match chosen {
             None => self.print_all(&comparison)?,
@@ -89,13 +96,21 @@ impl Compare {
         }
         // Metrics down, trajectories across: a dozen columns of figures would not fit a terminal.
         let names = rows.iter().map(|row| (row.trajectory.clone(), Side::Right));
-        let mut table = TextTable::new([("metric".to_owned(), Side::Left)].into_iter().chain(names));
+        let mut table =
+            TextTable::new([("metric".to_owned(), Side::Left)].into_iter().chain(names));
         let objects: Vec<Map<String, Value>> = rows.iter().map(object).collect::<Result<_>>()?;
-        let Some(first) = objects.first() else { return Ok(()) };
-        for key in first.keys().filter(|key| !matches!(key.as_str(), "trajectory" | "reference")) {
+        let Some(first) = objects.first() else {
+            return Ok(());
+        };
+        for key in first
+            .keys()
+            .filter(|key| !matches!(key.as_str(), "trajectory" | "reference"))
+        {
             let label = key.strip_suffix("_m").unwrap_or(key).to_owned();
             let cells = objects.iter().map(|object| match &object[key] {
-                Value::Number(n) if key.ends_with("_m") => quantity(n.as_f64().unwrap_or(f64::NAN), Unit::Metre),
+                Value::Number(n) if key.ends_with("_m") => {
+                    quantity(n.as_f64().unwrap_or(f64::NAN), Unit::Metre)
+                }
                 value => value.to_string(),
             });
             table.push(std::iter::once(label).chain(cells).collect::<Vec<_>>());
@@ -109,7 +124,12 @@ impl Compare {
         Ok(())
     }
 
-    fn print_one(&self, comparison: &Comparison<'_>, metric: &dyn Metric, others: &[Recording]) -> Result<()> {
+    fn print_one(
+        &self,
+        comparison: &Comparison<'_>,
+        metric: &dyn Metric,
+        others: &[Recording],
+    ) -> Result<()> {
         let scores = self.scores(comparison, metric, others)?;
         let mut warnings: Vec<&Warning> = scores.iter().flat_map(|score| &score.warnings).collect();
         warnings.dedup();
@@ -126,10 +146,17 @@ impl Compare {
             terminal::print(terminal::json(&rows)?);
             return Ok(());
         }
-        let mut table =
-            TextTable::new([("trajectory", Side::Left), (metric.name(), Side::Right), ("samples", Side::Right)]);
+        let mut table = TextTable::new([
+            ("trajectory", Side::Left),
+            (metric.name(), Side::Right),
+            ("samples", Side::Right),
+        ]);
         for (other, score) in others.iter().zip(&scores) {
-            table.push([other.name.clone(), quantity(score.value, score.unit), score.samples.to_string()]);
+            table.push([
+                other.name.clone(),
+                quantity(score.value, score.unit),
+                score.samples.to_string(),
+            ]);
         }
         terminal::print(format!(
             "{} from {}: {}\n{}",
@@ -141,16 +168,33 @@ impl Compare {
         Ok(())
     }
 
-    fn scores(&self, comparison: &Comparison<'_>, metric: &dyn Metric, others: &[Recording]) -> Result<Vec<comparison::Score>> {
-        let context = Context { basis: Some(comparison.basis()), body_length_m: self.body_length };
+    fn scores(
+        &self,
+        comparison: &Comparison<'_>,
+        metric: &dyn Metric,
+        others: &[Recording],
+    ) -> Result<Vec<comparison::Score>> {
+        let context = Context {
+            basis: Some(comparison.basis()),
+            body_length_m: self.body_length,
+        };
         if metric.needs().body_length && self.body_length.is_none() {
-            return Err(Error::usage(format!("the metric `{}` needs --body-length", metric.name()))
-                .hint("give the edge length of the robot's module in metres, e.g. --body-length 0.1048"));
+            return Err(Error::usage(format!(
+                "the metric `{}` needs --body-length",
+                metric.name()
+            ))
+            .hint(
+                "give the edge length of the robot's module in metres, e.g. --body-length 0.1048",
+            ));
         }
         let pairs = (0..others.len()).filter_map(|index| comparison.pair(index));
         pairs
             .zip(others)
-            .map(|(pair, other)| metric.compare(&pair, &context).map_err(|e| e.at_file(&other.path)))
+            .map(|(pair, other)| {
+                metric
+                    .compare(&pair, &context)
+                    .map_err(|e| e.at_file(&other.path))
+            })
             .collect()
     }
 
@@ -163,12 +207,30 @@ impl Compare {
         others: &[Recording],
     ) -> Result<()> {
         let scores = self.scores(comparison, metric, others)?;
-        let stand_in = std::iter::once(reference)
-            .chain(others)
-            .any(|r| r.meta.as_ref().is_some_and(|meta| meta.source == trajectory::Source::StandIn));
+        let stand_in = std::iter::once(reference).chain(others).any(|r| {
+            r.meta
+                .as_ref()
+                .is_some_and(|meta| meta.source == trajectory::Source::StandIn)
+        });
         let overlay = Overlay {
-            title: format!("{} against {}", if others.len() == 1 { &others[0].name } else { "trajectories" }, reference.name),
-            subtitle: format!("metric {}{}", metric.name(), if stand_in { "; stand-in recordings, not hardware" } else { "" }),
+            title: format!(
+                "{} against {}",
+                if others.len() == 1 {
+                    &others[0].name
+                } else {
+                    "trajectories"
+                },
+                reference.name
+            ),
+            subtitle: format!(
+                "metric {}{}",
+                metric.name(),
+                if stand_in {
+                    "; stand-in recordings, not hardware"
+                } else {
+                    ""
+                }
+            ),
             reference: OverlayPath {
                 name: reference.name.clone(),
                 discrepancy: None,

@@ -18,5 +18,9 @@ pub fn stop_flag() -> Result<&'static AtomicBool> {
         })
         .is_ok()
     });
-    if *installed { Ok(&STOP) } else { Err(Error::conflict("cannot listen for Ctrl-C")) }
+    if *installed {
+        Ok(&STOP)
+    } else {
+        Err(Error::conflict("cannot listen for Ctrl-C"))
+    }
 }

@@ -72,7 +72,8 @@ pub struct Values {
 
 /// clap prints the message itself, so the error is given as plain text.
 fn parse_assignment(text: &str) -> std::result::Result<Assignment, String> {
-    text.parse().map_err(|error: realgap::Error| error.to_string())
+    text.parse()
+        .map_err(|error: realgap::Error| error.to_string())
 }
 
 impl Values {
@@ -82,6 +83,9 @@ impl Values {
         for path in &self.parameters {
             all = all.with_all(&read_parameters(path)?);
         }
-        Ok(self.set.iter().fold(all, |set, assignment| set.with(*assignment)))
+        Ok(self
+            .set
+            .iter()
+            .fold(all, |set, assignment| set.with(*assignment)))
     }
 }

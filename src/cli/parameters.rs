@@ -40,8 +40,20 @@ impl Parameters {
             ("meaning", Side::Left),
         ]);
         for p in parameter::all() {
-            let default = p.default_value().map_or("robot".to_owned(), |value| format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_owned());
-            table.push([p.name.to_owned(), p.unit.symbol().to_owned(), p.bounds.0.to_string(), p.bounds.1.to_string(), default, p.doc.to_owned()]);
+            let default = p.default_value().map_or("robot".to_owned(), |value| {
+                format!("{value:.6}")
+                    .trim_end_matches('0')
+                    .trim_end_matches('.')
+                    .to_owned()
+            });
+            table.push([
+                p.name.to_owned(),
+                p.unit.symbol().to_owned(),
+                p.bounds.0.to_string(),
+                p.bounds.1.to_string(),
+                default,
+                p.doc.to_owned(),
+            ]);
         }
         terminal::print(table.render(terminal::stdout_wants_colour()).trim_end());
         Ok(ExitCode::SUCCESS)

@@ -7,7 +7,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 /// A bar of `total` steps. It draws nothing in the first instants, so short work stays quiet.
 pub fn bar(total: usize, what: &str) -> ProgressBar {
     // indicatif hides the bar by itself where standard error is not a terminal.
-    let bar = ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::stderr_with_hz(8));
+    let bar =
+        ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::stderr_with_hz(8));
     let coloured = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let pattern = if coloured {
         "{msg} {bar:36.cyan/dim} {pos}/{len}  {per_sec}, {eta} left"

@@ -71,16 +71,21 @@ impl Record {
         experiment.sampling = Sampling::Rate(self.rate);
         let values = self.values.parameter_set()?;
         let experiment = values.apply(&experiment);
-        std::fs::create_dir_all(&self.output).map_err(|e| Error::io("make the folder", &self.output, &e))?;
+        std::fs::create_dir_all(&self.output)
+            .map_err(|e| Error::io("make the folder", &self.output, &e))?;
         let bar = super::progress::bar(self.repeats as usize, "recording");
         for repeat in 0..self.repeats {
             let run = simulation::run(&noise.perturb(&experiment, self.seed, repeat))?;
             let motion = match (run.trajectory, run.status) {
                 (Some(motion), _) => motion,
                 (None, Status::Diverged { at_s, why }) => {
-                    return Err(Error::invalid(format!("repeat {repeat} diverged after {at_s:.3} s: {why}")));
+                    return Err(Error::invalid(format!(
+                        "repeat {repeat} diverged after {at_s:.3} s: {why}"
+                    )));
                 }
-                (None, Status::Completed) => return Err(Error::invalid(format!("repeat {repeat} has no motion"))),
+                (None, Status::Completed) => {
+                    return Err(Error::invalid(format!("repeat {repeat} has no motion")));
+                }
             };
             let path = self.output.join(format!("run_{repeat:02}.csv"));
             trajectory::write(&path, &noise.record(&motion, self.seed, repeat)?)?;
@@ -99,7 +104,11 @@ impl Record {
                 self.duration,
                 self.rate,
                 self.seed,
-                if values.is_empty() { "default parameters".to_owned() } else { values.to_string() },
+                if values.is_empty() {
+                    "default parameters".to_owned()
+                } else {
+                    values.to_string()
+                },
                 noise.start_position_m,
                 noise.start_tilt_rad,
                 noise.servo_zero_rad,
@@ -110,7 +119,12 @@ impl Record {
             licence: "MIT OR Apache-2.0".to_owned(),
         };
         trajectory::write_meta(&self.output, &meta)?;
-        terminal::print(format!("{} stand-in recordings of {} in {}", self.repeats, morphology.name(), self.output.display()));
+        terminal::print(format!(
+            "{} stand-in recordings of {} in {}",
+            self.repeats,
+            morphology.name(),
+            self.output.display()
+        ));
         Ok(ExitCode::SUCCESS)
     }
 }

@@ -5,11 +5,11 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::morphology::Morphology;
+use realgap::quantity::Unit;
 use realgap::report::quantity;
 use realgap::simulation::{self, Experiment, JointKind, Run, Sampling, Status};
 use realgap::trajectory;
 use realgap::{Error, Result};
-use realgap::quantity::Unit;
 use serde_json::json;
 
 use super::option::{Format, Joint, Values};
@@ -75,9 +75,13 @@ impl Simulate {
         self.print(&morphology, &experiment, &run)?;
         match &run.status {
             Status::Completed => Ok(ExitCode::SUCCESS),
-            Status::Diverged { at_s, why } => Err(Error::invalid(format!("the simulation diverged {at_s:.3} s after the start: {why}"))
-                .at_file(&self.morphology)
-                .hint("try a shorter --timestep or more --substeps; check masses, sizes and servo limits")),
+            Status::Diverged { at_s, why } => Err(Error::invalid(format!(
+                "the simulation diverged {at_s:.3} s after the start: {why}"
+            ))
+            .at_file(&self.morphology)
+            .hint(
+                "try a shorter --timestep or more --substeps; check masses, sizes and servo limits",
+            )),
         }
     }
 
@@ -86,7 +90,10 @@ impl Simulate {
         let cpu_s = run.cpu.as_secs_f64();
         let whole_s = (run.steps + run.settle_steps) as f64 * experiment.solver.timestep_s;
         let times_real = whole_s / cpu_s.max(1e-9);
-        let net_m = run.trajectory.as_ref().map(|t| t.net_displacement_world_m());
+        let net_m = run
+            .trajectory
+            .as_ref()
+            .map(|t| t.net_displacement_world_m());
         let path_m = run.trajectory.as_ref().map(|t| t.path_length_xy_m());
         let turned_rad = run.trajectory.as_ref().and_then(heading_change_rad);
         if self.format == Format::Json {
@@ -114,21 +121,46 @@ impl Simulate {
             terminal::print(terminal::json(&report)?);
             return Ok(());
         }
-        let mut lines = vec![format!("{}: {simulated_s:.2} s simulated", morphology.name())];
+        let mut lines = vec![format!(
+            "{}: {simulated_s:.2} s simulated",
+            morphology.name()
+        )];
         if let (Some(net), Some(path)) = (net_m, path_m) {
-            lines.push(format!("  net displacement  {}", quantity(net.xy().norm(), Unit::Metre)));
-            lines.push(format!("  path length       {}", quantity(path, Unit::Metre)));
-            lines.push(format!("  heading           {:.1} deg (direction of the net displacement)", net.y.atan2(net.x).to_degrees()));
+            lines.push(format!(
+                "  net displacement  {}",
+                quantity(net.xy().norm(), Unit::Metre)
+            ));
+            lines.push(format!(
+                "  path length       {}",
+                quantity(path, Unit::Metre)
+            ));
+            lines.push(format!(
+                "  heading           {:.1} deg (direction of the net displacement)",
+                net.y.atan2(net.x).to_degrees()
+            ));
             if let Some(turned) = turned_rad {
-                lines.push(format!("  turned            {:.1} deg (change of the tracked module's heading)", turned.to_degrees()));
+                lines.push(format!(
+                    "  turned            {:.1} deg (change of the tracked module's heading)",
+                    turned.to_degrees()
+                ));
             }
             if !experiment.assembly.hinges.is_empty() {
-                lines.push(format!("  servo error       {:.2} deg rms", run.servo_rms_rad.to_degrees()));
+                lines.push(format!(
+                    "  servo error       {:.2} deg rms",
+                    run.servo_rms_rad.to_degrees()
+                ));
             }
         }
-        lines.push(format!("  cost              {:.3} s CPU, {} steps + {} to settle, {times_real:.0} x real time", cpu_s, run.steps, run.settle_steps));
+        lines.push(format!(
+            "  cost              {:.3} s CPU, {} steps + {} to settle, {times_real:.0} x real time",
+            cpu_s, run.steps, run.settle_steps
+        ));
         if let (Some(output), Some(motion)) = (&self.output, &run.trajectory) {
-            lines.push(format!("  written           {} ({} samples)", output.display(), motion.len()));
+            lines.push(format!(
+                "  written           {} ({} samples)",
+                output.display(),
+                motion.len()
+            ));
         }
         terminal::print(lines.join("\n"));
         Ok(())

@@ -79,7 +79,10 @@ impl Sweep {
             (_, true) => Mode::Restart,
             _ => Mode::Start,
         };
-        let jobs = self.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+        let jobs = self
+            .jobs
+            .or_else(|| std::thread::available_parallelism().ok())
+            .map_or(1, NonZeroUsize::get);
         let stop = interrupt::stop_flag()?;
         let points = problem.study().grid.len();
         let bar = progress::bar(points, "sweeping");
@@ -98,15 +101,26 @@ impl Sweep {
         let result = result?;
         let wall_s = started.elapsed().as_secs_f64();
         let summary = folder::write(&folder, &problem, &result)?;
-        terminal::print_warnings(summary.warnings.iter().filter(|w| !problem.warnings().contains(w)));
+        terminal::print_warnings(
+            summary
+                .warnings
+                .iter()
+                .filter(|w| !problem.warnings().contains(w)),
+        );
         match self.format {
             Format::Json => terminal::print(terminal::json(&summary)?),
             Format::Table => print(&summary, &folder, &problem, wall_s, jobs),
         }
         if result.ending == Ending::Interrupted {
-            return Err(Error::interrupted(format!("interrupted after {} of {points} points; all of them are saved", summary.points))
-                .at_file(&folder)
-                .hint(format!("go on with: realgap sweep {} --resume (and the same options)", self.study.display())));
+            return Err(Error::interrupted(format!(
+                "interrupted after {} of {points} points; all of them are saved",
+                summary.points
+            ))
+            .at_file(&folder)
+            .hint(format!(
+                "go on with: realgap sweep {} --resume (and the same options)",
+                self.study.display()
+            )));
         }
         if summary.best.is_none() {
             return Err(Error::invalid("every point diverged, so there is no best one")
@@ -129,9 +143,17 @@ fn print(summary: &Summary, folder: &std::path::Path, problem: &Problem, wall_s:
     )];
     let unit = problem.study().metric.unit();
     if let Some(best) = &summary.best {
-        let values: Vec<String> = best.parameters.iter().map(|(name, value)| format!("{name} = {value:.4}")).collect();
+        let values: Vec<String> = best
+            .parameters
+            .iter()
+            .map(|(name, value)| format!("{name} = {value:.4}"))
+            .collect();
         lines.push(format!("  best: {}", values.join(", ")));
-        lines.push(format!("  {} discrepancy {}", summary.metric, quantity(best.score, unit)));
+        lines.push(format!(
+            "  {} discrepancy {}",
+            summary.metric,
+            quantity(best.score, unit)
+        ));
         if let Some(pose) = &summary.pose {
             lines.push(format!(
                 "  mean position error {:.2} % of the body length, mean rotation error {:.2} deg",
@@ -151,7 +173,15 @@ fn print(summary: &Summary, folder: &std::path::Path, problem: &Problem, wall_s:
             100.0 * uncertainty.level
         ));
     }
-    lines.extend(summary.verdicts.iter().map(|verdict| format!("  {}", verdict.text)));
-    lines.push(format!("  results in {}: summary.json, best.ron, points.csv and pictures", folder.display()));
+    lines.extend(
+        summary
+            .verdicts
+            .iter()
+            .map(|verdict| format!("  {}", verdict.text)),
+    );
+    lines.push(format!(
+        "  results in {}: summary.json, best.ron, points.csv and pictures",
+        folder.display()
+    ));
     terminal::print(lines.join("\n"));
 }

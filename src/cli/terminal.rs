@@ -26,13 +26,21 @@ pub fn note(text: impl AsRef<str>) {
 
 /// Prints an error to standard error.
 pub fn print_error(error: &Error) {
-    let label = if wants_colour(std::io::stderr().is_terminal()) { "\x1b[1;31merror:\x1b[0m" } else { "error:" };
+    let label = if wants_colour(std::io::stderr().is_terminal()) {
+        "\x1b[1;31merror:\x1b[0m"
+    } else {
+        "error:"
+    };
     note(format!("{label} {error}"));
 }
 
 /// Prints warnings to standard error, each once.
 pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>) {
-    let label = if wants_colour(std::io::stderr().is_terminal()) { "\x1b[1;33mwarning:\x1b[0m" } else { "warning:" };
+    let label = if wants_colour(std::io::stderr().is_terminal()) {
+        "\x1b[1;33mwarning:\x1b[0m"
+    } else {
+        "warning:"
+    };
     let mut seen = std::collections::BTreeSet::new();
     for warning in warnings {
         if seen.insert(warning) {
@@ -43,5 +51,6 @@ pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>) {
 
 /// Pretty JSON of a value of ours.
 pub fn json(value: &impl serde::Serialize) -> realgap::Result<String> {
-    serde_json::to_string_pretty(value).map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))
+    serde_json::to_string_pretty(value)
+        .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))
 }

@@ -148,7 +148,7 @@ pub trait Metric: Sync {
 
 impl std::fmt::Debug for dyn Metric {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
+        write!(f, "Metric({})", self.name())
     }
 }
 

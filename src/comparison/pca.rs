@@ -1,6 +1,8 @@
 //! `pca`, the default metric: distance in the space of principal components.
 
-use nalgebra::DMatrix;
+use std::borrow::Cow;
+
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
@@ -126,7 +128,7 @@ impl Basis {
             *sum /= n as f64;
         }
         let centred = DMatrix::from_fn(VECTOR, n, |row, column| vectors[column][row] - mean_m[row]);
-        let (directions, ratio) = principal(centred);
+        let (directions, ratio) = principal(&centred);
         let kept = components.kept(&ratio)?;
         Ok(Self {
             mean_m,
@@ -274,31 +276,52 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// Left singular vectors of a matrix whose columns are centred trajectories, most variance first, and their
 /// shares of the total variance; directions without variance are left out.
-fn principal(centred: DMatrix<f64>) -> (Vec<Vec<f64>>, Vec<f64>) {
+///
+/// Not nalgebra's SVD: on tables of three centred trajectories version 0.35 was wrong by up to 4 % (docs/design.md).
+/// The eigenvectors of the symmetric product are orthonormal to the last digit whatever the rank; that small
+/// singular values lose digits in the product does not matter, since they are measured again on the matrix.
+fn principal(centred: &DMatrix<f64>) -> (Vec<Vec<f64>>, Vec<f64>) {
     let total = centred.norm_squared();
-    let size = centred.nrows().max(centred.ncols()) as f64;
     if total <= 0.0 {
         return (Vec::new(), Vec::new());
     }
-    let svd = centred.svd(true, false);
-    let sigma = &svd.singular_values;
-    let threshold = sigma.max() * size * f64::EPSILON;
-    let mut ratio = Vec::new();
-    let mut directions = Vec::new();
-    if let Some(u) = &svd.u {
-        for (column, s) in u.column_iter().zip(sigma.iter()) {
-            if *s <= threshold {
-                break;
-            }
+    let (rows, columns) = centred.shape();
+    // Fewer trajectories than dimensions: an orthonormal basis of their span makes the product small.
+    let (span, reduced) = if columns < rows {
+        let (q, r) = centred.clone().qr().unpack();
+        (Some(q), Cow::Owned(r))
+    } else {
+        (None, Cow::Borrowed(centred))
+    };
+    let product: DMatrix<f64> = &*reduced * reduced.transpose();
+    let vectors = product.symmetric_eigen().eigenvectors;
+    let mut found: Vec<(f64, usize)> = (reduced.transpose() * &vectors)
+        .column_iter()
+        .map(|column| column.norm_squared())
+        .zip(0..)
+        .collect();
+    // Stable, so that equal variances keep their order and the result is reproducible.
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let negligible = (rows.max(columns) as f64 * f64::EPSILON).powi(2) * found[0].0;
+    // Centring takes one dimension away.
+    found.truncate(columns - 1);
+    found.retain(|(variance, _)| *variance > negligible);
+    found
+        .into_iter()
+        .map(|(variance, index)| {
+            let vector = vectors.column(index);
+            let direction: DVector<f64> = match &span {
+                Some(span) => span * vector,
+                None => vector.into_owned(),
+            };
             // The sign of a component means nothing; fixed, so that saved bases can be compared.
-            let sign = if column[column.icamax()] < 0.0 {
+            let sign = if direction[direction.icamax()] < 0.0 {
                 -1.0
             } else {
                 1.0
             };
-            directions.push(column.iter().map(|value| sign * value).collect());
-            ratio.push(s * s / total);
-        }
-    }
-    (directions, ratio)
+            let direction: Vec<f64> = direction.iter().map(|value| sign * value).collect();
+            (direction, variance / total)
+        })
+        .unzip()
 }

@@ -7,11 +7,26 @@ use crate::error::Result;
 use crate::file::{write_atomic, write_ron};
 use crate::study::{BestFile, Problem, Sweep};
 
-pub(super) fn write(folder: &Path, problem: &Problem, sweep: &Sweep, summary: &Summary) -> Result<()> {
-    let Some(best) = &summary.best else { return Ok(()) };
-    let verdicts: Vec<&str> = summary.verdicts.iter().map(|verdict| verdict.text.as_str()).collect();
+pub(super) fn write(
+    folder: &Path,
+    problem: &Problem,
+    sweep: &Sweep,
+    summary: &Summary,
+) -> Result<()> {
+    let Some(best) = &summary.best else {
+        return Ok(());
+    };
+    let verdicts: Vec<&str> = summary
+        .verdicts
+        .iter()
+        .map(|verdict| verdict.text.as_str())
+        .collect();
     // The study's fixed values belong to the answer: the best of the rest holds only with them.
-    let fixed = problem.study().set.iter().map(|a| (a.parameter.name.to_owned(), a.value));
+    let fixed = problem
+        .study()
+        .set
+        .iter()
+        .map(|a| (a.parameter.name.to_owned(), a.value));
     let file = BestFile {
         description: format!(
             "Best of {} points of the study {} ({} recordings, {} = {} {}). {}.",

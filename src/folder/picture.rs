@@ -4,7 +4,8 @@ use std::path::Path;
 
 use crate::error::Result;
 use crate::report::{
-    AxisSpec, Curve, HeatMap, Panel, PanelGrid, ScoreScale, Truth, draw_curve, draw_heat_map, draw_panels,
+    AxisSpec, Curve, HeatMap, Panel, PanelGrid, ScoreScale, Truth, draw_curve, draw_heat_map,
+    draw_panels,
 };
 use crate::study::{PointScore, Problem, Sweep};
 use crate::trajectory::{Prepared, Source};
@@ -13,7 +14,12 @@ use crate::tuning::{Grid, Range};
 use super::summary::Summary;
 
 /// Draws everything that the points evaluated so far allow.
-pub(super) fn draw(folder: &Path, problem: &Problem, sweep: &Sweep, summary: &Summary) -> Result<()> {
+pub(super) fn draw(
+    folder: &Path,
+    problem: &Problem,
+    sweep: &Sweep,
+    summary: &Summary,
+) -> Result<()> {
     if sweep.scores.points.is_empty() {
         return Ok(());
     }
@@ -25,7 +31,11 @@ pub(super) fn draw(folder: &Path, problem: &Problem, sweep: &Sweep, summary: &Su
             for first in 0..ranges.len() {
                 for second in first + 1..ranges.len() {
                     let pair = [first, second].map(|i| ranges[i].parameter.name.replace('.', "_"));
-                    map.draw_slice(first, second, &folder.join(format!("heatmap_{}_{}", pair[0], pair[1])))?;
+                    map.draw_slice(
+                        first,
+                        second,
+                        &folder.join(format!("heatmap_{}_{}", pair[0], pair[1])),
+                    )?;
                 }
             }
         }
@@ -48,14 +58,31 @@ impl<'a> Map<'a> {
         let study = problem.study();
         let mut by_index = vec![None; study.grid.len()];
         for (position, point) in sweep.scores.points.iter().enumerate() {
-            let is_in = sweep.uncertainty.as_ref().is_some_and(|u| u.indistinguishable[position]);
+            let is_in = sweep
+                .uncertainty
+                .as_ref()
+                .is_some_and(|u| u.indistinguishable[position]);
             by_index[point.index] = Some((point, is_in));
         }
-        let stand_in = study.recordings.iter().any(|r| r.meta.as_ref().is_some_and(|m| m.source == Source::StandIn));
-        let kind = if stand_in { "stand-in recordings, not hardware" } else { "recordings" };
-        let mut subtitle = format!("{}: {} {kind}", study.morphology.name(), study.recordings.len());
+        let stand_in = study
+            .recordings
+            .iter()
+            .any(|r| r.meta.as_ref().is_some_and(|m| m.source == Source::StandIn));
+        let kind = if stand_in {
+            "stand-in recordings, not hardware"
+        } else {
+            "recordings"
+        };
+        let mut subtitle = format!(
+            "{}: {} {kind}",
+            study.morphology.name(),
+            study.recordings.len()
+        );
         if !summary.complete {
-            subtitle += &format!(" - INCOMPLETE: {} of {} points", summary.points, summary.points_total);
+            subtitle += &format!(
+                " - INCOMPLETE: {} of {} points",
+                summary.points, summary.points_total
+            );
         }
         Self {
             problem,
@@ -80,7 +107,10 @@ impl<'a> Map<'a> {
     }
 
     fn best_coordinates(&self) -> Option<Vec<usize>> {
-        self.sweep.scores.best.map(|best| self.grid().coordinates(self.sweep.scores.points[best].index))
+        self.sweep.scores.best.map(|best| {
+            self.grid()
+                .coordinates(self.sweep.scores.points[best].index)
+        })
     }
 
     fn truth(&self, x: &Range, y: Option<&Range>) -> Option<Truth> {
@@ -90,7 +120,11 @@ impl<'a> Map<'a> {
             Some(y) => known.value(y.parameter.name)?,
             None => 0.0,
         };
-        Some(Truth { x, y, label: "hidden value of the stand-in".to_owned() })
+        Some(Truth {
+            x,
+            y,
+            label: "hidden value of the stand-in".to_owned(),
+        })
     }
 
     /// The 2-D slice through the best point along two parameters.
@@ -113,8 +147,15 @@ impl<'a> Map<'a> {
         let mut subtitle = self.subtitle.clone();
         if let (Some(best), true) = (&best, ranges.len() > 2) {
             let others = (0..ranges.len()).filter(|i| *i != first && *i != second);
-            let fixed: Vec<String> =
-                others.map(|i| format!("{} = {}", ranges[i].parameter.name, short(ranges[i].value(best[i])))).collect();
+            let fixed: Vec<String> = others
+                .map(|i| {
+                    format!(
+                        "{} = {}",
+                        ranges[i].parameter.name,
+                        short(ranges[i].value(best[i]))
+                    )
+                })
+                .collect();
             subtitle += &format!("; slice through the best point at {}", fixed.join(", "));
         }
         let map = HeatMap {
@@ -147,7 +188,9 @@ impl<'a> Map<'a> {
             score_unit: self.sweep.scores.unit,
             scale: ScoreScale::Auto,
             best: self.best_coordinates().map(|best| best[0]),
-            indistinguishable: (0..x.points).map(|index| self.is_indistinguishable(index)).collect(),
+            indistinguishable: (0..x.points)
+                .map(|index| self.is_indistinguishable(index))
+                .collect(),
             truth: self.truth(x, None),
         };
         draw_curve(&curve, folder.join("curve.png"))?;
@@ -161,7 +204,11 @@ impl<'a> Map<'a> {
         let best = self.best_coordinates();
         let mut coordinates = best.clone().unwrap_or_else(|| vec![0; ranges.len()]);
         let mut panels = Vec::new();
-        let rows = if ranges.len() > 1 { picks(ranges[1].points, best.as_ref().map(|b| b[1])) } else { vec![0] };
+        let rows = if ranges.len() > 1 {
+            picks(ranges[1].points, best.as_ref().map(|b| b[1]))
+        } else {
+            vec![0]
+        };
         let columns = picks(ranges[0].points, best.as_ref().map(|b| b[0]));
         for row in rows.iter().rev() {
             for column in &columns {
@@ -170,7 +217,9 @@ impl<'a> Map<'a> {
                     coordinates[1] = *row;
                 }
                 let index = self.grid().index(&coordinates);
-                let Some((point, _)) = self.by_index[index] else { continue };
+                let Some((point, _)) = self.by_index[index] else {
+                    continue;
+                };
                 panels.push(self.panel(point, best.as_deref() == Some(&coordinates[..])));
             }
         }
@@ -179,17 +228,34 @@ impl<'a> Map<'a> {
         }
         let study = self.problem.study();
         let settled = self.problem.cases().len() == 1;
-        let real: Vec<&Prepared> =
-            if settled { self.problem.real_paths() } else { self.problem.real_paths().into_iter().take(1).collect() };
-        let shown = if settled { self.subtitle.clone() } else { format!("recording {}", study.recordings[0].name) };
+        let real: Vec<&Prepared> = if settled {
+            self.problem.real_paths()
+        } else {
+            self.problem.real_paths().into_iter().take(1).collect()
+        };
+        let shown = if settled {
+            self.subtitle.clone()
+        } else {
+            format!("recording {}", study.recordings[0].name)
+        };
         let stand_in = self.subtitle.contains("stand-in");
         let grid = PanelGrid {
-            title: format!("{}: simulated paths across the grid, {} above each", study.name, self.score_label),
+            title: format!(
+                "{}: simulated paths across the grid, {} above each",
+                study.name, self.score_label
+            ),
             subtitle: shown,
             columns: columns.len(),
             panels,
-            reality_m: real.iter().map(|prepared| prepared.xy_m().to_vec()).collect(),
-            reality_label: if stand_in { "stand-in for reality".to_owned() } else { "reality".to_owned() },
+            reality_m: real
+                .iter()
+                .map(|prepared| prepared.xy_m().to_vec())
+                .collect(),
+            reality_label: if stand_in {
+                "stand-in for reality".to_owned()
+            } else {
+                "reality".to_owned()
+            },
             unit: self.sweep.scores.unit,
         };
         draw_panels(&grid, path)
@@ -204,7 +270,12 @@ impl<'a> Map<'a> {
             })
             .collect();
         let path = (!point.path_xy_m.is_empty()).then(|| point.path_xy_m.clone());
-        Panel { score: point.score, note: note.join(", "), simulated_m: path.into_iter().collect(), is_best }
+        Panel {
+            score: point.score,
+            note: note.join(", "),
+            simulated_m: path.into_iter().collect(),
+            is_best,
+        }
     }
 }
 
@@ -214,7 +285,13 @@ fn axis(range: &Range) -> AxisSpec {
 
 /// Three indices spread over `0..points`, the middle of each third, one of them moved onto the best.
 fn picks(points: usize, best: Option<usize>) -> Vec<usize> {
-    let mut picks: Vec<usize> = if points < 3 { (0..points).collect() } else { [1, 3, 5].map(|sixth| (sixth * (points - 1) + 3) / 6).to_vec() };
+    let mut picks: Vec<usize> = if points < 3 {
+        (0..points).collect()
+    } else {
+        [1, 3, 5]
+            .map(|sixth| (sixth * (points - 1) + 3) / 6)
+            .to_vec()
+    };
     if let Some(best) = best
         && let Some(nearest) = picks.iter_mut().min_by_key(|pick| pick.abs_diff(best))
     {
@@ -246,6 +323,9 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        assert_eq!([short(0.43), short(1.0), short(0.05 + 0.1)], ["0.43", "1", "0.15"]);
+        assert_eq!(
+            [short(0.43), short(1.0), short(0.05 + 0.1)],
+            ["0.43", "1", "0.15"]
+        );
     }
 }

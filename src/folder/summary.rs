@@ -103,9 +103,19 @@ impl Summary {
             })
         });
         let mut warnings = problem.warnings().to_vec();
-        let diverged = scores.points.iter().filter(|point| point.diverged.is_some()).count();
+        let diverged = scores
+            .points
+            .iter()
+            .filter(|point| point.diverged.is_some())
+            .count();
         if diverged > 0 {
-            warnings.push(Warning::new("diverged", format!("{diverged} of {} points diverged and have no score", scores.points.len())));
+            warnings.push(Warning::new(
+                "diverged",
+                format!(
+                    "{diverged} of {} points diverged and have no score",
+                    scores.points.len()
+                ),
+            ));
         }
         if sweep.ending == Ending::Interrupted {
             warnings.push(Warning::new(
@@ -138,7 +148,13 @@ impl Summary {
                 indistinguishable: u.indistinguishable.iter().filter(|is_in| **is_in).count(),
             }),
             verdicts: verdicts(problem, sweep),
-            components: scores.basis.as_ref().map(|b| b.explained_variance_ratio().iter().take(b.kept()).copied().collect()),
+            components: scores.basis.as_ref().map(|b| {
+                b.explained_variance_ratio()
+                    .iter()
+                    .take(b.kept())
+                    .copied()
+                    .collect()
+            }),
             pose: pose(problem, sweep)?,
             provenance: problem.fingerprint().entries().iter().cloned().collect(),
             warnings,
@@ -156,7 +172,9 @@ impl Summary {
 
 /// Simulates the best point once more and measures its pose errors.
 fn pose(problem: &Problem, sweep: &Sweep) -> Result<Option<PoseSummary>> {
-    let Some(best) = sweep.scores.best else { return Ok(None) };
+    let Some(best) = sweep.scores.best else {
+        return Ok(None);
+    };
     if problem.study().metric.name() != "pose" {
         return Ok(None);
     }
@@ -164,9 +182,15 @@ fn pose(problem: &Problem, sweep: &Sweep) -> Result<Option<PoseSummary>> {
     let (mut position, mut rotation_rad, mut count) = (0.0, 0.0, 0.0);
     for (index, case) in problem.cases().iter().enumerate() {
         let run = simulation::run(&problem.experiment(index, values))?;
-        let Some(simulated) = run.trajectory else { return Ok(None) };
+        let Some(simulated) = run.trajectory else {
+            return Ok(None);
+        };
         for target in &case.targets {
-            let errors = pose_errors(&target.motion, &simulated, case.experiment.assembly.body_length_m)?;
+            let errors = pose_errors(
+                &target.motion,
+                &simulated,
+                case.experiment.assembly.body_length_m,
+            )?;
             position += errors.position_fraction_mean;
             rotation_rad += errors.rotation_rad_mean;
             count += 1.0;

@@ -9,8 +9,11 @@ use crate::study::{PointScore, Problem, Sweep};
 /// One row a point: parameters as columns, then score, unit, status and displacement error.
 pub(super) fn write_points(folder: &Path, problem: &Problem, sweep: &Sweep) -> Result<()> {
     let names = names(problem);
-    let header: Vec<&str> =
-        names.iter().copied().chain(["score", "unit", "status", "displacement_error_m"]).collect();
+    let header: Vec<&str> = names
+        .iter()
+        .copied()
+        .chain(["score", "unit", "status", "displacement_error_m"])
+        .collect();
     let rows = sweep.scores.points.iter().map(|point| {
         let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
         row.push(number(point.score));
@@ -29,25 +32,42 @@ pub(super) fn write_scores(folder: &Path, problem: &Problem, sweep: &Sweep) -> R
         return Ok(());
     }
     let names = names(problem);
-    let header: Vec<&str> = names.iter().copied().chain(["recording", "score", "unit"]).collect();
+    let header: Vec<&str> = names
+        .iter()
+        .copied()
+        .chain(["recording", "score", "unit"])
+        .collect();
     let rows = sweep.scores.points.iter().flat_map(|point| {
-        recordings.iter().zip(&point.recordings).map(|(recording, score)| {
-            let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
-            row.push(recording.name.clone());
-            row.push(score.to_string());
-            row.push(sweep.scores.unit.label().to_owned());
-            row
-        })
+        recordings
+            .iter()
+            .zip(&point.recordings)
+            .map(|(recording, score)| {
+                let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
+                row.push(recording.name.clone());
+                row.push(score.to_string());
+                row.push(sweep.scores.unit.label().to_owned());
+                row
+            })
     });
     write(&folder.join("scores.csv"), &header, rows)
 }
 
 fn names(problem: &Problem) -> Vec<&'static str> {
-    problem.study().grid.ranges().iter().map(|range| range.parameter.name).collect()
+    problem
+        .study()
+        .grid
+        .ranges()
+        .iter()
+        .map(|range| range.parameter.name)
+        .collect()
 }
 
 fn status(point: &PointScore) -> &'static str {
-    if point.diverged.is_some() { "diverged" } else { "ok" }
+    if point.diverged.is_some() {
+        "diverged"
+    } else {
+        "ok"
+    }
 }
 
 /// Shortest text that reads back to the same bits; empty where there is no number.
@@ -62,6 +82,8 @@ fn write(path: &Path, header: &[&str], rows: impl Iterator<Item = Vec<String>>) 
     for row in rows {
         writer.write_record(&row).map_err(fail)?;
     }
-    let bytes = writer.into_inner().map_err(|e| Error::invalid(format!("cannot write the table: {e}")).at_file(path))?;
+    let bytes = writer
+        .into_inner()
+        .map_err(|e| Error::invalid(format!("cannot write the table: {e}")).at_file(path))?;
     write_atomic(path, &bytes)
 }

@@ -29,14 +29,19 @@ const UNIDENTIFIED_SHARE: f64 = 0.5;
 
 /// One verdict per parameter; none where no point has a score.
 pub(super) fn verdicts(problem: &Problem, sweep: &Sweep) -> Vec<Verdict> {
-    let (Some(best), Some(uncertainty)) = (sweep.scores.best, &sweep.uncertainty) else { return Vec::new() };
+    let (Some(best), Some(uncertainty)) = (sweep.scores.best, &sweep.uncertainty) else {
+        return Vec::new();
+    };
     let points = &sweep.scores.points;
     let ranges = problem.study().grid.ranges();
     ranges
         .iter()
         .enumerate()
         .map(|(dimension, range)| {
-            let set = points.iter().zip(&uncertainty.indistinguishable).filter(|(_, is_in)| **is_in);
+            let set = points
+                .iter()
+                .zip(&uncertainty.indistinguishable)
+                .filter(|(_, is_in)| **is_in);
             let values: Vec<f64> = set.map(|(point, _)| point.values[dimension]).collect();
             let low = values.iter().copied().fold(f64::INFINITY, f64::min);
             let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -56,18 +61,39 @@ fn verdict(range: &Range, best: f64, low: f64, high: f64) -> Verdict {
     let text = match (identified, at_edge) {
         (false, _) => format!(
             "{name} is not determined by these recordings: values from {} to {} fit as well as the best, {}",
-            show(low), show(high), show(best)
+            show(low),
+            show(high),
+            show(best)
         ),
         (true, true) => format!(
             "{name} = {} lies at the edge of the searched range: widen it before you believe it ({} to {} fit as well)",
-            show(best), show(low), show(high)
+            show(best),
+            show(low),
+            show(high)
         ),
         (true, false) if low == high => {
-            format!("{name} = {}, known to within the grid's step of {}", show(best), show(range.step()))
+            format!(
+                "{name} = {}, known to within the grid's step of {}",
+                show(best),
+                show(range.step())
+            )
         }
-        (true, false) => format!("{name} = {}; values from {} to {} fit as well", show(best), show(low), show(high)),
+        (true, false) => format!(
+            "{name} = {}; values from {} to {} fit as well",
+            show(best),
+            show(low),
+            show(high)
+        ),
     };
-    Verdict { parameter: name.to_owned(), unit: range.parameter.unit.label().to_owned(), best, low, high, identified, text }
+    Verdict {
+        parameter: name.to_owned(),
+        unit: range.parameter.unit.label().to_owned(),
+        best,
+        low,
+        high,
+        identified,
+        text,
+    }
 }
 
 #[cfg(test)]
@@ -95,6 +121,9 @@ mod tests {
     fn a_determined_parameter_gets_its_interval() {
         let verdict = verdict(&friction(), 0.45, 0.4, 0.5);
         assert!(verdict.identified);
-        assert_eq!(verdict.text, "floor.friction = 0.450; values from 0.400 to 0.500 fit as well");
+        assert_eq!(
+            verdict.text,
+            "floor.friction = 0.450; values from 0.400 to 0.500 fit as well"
+        );
     }
 }

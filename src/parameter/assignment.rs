@@ -31,7 +31,11 @@ impl std::str::FromStr for Assignment {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let shape = || Error::usage("not an assignment").found(format!("\"{text}\"")).allowed("name=value, e.g. floor.friction=0.4");
+        let shape = || {
+            Error::usage("not an assignment")
+                .found(format!("\"{text}\""))
+                .allowed("name=value, e.g. floor.friction=0.4")
+        };
         let (name, value) = text.split_once('=').ok_or_else(shape)?;
         let value = value.trim().parse().map_err(|_| shape())?;
         Self::new(name.trim(), value)
@@ -57,7 +61,11 @@ impl ParameterSet {
     /// The set with one more assignment.
     #[must_use]
     pub fn with(mut self, assignment: Assignment) -> Self {
-        match self.0.iter_mut().find(|known| known.parameter == assignment.parameter) {
+        match self
+            .0
+            .iter_mut()
+            .find(|known| known.parameter == assignment.parameter)
+        {
             Some(known) => known.value = assignment.value,
             None => self.0.push(assignment),
         }
@@ -67,7 +75,10 @@ impl ParameterSet {
     /// The set with all of `other`'s assignments after its own.
     #[must_use]
     pub fn with_all(self, other: &Self) -> Self {
-        other.0.iter().fold(self, |set, assignment| set.with(*assignment))
+        other
+            .0
+            .iter()
+            .fold(self, |set, assignment| set.with(*assignment))
     }
 
     /// The assignments, in order.
@@ -77,7 +88,10 @@ impl ParameterSet {
 
     /// The value of a parameter, where the set has one.
     pub fn value(&self, name: &str) -> Option<f64> {
-        self.0.iter().find(|a| a.parameter.name == name).map(|a| a.value)
+        self.0
+            .iter()
+            .find(|a| a.parameter.name == name)
+            .map(|a| a.value)
     }
 
     /// True where nothing is set.

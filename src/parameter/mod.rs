@@ -62,17 +62,22 @@ pub static PARAMETERS: &[&[Parameter]] = &[
 /// # Errors
 /// An unknown name; the error lists the nearest known ones.
 pub fn by_name(name: &str) -> Result<&'static Parameter> {
-    all().find(|parameter| parameter.name == name).ok_or_else(|| {
-        let group = name.split('.').next().unwrap_or(name);
-        let mut near: Vec<&str> = all().map(|p| p.name).filter(|known| known.starts_with(group)).collect();
-        if near.is_empty() {
-            near = all().map(|p| p.name).collect();
-        }
-        Error::invalid("there is no such parameter")
-            .found(format!("\"{name}\""))
-            .allowed(near.join(", "))
-            .hint("`realgap parameters` lists all of them")
-    })
+    all()
+        .find(|parameter| parameter.name == name)
+        .ok_or_else(|| {
+            let group = name.split('.').next().unwrap_or(name);
+            let mut near: Vec<&str> = all()
+                .map(|p| p.name)
+                .filter(|known| known.starts_with(group))
+                .collect();
+            if near.is_empty() {
+                near = all().map(|p| p.name).collect();
+            }
+            Error::invalid("there is no such parameter")
+                .found(format!("\"{name}\""))
+                .allowed(near.join(", "))
+                .hint("`realgap parameters` lists all of them")
+        })
 }
 
 impl Parameter {
@@ -86,7 +91,11 @@ impl Parameter {
         if in_bounds && (!self.whole || value.fract() == 0.0) {
             return Ok(());
         }
-        let kind = if self.whole { "whole numbers from " } else { "" };
+        let kind = if self.whole {
+            "whole numbers from "
+        } else {
+            ""
+        };
         Err(Error::invalid("out of bounds")
             .field(self.name)
             .found(value)
@@ -134,15 +143,30 @@ mod tests {
     fn names_are_unique_and_bounds_are_ordered() {
         let mut seen = std::collections::BTreeSet::new();
         for parameter in all() {
-            assert!(seen.insert(parameter.name), "{} stands twice", parameter.name);
-            assert!(parameter.bounds.0 < parameter.bounds.1, "{}", parameter.name);
-            assert!(!parameter.doc.is_empty() && parameter.doc.ends_with('.'), "{}", parameter.name);
+            assert!(
+                seen.insert(parameter.name),
+                "{} stands twice",
+                parameter.name
+            );
+            assert!(
+                parameter.bounds.0 < parameter.bounds.1,
+                "{}",
+                parameter.name
+            );
+            assert!(
+                !parameter.doc.is_empty() && parameter.doc.ends_with('.'),
+                "{}",
+                parameter.name
+            );
         }
     }
 
     #[test]
     fn an_unknown_name_is_answered_with_its_neighbours() {
         let error = by_name("floor.frictoin").unwrap_err().to_string();
-        assert!(error.contains("floor.friction, floor.restitution"), "{error}");
+        assert!(
+            error.contains("floor.friction, floor.restitution"),
+            "{error}"
+        );
     }
 }

@@ -57,7 +57,7 @@ pub(super) fn write(picture: &impl Picture, path: &Path) -> Result<()> {
         Format::Png => png(picture)?,
         Format::Svg => svg(picture)?,
     };
-    replace(path, &bytes)
+    write_atomic(path, &bytes)
 }
 
 fn png(picture: &impl Picture) -> Result<Vec<u8>> {
@@ -122,24 +122,4 @@ fn svg(picture: &impl Picture) -> Result<Vec<u8>> {
         "width=\"{width}\" height=\"{height}\" stroke-linejoin=\"round\" stroke-linecap=\"round\""
     );
     Ok(text.replacen(&fine, &real, 1).into_bytes())
-}
-
-/// Writes under another name first: whoever looks at `path` sees the old picture or the new one.
-fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
-    let mut name = std::ffi::OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
-    let written = fs::File::create(&part)
-        .and_then(|mut file| {
-            file.write_all(bytes)?;
-            // A full disk may be noticed only here.
-            file.sync_all()
-        })
-        .and_then(|()| fs::rename(&part, path));
-    written.map_err(|error| {
-        // The first error is the one to report; a leftover part does no harm.
-        let _ = fs::remove_file(&part);
-        Error::io("write the picture", path, &error)
-    })
 }

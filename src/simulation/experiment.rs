@@ -24,7 +24,12 @@ pub struct Floor {
 
 impl Default for Floor {
     fn default() -> Self {
-        Self { friction: 0.5, restitution: 0.1, height_m: 0.0, slope_rad: 0.0 }
+        Self {
+            friction: 0.5,
+            restitution: 0.1,
+            height_m: 0.0,
+            slope_rad: 0.0,
+        }
     }
 }
 
@@ -102,7 +107,12 @@ pub struct Solver {
 
 impl Default for Solver {
     fn default() -> Self {
-        Self { timestep_s: 1.0 / 240.0, substeps: 8, relaxations: 0, joint: JointKind::Impulse }
+        Self {
+            timestep_s: 1.0 / 240.0,
+            substeps: 8,
+            relaxations: 0,
+            joint: JointKind::Impulse,
+        }
     }
 }
 
@@ -218,7 +228,11 @@ impl Experiment {
             hinge.gait.frequency_hz *= a.frequency_scale;
             hinge.gait.amplitude_rad *= a.amplitude_scale;
         }
-        for (hinge, zero_rad) in robot.hinges.iter_mut().zip(&self.perturbation.servo_zero_rad) {
+        for (hinge, zero_rad) in robot
+            .hinges
+            .iter_mut()
+            .zip(&self.perturbation.servo_zero_rad)
+        {
             hinge.gait.offset_rad += zero_rad;
         }
         robot
@@ -229,21 +243,30 @@ impl Experiment {
     /// # Errors
     /// A duration, timestep or sampling that cannot be simulated.
     pub fn check(&self) -> Result<()> {
-        let range = |field: &str, value: f64, allowed: std::ops::RangeInclusive<f64>, unit: &str| {
-            if allowed.contains(&value) {
-                return Ok(());
-            }
-            Err(Error::invalid("out of range")
-                .field(field)
-                .found(format!("{value} {unit}").trim_end())
-                .allowed(format!("{} to {} {unit}", allowed.start(), allowed.end()).trim_end()))
-        };
+        let range =
+            |field: &str, value: f64, allowed: std::ops::RangeInclusive<f64>, unit: &str| {
+                if allowed.contains(&value) {
+                    return Ok(());
+                }
+                Err(Error::invalid("out of range")
+                    .field(field)
+                    .found(format!("{value} {unit}").trim_end())
+                    .allowed(format!("{} to {} {unit}", allowed.start(), allowed.end()).trim_end()))
+            };
         range("duration_s", self.duration_s, 1e-3..=3600.0, "s")?;
         range("timestep_s", self.solver.timestep_s, 1e-6..=0.1, "s")?;
-        range("solver.substeps", self.solver.substeps as f64, 1.0..=256.0, "")?;
+        range(
+            "solver.substeps",
+            self.solver.substeps as f64,
+            1.0..=256.0,
+            "",
+        )?;
         if self.duration_s / self.solver.timestep_s > 1e8 {
             return Err(Error::invalid("too many steps for one run")
-                .found(format!("{:.0} steps", self.duration_s / self.solver.timestep_s))
+                .found(format!(
+                    "{:.0} steps",
+                    self.duration_s / self.solver.timestep_s
+                ))
                 .allowed("at most 100 000 000")
                 .hint("shorten the duration or lengthen the timestep"));
         }
@@ -259,7 +282,9 @@ impl Experiment {
             Sampling::Times(times_s) => {
                 let increasing = times_s.windows(2).all(|w| w[0] < w[1]);
                 if times_s.len() < 2 || !increasing || !times_s.iter().all(|t| t.is_finite()) {
-                    return Err(Error::invalid("sample times must be at least two, finite and increasing"));
+                    return Err(Error::invalid(
+                        "sample times must be at least two, finite and increasing",
+                    ));
                 }
             }
         }

@@ -35,25 +35,40 @@ impl Friction {
                 let jacobian = multibody.body_jacobian(link.link_id());
                 let mut columns = jacobian.transpose();
                 // Before the first step there is neither Jacobian nor mass matrix.
-                if jacobian.ncols() == 0 || factors.l().nrows() != columns.nrows() || !factors.solve_mut(&mut columns) {
+                if jacobian.ncols() == 0
+                    || factors.l().nrows() != columns.nrows()
+                    || !factors.solve_mut(&mut columns)
+                {
                     self.links.clear();
                     return;
                 }
                 let response = jacobian * columns;
-                self.links.push((link.rigid_body_handle(), Response::from_fn(|row, column| response[(row, column)])));
+                self.links.push((
+                    link.rigid_body_handle(),
+                    Response::from_fn(|row, column| response[(row, column)]),
+                ));
             }
         }
     }
 
     /// Inverse effective mass of one side of a contact in two tangent directions.
-    fn inverse_mass(&self, bodies: &RigidBodySet, handle: RigidBodyHandle, arm: Vector, tangents: [Vector; 2]) -> [[f64; 2]; 2] {
+    fn inverse_mass(
+        &self,
+        bodies: &RigidBodySet,
+        handle: RigidBodyHandle,
+        arm: Vector,
+        tangents: [Vector; 2],
+    ) -> [[f64; 2]; 2] {
         if let Some((_, response)) = self.links.iter().find(|(link, _)| *link == handle) {
             let wrench = tangents.map(|t| {
                 let moment = arm.cross(t);
                 SVector::<f64, 6>::from([t.x, t.y, t.z, moment.x, moment.y, moment.z])
             });
             // The solver's rows of a multibody contact are not coupled, so neither is this K.
-            return [[wrench[0].dot(&(response * wrench[0])), 0.0], [0.0, wrench[1].dot(&(response * wrench[1]))]];
+            return [
+                [wrench[0].dot(&(response * wrench[0])), 0.0],
+                [0.0, wrench[1].dot(&(response * wrench[1]))],
+            ];
         }
         let body = &bodies[handle];
         let inverse_mass = 1.0 / body.mass();
@@ -71,12 +86,17 @@ impl Friction {
 impl PhysicsHooks for Friction {
     fn modify_solver_contacts(&self, context: &mut ContactModificationContext<'_>) {
         let (first, second, bodies) = (context.rigid_body1, context.rigid_body2, context.bodies);
-        let Some(manifold) = context.rigid_mut() else { return };
+        let Some(manifold) = context.rigid_mut() else {
+            return;
+        };
         let tangents = tangents(-*manifold.normal);
         for contact in manifold.solver_contacts.iter_mut() {
             let mut slip = Vector::ZERO;
             let mut k = [[0.0; 2]; 2];
-            for (handle, point, sign) in [(first, contact.anchor1, 1.0), (second, contact.anchor2, -1.0)] {
+            for (handle, point, sign) in [
+                (first, contact.anchor1, 1.0),
+                (second, contact.anchor2, -1.0),
+            ] {
                 let Some(handle) = handle else { continue };
                 let body = &bodies[handle];
                 if !body.is_dynamic() {
@@ -96,10 +116,14 @@ impl PhysicsHooks for Friction {
             if speed_squared < LEAST_SLIP_M_S * LEAST_SLIP_M_S {
                 continue;
             }
-            let kv = [k[0][0] * v[0] + k[0][1] * v[1], k[1][0] * v[0] + k[1][1] * v[1]];
+            let kv = [
+                k[0][0] * v[0] + k[0][1] * v[1],
+                k[1][0] * v[0] + k[1][1] * v[1],
+            ];
             let scale = speed_squared / (v[0] * kv[0] + v[1] * kv[1]);
             if scale.is_finite() {
-                contact.tangent_velocity = tangents[0] * (kv[0] * scale - v[0]) + tangents[1] * (kv[1] * scale - v[1]);
+                contact.tangent_velocity =
+                    tangents[0] * (kv[0] * scale - v[0]) + tangents[1] * (kv[1] * scale - v[1]);
             }
         }
     }

@@ -23,7 +23,9 @@ pub(super) fn robot_from_parts(assembly: &Assembly, angles_rad: &[f64]) -> Vec<I
     for (hinge, &angle_rad) in assembly.hinges.iter().zip(angles_rad) {
         moved[hinge.child_part] = moved[hinge.parent_part] * turn(hinge, angle_rad);
     }
-    (0..assembly.parts.len()).map(|part| moved[part] * robot_from_part_at_zero(assembly, part)).collect()
+    (0..assembly.parts.len())
+        .map(|part| moved[part] * robot_from_part_at_zero(assembly, part))
+        .collect()
 }
 
 /// Pose of the tracked module in the frame of the part that carries it.
@@ -32,7 +34,11 @@ pub(super) fn part_from_track(assembly: &Assembly) -> Isometry3<f64> {
 }
 
 /// Smallest signed distance of the robot's collision boxes to the plane through the origin with this unit normal, metres.
-pub(super) fn lowest_m(assembly: &Assembly, parts: &[Isometry3<f64>], normal: &Vector3<f64>) -> f64 {
+pub(super) fn lowest_m(
+    assembly: &Assembly,
+    parts: &[Isometry3<f64>],
+    normal: &Vector3<f64>,
+) -> f64 {
     let mut lowest = f64::INFINITY;
     for (part, robot_from_part) in parts.iter().enumerate() {
         let part_from_robot = robot_from_part_at_zero(assembly, part).inverse();

@@ -13,8 +13,8 @@ mod servo;
 mod world;
 
 pub use experiment::{
-    Adjustment, Contact, Experiment, Floor, FrictionModel, JointKind, Perturbation, Sampling, Solver,
-    Start,
+    Adjustment, Contact, Experiment, Floor, FrictionModel, JointKind, Perturbation, Sampling,
+    Solver, Start,
 };
 pub use noise::Noise;
 pub use run::{Run, Status, run};

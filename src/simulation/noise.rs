@@ -49,12 +49,20 @@ impl Noise {
     /// How exactly a robot can be put down by hand: 1 mm, 1° of tilt and heading.
     pub fn careful_start() -> Self {
         let degree = 1.0_f64.to_radians();
-        Self { start_position_m: 1e-3, start_tilt_rad: degree, start_heading_rad: degree, ..Self::default() }
+        Self {
+            start_position_m: 1e-3,
+            start_tilt_rad: degree,
+            start_heading_rad: degree,
+            ..Self::default()
+        }
     }
 
     /// A careful repeat with another robot of the same make: [`Noise::careful_start`] and 1° of servo zero.
     pub fn careful_repeat() -> Self {
-        Self { servo_zero_rad: 1.0_f64.to_radians(), ..Self::careful_start() }
+        Self {
+            servo_zero_rad: 1.0_f64.to_radians(),
+            ..Self::careful_start()
+        }
     }
 
     /// Checks that every standard deviation is finite and not negative.
@@ -71,10 +79,12 @@ impl Noise {
             ("camera_rad", self.camera_rad),
         ] {
             if !(value.is_finite() && value >= 0.0) {
-                return Err(Error::invalid("a standard deviation must be finite and not negative")
-                    .field(field)
-                    .found(value)
-                    .allowed("0 or more"));
+                return Err(
+                    Error::invalid("a standard deviation must be finite and not negative")
+                        .field(field)
+                        .found(value)
+                        .allowed("0 or more"),
+                );
             }
         }
         Ok(())
@@ -90,12 +100,25 @@ impl Noise {
         let direction_rad = draw(std::f64::consts::TAU);
         let tilt_rad = draw(self.start_tilt_rad);
         let heading_rad = draw(self.start_heading_rad);
-        let tilt_axis = nalgebra::Unit::new_unchecked(Vector3::new(direction_rad.cos(), direction_rad.sin(), 0.0));
+        let tilt_axis = nalgebra::Unit::new_unchecked(Vector3::new(
+            direction_rad.cos(),
+            direction_rad.sin(),
+            0.0,
+        ));
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading_rad)
             * UnitQuaternion::from_axis_angle(&tilt_axis, tilt_rad);
-        let servo_zero_rad = experiment.assembly.hinges.iter().map(|_| draw(self.servo_zero_rad)).collect();
+        let servo_zero_rad = experiment
+            .assembly
+            .hinges
+            .iter()
+            .map(|_| draw(self.servo_zero_rad))
+            .collect();
         Experiment {
-            perturbation: Perturbation { shift_world_m, turn_world_rad: turn.scaled_axis(), servo_zero_rad },
+            perturbation: Perturbation {
+                shift_world_m,
+                turn_world_rad: turn.scaled_axis(),
+                servo_zero_rad,
+            },
             ..experiment.clone()
         }
     }
@@ -110,14 +133,20 @@ impl Noise {
         let mut positions = Vec::with_capacity(truth.len());
         let mut orientations = Vec::with_capacity(truth.len());
         for index in 0..truth.len() {
-            positions.push(truth.positions_world_m()[index] + Vector3::from_fn(|_, _| draw(self.camera_m)));
+            positions.push(
+                truth.positions_world_m()[index] + Vector3::from_fn(|_, _| draw(self.camera_m)),
+            );
             if let Some(world_from_body) = truth.orientations_world_from_body() {
                 let error = Vector3::from_fn(|_, _| draw(self.camera_rad / 3.0_f64.sqrt()));
                 orientations.push(UnitQuaternion::from_scaled_axis(error) * world_from_body[index]);
             }
         }
         let recorded = Trajectory::new(truth.times_s().to_vec(), positions)?;
-        if orientations.is_empty() { Ok(recorded) } else { recorded.with_orientations(orientations) }
+        if orientations.is_empty() {
+            Ok(recorded)
+        } else {
+            recorded.with_orientations(orientations)
+        }
     }
 }
 

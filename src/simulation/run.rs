@@ -81,7 +81,10 @@ pub fn run(experiment: &Experiment) -> Result<Run> {
 #[cfg(unix)]
 fn thread_cpu_time() -> Duration {
     let now = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    Duration::new(now.tv_sec.unsigned_abs(), u32::try_from(now.tv_nsec).unwrap_or(0))
+    Duration::new(
+        now.tv_sec.unsigned_abs(),
+        u32::try_from(now.tv_nsec).unwrap_or(0),
+    )
 }
 
 /// CPU time of the calling thread; wall time where the platform has no such clock.
@@ -102,7 +105,11 @@ struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     fn new(experiment: &Experiment, assembly: &'a Assembly) -> Self {
-        let angles_rad: Vec<f64> = assembly.hinges.iter().map(|h| h.gait.angle_rad(0.0)).collect();
+        let angles_rad: Vec<f64> = assembly
+            .hinges
+            .iter()
+            .map(|h| h.gait.angle_rad(0.0))
+            .collect();
         let robot_from_parts = robot_from_parts(assembly, &angles_rad);
         let part_from_track = part_from_track(assembly);
         let perturbation = &experiment.perturbation;
@@ -127,14 +134,24 @@ impl<'a> Walk<'a> {
                 let motion = Motion {
                     about_world_m: world_from_track.translation.vector,
                     linear_world_m_s: state.velocity_world_m_s,
-                    angular_world_rad_s: world_from_track.rotation * state.angular_velocity_body_rad_s,
+                    angular_world_rad_s: world_from_track.rotation
+                        * state.angular_velocity_body_rad_s,
                 };
                 (world_from_track * robot_from_track.inverse(), motion)
             }
         };
-        let poses: Vec<_> = robot_from_parts.iter().map(|pose| world_from_robot * pose).collect();
+        let poses: Vec<_> = robot_from_parts
+            .iter()
+            .map(|pose| world_from_robot * pose)
+            .collect();
         let world = World::new(experiment, assembly, &poses, &angles_rad, &motion);
-        Self { assembly, world, part_from_track, angles_rad, squared_error_rad2: 0.0 }
+        Self {
+            assembly,
+            world,
+            part_from_track,
+            angles_rad,
+            squared_error_rad2: 0.0,
+        }
     }
 
     /// Drives every servo towards its command at `t_s` and takes one step.
@@ -144,13 +161,18 @@ impl<'a> Walk<'a> {
             self.angles_rad[index] = angle_rad;
             let target_rad = hinge.gait.angle_rad(t_s);
             self.squared_error_rad2 += (target_rad - angle_rad).powi(2);
-            self.world.drive(index, angle_rad, command(&hinge.servo, target_rad, angle_rad));
+            self.world.drive(
+                index,
+                angle_rad,
+                command(&hinge.servo, target_rad, angle_rad),
+            );
         }
         self.world.step();
     }
 
     fn track(&self) -> State {
-        let (pose, velocity_world_m_s, angular_world_rad_s) = self.world.part(self.assembly.track_part);
+        let (pose, velocity_world_m_s, angular_world_rad_s) =
+            self.world.part(self.assembly.track_part);
         let world_from_track = pose * self.part_from_track;
         let offset_world_m = pose.rotation * self.part_from_track.translation.vector;
         State {
@@ -184,7 +206,9 @@ impl<'a> Walk<'a> {
     }
 
     fn poses(&self) -> Vec<Isometry3<f64>> {
-        (0..self.assembly.parts.len()).map(|part| self.world.part(part).0).collect()
+        (0..self.assembly.parts.len())
+            .map(|part| self.world.part(part).0)
+            .collect()
     }
 
     /// Holds the servos at their first command until nothing moves.
@@ -204,7 +228,8 @@ impl<'a> Walk<'a> {
             if taken % window == 0 {
                 let now = self.poses();
                 let at_rest = before.iter().zip(&now).all(|(a, b)| {
-                    (b.translation.vector - a.translation.vector).norm() < REST_M && a.rotation.angle_to(&b.rotation) < REST_RAD
+                    (b.translation.vector - a.translation.vector).norm() < REST_M
+                        && a.rotation.angle_to(&b.rotation) < REST_RAD
                 });
                 if at_rest {
                     return (taken, Ok(None));
@@ -214,7 +239,9 @@ impl<'a> Walk<'a> {
         }
         let warning = Warning::new(
             "not-settled",
-            format!("the robot was still moving after {SETTLE_LIMIT_S} s of settling; the run starts from there"),
+            format!(
+                "the robot was still moving after {SETTLE_LIMIT_S} s of settling; the run starts from there"
+            ),
         );
         (limit, Ok(Some(warning)))
     }
@@ -238,7 +265,10 @@ impl<'a> Walk<'a> {
                 Ok(warning) => run.warnings.extend(warning),
                 Err(why) => {
                     let at_s = (taken as f64 * timestep_s) - SETTLE_LIMIT_S;
-                    run.status = Status::Diverged { at_s: at_s.min(0.0), why };
+                    run.status = Status::Diverged {
+                        at_s: at_s.min(0.0),
+                        why,
+                    };
                     return Ok(run);
                 }
             }
@@ -293,15 +323,21 @@ fn between(before: &State, after: &State, share: f64) -> State {
     if share >= 1.0 {
         return *after;
     }
-    let orientation = |a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>| a.try_slerp(b, share, 1e-12).unwrap_or(*b);
+    let orientation = |a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>| {
+        a.try_slerp(b, share, 1e-12).unwrap_or(*b)
+    };
     State {
         position_world_m: before.position_world_m.lerp(&after.position_world_m, share),
         orientation_world_from_body: orientation(
             &before.orientation_world_from_body,
             &after.orientation_world_from_body,
         ),
-        velocity_world_m_s: before.velocity_world_m_s.lerp(&after.velocity_world_m_s, share),
-        angular_velocity_body_rad_s: before.angular_velocity_body_rad_s.lerp(&after.angular_velocity_body_rad_s, share),
+        velocity_world_m_s: before
+            .velocity_world_m_s
+            .lerp(&after.velocity_world_m_s, share),
+        angular_velocity_body_rad_s: before
+            .angular_velocity_body_rad_s
+            .lerp(&after.angular_velocity_body_rad_s, share),
     }
 }
 

@@ -42,17 +42,36 @@ pub(super) fn command(servo: &Servo, target_rad: f64, angle_rad: f64) -> Command
     let max_torque_nm = servo.max_torque_nm;
     match servo.law {
         ServoLaw::Velocity { gain_1_s } => {
-            let top_rad_s = if servo.max_speed_rad_s.is_finite() { servo.max_speed_rad_s } else { UNLIMITED_RAD_S };
+            let top_rad_s = if servo.max_speed_rad_s.is_finite() {
+                servo.max_speed_rad_s
+            } else {
+                UNLIMITED_RAD_S
+            };
             let damping_nm_s_rad = max_torque_nm / (SPEED_SLACK * top_rad_s.max(f64::MIN_POSITIVE));
             if (gain_1_s * error_rad).abs() > servo.max_speed_rad_s {
                 let target_rad_s = servo.max_speed_rad_s.copysign(error_rad);
-                return Command::Velocity { target_rad_s, damping_nm_s_rad, max_torque_nm };
+                return Command::Velocity {
+                    target_rad_s,
+                    damping_nm_s_rad,
+                    max_torque_nm,
+                };
             }
-            Command::Spring { error_rad, stiffness_nm_rad: gain_1_s * damping_nm_s_rad, damping_nm_s_rad, max_torque_nm }
+            Command::Spring {
+                error_rad,
+                stiffness_nm_rad: gain_1_s * damping_nm_s_rad,
+                damping_nm_s_rad,
+                max_torque_nm,
+            }
         }
-        ServoLaw::Torque { stiffness_nm_rad, damping_nm_s_rad } => {
-            Command::Spring { error_rad, stiffness_nm_rad, damping_nm_s_rad, max_torque_nm }
-        }
+        ServoLaw::Torque {
+            stiffness_nm_rad,
+            damping_nm_s_rad,
+        } => Command::Spring {
+            error_rad,
+            stiffness_nm_rad,
+            damping_nm_s_rad,
+            max_torque_nm,
+        },
     }
 }
 
@@ -61,12 +80,22 @@ mod tests {
     use super::*;
 
     fn servo(max_speed_rad_s: f64) -> Servo {
-        Servo { law: ServoLaw::Velocity { gain_1_s: 30.0 }, max_torque_nm: 0.2, max_speed_rad_s }
+        Servo {
+            law: ServoLaw::Velocity { gain_1_s: 30.0 },
+            max_torque_nm: 0.2,
+            max_speed_rad_s,
+        }
     }
 
     #[test]
     fn within_the_speed_limit_the_gain_decides() {
-        let Command::Spring { error_rad, stiffness_nm_rad, damping_nm_s_rad, .. } = command(&servo(8.0), 0.2, 0.1) else {
+        let Command::Spring {
+            error_rad,
+            stiffness_nm_rad,
+            damping_nm_s_rad,
+            ..
+        } = command(&servo(8.0), 0.2, 0.1)
+        else {
             panic!("not a spring")
         };
         // Free of load, torque 0 means velocity = stiffness / damping · error = gain · error.
@@ -75,8 +104,13 @@ mod tests {
 
     #[test]
     fn beyond_it_the_limit_decides() {
-        let Command::Velocity { target_rad_s, .. } = command(&servo(8.0), -1.0, 0.0) else { panic!("not a velocity") };
+        let Command::Velocity { target_rad_s, .. } = command(&servo(8.0), -1.0, 0.0) else {
+            panic!("not a velocity")
+        };
         assert_eq!(target_rad_s, -8.0);
-        assert!(matches!(command(&servo(f64::INFINITY), -1.0, 0.0), Command::Spring { .. }));
+        assert!(matches!(
+            command(&servo(f64::INFINITY), -1.0, 0.0),
+            Command::Spring { .. }
+        ));
     }
 }

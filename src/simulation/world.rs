@@ -3,14 +3,14 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
+use rapier3d::math::{Matrix, Pose, Rotation, Vector};
 use rapier3d::prelude::{
-    ActiveHooks, PhysicsHooks,
-    BroadPhaseBvh, CCDSolver, CoefficientCombineRule, ColliderBuilder, ColliderSet, FrictionModel as EngineFriction,
-    GenericJointBuilder, ImpulseJointHandle, ImpulseJointSet, IntegrationParameters, IslandManager, JointAxesMask,
-    JointAxis, MassProperties, MotorModel, MultibodyJointHandle, MultibodyJointSet, NarrowPhase, PhysicsPipeline,
+    ActiveHooks, BroadPhaseBvh, CCDSolver, CoefficientCombineRule, ColliderBuilder, ColliderSet,
+    FrictionModel as EngineFriction, GenericJointBuilder, ImpulseJointHandle, ImpulseJointSet,
+    IntegrationParameters, IslandManager, JointAxesMask, JointAxis, MassProperties, MotorModel,
+    MultibodyJointHandle, MultibodyJointSet, NarrowPhase, PhysicsHooks, PhysicsPipeline,
     RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SharedShape, SoftBodySet,
 };
-use rapier3d::math::{Matrix, Pose, Rotation, Vector};
 
 use super::experiment::{Experiment, FrictionModel, JointKind};
 use super::friction::Friction;
@@ -104,20 +104,28 @@ impl World {
             ccd: CCDSolver::new(),
             parts: Vec::with_capacity(assembly.parts.len()),
             axles: Vec::with_capacity(assembly.hinges.len()),
-            friction: (experiment.contact.friction_model == FrictionModel::Coulomb).then(Friction::default),
+            friction: (experiment.contact.friction_model == FrictionModel::Coulomb)
+                .then(Friction::default),
         };
         world.lay_floor(experiment);
         for (index, part) in assembly.parts.iter().enumerate() {
             let part_from_robot = robot_from_part_at_zero(assembly, index).inverse();
-            world.place_part(experiment, part, &part_from_robot, &world_from_parts[index], motion);
+            world.place_part(
+                experiment,
+                part,
+                &part_from_robot,
+                &world_from_parts[index],
+                motion,
+            );
         }
         for (hinge, &start_rad) in assembly.hinges.iter().zip(angles_rad) {
             let parent_from_robot = robot_from_part_at_zero(assembly, hinge.parent_part).inverse();
             let anchor_parent_m = parent_from_robot * nalgebra::Point3::from(hinge.anchor_robot_m);
             let frame = Isometry3::from_parts(
                 anchor_parent_m.coords.into(),
-                UnitQuaternion::rotation_between(&Vector3::x(), &hinge.axis_robot)
-                    .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI)),
+                UnitQuaternion::rotation_between(&Vector3::x(), &hinge.axis_robot).unwrap_or_else(
+                    || UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI),
+                ),
             );
             let child_from_parent =
                 world_from_parts[hinge.child_part].inverse() * world_from_parts[hinge.parent_part];
@@ -126,7 +134,10 @@ impl World {
                 .local_frame2(to_pose(&(child_from_parent * frame)))
                 .contacts_enabled(false)
                 .build();
-            let (parent, child) = (world.parts[hinge.parent_part], world.parts[hinge.child_part]);
+            let (parent, child) = (
+                world.parts[hinge.parent_part],
+                world.parts[hinge.child_part],
+            );
             let multibody = (experiment.solver.joint == JointKind::Multibody)
                 .then(|| world.multibody_joints.insert(parent, child, data, true))
                 .flatten();
@@ -135,7 +146,13 @@ impl World {
                 Some(handle) => Joint::Multibody(handle),
                 None => Joint::Impulse(world.impulse_joints.insert(parent, child, data, true)),
             };
-            world.axles.push(Axle { joint, parent, child, axis_part: hinge.axis_robot.into_inner(), start_rad });
+            world.axles.push(Axle {
+                joint,
+                parent,
+                child,
+                axis_part: hinge.axis_robot.into_inner(),
+                start_rad,
+            });
         }
         world.start_multibody();
         world
@@ -146,7 +163,11 @@ impl World {
         let n = floor.normal_world();
         // Value on the robot, 1 on the floor, rule Multiply: the parameter is the pair's value.
         let collider = ColliderBuilder::new(SharedShape::halfspace(Vector::new(n.x, n.y, n.z)))
-            .position(Pose::from_translation(Vector::new(0.0, 0.0, floor.height_m)))
+            .position(Pose::from_translation(Vector::new(
+                0.0,
+                0.0,
+                floor.height_m,
+            )))
             .friction(1.0)
             .restitution(1.0)
             .friction_combine_rule(CoefficientCombineRule::Multiply)
@@ -166,7 +187,9 @@ impl World {
         let (mass_kg, centre_part_m, inertia_kg_m2) = mass_properties(part, part_from_robot);
         let centre_world_m = world_from_part * nalgebra::Point3::from(centre_part_m);
         let velocity = motion.linear_world_m_s
-            + motion.angular_world_rad_s.cross(&(centre_world_m.coords - motion.about_world_m));
+            + motion
+                .angular_world_rad_s
+                .cross(&(centre_world_m.coords - motion.about_world_m));
         let body = RigidBodyBuilder::dynamic()
             .pose(to_pose(world_from_part))
             .linvel(to_vector(&velocity))
@@ -190,21 +213,33 @@ impl World {
                 .restitution_combine_rule(CoefficientCombineRule::Multiply)
                 .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
                 .build();
-            self.colliders.insert_with_parent(collider, handle, &mut self.bodies);
+            self.colliders
+                .insert_with_parent(collider, handle, &mut self.bodies);
         }
         self.parts.push(handle);
     }
 
     /// A multibody ignores its bodies' velocities and damps its joints unless told otherwise.
     fn start_multibody(&mut self) {
-        let Some(&root) = self.parts.first() else { return };
-        let Some(link) = self.multibody_joints.rigid_body_link(root).copied() else { return };
-        let Some(body) = self.bodies.get(root) else { return };
+        let Some(&root) = self.parts.first() else {
+            return;
+        };
+        let Some(link) = self.multibody_joints.rigid_body_link(root).copied() else {
+            return;
+        };
+        let Some(body) = self.bodies.get(root) else {
+            return;
+        };
         let (linear, angular) = (body.linvel(), body.angvel());
         if let Some(multibody) = self.multibody_joints.get_multibody_mut(link.multibody) {
             multibody.damping_mut().fill(0.0);
             let mut velocity = multibody.generalized_velocity_mut();
-            for (row, value) in [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z].into_iter().enumerate() {
+            for (row, value) in [
+                linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
+            ]
+            .into_iter()
+            .enumerate()
+            {
                 velocity[row] = value;
             }
         }
@@ -242,7 +277,8 @@ impl World {
         let pose = from_pose(body.position());
         let angular = from_vector(body.angvel());
         let centre = from_vector(body.center_of_mass());
-        let linear = from_vector(body.linvel()) + angular.cross(&(pose.translation.vector - centre));
+        let linear =
+            from_vector(body.linvel()) + angular.cross(&(pose.translation.vector - centre));
         (pose, linear, angular)
     }
 
@@ -266,7 +302,9 @@ impl World {
             Joint::Impulse(handle) => {
                 // An impulse joint knows its angle only up to whole turns.
                 let wrapped_rad = coordinate_rad - TAU * (coordinate_rad / TAU).round();
-                self.impulse_joints.get_mut(handle, false).map(|joint| (&mut joint.data, wrapped_rad))
+                self.impulse_joints
+                    .get_mut(handle, false)
+                    .map(|joint| (&mut joint.data, wrapped_rad))
             }
             Joint::Multibody(handle) => self
                 .multibody_joints
@@ -277,12 +315,26 @@ impl World {
         let Some((data, here_rad)) = data else { return };
         data.set_motor_model(JointAxis::AngX, MotorModel::ForceBased);
         match command {
-            Command::Velocity { target_rad_s, damping_nm_s_rad, max_torque_nm } => {
+            Command::Velocity {
+                target_rad_s,
+                damping_nm_s_rad,
+                max_torque_nm,
+            } => {
                 data.set_motor_velocity(JointAxis::AngX, target_rad_s, damping_nm_s_rad);
                 data.set_motor_max_force(JointAxis::AngX, max_torque_nm);
             }
-            Command::Spring { error_rad, stiffness_nm_rad, damping_nm_s_rad, max_torque_nm } => {
-                data.set_motor_position(JointAxis::AngX, here_rad + error_rad, stiffness_nm_rad, damping_nm_s_rad);
+            Command::Spring {
+                error_rad,
+                stiffness_nm_rad,
+                damping_nm_s_rad,
+                max_torque_nm,
+            } => {
+                data.set_motor_position(
+                    JointAxis::AngX,
+                    here_rad + error_rad,
+                    stiffness_nm_rad,
+                    damping_nm_s_rad,
+                );
                 data.set_motor_max_force(JointAxis::AngX, max_torque_nm);
             }
         }
@@ -308,15 +360,28 @@ fn parameters(experiment: &Experiment) -> IntegrationParameters {
 }
 
 /// Mass (kg), centre of mass (m) and inertia about it (kg m²) of a rigid cluster, in the part's frame.
-fn mass_properties(part: &Part, part_from_robot: &Isometry3<f64>) -> (f64, Vector3<f64>, Matrix3<f64>) {
+fn mass_properties(
+    part: &Part,
+    part_from_robot: &Isometry3<f64>,
+) -> (f64, Vector3<f64>, Matrix3<f64>) {
     let centre_of = |solid: &crate::morphology::Solid| {
-        (part_from_robot * solid.robot_from_solid * nalgebra::Point3::from(solid.centre_of_mass_solid_m)).coords
+        (part_from_robot
+            * solid.robot_from_solid
+            * nalgebra::Point3::from(solid.centre_of_mass_solid_m))
+        .coords
     };
     let mass_kg: f64 = part.solids.iter().map(|solid| solid.mass_kg).sum();
-    let centre_m = part.solids.iter().map(|solid| centre_of(solid) * solid.mass_kg).sum::<Vector3<f64>>() / mass_kg;
+    let centre_m = part
+        .solids
+        .iter()
+        .map(|solid| centre_of(solid) * solid.mass_kg)
+        .sum::<Vector3<f64>>()
+        / mass_kg;
     let mut inertia = Matrix3::zeros();
     for solid in &part.solids {
-        let turn = (part_from_robot * solid.robot_from_solid).rotation.to_rotation_matrix();
+        let turn = (part_from_robot * solid.robot_from_solid)
+            .rotation
+            .to_rotation_matrix();
         let d = centre_of(solid) - centre_m;
         // Parallel axes (Steiner).
         inertia += turn * solid.inertia_kg_m2 * turn.transpose()
@@ -343,13 +408,21 @@ fn to_matrix(m: &Matrix3<f64>) -> Matrix {
 
 fn to_pose(pose: &Isometry3<f64>) -> Pose {
     let q = pose.rotation.quaternion();
-    Pose::from_parts(to_vector(&pose.translation.vector), Rotation::from_xyzw(q.i, q.j, q.k, q.w))
+    Pose::from_parts(
+        to_vector(&pose.translation.vector),
+        Rotation::from_xyzw(q.i, q.j, q.k, q.w),
+    )
 }
 
 fn from_rotation(rotation: &Rotation) -> UnitQuaternion<f64> {
-    UnitQuaternion::new_unchecked(Quaternion::new(rotation.w, rotation.x, rotation.y, rotation.z))
+    UnitQuaternion::new_unchecked(Quaternion::new(
+        rotation.w, rotation.x, rotation.y, rotation.z,
+    ))
 }
 
 fn from_pose(pose: &Pose) -> Isometry3<f64> {
-    Isometry3::from_parts(from_vector(pose.translation).into(), from_rotation(&pose.rotation))
+    Isometry3::from_parts(
+        from_vector(pose.translation).into(),
+        from_rotation(&pose.rotation),
+    )
 }

@@ -38,7 +38,11 @@ impl Store {
                 .at_file(&path)
                 .hint("go on with --resume, start anew with --restart, or choose another folder with -o"));
         }
-        let mut store = Self { connection: connect(&path)?, path, _lock: Some(lock) };
+        let mut store = Self {
+            connection: connect(&path)?,
+            path,
+            _lock: Some(lock),
+        };
         store.set_up(fingerprint)?;
         Ok(store)
     }
@@ -50,12 +54,20 @@ impl Store {
     pub fn resume(folder: &Path, fingerprint: &Fingerprint) -> Result<Self> {
         let path = folder.join(STORE_FILE);
         if !path.exists() {
-            return Err(Error::conflict("there is nothing to resume").at_file(&path).hint("run without --resume first"));
+            return Err(Error::conflict("there is nothing to resume")
+                .at_file(&path)
+                .hint("run without --resume first"));
         }
         let lock = lock(folder)?;
-        let store = Self { connection: connect(&path)?, path, _lock: Some(lock) };
+        let store = Self {
+            connection: connect(&path)?,
+            path,
+            _lock: Some(lock),
+        };
         store.check_schema()?;
-        fingerprint.must_equal(&store.fingerprint()?).map_err(|error| error.at_file(&store.path))?;
+        fingerprint
+            .must_equal(&store.fingerprint()?)
+            .map_err(|error| error.at_file(&store.path))?;
         Ok(store)
     }
 
@@ -68,7 +80,9 @@ impl Store {
         for suffix in ["", "-wal", "-shm"] {
             let path = folder.join(format!("{STORE_FILE}{suffix}"));
             match fs::remove_file(&path) {
-                Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(Error::io("remove old results", &path, &e)),
+                Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(Error::io("remove old results", &path, &e));
+                }
                 _ => {}
             }
         }
@@ -82,11 +96,17 @@ impl Store {
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(STORE_FILE);
         if !path.exists() {
-            return Err(Error::invalid("no results here").at_file(&path).hint("name a folder that a sweep has written"));
+            return Err(Error::invalid("no results here")
+                .at_file(&path)
+                .hint("name a folder that a sweep has written"));
         }
         let connection = Connection::open_with_flags(&path, OpenFlags::SQLITE_OPEN_READ_WRITE)
             .map_err(|e| sql(&path, "open the results", &e))?;
-        let store = Self { connection, path, _lock: None };
+        let store = Self {
+            connection,
+            path,
+            _lock: None,
+        };
         store.check_schema()?;
         Ok(store)
     }
@@ -108,10 +128,15 @@ impl Store {
             .map_err(fail)?;
         for (position, (name, value)) in fingerprint.entries().iter().enumerate() {
             transaction
-                .execute("INSERT INTO fingerprint VALUES (?1, ?2, ?3)", params![position as i64, name, value])
+                .execute(
+                    "INSERT INTO fingerprint VALUES (?1, ?2, ?3)",
+                    params![position as i64, name, value],
+                )
                 .map_err(fail)?;
         }
-        transaction.pragma_update(None, "user_version", SCHEMA).map_err(fail)?;
+        transaction
+            .pragma_update(None, "user_version", SCHEMA)
+            .map_err(fail)?;
         transaction.commit().map_err(fail)
     }
 
@@ -123,11 +148,13 @@ impl Store {
         if found == SCHEMA {
             return Ok(());
         }
-        Err(Error::conflict("the results have another layout than this version writes")
-            .at_file(&self.path)
-            .found(format!("layout {found}"))
-            .allowed(format!("layout {SCHEMA}"))
-            .hint("start anew with --restart, or choose another folder with -o"))
+        Err(
+            Error::conflict("the results have another layout than this version writes")
+                .at_file(&self.path)
+                .found(format!("layout {found}"))
+                .allowed(format!("layout {SCHEMA}"))
+                .hint("start anew with --restart, or choose another folder with -o"),
+        )
     }
 
     /// The fingerprint that the store was created with.
@@ -136,9 +163,13 @@ impl Store {
     /// A store that cannot be read.
     pub fn fingerprint(&self) -> Result<Fingerprint> {
         let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
-        let mut statement =
-            self.connection.prepare("SELECT name, value FROM fingerprint ORDER BY position").map_err(fail)?;
-        let rows = statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?))).map_err(fail)?;
+        let mut statement = self
+            .connection
+            .prepare("SELECT name, value FROM fingerprint ORDER BY position")
+            .map_err(fail)?;
+        let rows = statement
+            .query_map([], |row| Ok((row.get(0)?, row.get(1)?)))
+            .map_err(fail)?;
         rows.collect::<rusqlite::Result<_>>().map_err(fail)
     }
 
@@ -151,13 +182,16 @@ impl Store {
         let fail = |e: rusqlite::Error| sql(&path, "write results", &e);
         let transaction = self.connection.transaction().map_err(fail)?;
         {
-            let mut trial_row =
-                transaction.prepare_cached("INSERT INTO trial VALUES (?1, ?2)").map_err(fail)?;
+            let mut trial_row = transaction
+                .prepare_cached("INSERT INTO trial VALUES (?1, ?2)")
+                .map_err(fail)?;
             let mut outcome_row = transaction
                 .prepare_cached("INSERT INTO outcome VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")
                 .map_err(fail)?;
             for trial in trials {
-                trial_row.execute(params![trial.index as i64, to_bytes(&trial.values)]).map_err(fail)?;
+                trial_row
+                    .execute(params![trial.index as i64, to_bytes(&trial.values)])
+                    .map_err(fail)?;
                 for (position, outcome) in trial.outcomes.iter().enumerate() {
                     let diverged = match &outcome.status {
                         OutcomeStatus::Completed => None,
@@ -187,9 +221,16 @@ impl Store {
     /// A store that cannot be read.
     pub fn finished(&self) -> Result<BTreeSet<usize>> {
         let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
-        let mut statement = self.connection.prepare("SELECT id FROM trial").map_err(fail)?;
-        let rows = statement.query_map([], |row| row.get::<_, i64>(0)).map_err(fail)?;
-        rows.map(|row| row.map(|id| id as usize)).collect::<rusqlite::Result<_>>().map_err(fail)
+        let mut statement = self
+            .connection
+            .prepare("SELECT id FROM trial")
+            .map_err(fail)?;
+        let rows = statement
+            .query_map([], |row| row.get::<_, i64>(0))
+            .map_err(fail)?;
+        rows.map(|row| row.map(|id| id as usize))
+            .collect::<rusqlite::Result<_>>()
+            .map_err(fail)
     }
 
     /// All trials, by index.
@@ -198,7 +239,10 @@ impl Store {
     /// A store that cannot be read.
     pub fn trials(&self) -> Result<Vec<Trial>> {
         let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
-        let mut statement = self.connection.prepare("SELECT id, parameters FROM trial ORDER BY id").map_err(fail)?;
+        let mut statement = self
+            .connection
+            .prepare("SELECT id, parameters FROM trial ORDER BY id")
+            .map_err(fail)?;
         let rows = statement
             .query_map([], |row| {
                 Ok(Trial {
@@ -244,10 +288,14 @@ fn connect(path: &Path) -> Result<Connection> {
     let fail = |e: rusqlite::Error| sql(path, "open the results", &e);
     let connection = Connection::open(path).map_err(fail)?;
     connection
-        .query_row("PRAGMA journal_mode = WAL", [], |row| row.get::<_, String>(0))
+        .query_row("PRAGMA journal_mode = WAL", [], |row| {
+            row.get::<_, String>(0)
+        })
         .optional()
         .map_err(fail)?;
-    connection.pragma_update(None, "synchronous", "NORMAL").map_err(fail)?;
+    connection
+        .pragma_update(None, "synchronous", "NORMAL")
+        .map_err(fail)?;
     Ok(connection)
 }
 
@@ -274,11 +322,19 @@ fn sql(path: &Path, doing: &str, error: &rusqlite::Error) -> Error {
 
 /// Little-endian bytes: every bit of every number is kept.
 fn to_bytes(values: &[f64]) -> Vec<u8> {
-    values.iter().flat_map(|value| value.to_le_bytes()).collect()
+    values
+        .iter()
+        .flat_map(|value| value.to_le_bytes())
+        .collect()
 }
 
 fn from_bytes(bytes: &[u8]) -> Vec<f64> {
-    bytes.as_chunks().0.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect()
+    bytes
+        .as_chunks()
+        .0
+        .iter()
+        .map(|chunk| f64::from_le_bytes(*chunk))
+        .collect()
 }
 
 #[cfg(test)]
@@ -317,7 +373,10 @@ mod tests {
         drop(store);
         let store = Store::resume(folder.path(), &fingerprint).unwrap();
         assert_eq!(store.trials().unwrap(), [trial(2), trial(7)]);
-        assert_eq!(store.finished().unwrap().into_iter().collect::<Vec<_>>(), [2, 7]);
+        assert_eq!(
+            store.finished().unwrap().into_iter().collect::<Vec<_>>(),
+            [2, 7]
+        );
         assert!(!store.trials().unwrap()[0].completed());
     }
 
@@ -350,7 +409,11 @@ mod tests {
     #[test]
     fn a_file_that_is_no_store_is_refused() {
         let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join(STORE_FILE), b"not a database, but long enough to look at").unwrap();
+        fs::write(
+            folder.path().join(STORE_FILE),
+            b"not a database, but long enough to look at",
+        )
+        .unwrap();
         assert!(Store::resume(folder.path(), &Fingerprint::new()).is_err());
     }
 }

@@ -29,7 +29,12 @@ impl Fingerprint {
     /// # Errors
     /// The first entry that differs, with both values.
     pub fn must_equal(&self, stored: &Self) -> Result<()> {
-        let value = |set: &Self, name: &str| set.0.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone());
+        let value = |set: &Self, name: &str| {
+            set.0
+                .iter()
+                .find(|(n, _)| n == name)
+                .map(|(_, v)| v.clone())
+        };
         let names = self.0.iter().chain(&stored.0).map(|(name, _)| name);
         for name in names {
             let (now, then) = (value(self, name), value(stored, name));
@@ -62,7 +67,10 @@ mod tests {
         let now = Fingerprint::new().with("engine", "1").with("points", 11);
         assert!(stored.must_equal(&stored).is_ok());
         let message = now.must_equal(&stored).unwrap_err().to_string();
-        assert!(message.contains("points") && message.contains("now 11, stored 21"), "{message}");
+        assert!(
+            message.contains("points") && message.contains("now 11, stored 21"),
+            "{message}"
+        );
     }
 
     #[test]

@@ -21,9 +21,11 @@ impl FolderLock {
             .map_err(|e| Error::io("create the lock file", &path, &e))?;
         match file.try_lock() {
             Ok(()) => Ok(Self(file)),
-            Err(TryLockError::WouldBlock) => Err(Error::conflict("another process is writing into this folder")
-                .at_file(folder)
-                .hint("wait until it has finished, or choose another folder with -o")),
+            Err(TryLockError::WouldBlock) => Err(Error::conflict(
+                "another process is writing into this folder",
+            )
+            .at_file(folder)
+            .hint("wait until it has finished, or choose another folder with -o")),
             Err(TryLockError::Error(e)) => Err(Error::io("lock the folder", &path, &e)),
         }
     }

@@ -38,6 +38,8 @@ pub struct Trial {
 impl Trial {
     /// True where every case was simulated to its end.
     pub fn completed(&self) -> bool {
-        self.outcomes.iter().all(|outcome| outcome.status == OutcomeStatus::Completed)
+        self.outcomes
+            .iter()
+            .all(|outcome| outcome.status == OutcomeStatus::Completed)
     }
 }

@@ -35,7 +35,9 @@ const SETTLED_RATE_HZ: f64 = 60.0;
 /// The cases of a study: one for all recordings when the start is settled, else one a recording.
 pub(super) fn cases(study: &Study) -> Result<(Vec<Case>, Vec<Warning>)> {
     if study.recordings.is_empty() {
-        return Err(Error::invalid("no recordings to compare with").at_file(&study.path).field("recordings"));
+        return Err(Error::invalid("no recordings to compare with")
+            .at_file(&study.path)
+            .field("recordings"));
     }
     let mut base = Experiment::new(study.morphology.assemble());
     if let Some(joint) = study.joint {
@@ -50,7 +52,11 @@ pub(super) fn cases(study: &Study) -> Result<(Vec<Case>, Vec<Warning>)> {
 
 fn settled(study: &Study, base: &Experiment) -> Result<(Vec<Case>, Vec<Warning>)> {
     let mut warnings = Vec::new();
-    let shortest_s = study.recordings.iter().map(|r| r.trajectory.duration_s()).fold(f64::INFINITY, f64::min);
+    let shortest_s = study
+        .recordings
+        .iter()
+        .map(|r| r.trajectory.duration_s())
+        .fold(f64::INFINITY, f64::min);
     let mut duration_s = study.duration_s.unwrap_or(shortest_s);
     if duration_s > shortest_s + 1e-6 {
         warnings.push(Warning::new(
@@ -69,7 +75,13 @@ fn settled(study: &Study, base: &Experiment) -> Result<(Vec<Case>, Vec<Warning>)
         .enumerate()
         .map(|(index, recording)| target(index, recording, duration_s, &mut warnings))
         .collect::<Result<_>>()?;
-    Ok((vec![Case { experiment, targets }], warnings))
+    Ok((
+        vec![Case {
+            experiment,
+            targets,
+        }],
+        warnings,
+    ))
 }
 
 fn from_recordings(study: &Study, base: &Experiment) -> Result<(Vec<Case>, Vec<Warning>)> {
@@ -77,33 +89,52 @@ fn from_recordings(study: &Study, base: &Experiment) -> Result<(Vec<Case>, Vec<W
     let mut cases = Vec::with_capacity(study.recordings.len());
     for (index, recording) in study.recordings.iter().enumerate() {
         let length_s = recording.trajectory.duration_s();
-        let target = target(index, recording, study.duration_s.unwrap_or(length_s).min(length_s), &mut warnings)?;
+        let target = target(
+            index,
+            recording,
+            study.duration_s.unwrap_or(length_s).min(length_s),
+            &mut warnings,
+        )?;
         let times_s = target.motion.times_s();
         let mut experiment = base.clone();
         experiment.start = Start::State(first_state(recording, &mut warnings)?);
         experiment.duration_s = target.motion.duration_s();
         experiment.sampling = Sampling::Times(times_s.iter().map(|t| t - times_s[0]).collect());
         experiment.check().map_err(|e| e.at_file(&recording.path))?;
-        cases.push(Case { experiment, targets: vec![target] });
+        cases.push(Case {
+            experiment,
+            targets: vec![target],
+        });
     }
     Ok((cases, warnings))
 }
 
-fn target(index: usize, recording: &Recording, duration_s: f64, warnings: &mut Vec<Warning>) -> Result<Target> {
+fn target(
+    index: usize,
+    recording: &Recording,
+    duration_s: f64,
+    warnings: &mut Vec<Warning>,
+) -> Result<Target> {
     let motion = clip(&recording.trajectory, duration_s)?;
     let prepared = prepare(&motion).map_err(|e| e.at_file(&recording.path))?;
     warnings.extend(prepared.warnings().iter().cloned());
-    Ok(Target { recording: index, motion, prepared })
+    Ok(Target {
+        recording: index,
+        motion,
+        prepared,
+    })
 }
 
 /// The first recorded state; velocities not recorded are differences of the first two samples.
 fn first_state(recording: &Recording, warnings: &mut Vec<Warning>) -> Result<State> {
     let motion = &recording.trajectory;
     let Some(orientations) = motion.orientations_world_from_body() else {
-        return Err(Error::invalid("a run cannot start from a recording without orientations")
-            .at_file(&recording.path)
-            .found("no columns qw, qx, qy, qz")
-            .hint("record orientations, or use `start: Settled` in the study"));
+        return Err(
+            Error::invalid("a run cannot start from a recording without orientations")
+                .at_file(&recording.path)
+                .found("no columns qw, qx, qy, qz")
+                .hint("record orientations, or use `start: Settled` in the study"),
+        );
     };
     let dt_s = motion.times_s()[1] - motion.times_s()[0];
     let mut differences = || {
@@ -111,11 +142,15 @@ fn first_state(recording: &Recording, warnings: &mut Vec<Warning>) -> Result<Sta
             "estimated-velocity",
             "some recordings have no velocities; their start velocity is the difference of the first two samples",
         ));
-        let linear: Vector3<f64> = (motion.positions_world_m()[1] - motion.positions_world_m()[0]) / dt_s;
+        let linear: Vector3<f64> =
+            (motion.positions_world_m()[1] - motion.positions_world_m()[0]) / dt_s;
         let angular = (orientations[0].inverse() * orientations[1]).scaled_axis() / dt_s;
         (linear, angular)
     };
-    let (linear, angular) = match (motion.velocities_world_m_s(), motion.angular_velocities_body_rad_s()) {
+    let (linear, angular) = match (
+        motion.velocities_world_m_s(),
+        motion.angular_velocities_body_rad_s(),
+    ) {
         (Some(linear), Some(angular)) => (linear[0], angular[0]),
         _ => differences(),
     };

@@ -16,24 +16,37 @@ pub(super) fn clip(whole: &Trajectory, duration_s: f64) -> Result<Trajectory> {
     if times_s[times_s.len() - 1] <= end_s + tolerance_s {
         return Ok(whole.clone());
     }
-    let kept = times_s.iter().filter(|t| **t <= end_s + tolerance_s).count().max(1);
+    let kept = times_s
+        .iter()
+        .filter(|t| **t <= end_s + tolerance_s)
+        .count()
+        .max(1);
     let needs_end = kept < 2 || times_s[kept - 1] < end_s - tolerance_s;
     let share = (end_s - times_s[kept - 1]) / (times_s[kept] - times_s[kept - 1]);
     let mut times = times_s[..kept].to_vec();
     let mut positions = whole.positions_world_m()[..kept].to_vec();
     if needs_end {
         times.push(end_s);
-        positions.push(whole.positions_world_m()[kept - 1].lerp(&whole.positions_world_m()[kept], share));
+        positions.push(
+            whole.positions_world_m()[kept - 1].lerp(&whole.positions_world_m()[kept], share),
+        );
     }
     let mut clipped = Trajectory::new(times, positions)?;
     if let Some(all) = whole.orientations_world_from_body() {
         let mut orientations = all[..kept].to_vec();
         if needs_end {
-            orientations.push(all[kept - 1].try_slerp(&all[kept], share, 1e-12).unwrap_or(all[kept]));
+            orientations.push(
+                all[kept - 1]
+                    .try_slerp(&all[kept], share, 1e-12)
+                    .unwrap_or(all[kept]),
+            );
         }
         clipped = clipped.with_orientations(orientations)?;
     }
-    if let (Some(linear), Some(angular)) = (whole.velocities_world_m_s(), whole.angular_velocities_body_rad_s()) {
+    if let (Some(linear), Some(angular)) = (
+        whole.velocities_world_m_s(),
+        whole.angular_velocities_body_rad_s(),
+    ) {
         let cut = |all: &[nalgebra::Vector3<f64>]| {
             let mut some = all[..kept].to_vec();
             if needs_end {
@@ -43,7 +56,11 @@ pub(super) fn clip(whole: &Trajectory, duration_s: f64) -> Result<Trajectory> {
         };
         clipped = clipped.with_velocities(cut(linear), cut(angular))?;
     }
-    Ok(if whole.is_planar() { clipped.planar() } else { clipped })
+    Ok(if whole.is_planar() {
+        clipped.planar()
+    } else {
+        clipped
+    })
 }
 
 #[cfg(test)]
@@ -54,7 +71,10 @@ mod tests {
     #[test]
     fn the_end_is_cut_between_samples() {
         let times: Vec<f64> = (0..11).map(|i| 3.0 + f64::from(i) * 0.1).collect();
-        let positions = times.iter().map(|t| Vector3::new(2.0 * t, 0.0, 0.0)).collect();
+        let positions = times
+            .iter()
+            .map(|t| Vector3::new(2.0 * t, 0.0, 0.0))
+            .collect();
         let whole = Trajectory::new(times, positions).unwrap();
         let half = clip(&whole, 0.55).unwrap();
         assert_eq!(half.len(), 7);

@@ -10,9 +10,9 @@ use crate::error::{Error, Result};
 use crate::file::{Source, parse_ron};
 use crate::morphology::Morphology;
 use crate::parameter::{Assignment, ParameterSet, by_name};
+use crate::quantity::LengthUnit;
 use crate::simulation::JointKind;
 use crate::trajectory::Recording;
-use crate::quantity::LengthUnit;
 use crate::tuning::{Grid, Range};
 use crate::warning::Warning;
 
@@ -169,18 +169,28 @@ impl Study {
         let source = Source::read(path, "study")?;
         let file: StudyFile = parse_ron(&source)?;
 
-        let morphology_path = path.parent().unwrap_or(Path::new("")).join(&file.morphology);
-        let morphology_source = Source::read(&morphology_path, "morphology").map_err(|e| match e.file() {
-            Some(_) => e,
-            None => source.at("morphology", e),
-        })?;
+        let morphology_path = path
+            .parent()
+            .unwrap_or(Path::new(""))
+            .join(&file.morphology);
+        let morphology_source =
+            Source::read(&morphology_path, "morphology").map_err(|e| match e.file() {
+                Some(_) => e,
+                None => source.at("morphology", e),
+            })?;
         let morphology = Morphology::parse(&morphology_source)?;
 
         let mut set = ParameterSet::new();
-        let named = [("timestep_s", file.timestep_s), ("solver.substeps", file.substeps.map(|n| n as f64))];
+        let named = [
+            ("timestep_s", file.timestep_s),
+            ("solver.substeps", file.substeps.map(|n| n as f64)),
+        ];
         for (name, value) in named {
             if let Some(value) = value {
-                set = set.with(Assignment::new(name, value).map_err(|e| source.at(name.trim_start_matches("solver."), e))?);
+                set = set.with(
+                    Assignment::new(name, value)
+                        .map_err(|e| source.at(name.trim_start_matches("solver."), e))?,
+                );
             }
         }
         for (name, value) in &file.set {
@@ -191,7 +201,14 @@ impl Study {
         let mut ranges = Vec::new();
         for (index, range) in file.parameters.iter().enumerate() {
             let checked = by_name(&range.name)
-                .and_then(|p| Range::new(p, range.from, range.to, overrides.points.unwrap_or(range.points)))
+                .and_then(|p| {
+                    Range::new(
+                        p,
+                        range.from,
+                        range.to,
+                        overrides.points.unwrap_or(range.points),
+                    )
+                })
                 .map_err(|e| source.at(&format!("parameters[{index}]"), e))?;
             ranges.push(checked);
         }
@@ -209,7 +226,10 @@ impl Study {
         if let Some(duration_s) = file.duration_s
             && !(1e-3..=3600.0).contains(&duration_s)
         {
-            let error = Error::invalid("out of range").field("duration_s").found(duration_s).allowed("0.001 to 3600 s");
+            let error = Error::invalid("out of range")
+                .field("duration_s")
+                .found(duration_s)
+                .allowed("0.001 to 3600 s");
             return Err(source.at("duration_s", error));
         }
         let truth = file
@@ -218,7 +238,10 @@ impl Study {
             .map(|(name, value)| Assignment::new(name, *value).map_err(|e| source.at("truth", e)))
             .collect::<Result<ParameterSet>>()?;
         Ok(Self {
-            name: path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default(),
+            name: path
+                .file_stem()
+                .map(|s| s.to_string_lossy().into_owned())
+                .unwrap_or_default(),
             path: path.to_path_buf(),
             description: file.description,
             morphology,

@@ -30,7 +30,12 @@ impl Problem {
         warnings.sort();
         warnings.dedup();
         let body_length_m = study.morphology.assemble().body_length_m;
-        let problem = Self { study, cases, warnings, body_length_m };
+        let problem = Self {
+            study,
+            cases,
+            warnings,
+            body_length_m,
+        };
         problem.check_recordings()?;
         Ok(problem)
     }
@@ -72,11 +77,17 @@ impl Problem {
 
     /// Simulated seconds of one point, settling apart.
     pub fn simulated_s(&self) -> f64 {
-        self.cases.iter().map(|case| case.experiment.duration_s).sum()
+        self.cases
+            .iter()
+            .map(|case| case.experiment.duration_s)
+            .sum()
     }
 
     pub(super) fn context(&self) -> Context<'_> {
-        Context { basis: None, body_length_m: Some(self.body_length_m) }
+        Context {
+            basis: None,
+            body_length_m: Some(self.body_length_m),
+        }
     }
 
     /// The study's parameters with these values, in the study's order.
@@ -86,7 +97,10 @@ impl Problem {
             .ranges()
             .iter()
             .zip(values)
-            .map(|(range, &value)| Assignment { parameter: range.parameter, value })
+            .map(|(range, &value)| Assignment {
+                parameter: range.parameter,
+                value,
+            })
             .collect()
     }
 
@@ -99,20 +113,33 @@ impl Problem {
         let outcomes = (0..self.cases.len())
             .map(|case| self.evaluate_case(case, &self.experiment(case, &values)))
             .collect::<Result<_>>()?;
-        Ok(Trial { index, values, outcomes })
+        Ok(Trial {
+            index,
+            values,
+            outcomes,
+        })
     }
 
     /// The experiment of a case with these parameter values.
     pub fn experiment(&self, case: usize, values: &[f64]) -> Experiment {
-        self.parameter_set(values).apply(&self.cases[case].experiment)
+        self.parameter_set(values)
+            .apply(&self.cases[case].experiment)
     }
 
     /// Simulates case 0 with these values under `noise`, repeat number `repeat`.
     ///
     /// # Errors
     /// As [`Problem::evaluate`].
-    pub fn evaluate_perturbed(&self, values: &[f64], noise: &Noise, repeat: u64) -> Result<Outcome> {
-        self.evaluate_case(0, &noise.perturb(&self.experiment(0, values), self.study.seed, repeat))
+    pub fn evaluate_perturbed(
+        &self,
+        values: &[f64],
+        noise: &Noise,
+        repeat: u64,
+    ) -> Result<Outcome> {
+        self.evaluate_case(
+            0,
+            &noise.perturb(&self.experiment(0, values), self.study.seed, repeat),
+        )
     }
 
     fn evaluate_case(&self, case: usize, experiment: &Experiment) -> Result<Outcome> {
@@ -145,7 +172,11 @@ impl Problem {
             }
         }
         // Scores with a basis exist only once all paths are known; the pictures need the first case's.
-        let path_xy_m = if needs_basis || case == 0 { prepared.xy_m().to_vec() } else { Vec::new() };
+        let path_xy_m = if needs_basis || case == 0 {
+            prepared.xy_m().to_vec()
+        } else {
+            Vec::new()
+        };
         Ok(Outcome {
             status: OutcomeStatus::Completed,
             steps: run.steps,
@@ -157,8 +188,12 @@ impl Problem {
 
     /// Reality's prepared paths, by recording.
     pub fn real_paths(&self) -> Vec<&Prepared> {
-        let mut paths: Vec<(usize, &Prepared)> =
-            self.cases.iter().flat_map(|case| &case.targets).map(|target| (target.recording, &target.prepared)).collect();
+        let mut paths: Vec<(usize, &Prepared)> = self
+            .cases
+            .iter()
+            .flat_map(|case| &case.targets)
+            .map(|target| (target.recording, &target.prepared))
+            .collect();
         paths.sort_by_key(|(recording, _)| *recording);
         paths.into_iter().map(|(_, prepared)| prepared).collect()
     }
@@ -175,7 +210,12 @@ impl Problem {
             .with("metric", study.metric.name())
             .with("components", format!("{:?}", study.components))
             .with("start", format!("{:?}", study.start))
-            .with("duration_s", study.duration_s.map_or("recording".to_owned(), |d| d.to_string()))
+            .with(
+                "duration_s",
+                study
+                    .duration_s
+                    .map_or("recording".to_owned(), |d| d.to_string()),
+            )
             .with("solver", format!("{:?}", experiment.solver))
             .with("contact", format!("{:?}", experiment.contact))
             .with("set", &study.set)

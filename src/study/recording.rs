@@ -20,7 +20,10 @@ pub(super) struct Found {
 /// (relative to its file) name, in order of their paths.
 pub(super) fn find(study: &Study, overrides: &Overrides) -> Result<Found> {
     let (globs, base) = if overrides.recordings.is_empty() {
-        (&study.recording_globs, study.path.parent().unwrap_or(Path::new("")))
+        (
+            &study.recording_globs,
+            study.path.parent().unwrap_or(Path::new("")),
+        )
     } else {
         (&overrides.recordings, Path::new(""))
     };
@@ -51,16 +54,25 @@ pub(super) fn find(study: &Study, overrides: &Overrides) -> Result<Found> {
     }
     unique.truncate(overrides.limit_recordings.unwrap_or(usize::MAX).max(1));
 
-    let mut found = Found { recordings: Vec::new(), sha256: Vec::new(), warnings: Vec::new() };
+    let mut found = Found {
+        recordings: Vec::new(),
+        sha256: Vec::new(),
+        warnings: Vec::new(),
+    };
     for path in &unique {
         let bytes = std::fs::read(path).map_err(|e| Error::io("read the recording", path, &e))?;
-        let sha256: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        let sha256: String = Sha256::digest(&bytes)
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
         for recording in trajectory::read_all(path, overrides.unit)? {
             found.sha256.push(sha256.clone());
             found.recordings.push(recording);
         }
     }
-    found.recordings.truncate(overrides.limit_recordings.unwrap_or(usize::MAX).max(1));
+    found
+        .recordings
+        .truncate(overrides.limit_recordings.unwrap_or(usize::MAX).max(1));
     found.sha256.truncate(found.recordings.len());
     found.warnings = warnings(study, &found.recordings);
     Ok(found)
@@ -69,7 +81,9 @@ pub(super) fn find(study: &Study, overrides: &Overrides) -> Result<Found> {
 fn expand(pattern: &Path) -> Result<Vec<PathBuf>> {
     let text = pattern.to_string_lossy();
     let entries = glob::glob(&text).map_err(|e| {
-        Error::invalid(format!("not a glob: {}", e.msg)).field("recordings").found(&text)
+        Error::invalid(format!("not a glob: {}", e.msg))
+            .field("recordings")
+            .found(&text)
     })?;
     let mut paths = Vec::new();
     for entry in entries {
@@ -85,18 +99,40 @@ fn expand(pattern: &Path) -> Result<Vec<PathBuf>> {
 
 fn warnings(study: &Study, recordings: &[Recording]) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
-    let robots: std::collections::BTreeSet<&str> =
-        recordings.iter().filter_map(|r| r.meta.as_ref()).map(|meta| meta.robot.as_str()).collect();
+    let robots: std::collections::BTreeSet<&str> = recordings
+        .iter()
+        .filter_map(|r| r.meta.as_ref())
+        .map(|meta| meta.robot.as_str())
+        .collect();
     if robots.len() > 1 {
         let names: Vec<_> = robots.iter().copied().collect();
-        warnings.push(Warning::new("different-robots", format!("the recordings are of different robots: {}", names.join(", "))));
+        warnings.push(Warning::new(
+            "different-robots",
+            format!(
+                "the recordings are of different robots: {}",
+                names.join(", ")
+            ),
+        ));
     }
-    for robot in robots.iter().filter(|robot| **robot != study.morphology.name()) {
-        let message = format!("recordings of the robot \"{robot}\" are matched with a simulation of \"{}\"", study.morphology.name());
+    for robot in robots
+        .iter()
+        .filter(|robot| **robot != study.morphology.name())
+    {
+        let message = format!(
+            "recordings of the robot \"{robot}\" are matched with a simulation of \"{}\"",
+            study.morphology.name()
+        );
         warnings.push(Warning::new("other-robot", message));
     }
-    if recordings.iter().any(|r| r.meta.as_ref().is_some_and(|meta| meta.source == Source::StandIn)) {
-        warnings.push(Warning::new("stand-in", "the recordings are stand-ins made by a simulator, not recorded from hardware"));
+    if recordings.iter().any(|r| {
+        r.meta
+            .as_ref()
+            .is_some_and(|meta| meta.source == Source::StandIn)
+    }) {
+        warnings.push(Warning::new(
+            "stand-in",
+            "the recordings are stand-ins made by a simulator, not recorded from hardware",
+        ));
     }
     warnings.sort();
     warnings.dedup();

@@ -47,7 +47,11 @@ impl Scores {
     pub fn new(problem: &Problem, trials: &[Trial]) -> Result<Self> {
         let metric = problem.study().metric;
         let real = problem.real_paths();
-        let basis = if metric.needs().basis { Some(basis(problem, &real, trials)?) } else { None };
+        let basis = if metric.needs().basis {
+            Some(basis(problem, &real, trials)?)
+        } else {
+            None
+        };
         let points = trials
             .iter()
             .map(|trial| score(problem, &real, basis.as_ref(), trial))
@@ -58,14 +62,24 @@ impl Scores {
             .filter_map(|(position, point)| point.score.map(|score| (position, score)))
             .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
             .map(|(position, _)| position);
-        Ok(Self { points, best, unit: metric.unit(), basis })
+        Ok(Self {
+            points,
+            best,
+            unit: metric.unit(),
+            basis,
+        })
     }
 
     /// Scores of one case's outcome against the recordings of that case.
     ///
     /// # Errors
     /// A path that does not fit the basis.
-    pub fn outcome_scores(&self, problem: &Problem, case: usize, outcome: &Outcome) -> Result<Vec<f64>> {
+    pub fn outcome_scores(
+        &self,
+        problem: &Problem,
+        case: usize,
+        outcome: &Outcome,
+    ) -> Result<Vec<f64>> {
         outcome_scores(problem, self.basis.as_ref(), case, outcome)
     }
 }
@@ -82,11 +96,19 @@ fn basis(problem: &Problem, real: &[&Prepared], trials: &[Trial]) -> Result<Basi
     Basis::fit(&all, problem.study().components)
 }
 
-fn score(problem: &Problem, real: &[&Prepared], basis: Option<&Basis>, trial: &Trial) -> Result<PointScore> {
-    let diverged = trial.outcomes.iter().find_map(|outcome| match &outcome.status {
-        OutcomeStatus::Completed => None,
-        OutcomeStatus::Diverged(why) => Some(why.clone()),
-    });
+fn score(
+    problem: &Problem,
+    real: &[&Prepared],
+    basis: Option<&Basis>,
+    trial: &Trial,
+) -> Result<PointScore> {
+    let diverged = trial
+        .outcomes
+        .iter()
+        .find_map(|outcome| match &outcome.status {
+            OutcomeStatus::Completed => None,
+            OutcomeStatus::Diverged(why) => Some(why.clone()),
+        });
     let mut point = PointScore {
         index: trial.index,
         values: trial.values.clone(),
@@ -94,7 +116,11 @@ fn score(problem: &Problem, real: &[&Prepared], basis: Option<&Basis>, trial: &T
         recordings: Vec::new(),
         score: None,
         displacement_error_m: None,
-        path_xy_m: trial.outcomes.first().map(|outcome| outcome.path_xy_m.clone()).unwrap_or_default(),
+        path_xy_m: trial
+            .outcomes
+            .first()
+            .map(|outcome| outcome.path_xy_m.clone())
+            .unwrap_or_default(),
     };
     if point.diverged.is_some() {
         return Ok(point);
@@ -106,7 +132,8 @@ fn score(problem: &Problem, real: &[&Prepared], basis: Option<&Basis>, trial: &T
         let scores = outcome_scores(problem, basis, case, outcome)?;
         for (target, score) in problem.cases()[case].targets.iter().zip(scores) {
             point.recordings[target.recording] = score;
-            displacement_error_m += (outcome.net_displacement_m - target.prepared.net_displacement_m()).abs();
+            displacement_error_m +=
+                (outcome.net_displacement_m - target.prepared.net_displacement_m()).abs();
         }
     }
     point.score = Some(point.recordings.iter().sum::<f64>() / count as f64);
@@ -114,8 +141,19 @@ fn score(problem: &Problem, real: &[&Prepared], basis: Option<&Basis>, trial: &T
     Ok(point)
 }
 
-fn outcome_scores(problem: &Problem, basis: Option<&Basis>, case: usize, outcome: &Outcome) -> Result<Vec<f64>> {
-    let Some(basis) = basis else { return Ok(outcome.scores.clone()) };
+fn outcome_scores(
+    problem: &Problem,
+    basis: Option<&Basis>,
+    case: usize,
+    outcome: &Outcome,
+) -> Result<Vec<f64>> {
+    let Some(basis) = basis else {
+        return Ok(outcome.scores.clone());
+    };
     let simulated = Prepared::from_xy_m(outcome.path_xy_m.clone())?;
-    problem.cases()[case].targets.iter().map(|target| Ok(basis.discrepancy_m(&target.prepared, &simulated))).collect()
+    problem.cases()[case]
+        .targets
+        .iter()
+        .map(|target| Ok(basis.discrepancy_m(&target.prepared, &simulated)))
+        .collect()
 }

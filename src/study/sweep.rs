@@ -3,13 +3,14 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use super::problem::Problem;
 use super::file::StartRule;
+use super::problem::Problem;
 use super::score::Scores;
 use crate::error::{Error, Result};
 use crate::simulation::Noise;
 use crate::store::{OutcomeStatus, STORE_FILE, Store};
-use crate::tuning::{Ending, Evaluation, Uncertainty, bootstrap_indistinguishable, drive, spread_indistinguishable,
+use crate::tuning::{
+    Ending, Evaluation, Uncertainty, bootstrap_indistinguishable, drive, spread_indistinguishable,
     standard_deviation,
 };
 
@@ -58,13 +59,22 @@ pub fn sweep(
     let mut store = open(problem, folder, mode)?;
     let points = problem.study().grid.len();
     let evaluation = Evaluation { points, jobs, stop };
-    let ending = drive(&evaluation, &mut store, |index| problem.evaluate(index), progress)?;
+    let ending = drive(
+        &evaluation,
+        &mut store,
+        |index| problem.evaluate(index),
+        progress,
+    )?;
     let scores = Scores::new(problem, &store.trials()?)?;
     let uncertainty = match scores.best {
         Some(best) => Some(uncertainty(problem, &scores, best)?),
         None => None,
     };
-    Ok(Sweep { ending, scores, uncertainty })
+    Ok(Sweep {
+        ending,
+        scores,
+        uncertainty,
+    })
 }
 
 fn open(problem: &Problem, folder: &Path, mode: Mode) -> Result<Store> {
@@ -99,15 +109,26 @@ fn uncertainty(problem: &Problem, scores: &Scores, best: usize) -> Result<Uncert
     let study = problem.study();
     let values = &scores.points[best].values;
     if study.recordings.len() >= 2 {
-        let all: Vec<Option<Vec<f64>>> =
-            scores.points.iter().map(|point| point.score.map(|_| point.recordings.clone())).collect();
+        let all: Vec<Option<Vec<f64>>> = scores
+            .points
+            .iter()
+            .map(|point| point.score.map(|_| point.recordings.clone()))
+            .collect();
         // Where every recording has its own start, each score is a draw of its own and the bootstrap sees the
         // noise of single simulations; one simulation for all recordings hides it.
         let simulation_sd = match study.start {
-            StartRule::Settled => standard_deviation(&repeats(problem, scores, values, &Noise::careful_start())?),
+            StartRule::Settled => {
+                standard_deviation(&repeats(problem, scores, values, &Noise::careful_start())?)
+            }
             StartRule::FromRecording => 0.0,
         };
-        return Ok(bootstrap_indistinguishable(&all, best, simulation_sd, LEVEL, study.seed));
+        return Ok(bootstrap_indistinguishable(
+            &all,
+            best,
+            simulation_sd,
+            LEVEL,
+            study.seed,
+        ));
     }
     let repeats = repeats(problem, scores, values, &Noise::careful_repeat())?;
     let all: Vec<Option<f64>> = scores.points.iter().map(|point| point.score).collect();

@@ -239,8 +239,9 @@ struct Header<'c, 'a> {
 impl<'c, 'a> Header<'c, 'a> {
     fn new(cells: &'c [Cell<'a>], unit: LengthUnit) -> Result<Self> {
         for (index, cell) in cells.iter().enumerate() {
-            let known = !cell.text.is_empty();
-            if known && cells[..index].iter().any(|other| other.text == cell.text) {
+            // Numbers are no names: the missing header is reported instead.
+            let name = !cell.text.is_empty() && cell.text.parse::<f64>().is_err();
+            if name && cells[..index].iter().any(|other| other.text == cell.text) {
                 return Err(cell.locate(
                     Error::invalid("two columns have the same name").found(excerpt(cell.text)),
                 ));

@@ -1,17 +1,17 @@
 //! File formats of trajectories: one trait, one registry, reading and writing by extension.
 //!
 //! A new format is one new file that implements [`Format`] and one line in [`FORMATS`]; the
-//! contract test below runs over all of them.
+//! contract test in tests/formats.rs runs over all of them.
 
 use std::path::Path;
 
 use super::csv::{Csv, group_columns_of, parse_groups};
 use super::meta::read_meta_beside;
-use crate::file::write_atomic;
 use super::text::{MAX_FILE_BYTES, read_text};
 use super::tum::Tum;
 use super::{Recording, Trajectory};
 use crate::error::{Error, Result};
+use crate::file::write_atomic;
 use crate::quantity::LengthUnit;
 use crate::warning::Warning;
 
@@ -51,6 +51,12 @@ pub trait Format: Sync {
     fn parse(&self, text: &str, unit: LengthUnit) -> Result<Parsed>;
     /// Writes a trajectory, in metres.
     fn render(&self, trajectory: &Trajectory) -> Rendered;
+}
+
+impl std::fmt::Debug for dyn Format {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Format({})", self.name())
+    }
 }
 
 /// Every known format.

@@ -15,7 +15,11 @@ pub const META_FILE: &str = "meta.ron";
 /// A `meta.ron` that cannot be read or is not valid [`Meta`], with file, line and column.
 pub fn read_meta_beside(path: &Path) -> Result<Option<Meta>> {
     let meta = path.with_file_name(META_FILE);
-    if meta.is_file() { read_meta(meta).map(Some) } else { Ok(None) }
+    if meta.is_file() {
+        read_meta(meta).map(Some)
+    } else {
+        Ok(None)
+    }
 }
 
 /// Reads a `meta.ron`.

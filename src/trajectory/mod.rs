@@ -1,6 +1,6 @@
 //! Recorded and simulated motion: types, file formats, resampling, preparation for comparison.
 //!
-//! [`read`] and [`write`] know CSV and TUM text ([`FORMATS`]); [`prepare`] brings a path into the
+//! [`read`] and [`write()`] know CSV and TUM text ([`FORMATS`]); [`prepare`] brings a path into the
 //! form in which paths are compared.
 
 mod align;

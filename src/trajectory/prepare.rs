@@ -77,8 +77,7 @@ pub fn prepare(trajectory: &Trajectory) -> Result<Prepared> {
     }
     let path_length_m = path_length(&xy_m);
     let highest = z_m.iter().flatten().fold(0.0, |a: f64, z| a.max(z.abs()));
-    // Written so that NaN is refused, too.
-    if !(path_length_m + highest <= MAX_PATH_M) {
+    if !comparable(path_length_m + highest) {
         return Err(Error::invalid("the path is too long to be compared")
             .found(format!("{path_length_m:e} m"))
             .allowed(format!("at most {MAX_PATH_M:e} m"))
@@ -105,6 +104,11 @@ pub fn prepare(trajectory: &Trajectory) -> Result<Prepared> {
     })
 }
 
+/// Whether a path of this length can be compared; NaN cannot.
+fn comparable(length_m: f64) -> bool {
+    (0.0..=MAX_PATH_M).contains(&length_m)
+}
+
 fn path_length(xy_m: &[[f64; 2]]) -> f64 {
     xy_m.windows(2)
         .map(|w| {
@@ -129,7 +133,7 @@ impl Prepared {
                 .allowed(POINTS));
         }
         let path_length_m = path_length(&xy_m);
-        if xy_m[0] != [0.0, 0.0] || !(path_length_m <= MAX_PATH_M) {
+        if xy_m[0] != [0.0, 0.0] || !comparable(path_length_m) {
             return Err(Error::invalid("these points are not a prepared trajectory")
                 .allowed("finite metres, the first point at the origin"));
         }

@@ -106,8 +106,7 @@ impl Samples {
         if deviation <= UNIT_EXACT {
             return Ok(UnitQuaternion::new_unchecked(q));
         }
-        // Written so that an overflow to infinity is refused, too.
-        if !(deviation <= UNIT_ACCEPTED) {
+        if deviation > UNIT_ACCEPTED {
             return Err(first.locate(
                 Error::invalid("the quaternion is not of length 1")
                     .field("qw, qx, qy, qz")

@@ -40,23 +40,31 @@ pub fn drive(
     mut progress: impl FnMut(usize),
 ) -> Result<Ending> {
     let finished: BTreeSet<usize> = store.finished()?;
-    let todo: Vec<usize> = (0..evaluation.points).filter(|index| !finished.contains(index)).collect();
+    let todo: Vec<usize> = (0..evaluation.points)
+        .filter(|index| !finished.contains(index))
+        .collect();
     let mut done = evaluation.points - todo.len();
     progress(done);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(evaluation.jobs.max(1))
         .build()
-        .map_err(|e| Error::conflict(format!("cannot start {} threads: {e}", evaluation.jobs)).hint("use fewer --jobs"))?;
+        .map_err(|e| {
+            Error::conflict(format!("cannot start {} threads: {e}", evaluation.jobs))
+                .hint("use fewer --jobs")
+        })?;
     let next = AtomicUsize::new(0);
     let abort = AtomicBool::new(false);
     let (sender, receiver) = mpsc::channel::<Result<Trial>>();
     let mut first_error = None;
     pool.in_place_scope(|scope| {
         for _ in 0..evaluation.jobs.max(1) {
-            let (sender, next, abort, todo, evaluate) = (sender.clone(), &next, &abort, &todo, &evaluate);
+            let (sender, next, abort, todo, evaluate) =
+                (sender.clone(), &next, &abort, &todo, &evaluate);
             scope.spawn(move |_| {
                 while !abort.load(Ordering::Relaxed) && !evaluation.stop.load(Ordering::Relaxed) {
-                    let Some(&index) = todo.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
+                    let Some(&index) = todo.get(next.fetch_add(1, Ordering::Relaxed)) else {
+                        break;
+                    };
                     if sender.send(evaluate(index)).is_err() {
                         break;
                     }
@@ -105,7 +113,11 @@ mod tests {
             scores: vec![(index as f64).sin()],
             path_xy_m: vec![],
         };
-        Trial { index, values: vec![index as f64], outcomes: vec![outcome] }
+        Trial {
+            index,
+            values: vec![index as f64],
+            outcomes: vec![outcome],
+        }
     }
 
     #[test]
@@ -115,12 +127,23 @@ mod tests {
         let fingerprint = Fingerprint::new();
         let never = AtomicBool::new(false);
         let mut store = Store::create(whole.path(), &fingerprint).unwrap();
-        let evaluation = Evaluation { points: 40, jobs: 1, stop: &never };
-        assert_eq!(drive(&evaluation, &mut store, |i| Ok(trial(i)), |_| ()).unwrap(), Ending::Complete);
+        let evaluation = Evaluation {
+            points: 40,
+            jobs: 1,
+            stop: &never,
+        };
+        assert_eq!(
+            drive(&evaluation, &mut store, |i| Ok(trial(i)), |_| ()).unwrap(),
+            Ending::Complete
+        );
 
         let stop = AtomicBool::new(false);
         let mut partial = Store::create(parts.path(), &fingerprint).unwrap();
-        let evaluation = Evaluation { points: 40, jobs: 3, stop: &stop };
+        let evaluation = Evaluation {
+            points: 40,
+            jobs: 3,
+            stop: &stop,
+        };
         let ending = drive(
             &evaluation,
             &mut partial,
@@ -135,11 +158,20 @@ mod tests {
         assert_eq!(ending.unwrap(), Ending::Interrupted);
         let before = partial.finished().unwrap().len();
         assert!((1..40).contains(&before), "{before}");
-        let evaluation = Evaluation { points: 40, jobs: 2, stop: &never };
+        let evaluation = Evaluation {
+            points: 40,
+            jobs: 2,
+            stop: &never,
+        };
         let mut first_progress = None;
-        let ending = drive(&evaluation, &mut partial, |i| Ok(trial(i)), |n| {
-            first_progress.get_or_insert(n);
-        });
+        let ending = drive(
+            &evaluation,
+            &mut partial,
+            |i| Ok(trial(i)),
+            |n| {
+                first_progress.get_or_insert(n);
+            },
+        );
         assert_eq!(ending.unwrap(), Ending::Complete);
         assert_eq!(first_progress, Some(before));
         assert_eq!(partial.trials().unwrap(), store.trials().unwrap());
@@ -150,11 +182,21 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let never = AtomicBool::new(false);
         let mut store = Store::create(folder.path(), &Fingerprint::new()).unwrap();
-        let evaluation = Evaluation { points: 10, jobs: 1, stop: &never };
+        let evaluation = Evaluation {
+            points: 10,
+            jobs: 1,
+            stop: &never,
+        };
         let error = drive(
             &evaluation,
             &mut store,
-            |i| if i == 4 { Err(Error::invalid("point 4")) } else { Ok(trial(i)) },
+            |i| {
+                if i == 4 {
+                    Err(Error::invalid("point 4"))
+                } else {
+                    Ok(trial(i))
+                }
+            },
             |_| (),
         );
         assert_eq!(error.unwrap_err().message(), "point 4");

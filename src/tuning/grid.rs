@@ -45,12 +45,22 @@ impl Range {
                 .hint("to keep a parameter at one value, put it under `set`"));
         }
         if parameter.whole && ((to - from) / (points - 1) as f64).fract() != 0.0 {
-            return Err(Error::invalid("the points of a whole-number parameter must be whole")
-                .field(parameter.name)
-                .found(format!("{points} points from {from} to {to}"))
-                .allowed(format!("a number of points that divides the range, e.g. {}", to - from + 1.0)));
+            return Err(
+                Error::invalid("the points of a whole-number parameter must be whole")
+                    .field(parameter.name)
+                    .found(format!("{points} points from {from} to {to}"))
+                    .allowed(format!(
+                        "a number of points that divides the range, e.g. {}",
+                        to - from + 1.0
+                    )),
+            );
         }
-        Ok(Self { parameter, from, to, points })
+        Ok(Self {
+            parameter,
+            from,
+            to,
+            points,
+        })
     }
 
     /// Value number `index`, exact at both ends, between them rounded to 12 significant digits: the
@@ -95,11 +105,18 @@ impl Grid {
                 .allowed("at least one parameter with from, to and points"));
         }
         for (index, range) in ranges.iter().enumerate() {
-            if ranges[..index].iter().any(|other| other.parameter == range.parameter) {
-                return Err(Error::invalid("a parameter stands twice").field("parameters").found(range.parameter.name));
+            if ranges[..index]
+                .iter()
+                .any(|other| other.parameter == range.parameter)
+            {
+                return Err(Error::invalid("a parameter stands twice")
+                    .field("parameters")
+                    .found(range.parameter.name));
             }
         }
-        let size = ranges.iter().try_fold(1_usize, |size, range| size.checked_mul(range.points));
+        let size = ranges
+            .iter()
+            .try_fold(1_usize, |size, range| size.checked_mul(range.points));
         if size.is_none_or(|size| size > MAX_GRID) {
             return Err(Error::invalid("too many combinations")
                 .field("parameters")
@@ -133,12 +150,19 @@ impl Grid {
 
     /// Number of the point with these indices along the ranges.
     pub fn index(&self, coordinates: &[usize]) -> usize {
-        self.ranges.iter().zip(coordinates).fold(0, |index, (range, c)| index * range.points + c)
+        self.ranges
+            .iter()
+            .zip(coordinates)
+            .fold(0, |index, (range, c)| index * range.points + c)
     }
 
     /// Parameter values of point number `index`.
     pub fn values(&self, index: usize) -> Vec<f64> {
-        self.coordinates(index).iter().zip(&self.ranges).map(|(c, range)| range.value(*c)).collect()
+        self.coordinates(index)
+            .iter()
+            .zip(&self.ranges)
+            .map(|(c, range)| range.value(*c))
+            .collect()
     }
 }
 
@@ -153,8 +177,11 @@ mod tests {
 
     #[test]
     fn both_ends_are_exact_and_the_last_range_varies_fastest() {
-        let grid =
-            Grid::new(vec![range("floor.friction", 0.05, 1.0, 21), range("floor.restitution", 0.0, 0.9, 21)]).unwrap();
+        let grid = Grid::new(vec![
+            range("floor.friction", 0.05, 1.0, 21),
+            range("floor.restitution", 0.0, 0.9, 21),
+        ])
+        .unwrap();
         assert_eq!(grid.len(), 441);
         assert_eq!(grid.values(0), [0.05, 0.0]);
         assert_eq!(grid.values(1), [0.05, 0.045]);

@@ -8,4 +8,7 @@ mod uncertainty;
 
 pub use driver::{Ending, Evaluation, drive};
 pub use grid::{Grid, Range};
-pub use uncertainty::{Uncertainty, UncertaintySource, bootstrap_indistinguishable, spread_indistinguishable, standard_deviation};
+pub use uncertainty::{
+    Uncertainty, UncertaintySource, bootstrap_indistinguishable, spread_indistinguishable,
+    standard_deviation,
+};

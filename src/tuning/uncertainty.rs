@@ -48,7 +48,8 @@ pub fn bootstrap_indistinguishable(
 ) -> Uncertainty {
     let best_scores = scores[best].clone().unwrap_or_default();
     let weights = resample_weights(best_scores.len(), seed);
-    let weighted = |values: &[f64], weight: &[f64]| values.iter().zip(weight).map(|(v, w)| v * w).sum::<f64>();
+    let weighted =
+        |values: &[f64], weight: &[f64]| values.iter().zip(weight).map(|(v, w)| v * w).sum::<f64>();
     let noise_sd = std::f64::consts::SQRT_2 * simulation_sd;
     let as_good = |difference: f64| {
         if noise_sd > 0.0 {
@@ -61,13 +62,25 @@ pub fn bootstrap_indistinguishable(
         .iter()
         .enumerate()
         .map(|(point, point_scores)| {
-            let Some(point_scores) = point_scores else { return false };
-            let difference: Vec<f64> = point_scores.iter().zip(&best_scores).map(|(p, b)| p - b).collect();
-            let probability: f64 = weights.iter().map(|weight| as_good(weighted(&difference, weight))).sum();
+            let Some(point_scores) = point_scores else {
+                return false;
+            };
+            let difference: Vec<f64> = point_scores
+                .iter()
+                .zip(&best_scores)
+                .map(|(p, b)| p - b)
+                .collect();
+            let probability: f64 = weights
+                .iter()
+                .map(|weight| as_good(weighted(&difference, weight)))
+                .sum();
             point == best || probability > (1.0 - level) * RESAMPLES as f64
         })
         .collect();
-    let means: Vec<f64> = weights.iter().map(|weight| weighted(&best_scores, weight)).collect();
+    let means: Vec<f64> = weights
+        .iter()
+        .map(|weight| weighted(&best_scores, weight))
+        .collect();
     Uncertainty {
         source: UncertaintySource::Bootstrap,
         level,
@@ -82,7 +95,12 @@ pub fn bootstrap_indistinguishable(
 /// `repeats` are scores of the best point under perturbed starts. A point is indistinguishable when
 /// its score exceeds the best's by no more than two such single runs differ by chance
 /// (z·√2·sd, one-sided at `level`).
-pub fn spread_indistinguishable(scores: &[Option<f64>], best: usize, repeats: &[f64], level: f64) -> Uncertainty {
+pub fn spread_indistinguishable(
+    scores: &[Option<f64>],
+    best: usize,
+    repeats: &[f64],
+    level: f64,
+) -> Uncertainty {
     let best_score_sd = standard_deviation(repeats);
     let margin = normal_quantile(level) * std::f64::consts::SQRT_2 * best_score_sd;
     let limit = scores[best].unwrap_or(f64::NEG_INFINITY) + margin;
@@ -91,7 +109,13 @@ pub fn spread_indistinguishable(scores: &[Option<f64>], best: usize, repeats: &[
         .enumerate()
         .map(|(point, score)| point == best || score.is_some_and(|score| score <= limit))
         .collect();
-    Uncertainty { source: UncertaintySource::Ensemble, level, best_score_sd, simulation_sd: best_score_sd, indistinguishable }
+    Uncertainty {
+        source: UncertaintySource::Ensemble,
+        level,
+        best_score_sd,
+        simulation_sd: best_score_sd,
+        indistinguishable,
+    }
 }
 
 /// Weights of every resample: how often each recording was drawn, divided by their number.
@@ -163,7 +187,11 @@ mod tests {
         let mean = best.iter().sum::<f64>() / 50.0;
         let expected = (best.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 50.0 / 50.0).sqrt();
         let set = bootstrap_indistinguishable(&[Some(best)], 0, 0.0, 0.95, 3);
-        assert!((set.best_score_sd / expected - 1.0).abs() < 0.05, "{} {expected}", set.best_score_sd);
+        assert!(
+            (set.best_score_sd / expected - 1.0).abs() < 0.05,
+            "{} {expected}",
+            set.best_score_sd
+        );
     }
 
     #[test]
