@@ -1,7 +1,5 @@
 //! From a picture to a file: PNG or SVG by extension, complete or not there at all.
 
-use std::fs;
-use std::io::Write;
 use std::path::Path;
 
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
@@ -9,6 +7,7 @@ use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use super::canvas::{Canvas, Medium};
 use super::colour::WHITE;
 use super::font;
+use crate::file::write_atomic;
 use crate::{Error, Result};
 
 /// PNG pixels are averages of this many by this many: smooth lines, evenly spaced letters.
