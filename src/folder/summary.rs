@@ -71,7 +71,7 @@ pub struct UncertaintySummary {
     pub level: f64,
     /// Standard deviation of the best score when reality is sampled again.
     pub best_score_sd: f64,
-    /// Standard deviation of the best score when the simulated start is perturbed.
+    /// Standard deviation of the best score when the simulated start and timestep are varied.
     pub simulation_sd: f64,
     /// Points that cannot be told apart from the best, itself included.
     pub indistinguishable: usize,

@@ -188,14 +188,15 @@ impl<'a> Walk<'a> {
         for part in 0..self.assembly.parts.len() {
             let (pose, linear, angular) = self.world.part(part);
             let distance_m = (pose.translation.vector - origin_world_m).norm();
-            // Written so that NaN fails the comparison.
-            if !(distance_m <= FARTHEST_M) {
+            // NaN is beyond every limit.
+            let beyond = |value: f64, limit: f64| value.is_nan() || value > limit;
+            if beyond(distance_m, FARTHEST_M) {
                 return Some(format!("part {part} is {distance_m:.3e} m from the start"));
             }
-            if !(linear.norm() <= FASTEST_M_S) {
+            if beyond(linear.norm(), FASTEST_M_S) {
                 return Some(format!("part {part} moves at {:.3e} m/s", linear.norm()));
             }
-            if !(angular.norm() <= FASTEST_RAD_S) {
+            if beyond(angular.norm(), FASTEST_RAD_S) {
                 return Some(format!("part {part} turns at {:.3e} rad/s", angular.norm()));
             }
             if !pose.rotation.coords.iter().all(|v| v.is_finite()) {

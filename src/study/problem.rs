@@ -126,20 +126,14 @@ impl Problem {
             .apply(&self.cases[case].experiment)
     }
 
-    /// Simulates case 0 with these values under `noise`, repeat number `repeat`.
+    /// Simulates case 0 with these values under `noise`, repeat number `repeat`, at `timestep_factor` times the timestep.
     ///
     /// # Errors
     /// As [`Problem::evaluate`].
-    pub fn evaluate_perturbed(
-        &self,
-        values: &[f64],
-        noise: &Noise,
-        repeat: u64,
-    ) -> Result<Outcome> {
-        self.evaluate_case(
-            0,
-            &noise.perturb(&self.experiment(0, values), self.study.seed, repeat),
-        )
+    pub fn evaluate_perturbed(&self, values: &[f64], noise: &Noise, repeat: u64, timestep_factor: f64) -> Result<Outcome> {
+        let mut experiment = self.experiment(0, values);
+        experiment.solver.timestep_s *= timestep_factor;
+        self.evaluate_case(0, &noise.perturb(&experiment, self.study.seed, repeat))
     }
 
     fn evaluate_case(&self, case: usize, experiment: &Experiment) -> Result<Outcome> {
