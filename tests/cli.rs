@@ -8,7 +8,13 @@ use common::{project, realgap, text};
 fn help_teaches_the_way_through_and_is_quick() {
     let out = realgap().arg("--help").assert().success();
     let help = text(&out.get_output().stdout);
-    for word in ["realgap check", "realgap simulate", "realgap compare", "realgap sweep", "Exit codes"] {
+    for word in [
+        "realgap check",
+        "realgap simulate",
+        "realgap compare",
+        "realgap sweep",
+        "Exit codes",
+    ] {
         assert!(help.contains(word), "{word} is missing from\n{help}");
     }
 }
@@ -18,7 +24,15 @@ fn wrong_usage_exits_with_2_and_a_failure_with_1() {
     realgap().arg("conquer").assert().code(2);
     realgap().assert().code(2);
     realgap().args(["compare", "only_one.csv"]).assert().code(2);
-    realgap().args(["simulate", "morphologies/cube.ron", "--set", "floor.friction=slippery"]).assert().code(2);
+    realgap()
+        .args([
+            "simulate",
+            "morphologies/cube.ron",
+            "--set",
+            "floor.friction=slippery",
+        ])
+        .assert()
+        .code(2);
     realgap().args(["simulate", "nowhere.ron"]).assert().code(1);
 }
 
@@ -33,7 +47,10 @@ fn every_shipped_file_is_sound() {
     assert!(files.len() >= 9, "{files:?}");
     let out = realgap().arg("check").args(&files).assert().success();
     let report = text(&out.get_output().stdout);
-    assert!(report.contains("morphology \"tripod\": 4 modules, 3 hinges, 4 rigid parts"), "{report}");
+    assert!(
+        report.contains("morphology \"tripod\": 4 modules, 3 hinges, 4 rigid parts"),
+        "{report}"
+    );
     assert!(report.contains("441 points"), "{report}");
 }
 
@@ -41,7 +58,10 @@ fn every_shipped_file_is_sound() {
 fn a_path_that_is_not_there_is_named_with_a_hint() {
     let out = realgap().args(["check", "no/such.ron"]).assert().code(1);
     let error = text(&out.get_output().stderr);
-    assert!(error.contains("no/such.ron") && error.contains("hint:"), "{error}");
+    assert!(
+        error.contains("no/such.ron") && error.contains("hint:"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -49,7 +69,17 @@ fn simulate_reports_what_happened_as_json() {
     let folder = tempfile::tempdir().unwrap();
     let csv = folder.path().join("run.csv");
     let out = realgap()
-        .args(["simulate", "morphologies/tripod.ron", "--duration", "1", "--rate", "30", "--format", "json", "-o"])
+        .args([
+            "simulate",
+            "morphologies/tripod.ron",
+            "--duration",
+            "1",
+            "--rate",
+            "30",
+            "--format",
+            "json",
+            "-o",
+        ])
         .arg(&csv)
         .args(["--set", "floor.friction=0.4"])
         .assert()
@@ -66,7 +96,17 @@ fn simulate_reports_what_happened_as_json() {
 
 #[test]
 fn a_passive_cube_goes_nowhere() {
-    let out = realgap().args(["simulate", "morphologies/cube.ron", "--duration", "1", "--format", "json"]).assert().success();
+    let out = realgap()
+        .args([
+            "simulate",
+            "morphologies/cube.ron",
+            "--duration",
+            "1",
+            "--format",
+            "json",
+        ])
+        .assert()
+        .success();
     let report: serde_json::Value = serde_json::from_slice(&out.get_output().stdout).unwrap();
     assert!(report["net_displacement_m"].as_f64().unwrap() < 1e-5);
 }
@@ -76,7 +116,11 @@ fn compare_speaks_the_golden_columns() {
     let curves = project().join("tests/golden/curves");
     let out = realgap()
         .args(["compare", "--format", "json"])
-        .args([curves.join("real.csv"), curves.join("real.csv"), curves.join("scaled.csv")])
+        .args([
+            curves.join("real.csv"),
+            curves.join("real.csv"),
+            curves.join("scaled.csv"),
+        ])
         .assert()
         .success();
     let rows: Vec<serde_json::Value> = serde_json::from_slice(&out.get_output().stdout).unwrap();
@@ -127,7 +171,12 @@ fn files_in_centimetres_are_read_as_such() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("cm.csv");
     std::fs::write(&path, "t_s,x_cm,y_cm\n0,0,0\n1,100,0\n2,200,50\n").unwrap();
-    let out = realgap().arg("check").arg(&path).args(["--unit", "cm"]).assert().success();
+    let out = realgap()
+        .arg("check")
+        .arg(&path)
+        .args(["--unit", "cm"])
+        .assert()
+        .success();
     assert!(text(&out.get_output().stdout).contains("path 2.1180 m"));
     let out = realgap().arg("check").arg(&path).assert().code(1);
     assert!(text(&out.get_output().stderr).contains("--unit cm"));
@@ -146,7 +195,12 @@ fn completions_name_every_command() {
     for shell in ["bash", "zsh", "fish"] {
         let out = realgap().args(["completions", shell]).assert().success();
         let script = text(&out.get_output().stdout);
-        assert!(["sweep", "compare", "record"].iter().all(|command| script.contains(command)), "{shell}");
+        assert!(
+            ["sweep", "compare", "record"]
+                .iter()
+                .all(|command| script.contains(command)),
+            "{shell}"
+        );
     }
 }
 
@@ -159,5 +213,8 @@ fn a_simulation_that_diverges_is_an_error_with_advice() {
         .assert()
         .code(1);
     let error = text(&out.get_output().stderr);
-    assert!(error.contains("diverged") && error.contains("--timestep"), "{error}");
+    assert!(
+        error.contains("diverged") && error.contains("--timestep"),
+        "{error}"
+    );
 }

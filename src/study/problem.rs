@@ -130,7 +130,13 @@ impl Problem {
     ///
     /// # Errors
     /// As [`Problem::evaluate`].
-    pub fn evaluate_perturbed(&self, values: &[f64], noise: &Noise, repeat: u64, timestep_factor: f64) -> Result<Outcome> {
+    pub fn evaluate_perturbed(
+        &self,
+        values: &[f64],
+        noise: &Noise,
+        repeat: u64,
+        timestep_factor: f64,
+    ) -> Result<Outcome> {
         let mut experiment = self.experiment(0, values);
         experiment.solver.timestep_s *= timestep_factor;
         self.evaluate_case(0, &noise.perturb(&experiment, self.study.seed, repeat))
