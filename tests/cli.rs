@@ -1,4 +1,5 @@
 //! The command line as a user meets it: help, exit codes, JSON, errors.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 mod common;
 

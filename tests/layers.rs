@@ -1,4 +1,5 @@
 //! Layers hold: a room may use only the rooms below it.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! What must hold of any simulation: reproducible, honest about its start, free fall as Galileo said.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! The sweep as a user runs it: same bits however it was run, nothing lost, refusals that name the reason.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 mod common;
 

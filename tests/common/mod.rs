@@ -1,5 +1,6 @@
 //! What the integration tests share.
 #![allow(clippy::print_stdout, reason = "a skipped test says so")]
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
 use std::path::{Path, PathBuf};
