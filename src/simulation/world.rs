@@ -217,6 +217,11 @@ impl World {
             self.colliders
                 .insert_with_parent(collider, handle, &mut self.bodies);
         }
+        // Otherwise the engine knows the centre of mass after the first step only, and the first recorded
+        // velocity would belong to another point.
+        if let Some(body) = self.bodies.get_mut(handle) {
+            body.recompute_mass_properties_from_colliders(&self.colliders);
+        }
         self.parts.push(handle);
     }
 

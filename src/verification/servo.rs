@@ -92,7 +92,8 @@ impl Bench<'_> {
             let servo = velocity_servo(GAIN_1_S, limit_nm, 8.0);
             let film = self.film(servo, STILL, true, 1.0)?;
             let sagged = measure(film.as_ref(), |film| {
-                Some(film.last().hinges[0].angle_rad.abs())
+                // A servo that gives way lets the arm swing, and it may be back by the end.
+                Some(largest(film.iter().map(|s| s.hinges[0].angle_rad.abs())))
             });
             if sagged < 0.1 {
                 high = limit_nm;
