@@ -74,6 +74,7 @@ pub mod store;
 pub mod study;
 pub mod trajectory;
 pub mod tuning;
+pub mod verification;
 pub mod warning;
 
 pub use error::{Error, ErrorKind, Result};

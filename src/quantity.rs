@@ -27,6 +27,8 @@ pub enum Unit {
     Radian,
     /// Degree; only for scores and for people.
     Degree,
+    /// Metre per second.
+    MetrePerSecond,
     /// Radian per second.
     RadianPerSecond,
     /// Newton metre.
@@ -48,6 +50,7 @@ impl Unit {
             Self::Kilogram => "kg",
             Self::Radian => "rad",
             Self::Degree => "deg",
+            Self::MetrePerSecond => "m/s",
             Self::RadianPerSecond => "rad/s",
             Self::NewtonMetre => "N m",
             Self::MetrePerSecondSquared => "m/s^2",

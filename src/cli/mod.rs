@@ -11,6 +11,7 @@ mod record;
 mod simulate;
 mod sweep;
 mod terminal;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -45,6 +46,7 @@ enum Command {
     Sweep(sweep::Sweep),
     Record(record::Record),
     Parameters(parameters::Parameters),
+    Verify(verify::Verify),
     Completions(completions::Completions),
 }
 
@@ -72,6 +74,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Sweep(sweep) => sweep.run(),
         Command::Record(record) => record.run(),
         Command::Parameters(parameters) => parameters.run(),
+        Command::Verify(verify) => verify.run(),
         Command::Completions(completions) => completions.run(),
     }
 }

@@ -2,13 +2,54 @@
 
 use super::Parameter;
 use crate::quantity::Unit;
+use crate::simulation::FrictionModel;
 
-pub(super) static PARAMETERS: &[Parameter] = &[Parameter {
-    name: "contact.prediction_m",
-    unit: Unit::Metre,
-    bounds: (0.0, 0.1),
-    whole: false,
-    doc: "Distance at which contacts are predicted.",
-    get: |e| Some(e.contact.prediction_m),
-    set: |e, value| e.contact.prediction_m = value,
-}];
+pub(super) static PARAMETERS: &[Parameter] = &[
+    Parameter {
+        name: "contact.prediction_m",
+        unit: Unit::Metre,
+        bounds: (0.0, 0.1),
+        whole: false,
+        doc: "Distance at which contacts are predicted.",
+        get: |e| Some(e.contact.prediction_m),
+        set: |e, value| e.contact.prediction_m = value,
+    },
+    Parameter {
+        name: "contact.natural_frequency_hz",
+        unit: Unit::Hertz,
+        bounds: (0.1, 1e6),
+        whole: false,
+        doc: "Stiffness of the floor contact as a natural frequency; MEASURE.",
+        get: |e| Some(e.contact.natural_frequency_hz),
+        set: |e, value| e.contact.natural_frequency_hz = value,
+    },
+    Parameter {
+        name: "contact.damping_ratio",
+        unit: Unit::One,
+        bounds: (0.0, 1000.0),
+        whole: false,
+        doc: "Damping ratio of the floor contact; MEASURE.",
+        get: |e| Some(e.contact.damping_ratio),
+        set: |e, value| e.contact.damping_ratio = value,
+    },
+    Parameter {
+        name: "contact.friction_model",
+        unit: Unit::One,
+        bounds: (0.0, 1.0),
+        whole: true,
+        doc: "0: Simplified, a friction pyramid per contact area; 1: Coulomb, a cone at every contact point.",
+        get: |e| {
+            Some(match e.contact.friction_model {
+                FrictionModel::Simplified => 0.0,
+                FrictionModel::Coulomb => 1.0,
+            })
+        },
+        set: |e, value| {
+            e.contact.friction_model = if value == 0.0 {
+                FrictionModel::Simplified
+            } else {
+                FrictionModel::Coulomb
+            };
+        },
+    },
+];

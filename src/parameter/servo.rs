@@ -1,4 +1,4 @@
-//! Servo limits.
+//! Servos: limits, gain, latency and play.
 
 use super::Parameter;
 use crate::quantity::Unit;
@@ -21,5 +21,32 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         doc: "Speed limit of every servo, in place of the robot file's.",
         get: |e| e.adjustment.max_speed_rad_s,
         set: |e, value| e.adjustment.max_speed_rad_s = Some(value),
+    },
+    Parameter {
+        name: "servo.gain",
+        unit: Unit::One,
+        bounds: (0.0, 1000.0),
+        whole: false,
+        doc: "Factor on every servo's answer to an angle error: gain of the Velocity law, stiffness of the Torque law.",
+        get: |e| Some(e.adjustment.servo_gain_scale),
+        set: |e, value| e.adjustment.servo_gain_scale = value,
+    },
+    Parameter {
+        name: "servo.latency_s",
+        unit: Unit::Second,
+        bounds: (0.0, 10.0),
+        whole: false,
+        doc: "Every servo acts on the command of this long ago; until the first arrives it holds the start.",
+        get: |e| Some(e.adjustment.servo_latency_s),
+        set: |e, value| e.adjustment.servo_latency_s = value,
+    },
+    Parameter {
+        name: "servo.backlash_rad",
+        unit: Unit::Radian,
+        bounds: (0.0, 3.0),
+        whole: false,
+        doc: "Play between servo and joint, end to end: no torque within it, only the rest of the error counts beyond.",
+        get: |e| Some(e.adjustment.servo_backlash_rad),
+        set: |e, value| e.adjustment.servo_backlash_rad = value,
     },
 ];

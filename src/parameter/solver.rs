@@ -2,6 +2,7 @@
 
 use super::Parameter;
 use crate::quantity::Unit;
+use crate::simulation::JointKind;
 
 pub(super) static PARAMETERS: &[Parameter] = &[
     Parameter {
@@ -30,5 +31,25 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         doc: "Passes without bias at the end of every substep; each drains some energy of the hinges.",
         get: |e| Some(e.solver.relaxations as f64),
         set: |e, value| e.solver.relaxations = value as usize,
+    },
+    Parameter {
+        name: "solver.joint",
+        unit: Unit::One,
+        bounds: (0.0, 1.0),
+        whole: true,
+        doc: "0: impulse joints (constraints); 1: multibody joints (reduced coordinates).",
+        get: |e| {
+            Some(match e.solver.joint {
+                JointKind::Impulse => 0.0,
+                JointKind::Multibody => 1.0,
+            })
+        },
+        set: |e, value| {
+            e.solver.joint = if value == 0.0 {
+                JointKind::Impulse
+            } else {
+                JointKind::Multibody
+            };
+        },
     },
 ];

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use crate::error::{Error, Result};
-use crate::morphology::Assembly;
+use crate::morphology::{Assembly, ServoLaw};
 use crate::quantity::GRAVITY_M_S2;
 use crate::trajectory::State;
 
@@ -72,7 +72,8 @@ pub enum FrictionModel {
 pub struct Contact {
     /// Distance at which contacts are predicted, metres.
     pub prediction_m: f64,
-    /// Natural frequency of the contact softness, Hz.
+    /// Natural frequency of the softness of contacts with the floor, Hz; contacts among modules have half of it.
+    /// Rapier hides the softness behind its substeps, see the parameter `contact.natural_frequency_hz`.
     pub natural_frequency_hz: f64,
     /// Damping ratio of the contact softness, dimensionless.
     pub damping_ratio: f64,
@@ -84,7 +85,7 @@ impl Default for Contact {
     fn default() -> Self {
         Self {
             prediction_m: 0.002,
-            natural_frequency_hz: 30.0,
+            natural_frequency_hz: 60.0,
             damping_ratio: 10.0,
             friction_model: FrictionModel::Coulomb,
         }
@@ -129,6 +130,14 @@ pub struct Adjustment {
     pub max_torque_nm: Option<f64>,
     /// Speed limit of every servo in place of the morphology's, rad/s.
     pub max_speed_rad_s: Option<f64>,
+    /// Factor on how strongly every servo answers an angle error: the gain of the velocity law, the stiffness of
+    /// the torque law.
+    pub servo_gain_scale: f64,
+    /// Age of the command that a servo acts on, seconds.
+    pub servo_latency_s: f64,
+    /// Play between servo and joint, from end to end, radians: within it the servo exerts no torque, beyond it
+    /// the servo sees only the error that is left.
+    pub servo_backlash_rad: f64,
     /// Factor on every gait frequency.
     pub frequency_scale: f64,
     /// Factor on every gait amplitude.
@@ -143,6 +152,9 @@ impl Default for Adjustment {
             centre_of_mass_offset_m: Vector3::zeros(),
             max_torque_nm: None,
             max_speed_rad_s: None,
+            servo_gain_scale: 1.0,
+            servo_latency_s: 0.0,
+            servo_backlash_rad: 0.0,
             frequency_scale: 1.0,
             amplitude_scale: 1.0,
         }
@@ -225,6 +237,12 @@ impl Experiment {
         for hinge in &mut robot.hinges {
             hinge.servo.max_torque_nm = a.max_torque_nm.unwrap_or(hinge.servo.max_torque_nm);
             hinge.servo.max_speed_rad_s = a.max_speed_rad_s.unwrap_or(hinge.servo.max_speed_rad_s);
+            match &mut hinge.servo.law {
+                ServoLaw::Velocity { gain_1_s } => *gain_1_s *= a.servo_gain_scale,
+                ServoLaw::Torque {
+                    stiffness_nm_rad, ..
+                } => *stiffness_nm_rad *= a.servo_gain_scale,
+            }
             hinge.gait.frequency_hz *= a.frequency_scale;
             hinge.gait.amplitude_rad *= a.amplitude_scale;
         }

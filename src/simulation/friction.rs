@@ -11,8 +11,9 @@ use rapier3d::dynamics::{MultibodyJointSet, RigidBodyHandle, RigidBodySet};
 use rapier3d::math::Vector;
 use rapier3d::pipeline::{ContactModificationContext, PhysicsHooks};
 
-/// Below this slip a contact is about to stick, where direction does not matter, m/s.
-const LEAST_SLIP_M_S: f64 = 0.01;
+/// Below this slip a contact counts as sticking, where direction does not matter, m/s. A higher value lets a
+/// cube on a slope near the angle of slip creep at that speed.
+const LEAST_SLIP_M_S: f64 = 1e-4;
 
 /// Response of a multibody's links to an impulse: spatial velocity (linear, angular) of the link's
 /// centre of mass per unit spatial impulse at it, J M⁻¹ Jᵀ.

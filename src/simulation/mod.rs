@@ -10,6 +10,7 @@ mod kinematics;
 mod noise;
 mod run;
 mod servo;
+mod watch;
 mod world;
 
 pub use experiment::{
@@ -17,5 +18,6 @@ pub use experiment::{
     Solver, Start,
 };
 pub use noise::Noise;
-pub use run::{Run, Status, run};
+pub use run::{Run, Status, run, watch};
+pub use watch::{HingeState, PartState, Push, Snapshot};
 pub use world::ENGINE_VERSION;

@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::experiment::{Experiment, Start};
 use super::kinematics::{lowest_m, part_from_track, robot_from_parts};
 use super::servo::command;
+use super::watch::{Push, Snapshot};
 use super::world::{Motion, World};
 use crate::error::Result;
 use crate::morphology::Assembly;
@@ -72,9 +73,31 @@ pub fn run(experiment: &Experiment) -> Result<Run> {
     let started = thread_cpu_time();
     let assembly = experiment.adjusted_assembly();
     let mut walk = Walk::new(experiment, &assembly);
-    let mut run = walk.run(experiment)?;
+    let mut run = walk.run(experiment, None)?;
     run.cpu = thread_cpu_time().saturating_sub(started);
     Ok(run)
+}
+
+/// Simulates the experiment and shows every part and hinge to `observer`: at time 0 and after every step
+/// (settling excluded). `pushes` add to the velocities of parts at time 0.
+///
+/// # Errors
+/// As [`run`]; a push of a part that does not exist, or that hangs on a hinge: its joint would have to be told too.
+pub fn watch(
+    experiment: &Experiment,
+    pushes: &[Push],
+    observer: &mut dyn FnMut(&Snapshot),
+) -> Result<Run> {
+    experiment.check()?;
+    let assembly = experiment.adjusted_assembly();
+    for push in pushes {
+        push.check(&assembly)?;
+    }
+    let mut walk = Walk::new(experiment, &assembly);
+    for push in pushes {
+        walk.world.push(push.part, &push.velocity_world_m_s);
+    }
+    walk.run(experiment, Some(observer))
 }
 
 /// CPU time of the calling thread; wall time where the platform has no such clock.
@@ -101,6 +124,8 @@ struct Walk<'a> {
     part_from_track: Isometry3<f64>,
     angles_rad: Vec<f64>,
     squared_error_rad2: f64,
+    latency_s: f64,
+    backlash_rad: f64,
 }
 
 impl<'a> Walk<'a> {
@@ -151,20 +176,23 @@ impl<'a> Walk<'a> {
             part_from_track,
             angles_rad,
             squared_error_rad2: 0.0,
+            latency_s: experiment.adjustment.servo_latency_s,
+            backlash_rad: experiment.adjustment.servo_backlash_rad,
         }
     }
 
-    /// Drives every servo towards its command at `t_s` and takes one step.
+    /// Drives every servo towards its command at `t_s` (or what it knows of it by then) and takes one step.
     fn step(&mut self, t_s: f64) {
         for (index, hinge) in self.assembly.hinges.iter().enumerate() {
             let angle_rad = self.world.hinge_angle_rad(index, self.angles_rad[index]);
             self.angles_rad[index] = angle_rad;
-            let target_rad = hinge.gait.angle_rad(t_s);
-            self.squared_error_rad2 += (target_rad - angle_rad).powi(2);
+            self.squared_error_rad2 += (hinge.gait.angle_rad(t_s) - angle_rad).powi(2);
+            // Before the first command arrives, the servo holds where it started.
+            let target_rad = hinge.gait.angle_rad((t_s - self.latency_s).max(0.0));
             self.world.drive(
                 index,
                 angle_rad,
-                command(&hinge.servo, target_rad, angle_rad),
+                command(&hinge.servo, self.backlash_rad, target_rad, angle_rad),
             );
         }
         self.world.step();
@@ -247,7 +275,11 @@ impl<'a> Walk<'a> {
         (limit, Ok(Some(warning)))
     }
 
-    fn run(&mut self, experiment: &Experiment) -> Result<Run> {
+    fn run(
+        &mut self,
+        experiment: &Experiment,
+        mut observer: Option<&mut dyn FnMut(&Snapshot)>,
+    ) -> Result<Run> {
         let timestep_s = experiment.solver.timestep_s;
         let mut run = Run {
             status: Status::Completed,
@@ -278,6 +310,9 @@ impl<'a> Walk<'a> {
 
         let times_s = experiment.sample_times_s();
         let mut path = Path::with_capacity(times_s.len());
+        if let Some(observer) = &mut observer {
+            observer(&Snapshot::take(0.0, self.assembly, &self.world));
+        }
         let mut before = self.track();
         let mut next = 0;
         while next < times_s.len() && times_s[next] <= 0.0 {
@@ -294,6 +329,9 @@ impl<'a> Walk<'a> {
             if let Some(why) = self.absurd(&origin_world_m) {
                 run.status = Status::Diverged { at_s: to_s, why };
                 return Ok(run);
+            }
+            if let Some(observer) = &mut observer {
+                observer(&Snapshot::take(to_s, self.assembly, &self.world));
             }
             if next < times_s.len() && times_s[next] <= to_s + 1e-9 * timestep_s.max(1e-3) {
                 let after = self.track();

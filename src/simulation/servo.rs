@@ -37,8 +37,25 @@ const UNLIMITED_RAD_S: f64 = 10.0;
 /// The velocity law is given to the engine as a spring while its speed limit does not bind
 /// (stiffness = gain · damping is the same law): the engine re-reads the angle every substep, so the gain
 /// holds exactly however long the step (docs/fidelity.md).
-pub(super) fn command(servo: &Servo, target_rad: f64, angle_rad: f64) -> Command {
-    let error_rad = target_rad - angle_rad;
+///
+/// `backlash_rad` is the play between servo and joint from end to end. The servo's own shaft is taken to be
+/// where it is told to be; while the joint is within half the play of it, nothing is transmitted.
+pub(super) fn command(
+    servo: &Servo,
+    backlash_rad: f64,
+    target_rad: f64,
+    angle_rad: f64,
+) -> Command {
+    let whole_error_rad = target_rad - angle_rad;
+    let beyond_rad = whole_error_rad.abs() - 0.5 * backlash_rad;
+    if backlash_rad > 0.0 && beyond_rad <= 0.0 {
+        return Command::Velocity {
+            target_rad_s: 0.0,
+            damping_nm_s_rad: 0.0,
+            max_torque_nm: 0.0,
+        };
+    }
+    let error_rad = beyond_rad.copysign(whole_error_rad);
     let max_torque_nm = servo.max_torque_nm;
     match servo.law {
         ServoLaw::Velocity { gain_1_s } => {
@@ -94,7 +111,7 @@ mod tests {
             stiffness_nm_rad,
             damping_nm_s_rad,
             ..
-        } = command(&servo(8.0), 0.2, 0.1)
+        } = command(&servo(8.0), 0.0, 0.2, 0.1)
         else {
             panic!("not a spring")
         };
@@ -104,13 +121,25 @@ mod tests {
 
     #[test]
     fn beyond_it_the_limit_decides() {
-        let Command::Velocity { target_rad_s, .. } = command(&servo(8.0), -1.0, 0.0) else {
+        let Command::Velocity { target_rad_s, .. } = command(&servo(8.0), 0.0, -1.0, 0.0) else {
             panic!("not a velocity")
         };
         assert_eq!(target_rad_s, -8.0);
         assert!(matches!(
-            command(&servo(f64::INFINITY), -1.0, 0.0),
+            command(&servo(f64::INFINITY), 0.0, -1.0, 0.0),
             Command::Spring { .. }
         ));
+    }
+
+    #[test]
+    fn within_the_play_nothing_is_transmitted_and_beyond_it_the_rest() {
+        let Command::Velocity { max_torque_nm, .. } = command(&servo(8.0), 0.1, 0.04, 0.0) else {
+            panic!("not free")
+        };
+        assert_eq!(max_torque_nm, 0.0);
+        let Command::Spring { error_rad, .. } = command(&servo(8.0), 0.1, -0.15, 0.0) else {
+            panic!("not a spring")
+        };
+        assert!((error_rad + 0.1).abs() < 1e-12);
     }
 }

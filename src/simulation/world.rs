@@ -16,6 +16,7 @@ use super::experiment::{Experiment, FrictionModel, JointKind};
 use super::friction::Friction;
 use super::kinematics::robot_from_part_at_zero;
 use super::servo::Command;
+use super::watch::PartState;
 use crate::morphology::{Assembly, Part};
 
 /// Version of the engine that decides the results bit for bit.
@@ -224,6 +225,11 @@ impl World {
             self.colliders
                 .insert_with_parent(collider, handle, &mut self.bodies);
         }
+        // Otherwise the engine knows the centre of mass after the first step only, and the first recorded
+        // velocity would belong to another point.
+        if let Some(body) = self.bodies.get_mut(handle) {
+            body.recompute_mass_properties_from_colliders(&self.colliders);
+        }
         self.parts.push(Member {
             body: handle,
             centre_part_m,
@@ -289,6 +295,36 @@ impl World {
         let linear =
             from_vector(body.linvel()) - angular.cross(&(pose.rotation * member.centre_part_m));
         (pose, linear, angular)
+    }
+
+    /// A part in full.
+    pub fn part_state(&self, part: usize) -> PartState {
+        let body = &self.bodies[self.parts[part].body];
+        let local = &body.mass_properties().local_mprops;
+        let inertia = local.reconstruct_inertia_matrix();
+        let column = |v: Vector| from_vector(v);
+        let inertia_part = Matrix3::from_columns(&[
+            column(inertia.x_axis),
+            column(inertia.y_axis),
+            column(inertia.z_axis),
+        ]);
+        let turn = from_rotation(&body.position().rotation).to_rotation_matrix();
+        PartState {
+            world_from_part: from_pose(body.position()),
+            centre_world_m: from_vector(body.center_of_mass()),
+            velocity_world_m_s: from_vector(body.linvel()),
+            angular_velocity_world_rad_s: from_vector(body.angvel()),
+            mass_kg: body.mass(),
+            inertia_world_kg_m2: turn * inertia_part * turn.transpose(),
+        }
+    }
+
+    /// Adds to the velocity of a part that no hinge holds, m/s.
+    pub fn push(&mut self, part: usize, velocity_world_m_s: &Vector3<f64>) {
+        if let Some(body) = self.bodies.get_mut(self.parts[part].body) {
+            let velocity = body.linvel() + to_vector(velocity_world_m_s);
+            body.set_linvel(velocity, true);
+        }
     }
 
     /// Angle of a hinge, radians, continued from `near_rad` so that it does not jump at half turns.
@@ -365,7 +401,11 @@ fn parameters(experiment: &Experiment) -> IntegrationParameters {
         },
         ..IntegrationParameters::default()
     };
-    p.contact_softness.natural_frequency = contact.natural_frequency_hz;
+    // The floor has no body, so its contacts take the softness of fixed bodies; modules among themselves
+    // are half as stiff, as in Rapier's own defaults.
+    p.static_contact_softness.natural_frequency = contact.natural_frequency_hz;
+    p.static_contact_softness.damping_ratio = contact.damping_ratio;
+    p.contact_softness.natural_frequency = 0.5 * contact.natural_frequency_hz;
     p.contact_softness.damping_ratio = contact.damping_ratio;
     p
 }

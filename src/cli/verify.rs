@@ -1,0 +1,207 @@
+//! `realgap verify`: closed-form checks with the settings of the user's choice.
+
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::morphology::Assembly;
+use realgap::report::{Side, TextTable};
+use realgap::simulation::{self, Experiment, JointKind};
+use realgap::verification::{self, Check, Settings, Tolerance, Verdict};
+use realgap::{Error, Result};
+use serde_json::json;
+
+use super::option::{Format, Joint, Values};
+use super::terminal;
+
+/// Check the simulation against closed forms, with the settings given
+///
+/// Stopping distance, slip angle, bounce height, pendulum, servo limits, hinges and more; docs/fidelity.md
+/// explains each check. Checks that involve hinges are run with both joint kinds unless --joint chooses one.
+/// Exit code 0: all passed; 1: some failed.
+#[derive(Debug, Args)]
+pub struct Verify {
+    /// Time per step, seconds [default: see `realgap parameters`]
+    #[arg(long, value_name = "S")]
+    timestep: Option<f64>,
+    /// Solver substeps per step [default: see `realgap parameters`]
+    #[arg(long, value_name = "N")]
+    substeps: Option<usize>,
+    /// Only this kind of joint
+    #[arg(long, value_enum)]
+    joint: Option<Joint>,
+    #[command(flatten)]
+    values: Values,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Verify {
+    pub fn run(self) -> Result<ExitCode> {
+        let settings = self.settings()?;
+        let checks = verification::run(&settings)?;
+        let failed = checks.iter().filter(|c| c.verdict == Verdict::Fail).count();
+        if self.format == Format::Json {
+            let joints: Vec<String> = settings
+                .joints
+                .iter()
+                .map(|kind| format!("{kind:?}").to_lowercase())
+                .collect();
+            terminal::print(terminal::json(&json!({
+                "timestep_s": settings.solver.timestep_s,
+                "substeps": settings.solver.substeps,
+                "joints": joints,
+                "passed": checks.len() - failed,
+                "failed": failed,
+                "checks": checks,
+                "engine": simulation::ENGINE_VERSION,
+                "version": env!("CARGO_PKG_VERSION"),
+            }))?);
+        } else {
+            terminal::print(table(&checks, terminal::stdout_wants_colour()));
+            terminal::print(format!(
+                "\n{} of {} checks passed at timestep {:.6} s, {} substeps",
+                checks.len() - failed,
+                checks.len(),
+                settings.solver.timestep_s,
+                settings.solver.substeps,
+            ));
+            for check in checks.iter().filter(|c| c.verdict == Verdict::Fail) {
+                terminal::print(format!("failed: {}: {}", check.name, check.what));
+            }
+        }
+        Ok(if failed == 0 {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::FAILURE
+        })
+    }
+
+    fn settings(&self) -> Result<Settings> {
+        let values = self.values.parameter_set()?;
+        for assignment in values.iter() {
+            let name = assignment.parameter.name;
+            if !(name.starts_with("contact.") || name.starts_with("solver."))
+                && name != "timestep_s"
+            {
+                return Err(Error::usage("the checks choose this themselves")
+                    .field(name)
+                    .allowed("timestep_s, solver.*, contact.*"));
+            }
+        }
+        let joint_is_set = values.value("solver.joint").is_some();
+        // Solver and contact do not depend on the robot.
+        let nobody = Assembly {
+            module_names: Vec::new(),
+            parts: Vec::new(),
+            hinges: Vec::new(),
+            track_part: 0,
+            robot_from_track: nalgebra::Isometry3::identity(),
+            body_length_m: 1.0,
+        };
+        let mut experiment = values.apply(&Experiment::new(nobody));
+        if let Some(timestep_s) = self.timestep {
+            experiment.solver.timestep_s = timestep_s;
+        }
+        if let Some(substeps) = self.substeps {
+            experiment.solver.substeps = substeps;
+        }
+        if let Some(joint) = self.joint {
+            experiment.solver.joint = JointKind::from(joint);
+        }
+        let joints = if self.joint.is_some() || joint_is_set {
+            vec![experiment.solver.joint]
+        } else {
+            Settings::default().joints
+        };
+        Ok(Settings {
+            solver: experiment.solver,
+            contact: experiment.contact,
+            joints,
+        })
+    }
+}
+
+fn table(checks: &[Check], colour: bool) -> String {
+    let mut table = TextTable::new([
+        ("check", Side::Left),
+        ("expected", Side::Right),
+        ("measured", Side::Right),
+        ("unit", Side::Left),
+        ("error", Side::Right),
+        ("tolerance", Side::Right),
+        ("verdict", Side::Left),
+    ]);
+    for check in checks {
+        let (error, tolerance) = match check.tolerance {
+            Tolerance::Relative(limit) => (
+                format!("{:.2} %", 100.0 * check.error),
+                format!("{} %", number(100.0 * limit)),
+            ),
+            Tolerance::Absolute(limit) => (number(check.error), number(limit)),
+        };
+        let verdict = match check.verdict {
+            Verdict::Pass => "pass",
+            Verdict::Fail => "FAIL",
+        };
+        table.push([
+            check.name.clone(),
+            number(check.expected),
+            number(check.measured),
+            check.unit.symbol().to_owned(),
+            error,
+            tolerance,
+            verdict.to_owned(),
+        ]);
+    }
+    let text = table.render(colour);
+    if !colour {
+        return text.trim_end().to_owned();
+    }
+    let paint = |line: &str| match (line.strip_suffix("pass"), line.strip_suffix("FAIL")) {
+        (Some(start), _) => format!("{start}\x1b[32mpass\x1b[0m"),
+        (_, Some(start)) => format!("{start}\x1b[1;31mFAIL\x1b[0m"),
+        _ => line.to_owned(),
+    };
+    text.lines().map(paint).collect::<Vec<_>>().join("\n")
+}
+
+/// Four significant digits.
+fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !value.is_finite() {
+        return "-".to_owned();
+    }
+    let magnitude = value.abs().log10().floor();
+    if magnitude < -4.0 {
+        return format!("{value:.1e}");
+    }
+    let decimals = (3.0 - magnitude).clamp(0.0, 8.0) as usize;
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn numbers_keep_four_digits_whatever_their_size() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.0612345, "0.06123"),
+            (8.0, "8"),
+            (1234.56, "1235"),
+            (3.2e-7, "3.2e-7"),
+            (f64::NAN, "-"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+    }
+}
