@@ -141,7 +141,7 @@ fn repeats(problem: &Problem, scores: &Scores, values: &[f64], noise: &Noise) ->
     for repeat in 0..REPEATS {
         let outcome = problem.evaluate_perturbed(values, noise, repeat)?;
         if outcome.status == OutcomeStatus::Completed {
-            let scores = scores.outcome_scores(problem, 0, &outcome)?;
+            let scores = scores.outcome_scores(problem, values, 0, &outcome)?;
             repeats.push(scores.iter().sum::<f64>() / scores.len() as f64);
         }
     }
