@@ -65,6 +65,7 @@ pub mod comparison;
 pub mod error;
 pub mod file;
 pub mod folder;
+pub mod identification;
 pub mod morphology;
 pub mod parameter;
 pub mod quantity;

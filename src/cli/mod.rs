@@ -3,6 +3,8 @@
 mod check;
 mod compare;
 mod completions;
+mod evaluate;
+mod identify;
 mod interrupt;
 mod option;
 mod parameters;
@@ -44,6 +46,8 @@ enum Command {
     Simulate(simulate::Simulate),
     Compare(compare::Compare),
     Sweep(sweep::Sweep),
+    Evaluate(evaluate::Evaluate),
+    Identify(identify::Identify),
     Record(record::Record),
     Parameters(parameters::Parameters),
     Verify(verify::Verify),
@@ -72,6 +76,8 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Simulate(simulate) => simulate.run(),
         Command::Compare(compare) => compare.run(),
         Command::Sweep(sweep) => sweep.run(),
+        Command::Evaluate(evaluate) => evaluate.run(),
+        Command::Identify(identify) => identify.run(),
         Command::Record(record) => record.run(),
         Command::Parameters(parameters) => parameters.run(),
         Command::Verify(verify) => verify.run(),

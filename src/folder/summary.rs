@@ -181,11 +181,13 @@ fn pose(problem: &Problem, sweep: &Sweep) -> Result<Option<PoseSummary>> {
     let values = &sweep.scores.points[best].values;
     let (mut position, mut rotation_rad, mut count) = (0.0, 0.0, 0.0);
     for (index, case) in problem.cases().iter().enumerate() {
-        let run = simulation::run(&problem.experiment(index, values))?;
+        let experiment = problem.experiment(index, values)?;
+        let run = simulation::run(&experiment)?;
         let Some(simulated) = run.trajectory else {
             return Ok(None);
         };
         for target in &case.targets {
+            let target = target.in_true_lengths(experiment.recording_length_scale)?;
             let errors = pose_errors(
                 &target.motion,
                 &simulated,

@@ -150,7 +150,8 @@ impl<'a> Walk<'a> {
                 shift_m.z = shift_m.z.max(0.0) + experiment.floor.height_m - above_m;
                 (Isometry3::from_parts(shift_m.into(), turn), Motion::REST)
             }
-            Start::State(state) => {
+            Start::State(recorded) => {
+                let state = recorded.scaled(1.0 / experiment.recording_length_scale);
                 let world_from_track = Isometry3::from_parts(
                     (state.position_world_m + perturbation.shift_world_m).into(),
                     turn * state.orientation_world_from_body,

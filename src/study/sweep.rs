@@ -146,7 +146,7 @@ fn repeats(problem: &Problem, scores: &Scores, values: &[f64], noise: &Noise) ->
         let timestep_factor = 0.5_f64.powf(repeat as f64 / (REPEATS - 1) as f64);
         let outcome = problem.evaluate_perturbed(values, noise, repeat, timestep_factor)?;
         if outcome.status == OutcomeStatus::Completed {
-            let scores = scores.outcome_scores(problem, 0, &outcome)?;
+            let scores = scores.outcome_scores(problem, values, 0, &outcome)?;
             repeats.push(scores.iter().sum::<f64>() / scores.len() as f64);
         }
     }
