@@ -16,8 +16,9 @@ use super::experiment::{Experiment, FrictionModel, JointKind};
 use super::friction::Friction;
 use super::kinematics::robot_from_part_at_zero;
 use super::servo::Command;
+use super::shape::blocks;
 use super::watch::PartState;
-use crate::morphology::{Assembly, Part, Role};
+use crate::morphology::{Assembly, Part};
 
 /// Version of the engine that decides the results bit for bit.
 pub const ENGINE_VERSION: &str = "rapier3d-f64 0.36.1";
@@ -211,19 +212,15 @@ impl World {
             .can_sleep(false)
             .build();
         let handle = self.bodies.insert(body);
-        for solid in part.solids.iter().filter(|solid| solid.collides) {
-            let h = solid.half_extents_m;
-            let r = match solid.role {
-                Role::Cube => experiment.adjustment.edge_radius_m,
-                Role::Plate => 0.0,
-            };
+        for block in blocks(part, part_from_robot, experiment.adjustment.edge_radius_m) {
+            let (h, r) = (block.half_extents_m, block.edge_radius_m);
             let shape = if r > 0.0 {
                 ColliderBuilder::round_cuboid(h.x - r, h.y - r, h.z - r, r)
             } else {
                 ColliderBuilder::cuboid(h.x, h.y, h.z)
             };
             let collider = shape
-                .position(to_pose(&(part_from_robot * solid.robot_from_solid)))
+                .position(Pose::from_translation(to_vector(&block.centre_part_m)))
                 .density(0.0)
                 .friction(experiment.floor.friction)
                 .restitution(experiment.floor.restitution)
