@@ -69,7 +69,11 @@ fn case(parameter: &Parameter) -> (Vec<fn() -> Experiment>, f64, f64) {
         "servo.latency_s" => (vec![walk], 0.0, 0.1),
         "servo.backlash_rad" => (vec![walk], 0.0, 0.1),
         "gait.frequency_scale" | "gait.amplitude_scale" => (vec![walk], 1.0, 0.7),
-        _ => (vec![toss, walk], low + 0.01 * (high - low), low + 0.1 * (high - low)),
+        _ => (
+            vec![toss, walk],
+            low + 0.01 * (high - low),
+            low + 0.1 * (high - low),
+        ),
     }
 }
 
@@ -173,7 +177,12 @@ fn the_gain_means_something_for_both_servo_laws() {
             let run = run(&gain.apply(&base, value).unwrap()).unwrap();
             run.servo_rms_rad
         };
-        assert!(lag(0.3) > 1.2 * lag(1.0), "{name}: {} {}", lag(0.3), lag(1.0));
+        assert!(
+            lag(0.3) > 1.2 * lag(1.0),
+            "{name}: {} {}",
+            lag(0.3),
+            lag(1.0)
+        );
     }
 }
 
@@ -194,7 +203,10 @@ fn latency_shifts_the_answer_by_exactly_its_time() {
             angular_velocity_body_rad_s: Vector3::zeros(),
         });
         let mut angles = Vec::new();
-        watch(&experiment, &[], &mut |s| angles.push(s.hinges[0].angle_rad)).unwrap();
+        watch(&experiment, &[], &mut |s| {
+            angles.push(s.hinges[0].angle_rad)
+        })
+        .unwrap();
         angles
     };
     let steps = 12;

@@ -6,6 +6,19 @@ use realgap::verification::{Check, Settings, Tolerance, Verdict, run};
 /// Checks that the default settings do not pass, with the reason in docs/fidelity.md. A check that starts to
 /// pass must leave this list, one that starts to fail must be mended.
 const KNOWN_FAILURES: &[&str] = &[
+    // Restitution is one pass over the contact points: a flat bounce picks up spin.
+    "restitution.flat.first.0.3",
+    "restitution.flat.first.0.5",
+    "restitution.flat.second.0.5",
+    "restitution.flat.first.0.8",
+    "restitution.flat.second.0.8",
+    // A first bounce 2 to 3 % low, twice.
+    "restitution.corner.second.0.5",
+    // A multibody with a free root gains energy, in proportion to the timestep.
+    "energy.pendulum.period.multibody",
+    "energy.pendulum.energy.multibody",
+    // Without relaxations the axes of impulse hinges tilt under contacts.
+    "structure.walk.tilt.impulse",
 ];
 
 fn names(checks: &[Check], verdict: Verdict) -> Vec<&str> {
@@ -45,7 +58,8 @@ fn both_joint_kinds_are_covered_unless_one_is_chosen() {
         ..Settings::default()
     })
     .unwrap();
-    let of = |checks: &[Check], kind: &str| checks.iter().filter(|c| c.name.ends_with(kind)).count();
+    let of =
+        |checks: &[Check], kind: &str| checks.iter().filter(|c| c.name.ends_with(kind)).count();
     assert!(of(&both, ".impulse") > 10);
     assert_eq!(of(&both, ".impulse"), of(&both, ".multibody"));
     assert_eq!(of(&one, ".multibody"), 0);

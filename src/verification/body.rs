@@ -4,9 +4,7 @@ use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
 use crate::error::Result;
 use crate::file::Source;
-use crate::morphology::{
-    Assembly, Gait, Hinge, Morphology, Part, Role, Servo, ServoLaw, Solid,
-};
+use crate::morphology::{Assembly, Gait, Hinge, Morphology, Part, Role, Servo, ServoLaw, Solid};
 
 /// Edge of a module, metres.
 pub(super) const SIDE_M: f64 = 0.06;

@@ -72,9 +72,8 @@ fn tumble(settings: &Settings) -> Result<[Check; 2]> {
         let spin = part.angular_velocity_world_rad_s;
         0.5 * spin.dot(&(part.inertia_world_kg_m2 * spin))
     };
-    let momentum = |s: &Snapshot| {
-        s.parts[0].inertia_world_kg_m2 * s.parts[0].angular_velocity_world_rad_s
-    };
+    let momentum =
+        |s: &Snapshot| s.parts[0].inertia_world_kg_m2 * s.parts[0].angular_velocity_world_rad_s;
     Ok([
         Check::new(
             "energy.tumble.energy",
@@ -93,7 +92,8 @@ fn tumble(settings: &Settings) -> Result<[Check; 2]> {
             measure(film.as_ref(), |film| {
                 let start = momentum(film.first());
                 Some(largest(
-                    film.iter().map(|s| (momentum(s) - start).norm() / start.norm()),
+                    film.iter()
+                        .map(|s| (momentum(s) - start).norm() / start.norm()),
                 ))
             }),
             Unit::One,
@@ -114,8 +114,7 @@ fn pendulum(settings: &Settings, kind: JointKind) -> Result<[Check; 3]> {
         UnitQuaternion::identity(),
     );
     let film = Film::shoot(&experiment, &[])?;
-    let small_s =
-        TAU * (arm_inertia_kg_m2(MASS_KG) / (MASS_KG * GRAVITY_M_S2 * ARM_M)).sqrt();
+    let small_s = TAU * (arm_inertia_kg_m2(MASS_KG) / (MASS_KG * GRAVITY_M_S2 * ARM_M)).sqrt();
     // 2 K(sin 45°) / π with the complete elliptic integral K.
     let expected_s = small_s * 1.180_340_599_016_096;
     // The hinge turns towards −z by a positive angle: it hangs at a quarter turn.
@@ -176,12 +175,17 @@ fn afloat(settings: &Settings, kind: JointKind) -> Result<[Check; 2]> {
     experiment.start = at_rest(Vector3::zeros(), UnitQuaternion::identity());
     let film = Film::shoot(&experiment, &[])?;
     let total = |s: &Snapshot| -> Vector3<f64> {
-        s.parts.iter().map(|p| p.angular_momentum_world_kg_m2_s()).sum()
+        s.parts
+            .iter()
+            .map(|p| p.angular_momentum_world_kg_m2_s())
+            .sum()
     };
     let moved = |s: &Snapshot| {
-        s.parts.iter().skip(1).map(|p| {
-            (p.inertia_world_kg_m2 * p.angular_velocity_world_rad_s).norm()
-        }).sum::<f64>()
+        s.parts
+            .iter()
+            .skip(1)
+            .map(|p| (p.inertia_world_kg_m2 * p.angular_velocity_world_rad_s).norm())
+            .sum::<f64>()
     };
     Ok([
         Check::new(
@@ -230,11 +234,13 @@ fn collision(settings: &Settings) -> Result<Vec<Check>> {
         Film::shoot(&experiment, &[push])
     };
     let oblique = film(0.6, 0.7)?;
-    let momentum = |s: &Snapshot| -> Vector3<f64> {
-        s.parts.iter().map(|p| p.momentum_world_kg_m_s()).sum()
-    };
+    let momentum =
+        |s: &Snapshot| -> Vector3<f64> { s.parts.iter().map(|p| p.momentum_world_kg_m_s()).sum() };
     let angular = |s: &Snapshot| -> Vector3<f64> {
-        s.parts.iter().map(|p| p.angular_momentum_world_kg_m2_s()).sum()
+        s.parts
+            .iter()
+            .map(|p| p.angular_momentum_world_kg_m2_s())
+            .sum()
     };
     let change = |film: &Film, of: &dyn Fn(&Snapshot) -> Vector3<f64>, scale: f64| {
         // Without an impact there would be nothing to check.
@@ -255,7 +261,9 @@ fn collision(settings: &Settings) -> Result<Vec<Check>> {
             "energy.collision.angular_momentum",
             "change of angular momentum in the same hit, over m v s: 0",
             0.0,
-            measure(oblique.as_ref(), |film| change(film, &angular, scale * SIDE_M)),
+            measure(oblique.as_ref(), |film| {
+                change(film, &angular, scale * SIDE_M)
+            }),
             Unit::One,
             Tolerance::Absolute(0.01),
         ),

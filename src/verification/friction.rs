@@ -144,10 +144,7 @@ fn downhill_m(settings: &Settings, share: f64, seconds: f64) -> Result<[f64; 3]>
         experiment.floor.slope_rad = slope_rad;
         let tilt = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), slope_rad);
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_deg.to_radians());
-        experiment.start = at_rest(
-            experiment.floor.normal_world() * (0.5 * SIDE_M),
-            tilt * yaw,
-        );
+        experiment.start = at_rest(experiment.floor.normal_world() * (0.5 * SIDE_M), tilt * yaw);
         let downhill = tilt * Vector3::x();
         *distance = measure(Film::shoot(&experiment, &[])?.as_ref(), |film| {
             let travel = film.last().parts[0].centre_world_m - film.first().parts[0].centre_world_m;

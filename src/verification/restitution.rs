@@ -37,7 +37,9 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
             if restitution > 0.4 {
                 checks.push(Check::new(
                     format!("restitution.{name}.second.{restitution}"),
-                    format!("height of the second bounce of a cube dropped {name} from 0.1 m: e^4 h"),
+                    format!(
+                        "height of the second bounce of a cube dropped {name} from 0.1 m: e^4 h"
+                    ),
                     square * square * DROP_M,
                     apexes[1],
                     Unit::Metre,
@@ -124,7 +126,7 @@ fn tilted(settings: &Settings, name: &str, turn: UnitQuaternion<f64>) -> Result<
     let after = |look: fn(&crate::simulation::Snapshot) -> f64| {
         measure(film.as_ref(), |film| {
             film.iter()
-                .find(|s| s.parts[0].angular_velocity_world_rad_s.norm() > 0.1 * 1.0)
+                .find(|s| s.parts[0].angular_velocity_world_rad_s.norm() > 0.1)
                 .map(look)
         })
     };

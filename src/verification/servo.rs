@@ -175,7 +175,9 @@ impl Bench<'_> {
         let amplitude_rad = gait.amplitude_rad / (1.0 + ratio * ratio).sqrt();
         let film = self.film(velocity_servo(GAIN_1_S, 5.0, 100.0), gait, false, 4.0)?;
         let measured = measure(film.as_ref(), |film| {
-            Some(largest(film.since(1.0).map(|s| s.hinges[0].angle_rad.abs())))
+            Some(largest(
+                film.since(1.0).map(|s| s.hinges[0].angle_rad.abs()),
+            ))
         });
         let lag = measure(film.as_ref(), |film| {
             let squares: Vec<f64> = film
@@ -227,7 +229,9 @@ impl Bench<'_> {
             "amplitude of a soft torque servo (0.05 N m/rad) at 2 Hz near resonance: 0.3 k / ((k - I w^2)^2 + (d w)^2)^(1/2)",
             gait.amplitude_rad * k / (k - i * w * w).hypot(d * w),
             measure(film.as_ref(), |film| {
-                Some(largest(film.since(3.0).map(|s| s.hinges[0].angle_rad.abs())))
+                Some(largest(
+                    film.since(3.0).map(|s| s.hinges[0].angle_rad.abs()),
+                ))
             }),
             Unit::Radian,
             Tolerance::Relative(2.0 * SHARE),

@@ -125,7 +125,11 @@ fn cantilever_sag(settings: &Settings) -> Result<Check> {
             let part = snapshot.parts.last()?;
             let base = &snapshot.parts[0];
             // The tip belongs to the last part; with proper glue that is the base itself.
-            let carrier = if snapshot.parts.len() == 1 { base } else { part };
+            let carrier = if snapshot.parts.len() == 1 {
+                base
+            } else {
+                part
+            };
             Some((carrier.world_from_part * tip_from_track).translation.z)
         };
         Some(tip_m(film.first())? - tip_m(film.last())?)
