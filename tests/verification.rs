@@ -5,7 +5,21 @@ use realgap::verification::{Check, Settings, Tolerance, Verdict, run};
 
 /// Checks that the default settings do not pass, with the reason in docs/fidelity.md. A check that starts to
 /// pass must leave this list, one that starts to fail must be mended.
-const KNOWN_FAILURES: &[&str] = &[];
+const KNOWN_FAILURES: &[&str] = &[
+    // Restitution is one pass over the contact points: a flat bounce picks up spin.
+    "restitution.flat.first.0.3",
+    "restitution.flat.first.0.5",
+    "restitution.flat.second.0.5",
+    "restitution.flat.first.0.8",
+    "restitution.flat.second.0.8",
+    // A first bounce 2 to 3 % low, twice.
+    "restitution.corner.second.0.5",
+    // A multibody with a free root gains energy, in proportion to the timestep.
+    "energy.pendulum.period.multibody",
+    "energy.pendulum.energy.multibody",
+    // Without relaxations the axes of impulse hinges tilt under contacts.
+    "structure.walk.tilt.impulse",
+];
 
 fn names(checks: &[Check], verdict: Verdict) -> Vec<&str> {
     checks

@@ -135,7 +135,11 @@ fn table(checks: &[Check], colour: bool) -> String {
     for check in checks {
         let (error, tolerance) = match check.tolerance {
             Tolerance::Relative(limit) => (
-                format!("{:.2} %", 100.0 * check.error),
+                if check.error.is_finite() {
+                    format!("{:.2} %", 100.0 * check.error)
+                } else {
+                    number(check.error)
+                },
                 format!("{} %", number(100.0 * limit)),
             ),
             Tolerance::Absolute(limit) => (number(check.error), number(limit)),

@@ -73,8 +73,8 @@ pub enum FrictionModel {
 pub struct Contact {
     /// Distance at which contacts are predicted, metres.
     pub prediction_m: f64,
-    /// Natural frequency of the softness of contacts with the floor, Hz; contacts among modules have half of it.
-    /// Rapier hides the softness behind its substeps, see the parameter `contact.natural_frequency_hz`.
+    /// Natural frequency of the softness of contacts with the floor, Hz; contacts among modules have half of it,
+    /// as in Rapier's own defaults (60 and 30 Hz).
     pub natural_frequency_hz: f64,
     /// Damping ratio of the contact softness, dimensionless.
     pub damping_ratio: f64,

@@ -126,7 +126,7 @@ fn tilted(settings: &Settings, name: &str, turn: UnitQuaternion<f64>) -> Result<
     let after = |look: fn(&crate::simulation::Snapshot) -> f64| {
         measure(film.as_ref(), |film| {
             film.iter()
-                .find(|s| s.parts[0].angular_velocity_world_rad_s.norm() > 0.1 * 1.0)
+                .find(|s| s.parts[0].angular_velocity_world_rad_s.norm() > 0.1)
                 .map(look)
         })
     };
