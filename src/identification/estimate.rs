@@ -206,7 +206,7 @@ pub fn identify(
         residual_m,
         sensitivity: sensitivity(&flights),
         rest,
-        parameters: parameters(experiment, reading, &fitted_body.centre_track_m, &apparent)?,
+        parameters: parameters(experiment, reading, &body, &[cx, cy, cz], &apparent)?,
         starts,
         warnings: Vec::new(),
     };
@@ -242,17 +242,27 @@ fn sensitivity(flights: &[(&Recording, usize)]) -> Vec<Sensitivity> {
         .collect()
 }
 
-/// The parameters that make the stated robot agree with the flights.
+/// The parameters that make the stated robot agree with the flights, where they contradict it.
 fn parameters(
     experiment: &Experiment,
     reading: LengthReading,
-    centre_recorded_m: &Vector3<f64>,
+    stated: &Body,
+    centre_recorded_m: &[Interval; 3],
     apparent: &Interval,
 ) -> Result<BTreeMap<String, f64>> {
     let scale = match reading {
         LengthReading::LengthScale => apparent.value / experiment.gravity_m_s2,
         LengthReading::Gravity => 1.0,
     };
+    // An axis on which the flights do not contradict the stated centre keeps it: noise is no knowledge.
+    let centre_m = Vector3::from_fn(|axis, _| {
+        let seen = &centre_recorded_m[axis];
+        if seen.contains(stated.centre_track_m[axis]) {
+            stated.centre_track_m[axis]
+        } else {
+            seen.value / scale
+        }
+    });
     // The centre of mass is linear in the offsets of the cubes, which may be turned against each other.
     let centre_with = |offset_m: Vector3<f64>| {
         let mut shifted = experiment.clone();
@@ -265,7 +275,7 @@ fn parameters(
         response.set_column(axis, &(centre_with(Vector3::ith(axis, 1.0))? - centred));
     }
     let mut values = BTreeMap::new();
-    if let Some(offset) = response.lu().solve(&(centre_recorded_m / scale - centred)) {
+    if let Some(offset) = response.lu().solve(&(centre_m - centred)) {
         for (axis, value) in ["x", "y", "z"].into_iter().zip(offset.iter()) {
             values.insert(format!("body.com_offset_{axis}_m"), *value);
         }
