@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod completions;
+mod export;
 mod interrupt;
 mod option;
 mod parameters;
@@ -44,6 +45,7 @@ enum Command {
     Compare(compare::Compare),
     Sweep(sweep::Sweep),
     Record(record::Record),
+    Export(export::Export),
     Parameters(parameters::Parameters),
     Completions(completions::Completions),
 }
@@ -71,6 +73,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Compare(compare) => compare.run(),
         Command::Sweep(sweep) => sweep.run(),
         Command::Record(record) => record.run(),
+        Command::Export(export) => export.run(),
         Command::Parameters(parameters) => parameters.run(),
         Command::Completions(completions) => completions.run(),
     }
