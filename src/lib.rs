@@ -63,6 +63,7 @@
 
 pub mod comparison;
 pub mod error;
+pub mod export;
 pub mod file;
 pub mod folder;
 pub mod identification;

@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod completions;
 mod evaluate;
+mod export;
 mod identify;
 mod interrupt;
 mod option;
@@ -49,6 +50,7 @@ enum Command {
     Evaluate(evaluate::Evaluate),
     Identify(identify::Identify),
     Record(record::Record),
+    Export(export::Export),
     Parameters(parameters::Parameters),
     Verify(verify::Verify),
     Completions(completions::Completions),
@@ -79,6 +81,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Evaluate(evaluate) => evaluate.run(),
         Command::Identify(identify) => identify.run(),
         Command::Record(record) => record.run(),
+        Command::Export(export) => export.run(),
         Command::Parameters(parameters) => parameters.run(),
         Command::Verify(verify) => verify.run(),
         Command::Completions(completions) => completions.run(),
