@@ -28,29 +28,6 @@ const PERMITTED: &[(&str, &[&str])] = &[
     ("store", &["error"]),
     ("tuning", &["error", "parameter", "store"]),
     (
-        "identification",
-        &[
-            "error",
-            "warning",
-            "quantity",
-            "morphology",
-            "trajectory",
-            "simulation",
-        ],
-    ),
-    (
-        "verification",
-        &[
-            "error",
-            "warning",
-            "quantity",
-            "file",
-            "morphology",
-            "trajectory",
-            "simulation",
-        ],
-    ),
-    (
         "study",
         &[
             "error",
@@ -64,7 +41,6 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "parameter",
             "store",
             "tuning",
-            "identification",
         ],
     ),
     ("report", &["error", "warning", "quantity", "file"]),
@@ -84,7 +60,32 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "report",
         ],
     ),
+    (
+        "verification",
+        &[
+            "error",
+            "warning",
+            "quantity",
+            "morphology",
+            "trajectory",
+            "simulation",
+        ],
+    ),
     ("export", &["error", "warning", "quantity", "morphology"]),
+    (
+        "identification",
+        &[
+            "error",
+            "warning",
+            "quantity",
+            "trajectory",
+            "morphology",
+            "simulation",
+            "parameter",
+            "study",
+            "comparison",
+        ],
+    ),
 ];
 
 /// Crates that only one room may name.

@@ -10,7 +10,6 @@ mod kinematics;
 mod noise;
 mod run;
 mod servo;
-mod shape;
 mod watch;
 mod world;
 

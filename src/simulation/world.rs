@@ -16,9 +16,8 @@ use super::experiment::{Experiment, FrictionModel, JointKind};
 use super::friction::Friction;
 use super::kinematics::robot_from_part_at_zero;
 use super::servo::Command;
-use super::shape::blocks;
 use super::watch::PartState;
-use crate::morphology::{Assembly, Part};
+use crate::morphology::{Assembly, Part, Role};
 
 /// Version of the engine that decides the results bit for bit.
 pub const ENGINE_VERSION: &str = "rapier3d-f64 0.36.1";
@@ -212,15 +211,19 @@ impl World {
             .can_sleep(false)
             .build();
         let handle = self.bodies.insert(body);
-        for block in blocks(part, part_from_robot, experiment.adjustment.edge_radius_m) {
-            let (h, r) = (block.half_extents_m, block.edge_radius_m);
+        for solid in part.solids.iter().filter(|solid| solid.collides) {
+            let h = solid.half_extents_m;
+            let r = match solid.role {
+                Role::Cube => experiment.adjustment.edge_radius_m,
+                Role::Plate => 0.0,
+            };
             let shape = if r > 0.0 {
                 ColliderBuilder::round_cuboid(h.x - r, h.y - r, h.z - r, r)
             } else {
                 ColliderBuilder::cuboid(h.x, h.y, h.z)
             };
             let collider = shape
-                .position(Pose::from_translation(to_vector(&block.centre_part_m)))
+                .position(to_pose(&(part_from_robot * solid.robot_from_solid)))
                 .density(0.0)
                 .friction(experiment.floor.friction)
                 .restitution(experiment.floor.restitution)
