@@ -3,7 +3,7 @@
 //! A parameter without a line in `case` is tried on both robots between two ends of its bounds, and fails
 //! here if nothing moves: none can be added that is silently not applied.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used)] // a test may fail loudly
 
 use std::path::Path;
 
