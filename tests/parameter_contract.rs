@@ -3,6 +3,8 @@
 //! A parameter without a line in `case` is tried on both robots between two ends of its bounds, and fails
 //! here if nothing moves: none can be added that is silently not applied.
 
+#![allow(clippy::unwrap_used)] // a test may fail loudly
+
 use std::path::Path;
 
 use nalgebra::{UnitQuaternion, Vector3};
@@ -39,8 +41,11 @@ fn toss() -> Experiment {
     experiment
 }
 
+/// Builds an experiment.
+type Make = fn() -> Experiment;
+
 /// Where a parameter is put to the test, and between which values.
-fn case(parameter: &Parameter) -> (Vec<fn() -> Experiment>, f64, f64) {
+fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
     let (low, high) = parameter.bounds;
     match parameter.name {
         "floor.friction" => (vec![toss, walk], 0.2, 0.6),

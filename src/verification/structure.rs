@@ -9,7 +9,6 @@ use super::check::{Check, Tolerance};
 use super::film::{Film, at_rest, largest, measure};
 use super::{Settings, kind_name};
 use crate::error::Result;
-use crate::morphology::Assembly;
 use crate::quantity::Unit;
 use crate::simulation::JointKind;
 
@@ -51,24 +50,19 @@ fn compound(settings: &Settings) -> Result<Vec<Check>> {
         0.0,
         own + 2.0 * second,
     ) * (m * a2);
-    let cases: [(&str, Assembly, f64, Vector3<f64>, Matrix3<f64>); 2] = [
-        (
-            "bar",
-            bar(),
-            4.0 * m,
-            Vector3::new(1.5 * SIDE_M, 0.0, 0.0),
-            bar_inertia,
-        ),
+    let cases = [
+        ("bar", bar(), 4.0 * m, Vector3::x() * 1.5, bar_inertia),
         (
             "corner",
             corner(),
             3.0 * m,
-            Vector3::new(SIDE_M / 3.0, SIDE_M / 3.0, 0.0),
+            Vector3::new(1.0, 1.0, 0.0) / 3.0,
             corner_inertia,
         ),
     ];
     let mut checks = Vec::new();
-    for (name, assembly, mass_kg, centre_m, inertia) in cases {
+    for (name, assembly, mass_kg, centre_sides, inertia) in cases {
+        let centre_m = centre_sides * SIDE_M;
         let mut experiment = settings.experiment(assembly, 0.01);
         experiment.start = at_rest(Vector3::zeros(), UnitQuaternion::identity());
         experiment.floor.height_m = -1.0;
