@@ -35,7 +35,8 @@ impl Body {
             return Err(
                 Error::invalid("free flight says something about rigid robots only")
                     .found(format!("a robot with {} servos", robot.hinges.len()))
-                    .allowed("one rigid part: passive modules only"),
+                    .allowed("one rigid part: passive modules only")
+                    .hint("walkers have no free flight to learn from; toss the body without its servos, if it can be had"),
             );
         };
         let track_from_robot = robot.robot_from_track.inverse();
