@@ -10,6 +10,9 @@ use crate::trajectory::Trajectory;
 /// plus what the robot sinks in a sample.
 const CLEARANCE: f64 = 0.03;
 
+/// Up to this ratio of the principal moments a free body turns at a nearly constant rate.
+pub const EQUAL_MOMENTS: f64 = 1.05;
+
 /// A rigid robot as its flight sees it: where its corners and its centre of mass are, and the floor below.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
