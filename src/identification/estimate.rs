@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 
 use super::bootstrap::{Interval, intervals};
-use super::flight::Body;
+use super::flight::{Body, EQUAL_MOMENTS};
 use super::rest::RestReport;
 use super::solve::Equations;
 use super::start::{LEAST_SAMPLES, fit_flight};
@@ -336,7 +336,7 @@ fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
             ),
         ));
     }
-    if stated.moment_ratio > 1.05 {
+    if stated.moment_ratio > EQUAL_MOMENTS {
         warnings.push(Warning::new(
             "unequal-moments",
             format!("the moments of inertia differ by a factor of {:.2}: the fitted start states assume a constant angular velocity", stated.moment_ratio),

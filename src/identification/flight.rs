@@ -10,6 +10,9 @@ use crate::trajectory::Trajectory;
 /// plus what the robot sinks in a sample.
 const CLEARANCE: f64 = 0.03;
 
+/// Up to this ratio of the principal moments a free body turns at a nearly constant rate.
+pub const EQUAL_MOMENTS: f64 = 1.05;
+
 /// A rigid robot as its flight sees it: where its corners and its centre of mass are, and the floor below.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
@@ -35,7 +38,8 @@ impl Body {
             return Err(
                 Error::invalid("free flight says something about rigid robots only")
                     .found(format!("a robot with {} servos", robot.hinges.len()))
-                    .allowed("one rigid part: passive modules only"),
+                    .allowed("one rigid part: passive modules only")
+                    .hint("walkers have no free flight to learn from; toss the body without its servos, if it can be had"),
             );
         };
         let track_from_robot = robot.robot_from_track.inverse();

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use super::clip::clip;
 use super::file::{StartRule, Study};
 use crate::error::{Error, Result};
-use crate::identification::{Refined, StartState, refine};
+use crate::identification::{Body, EQUAL_MOMENTS, Refined, StartState, refine};
 use crate::simulation::{Experiment, Sampling, Start};
 use crate::trajectory::{Prepared, Recording, State, Trajectory, prepare};
 use crate::warning::Warning;
@@ -138,10 +138,19 @@ fn start_state_warnings(study: &Study, cases: &[Case]) -> Result<Vec<Warning>> {
         "refined-start",
         format!("start states: {}", rule.label()),
     )];
+    if rule == StartState::Flight
+        && Body::new(&cases[0].experiment).is_ok_and(|body| body.moment_ratio > EQUAL_MOMENTS)
+    {
+        warnings.push(Warning::new(
+            "unequal-moments",
+            "start states are fitted with a constant angular velocity, but the robot's moments of inertia differ",
+        ));
+    }
     let mut without = 0;
     for case in cases {
         let recorded = &study.recordings[case.targets[0].recording].trajectory;
-        let (_, refined) = refine(rule, case.experiment.clone(), recorded)?;
+        let (_, refined) = refine(rule, case.experiment.clone(), recorded)
+            .map_err(|e| e.at_file(&study.path).field("start_state"))?;
         without += usize::from(refined == Refined::NoFlight);
     }
     if without > 0 {

@@ -255,26 +255,24 @@ fn provenance(problem: &Problem) -> BTreeMap<String, String> {
 }
 
 fn resting_faces(rows: &[RecordingErrors]) -> Vec<FaceOdds> {
-    let resting: Vec<(&str, Option<&str>)> = rows
+    let resting: Vec<&RecordingErrors> = rows
         .iter()
-        .filter_map(|row| {
-            row.real_face_down
-                .map(|real| (real, row.simulated_face_down))
-        })
+        .filter(|row| row.real_face_down.is_some())
         .collect();
     Face::ALL
         .iter()
         .map(|face| {
-            let count = |test: &dyn Fn(&(&str, Option<&str>)) -> bool| {
-                resting.iter().filter(|pair| test(pair)).count()
-            };
+            let name = Some(face.name());
+            let real = |row: &RecordingErrors| row.real_face_down == name;
+            let simulated = |row: &RecordingErrors| row.simulated_face_down == name;
             FaceOdds {
                 face: face.name(),
-                real: count(&|(real, _)| *real == face.name()),
-                simulated: count(&|(_, simulated)| *simulated == Some(face.name())),
-                both: count(&|(real, simulated)| {
-                    *real == face.name() && *simulated == Some(face.name())
-                }),
+                real: resting.iter().filter(|row| real(row)).count(),
+                simulated: resting.iter().filter(|row| simulated(row)).count(),
+                both: resting
+                    .iter()
+                    .filter(|row| real(row) && simulated(row))
+                    .count(),
             }
         })
         .collect()

@@ -103,3 +103,35 @@ fn a_scale_that_is_not_set_right_changes_the_run() {
     };
     assert!((mean("1") - mean("0.978")).abs() > 0.1);
 }
+
+#[test]
+fn a_walker_or_a_settled_start_has_no_flight_to_start_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let glob = write(folder.path(), &tosses(&cube(), &EXACT, 1));
+    let path = folder.path().join("walker.ron");
+    let read = |text: String| {
+        std::fs::write(&path, text).unwrap();
+        let overrides = Overrides {
+            recordings: vec![glob.clone()],
+            ..Overrides::default()
+        };
+        Study::read(&path, &overrides).and_then(Problem::new)
+    };
+    let walker = concat!(env!("CARGO_MANIFEST_DIR"), "/morphologies/tripod.ron");
+    let text = STUDY.replace("MORPHOLOGY", walker).replace(
+        "start: FromRecording,",
+        "start: FromRecording, start_state: Flight,",
+    );
+    let error = read(text.clone()).unwrap_err().to_string();
+    assert!(
+        error.contains("walker.ron: start_state") && error.contains("servos"),
+        "{error}"
+    );
+    let error = read(text.replace("FromRecording", "Settled"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("start_state") && error.contains("FromRecording"),
+        "{error}"
+    );
+}
