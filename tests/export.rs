@@ -1,0 +1,359 @@
+//! Exported robots: complete, well formed, and accepted by the simulators they are meant for.
+//!
+//! The simulators' tests need Python with `mujoco` or `pybullet` (tools/requirements-engines.txt): `REALGAP_PYTHON`, or `python3`. Without
+//! them they say so and pass.
+#![allow(clippy::unwrap_used, clippy::print_stderr)] // a test may fail loudly
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use realgap::export::{FORMATS, Robot, format_named};
+use realgap::file::Source;
+use realgap::morphology::Morphology;
+use realgap::parameter::ParameterSet;
+use realgap::simulation::Experiment;
+use roxmltree::{Document, Node};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf()
+}
+
+fn shipped() -> Vec<Morphology> {
+    let mut paths: Vec<_> = std::fs::read_dir(folder().join("morphologies"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    paths.sort();
+    paths.iter().map(|p| Morphology::read(p).unwrap()).collect()
+}
+
+fn named(name: &str) -> Morphology {
+    Morphology::read(folder().join(format!("morphologies/{name}.ron"))).unwrap()
+}
+
+/// A servo whose cube hangs on its parent by the driven face: axis and cube are the other way round.
+fn hanging() -> Morphology {
+    let text = r#"(
+        name: "hanging",
+        description: "-- <&> \"quoted\" --",
+        defaults: (side_m: 0.06, mass_kg: 0.1, servo: (law: Velocity(gain_1_s: 20.0), max_torque_nm: 0.3)),
+        modules: [
+            (name: "root", kind: Passive(centre_of_mass_m: (0.01, 0.0, -0.02))),
+            (name: "arm", kind: Active(face: NegX, axis: Normal(plate: (side_m: 0.05, thickness_m: 0.004, mass_kg: 0.02)),
+                gait: (offset_rad: 0.2, amplitude_rad: 0.3, frequency_hz: 1.0))),
+            (name: "tip", kind: Passive(inertia_kg_m2: (1e-4, 2e-4, 2.5e-4))),
+        ],
+        glue: [
+            (parent: "root", face: PosX, child: "arm", child_face: NegX, quarter_turns: 1),
+            (parent: "arm", face: PosY, child: "tip", child_face: PosZ, quarter_turns: 3),
+        ],
+        track: "tip",
+    )"#;
+    Morphology::parse(&Source::new("hanging.ron", text)).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn render(morphology: &Morphology, format: &str, values: &[(&str, f64)]) -> String {
+    let set = values
+        .iter()
+        .fold(ParameterSet::new(), |set, (name, value)| {
+            set.with(format!("{name}={value}").parse().unwrap())
+        });
+    let experiment = set.apply(&Experiment::new(morphology.assemble()));
+    format_named(format)
+        .unwrap()
+        .render(&Robot::new(morphology, &experiment))
+        .text
+}
+
+fn all<'a>(document: &'a Document<'a>, tag: &'a str) -> impl Iterator<Item = Node<'a, 'a>> {
+    document.descendants().filter(move |n| n.has_tag_name(tag))
+}
+
+fn numbers(node: Node<'_, '_>, attribute: &str) -> Vec<f64> {
+    let text = node.attribute(attribute).unwrap();
+    text.split(' ').map(|word| word.parse().unwrap()).collect()
+}
+
+#[test]
+fn every_robot_is_well_formed_complete_and_its_names_are_unique() {
+    for morphology in shipped().into_iter().chain([hanging()]) {
+        let assembly = morphology.assemble();
+        let mass_kg = morphology.summary().mass_kg;
+        for format in FORMATS {
+            let exported =
+                format.render(&Robot::new(&morphology, &Experiment::new(assembly.clone())));
+            let document = Document::parse(&exported.text)
+                .unwrap_or_else(|e| panic!("{} {}: {e}", morphology.name(), format.name()));
+            let masses: f64 = all(&document, "inertial")
+                .map(|n| match format.name() {
+                    "mjcf" => numbers(n, "mass")[0],
+                    _ => {
+                        let mass = n.children().find(|c| c.has_tag_name("mass"));
+                        numbers(mass.unwrap(), "value")[0]
+                    }
+                })
+                .sum();
+            assert!(
+                (masses - mass_kg).abs() < 1e-12 * mass_kg,
+                "{masses} is not {mass_kg}"
+            );
+            let part = if format.name() == "mjcf" {
+                "body"
+            } else {
+                "link"
+            };
+            assert_eq!(all(&document, part).count(), assembly.parts.len());
+            for tag in [
+                "body",
+                "geom",
+                "joint",
+                "link",
+                "general",
+                "numeric",
+                "text",
+                "collision",
+            ] {
+                let mut seen = HashSet::new();
+                for name in all(&document, tag).filter_map(|n| n.attribute("name")) {
+                    assert!(
+                        seen.insert(name),
+                        "two {tag} {name} in {}",
+                        morphology.name()
+                    );
+                }
+            }
+            let hinges = all(&document, "joint").filter(|n| n.has_attribute("type"));
+            assert_eq!(hinges.count(), assembly.hinges.len());
+        }
+    }
+}
+
+#[test]
+fn what_a_format_cannot_carry_stands_in_the_file_too() {
+    for format in FORMATS {
+        let morphology = named("tripod");
+        let robot = Robot::new(&morphology, &Experiment::new(morphology.assemble()));
+        let exported = format.render(&robot);
+        assert!(!exported.warnings.is_empty() && !format.doc().is_empty());
+        for warning in &exported.warnings {
+            assert!(
+                exported.text.contains(&warning.message),
+                "{warning} is missing"
+            );
+        }
+    }
+}
+
+#[test]
+fn mjcf_carries_gait_servo_floor_and_calibrated_values() {
+    let text = render(
+        &named("tripod"),
+        "mjcf",
+        &[
+            ("floor.friction", 0.7),
+            ("floor.height_m", 0.01),
+            ("gait.frequency_scale", 2.0),
+            ("body.mass_scale", 1.5),
+        ],
+    );
+    let document = Document::parse(&text).unwrap();
+    let custom = |name: &str| {
+        let node = all(&document, "numeric").find(|n| n.attribute("name") == Some(name));
+        numbers(node.unwrap(), "data")
+    };
+    assert_eq!(custom("gait_leg_b"), [0.4451, 0.9525, 2.5, 3.987]);
+    assert_eq!(custom("servo_leg_b"), [30.0, 8.0, 0.2]);
+    let floor = all(&document, "geom").find(|n| n.attribute("name") == Some("floor"));
+    assert_eq!(numbers(floor.unwrap(), "friction")[0], 0.7);
+    assert_eq!(numbers(floor.unwrap(), "pos"), [0.0, 0.0, 0.01]);
+    let mass: f64 = all(&document, "inertial")
+        .map(|n| numbers(n, "mass")[0])
+        .sum();
+    assert!((mass - 1.5 * 0.27).abs() < 1e-12);
+    let excluded = all(&document, "exclude").count();
+    assert_eq!(excluded, 3, "joined parts must not collide");
+}
+
+#[test]
+fn the_command_line_writes_the_file_and_says_what_is_missing() {
+    let out = tempfile::tempdir().unwrap();
+    let file = out.path().join("tripod.urdf");
+    let run = |arguments: &[&str]| {
+        assert_cmd::Command::cargo_bin("realgap")
+            .unwrap()
+            .current_dir(folder())
+            .args(arguments)
+            .output()
+            .unwrap()
+    };
+    let robot = "morphologies/tripod.ron";
+    let to_file = run(&[
+        "export",
+        robot,
+        "--format",
+        "urdf",
+        "-o",
+        file.to_str().unwrap(),
+    ]);
+    assert!(to_file.status.success() && to_file.stdout.is_empty());
+    let said = String::from_utf8(to_file.stderr).unwrap();
+    assert!(
+        said.contains("urdf does not carry: gait and servo law"),
+        "{said}"
+    );
+    let to_stdout = run(&["export", robot, "--format", "urdf"]);
+    assert_eq!(to_stdout.stdout, std::fs::read(&file).unwrap());
+    assert_eq!(
+        run(&["export", robot, "--format", "sdf"]).status.code(),
+        Some(2)
+    );
+}
+
+/// Runs a Python script on the arguments, or says that it cannot.
+fn python(package: &str, script: &str, arguments: &[&Path]) -> Option<String> {
+    let python = std::env::var("REALGAP_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let importable = Command::new(&python)
+        .args(["-c", &format!("import {package}, numpy")])
+        .output()
+        .is_ok_and(|done| done.status.success());
+    if !importable {
+        eprintln!(
+            "SKIPPED: {python} cannot import {package} and numpy (tools/requirements-engines.txt, REALGAP_PYTHON)"
+        );
+        return None;
+    }
+    let done = Command::new(&python)
+        .arg("-c")
+        .arg(script)
+        .args(arguments)
+        // Tools lie beside each other and must not leave compiled copies there.
+        .env("PYTHONPATH", folder().join("tools"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&done.stdout).into_owned();
+    assert!(
+        done.status.success(),
+        "{said}\n{}",
+        String::from_utf8_lossy(&done.stderr)
+    );
+    Some(said)
+}
+
+fn write_all(format: &str, to: &Path) -> Vec<PathBuf> {
+    shipped()
+        .into_iter()
+        .chain([hanging()])
+        .map(|morphology| {
+            let path = to.join(format!("{}.{format}", morphology.name()));
+            std::fs::write(&path, render(&morphology, format, &[])).unwrap();
+            path
+        })
+        .collect()
+}
+
+#[test]
+fn mujoco_loads_every_robot_and_walks_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = write_all("mjcf", folder.path());
+    let script = r"
+import sys, numpy as np
+from standin import Robot
+for path in sys.argv[1:]:
+    robot = Robot(path)
+    data = robot.place()
+    robot.settle(data)
+    t, p, q = robot.walk(data, 0.5, 30)
+    assert np.isfinite(p).all() and abs(p[:, 2]).max() < 1, (path, p)
+    up = robot.model.body_mass.sum()
+    print(robot.name, len(t), up)
+";
+    let arguments: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+    let Some(said) = python("mujoco", script, &arguments) else {
+        return;
+    };
+    assert_eq!(said.lines().count(), files.len(), "{said}");
+}
+
+#[test]
+fn mujoco_and_realgap_see_the_same_robot() {
+    let morphology = hanging();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hanging.mjcf");
+    std::fs::write(&path, render(&morphology, "mjcf", &[])).unwrap();
+    // Centre of mass and inertia of the whole robot about it, at zero angles, root at the origin.
+    let script = r"
+import sys, numpy as np, mujoco
+m = mujoco.MjModel.from_xml_path(sys.argv[1]); d = mujoco.MjData(m)
+d.qpos[:7] = [0, 0, 0, 1, 0, 0, 0]; mujoco.mj_forward(m, d)
+c = sum(m.body_mass[b] * d.xipos[b] for b in range(1, m.nbody)) / m.body_mass.sum()
+I = np.zeros((3, 3))
+for b in range(1, m.nbody):
+    R = d.ximat[b].reshape(3, 3); r = d.xipos[b] - c
+    I += R @ np.diag(m.body_inertia[b]) @ R.T + m.body_mass[b] * (r @ r * np.eye(3) - np.outer(r, r))
+print(*c, *I.ravel(), *d.site('track').xpos)
+";
+    let Some(said) = python("mujoco", script, &[&path]) else {
+        return;
+    };
+    let seen: Vec<f64> = said
+        .split_whitespace()
+        .map(|w| w.parse().unwrap())
+        .collect();
+    let assembly = morphology.assemble();
+    let centre = morphology.summary().centre_of_mass_robot_m;
+    let mut inertia = nalgebra::Matrix3::zeros();
+    for solid in assembly.parts.iter().flat_map(|part| &part.solids) {
+        let turn = solid.robot_from_solid.rotation.to_rotation_matrix();
+        let at = solid.robot_from_solid * nalgebra::Point3::from(solid.centre_of_mass_solid_m);
+        let d = at.coords - centre;
+        inertia += turn * solid.inertia_kg_m2 * turn.transpose()
+            + (nalgebra::Matrix3::identity() * d.norm_squared() - d * d.transpose())
+                * solid.mass_kg;
+    }
+    let track = assembly.robot_from_track.translation.vector;
+    let expected = centre.iter().chain(&inertia).chain(&track);
+    assert_eq!(seen.len(), 15);
+    for (expected, seen) in expected.zip(&seen) {
+        assert!((expected - seen).abs() < 1e-9, "{expected} is not {seen}");
+    }
+}
+
+#[test]
+fn pybullet_loads_every_robot_and_holds_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = write_all("urdf", folder.path());
+    let script = r"
+import sys, pybullet as p
+for path in sys.argv[1:]:
+    client = p.connect(p.DIRECT)
+    p.setGravity(0, 0, -9.81); p.setTimeStep(1 / 240)
+    p.createMultiBody(0, p.createCollisionShape(p.GEOM_PLANE))
+    robot = p.loadURDF(path, [0, 0, 0.5], flags=p.URDF_USE_INERTIA_FROM_FILE)
+    n = p.getNumJoints(robot)
+    mass = sum(p.getDynamicsInfo(robot, link)[0] for link in range(-1, n))
+    for _ in range(480): p.stepSimulation()
+    x, y, z = p.getBasePositionAndOrientation(robot)[0]
+    assert 0 < z < 0.5, (path, z)
+    print('REALGAP', path.split('/')[-1].split('.')[0], n, mass)
+    p.disconnect(client)
+";
+    let arguments: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+    let Some(said) = python("pybullet", script, &arguments) else {
+        return;
+    };
+    for morphology in shipped().into_iter().chain([hanging()]) {
+        let line = said
+            .lines()
+            .find_map(|l| l.strip_prefix(&format!("REALGAP {} ", morphology.name())))
+            .unwrap_or_else(|| panic!("{} is missing in {said}", morphology.name()));
+        let (joints, mass) = line.split_once(' ').unwrap();
+        assert_eq!(
+            joints.parse::<usize>().unwrap(),
+            morphology.assemble().hinges.len()
+        );
+        let mass: f64 = mass.parse().unwrap();
+        assert!((mass - morphology.summary().mass_kg).abs() < 1e-6);
+    }
+}
