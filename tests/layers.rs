@@ -71,7 +71,10 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "simulation",
         ],
     ),
-    ("export", &["error", "warning", "quantity", "morphology"]),
+    (
+        "export",
+        &["error", "warning", "quantity", "morphology", "simulation"],
+    ),
     (
         "identification",
         &[
