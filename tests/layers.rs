@@ -22,27 +22,39 @@ const PERMITTED: &[(&str, &[&str])] = &[
         &["error", "warning", "quantity", "morphology", "trajectory"],
     ),
     (
-        "parameter",
-        &["error", "quantity", "morphology", "simulation"],
+        "export",
+        &["error", "warning", "quantity", "morphology", "simulation"],
     ),
-    ("store", &["error"]),
-    ("tuning", &["error", "parameter", "store"]),
     (
-        "study",
+        "verification",
         &[
             "error",
             "warning",
             "quantity",
             "file",
-            "trajectory",
-            "comparison",
             "morphology",
+            "trajectory",
             "simulation",
-            "parameter",
-            "store",
-            "tuning",
         ],
     ),
+    (
+        "parameter",
+        &["error", "quantity", "morphology", "simulation"],
+    ),
+    (
+        "identification",
+        &[
+            "error",
+            "warning",
+            "quantity",
+            "morphology",
+            "trajectory",
+            "simulation",
+        ],
+    ),
+    ("store", &["error"]),
+    ("tuning", &["error", "parameter", "store"]),
+    ("study", BELOW_STUDY),
     ("report", &["error", "warning", "quantity", "file"]),
     (
         "folder",
@@ -60,35 +72,22 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "report",
         ],
     ),
-    (
-        "verification",
-        &[
-            "error",
-            "warning",
-            "quantity",
-            "morphology",
-            "trajectory",
-            "simulation",
-        ],
-    ),
-    (
-        "export",
-        &["error", "warning", "quantity", "morphology", "simulation"],
-    ),
-    (
-        "identification",
-        &[
-            "error",
-            "warning",
-            "quantity",
-            "trajectory",
-            "morphology",
-            "simulation",
-            "parameter",
-            "study",
-            "comparison",
-        ],
-    ),
+];
+
+/// A study is where everything meets but pictures.
+const BELOW_STUDY: &[&str] = &[
+    "error",
+    "warning",
+    "quantity",
+    "file",
+    "trajectory",
+    "comparison",
+    "morphology",
+    "simulation",
+    "parameter",
+    "identification",
+    "store",
+    "tuning",
 ];
 
 /// Crates that only one room may name.
