@@ -1,9 +1,72 @@
-//! TODO primer
+//! *How far is my simulated robot from my real one, what closes the gap, and how sure may I be?*
+//!
+//! `realgap` simulates modular cube robots with Rapier, compares what they do with recorded real runs, and
+//! searches the parameters of the simulation (friction, restitution, any other named number) for what matches
+//! reality best, together with everything that cannot be told apart from the best. The method is that of
+//! "Lessons on the Reality-Gap: Iterations between Virtual and Real Robots" (paper 003 in these pages).
+//!
+//! # Primer
+//!
+//! Data flows one way, and every room is a step that can be used alone:
+//!
+//! [`morphology`] → [`simulation`] → [`trajectory`] → [`comparison`] → [`tuning`] → [`study`] → [`folder`]
+//!
+//! A robot is a text; a simulation is plain data that [`simulation::run`] turns into a trajectory; two
+//! trajectories, prepared, have a distance:
+//!
+//! ```
+//! use realgap::comparison::{Context, Pair, by_name};
+//! use realgap::file::Source;
+//! use realgap::morphology::Morphology;
+//! use realgap::simulation::{Experiment, run};
+//! use realgap::trajectory::prepare;
+//!
+//! let robot = Morphology::parse(&Source::new(
+//!     "walker",
+//!     r#"(
+//!         name: "walker",
+//!         defaults: (side_m: 0.06, mass_kg: 0.1),
+//!         modules: [
+//!             (name: "tail", kind: Active(face: PosX, axis: Tangent(axis: PosY),
+//!                 servo: (law: Velocity(gain_1_s: 20.0), max_torque_nm: 0.5),
+//!                 gait: (amplitude_rad: 0.6, frequency_hz: 1.0))),
+//!             (name: "head", kind: Passive()),
+//!         ],
+//!         glue: [(parent: "tail", face: PosX, child: "head")],
+//!     )"#,
+//! ))?;
+//!
+//! let mut real = Experiment::new(robot.assemble());
+//! real.duration_s = 2.0;
+//! let mut simulated = real.clone();
+//! simulated.floor.friction = 0.2;
+//!
+//! let motions = [run(&real)?, run(&simulated)?].map(|run| run.trajectory.expect("does not diverge"));
+//! let prepared = [prepare(&motions[0])?, prepare(&motions[1])?];
+//! let pair = Pair {
+//!     real: &motions[0],
+//!     simulated: &motions[1],
+//!     real_prepared: &prepared[0],
+//!     simulated_prepared: &prepared[1],
+//! };
+//! let score = by_name("rms")?.compare(&pair, &Context::default())?;
+//! assert!(score.value > 0.0 && score.value < 0.5, "{} {}", score.value, score.unit);
+//! # Ok::<(), realgap::Error>(())
+//! ```
+//!
+//! A whole sweep is [`study::Study::read`], [`study::Problem::new`], [`study::sweep`] and [`folder::write`]; the
+//! command `realgap sweep` does nothing else. Errors are one type, [`Error`]; warnings are values that travel with
+//! results; the library never prints.
+//!
+//! Units are SI and stand in the names, frames too: [`guide::conventions`]. Why things are as they are:
+//! [`guide::design`]. What was measured: [`guide::fidelity`].
 
 pub mod comparison;
 pub mod error;
+pub mod export;
 pub mod file;
 pub mod folder;
+pub mod identification;
 pub mod morphology;
 pub mod parameter;
 pub mod quantity;
@@ -18,3 +81,15 @@ pub mod warning;
 
 pub use error::{Error, ErrorKind, Result};
 pub use warning::Warning;
+
+/// The pages of `docs/`, shipped with the code they describe.
+pub mod guide {
+    #[doc = include_str!("../docs/conventions.md")]
+    pub mod conventions {}
+    #[doc = include_str!("../docs/design.md")]
+    pub mod design {}
+    #[doc = include_str!("../docs/fidelity.md")]
+    pub mod fidelity {}
+    #[doc = include_str!("../docs/cli.md")]
+    pub mod cli {}
+}

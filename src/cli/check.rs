@@ -141,7 +141,7 @@ fn study(path: &Path) -> Result<String> {
 /// CPU seconds of one point in the middle of the grid.
 fn time_one(problem: &realgap::study::Problem) -> Result<f64> {
     let values = problem.study().grid.values(problem.study().grid.len() / 2);
-    let run = realgap::simulation::run(&problem.experiment(0, &values))?;
+    let run = realgap::simulation::run(&problem.experiment(0, &values)?)?;
     let share = problem.simulated_s() / problem.cases()[0].experiment.duration_s;
     Ok(run.cpu.as_secs_f64() * share)
 }

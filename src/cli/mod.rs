@@ -3,6 +3,9 @@
 mod check;
 mod compare;
 mod completions;
+mod evaluate;
+mod export;
+mod identify;
 mod interrupt;
 mod option;
 mod parameters;
@@ -44,7 +47,10 @@ enum Command {
     Simulate(simulate::Simulate),
     Compare(compare::Compare),
     Sweep(sweep::Sweep),
+    Evaluate(evaluate::Evaluate),
+    Identify(identify::Identify),
     Record(record::Record),
+    Export(export::Export),
     Parameters(parameters::Parameters),
     Verify(verify::Verify),
     Completions(completions::Completions),
@@ -72,7 +78,10 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Simulate(simulate) => simulate.run(),
         Command::Compare(compare) => compare.run(),
         Command::Sweep(sweep) => sweep.run(),
+        Command::Evaluate(evaluate) => evaluate.run(),
+        Command::Identify(identify) => identify.run(),
         Command::Record(record) => record.run(),
+        Command::Export(export) => export.run(),
         Command::Parameters(parameters) => parameters.run(),
         Command::Verify(verify) => verify.run(),
         Command::Completions(completions) => completions.run(),

@@ -1,13 +1,15 @@
 //! Options that several commands share, as typed values.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use realgap::Result;
+use realgap::identification::StartState;
 use realgap::parameter::{Assignment, ParameterSet};
 use realgap::quantity::LengthUnit;
 use realgap::simulation::JointKind;
-use realgap::study::read_parameters;
+use realgap::study::{Overrides, Part, read_parameters};
 
 /// How results are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -56,6 +58,63 @@ impl From<Joint> for JointKind {
             Joint::Multibody => Self::Multibody,
             Joint::Impulse => Self::Impulse,
         }
+    }
+}
+
+/// Which state of a recording a run starts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum StartOption {
+    /// The first sample as it is
+    FirstSample,
+    /// The first sample, its velocity corrected by half a sample of gravity
+    HalfSample,
+    /// Fitted to the flight before the first contact of the same recording
+    Flight,
+}
+
+impl From<StartOption> for StartState {
+    fn from(start: StartOption) -> Self {
+        match start {
+            StartOption::FirstSample => Self::FirstSample,
+            StartOption::HalfSample => Self::HalfSampleCorrected,
+            StartOption::Flight => Self::Flight,
+        }
+    }
+}
+
+/// Which recordings, and in what unit.
+#[derive(Debug, Clone, Args)]
+pub struct Recordings {
+    /// Recordings in place of the study's own; quote the glob (repeatable)
+    #[arg(long, value_name = "GLOB")]
+    recordings: Vec<String>,
+    /// Use only every N-th recording, in order of their paths: a part for fitting, the others for checking
+    #[arg(long, value_name = "N")]
+    every: Option<NonZeroUsize>,
+    /// Where --every starts, 0 to N-1
+    #[arg(long, value_name = "K", default_value_t = 0, requires = "every")]
+    offset: usize,
+    /// Use only the first N recordings (after --every)
+    #[arg(long, value_name = "N")]
+    limit_recordings: Option<NonZeroUsize>,
+    /// Unit of length of the recordings
+    #[arg(long, value_enum, default_value_t)]
+    unit: UnitOption,
+}
+
+impl Recordings {
+    /// These recordings, everything else as the study says.
+    pub fn overrides(&self) -> Result<Overrides> {
+        Ok(Overrides {
+            recordings: self.recordings.clone(),
+            part: self
+                .every
+                .map(|every| Part::new(every.get(), self.offset))
+                .transpose()?,
+            limit_recordings: self.limit_recordings.map(NonZeroUsize::get),
+            unit: LengthUnit::from(self.unit),
+            ..Overrides::default()
+        })
     }
 }
 

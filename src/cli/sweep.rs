@@ -67,6 +67,7 @@ impl Sweep {
             points: self.points,
             set: self.values.parameter_set()?,
             unit: LengthUnit::from(self.unit),
+            ..Overrides::default()
         };
         let problem = Problem::new(Study::read(&self.study, &overrides)?)?;
         terminal::print_warnings(problem.warnings());

@@ -3,23 +3,25 @@
 //! Simulated or recorded makes no difference here: real against real is the noise floor. A new metric
 //! is one new file that implements [`Metric`] and one line in [`METRICS`].
 
+mod basis;
 mod cluster;
 mod evo;
 mod metric;
 mod pca;
 mod pointwise;
 mod pose;
+mod registry;
 mod saved_basis;
 mod shape;
 mod table;
 
+pub use basis::{Basis, Components};
 pub use cluster::PcaCluster;
 pub use evo::{Ape, Rpe, UmeyamaApe};
-pub use metric::{
-    Context, DEFAULT_METRIC, METRICS, Measurement, Metric, Needs, Pair, Score, by_name,
-};
-pub use pca::{Basis, Components, Pca};
+pub use metric::{Context, Measurement, Metric, Needs, Pair, Score};
+pub use pca::Pca;
 pub use pointwise::{Displacement, Rms};
 pub use pose::{Pose, PoseErrors, Rotation, pose_errors};
+pub use registry::{DEFAULT_METRIC, METRICS, by_name};
 pub use shape::{Dtw, Frechet, Hausdorff};
 pub use table::{Comparison, Row, compare_all};

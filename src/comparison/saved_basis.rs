@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::pca::{Basis, VECTOR, dot};
+use super::basis::{Basis, VECTOR, dot};
 use crate::error::{Error, Result};
 
 /// The kept part of a [`Basis`].

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use super::basis::{Basis, Components};
 use super::evo::{Ape, Rpe, UmeyamaApe};
 use super::metric::{Context, Metric, Pair};
-use super::pca::{Basis, Components};
 use super::pointwise::{Displacement, Rms};
 use super::shape::{Dtw, Frechet, Hausdorff};
 use super::{Pca, PcaCluster};

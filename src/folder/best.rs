@@ -40,5 +40,5 @@ pub(super) fn write(
         ),
         parameters: fixed.chain(best.parameters.clone()).collect(),
     };
-    write_atomic(&folder.join("best.ron"), write_ron(&file)?.as_bytes())
+    write_atomic(folder.join("best.ron"), write_ron(&file)?.as_bytes())
 }

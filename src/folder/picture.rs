@@ -236,7 +236,11 @@ impl<'a> Map<'a> {
         let shown = if settled {
             self.subtitle.clone()
         } else {
-            format!("recording {}", study.recordings[0].name)
+            format!(
+                "paths of recording {}; scores are means over {} recordings",
+                study.recordings[0].name,
+                study.recordings.len()
+            )
         };
         let stand_in = self.subtitle.contains("stand-in");
         let grid = PanelGrid {

@@ -71,7 +71,7 @@ pub struct UncertaintySummary {
     pub level: f64,
     /// Standard deviation of the best score when reality is sampled again.
     pub best_score_sd: f64,
-    /// Standard deviation of the best score when the simulated start is perturbed.
+    /// Standard deviation of the best score when the simulated start and timestep are varied.
     pub simulation_sd: f64,
     /// Points that cannot be told apart from the best, itself included.
     pub indistinguishable: usize,
@@ -181,11 +181,13 @@ fn pose(problem: &Problem, sweep: &Sweep) -> Result<Option<PoseSummary>> {
     let values = &sweep.scores.points[best].values;
     let (mut position, mut rotation_rad, mut count) = (0.0, 0.0, 0.0);
     for (index, case) in problem.cases().iter().enumerate() {
-        let run = simulation::run(&problem.experiment(index, values))?;
+        let experiment = problem.experiment(index, values)?;
+        let run = simulation::run(&experiment)?;
         let Some(simulated) = run.trajectory else {
             return Ok(None);
         };
         for target in &case.targets {
+            let target = target.in_true_lengths(experiment.recording_length_scale)?;
             let errors = pose_errors(
                 &target.motion,
                 &simulated,

@@ -49,4 +49,13 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         get: |e| Some(e.adjustment.centre_of_mass_offset_m.z),
         set: |e, value| e.adjustment.centre_of_mass_offset_m.z = value,
     },
+    Parameter {
+        name: "body.edge_radius_m",
+        unit: Unit::Metre,
+        bounds: (0.0, 0.5),
+        whole: false,
+        doc: "Radius of the edges and corners of every cube, less than half its side; 0 is sharp.",
+        get: |e| Some(e.adjustment.edge_radius_m),
+        set: |e, value| e.adjustment.edge_radius_m = value,
+    },
 ];

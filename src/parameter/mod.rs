@@ -8,6 +8,7 @@ mod body;
 mod contact;
 mod floor;
 mod gait;
+mod recording;
 mod servo;
 mod solver;
 
@@ -55,6 +56,7 @@ pub static PARAMETERS: &[&[Parameter]] = &[
     body::PARAMETERS,
     servo::PARAMETERS,
     gait::PARAMETERS,
+    recording::PARAMETERS,
 ];
 
 /// Looks a parameter up by name.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use crate::error::{Error, Result};
-use crate::morphology::{Assembly, ServoLaw};
+use crate::morphology::{Assembly, Role, ServoLaw};
 use crate::quantity::GRAVITY_M_S2;
 use crate::trajectory::State;
 
@@ -45,7 +45,8 @@ impl Floor {
 pub enum Start {
     /// Placed on the floor at the origin with the servos at their first command, and left to come to rest.
     Settled,
-    /// The full state of the tracked module; servos at their first command, the whole robot moving as one rigid body.
+    /// The full state of the tracked module, in recorded lengths ([`Experiment::recording_length_scale`]); servos
+    /// at their first command, the whole robot moving as one rigid body.
     State(State),
 }
 
@@ -126,6 +127,8 @@ pub struct Adjustment {
     pub inertia_scale: f64,
     /// Shift of every cube's centre of mass in the module's own frame, metres.
     pub centre_of_mass_offset_m: Vector3<f64>,
+    /// Radius of every cube's edges and corners, metres; 0 for sharp ones.
+    pub edge_radius_m: f64,
     /// Torque limit of every servo in place of the morphology's, N m.
     pub max_torque_nm: Option<f64>,
     /// Speed limit of every servo in place of the morphology's, rad/s.
@@ -150,6 +153,7 @@ impl Default for Adjustment {
             mass_scale: 1.0,
             inertia_scale: 1.0,
             centre_of_mass_offset_m: Vector3::zeros(),
+            edge_radius_m: 0.0,
             max_torque_nm: None,
             max_speed_rad_s: None,
             servo_gain_scale: 1.0,
@@ -204,6 +208,8 @@ pub struct Experiment {
     pub adjustment: Adjustment,
     /// How this execution differs from the intended one.
     pub perturbation: Perturbation,
+    /// Recorded lengths are this times the true ones. The run itself is in true lengths.
+    pub recording_length_scale: f64,
 }
 
 impl Experiment {
@@ -220,6 +226,7 @@ impl Experiment {
             contact: Contact::default(),
             adjustment: Adjustment::default(),
             perturbation: Perturbation::default(),
+            recording_length_scale: 1.0,
         }
     }
 
@@ -230,7 +237,7 @@ impl Experiment {
         for solid in robot.parts.iter_mut().flat_map(|part| &mut part.solids) {
             solid.mass_kg *= a.mass_scale;
             solid.inertia_kg_m2 *= a.mass_scale * a.inertia_scale;
-            if solid.role == crate::morphology::Role::Cube {
+            if solid.role == Role::Cube {
                 solid.centre_of_mass_solid_m += a.centre_of_mass_offset_m;
             }
         }
@@ -271,6 +278,7 @@ impl Experiment {
                     .found(format!("{value} {unit}").trim_end())
                     .allowed(format!("{} to {} {unit}", allowed.start(), allowed.end()).trim_end()))
             };
+        self.check_edges()?;
         range("duration_s", self.duration_s, 1e-3..=3600.0, "s")?;
         range("timestep_s", self.solver.timestep_s, 1e-6..=0.1, "s")?;
         range(
@@ -307,6 +315,28 @@ impl Experiment {
             }
         }
         Ok(())
+    }
+
+    /// A cube cannot be rounder than a ball.
+    fn check_edges(&self) -> Result<()> {
+        let radius_m = self.adjustment.edge_radius_m;
+        let smallest_m = self
+            .assembly
+            .parts
+            .iter()
+            .flat_map(|part| &part.solids)
+            .filter(|solid| solid.role == Role::Cube)
+            .map(|solid| solid.half_extents_m.min())
+            .fold(f64::INFINITY, f64::min);
+        if radius_m == 0.0 || (0.0..smallest_m).contains(&radius_m) {
+            return Ok(());
+        }
+        Err(
+            Error::invalid("the edges are rounder than the cube is wide")
+                .field("body.edge_radius_m")
+                .found(format!("{radius_m} m"))
+                .allowed(format!("less than half the narrowest cube, {smallest_m} m")),
+        )
     }
 
     /// Sample times, seconds from the start, at least two.

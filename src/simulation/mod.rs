@@ -10,6 +10,7 @@ mod kinematics;
 mod noise;
 mod run;
 mod servo;
+mod shape;
 mod watch;
 mod world;
 

@@ -150,7 +150,8 @@ impl<'a> Walk<'a> {
                 shift_m.z = shift_m.z.max(0.0) + experiment.floor.height_m - above_m;
                 (Isometry3::from_parts(shift_m.into(), turn), Motion::REST)
             }
-            Start::State(state) => {
+            Start::State(recorded) => {
+                let state = recorded.scaled(1.0 / experiment.recording_length_scale);
                 let world_from_track = Isometry3::from_parts(
                     (state.position_world_m + perturbation.shift_world_m).into(),
                     turn * state.orientation_world_from_body,
@@ -216,14 +217,15 @@ impl<'a> Walk<'a> {
         for part in 0..self.assembly.parts.len() {
             let (pose, linear, angular) = self.world.part(part);
             let distance_m = (pose.translation.vector - origin_world_m).norm();
-            // Written so that NaN fails the comparison.
-            if !(distance_m <= FARTHEST_M) {
+            // NaN is beyond every limit.
+            let beyond = |value: f64, limit: f64| value.is_nan() || value > limit;
+            if beyond(distance_m, FARTHEST_M) {
                 return Some(format!("part {part} is {distance_m:.3e} m from the start"));
             }
-            if !(linear.norm() <= FASTEST_M_S) {
+            if beyond(linear.norm(), FASTEST_M_S) {
                 return Some(format!("part {part} moves at {:.3e} m/s", linear.norm()));
             }
-            if !(angular.norm() <= FASTEST_RAD_S) {
+            if beyond(angular.norm(), FASTEST_RAD_S) {
                 return Some(format!("part {part} turns at {:.3e} rad/s", angular.norm()));
             }
             if !pose.rotation.coords.iter().all(|v| v.is_finite()) {

@@ -16,6 +16,7 @@ use super::experiment::{Experiment, FrictionModel, JointKind};
 use super::friction::Friction;
 use super::kinematics::robot_from_part_at_zero;
 use super::servo::Command;
+use super::shape::blocks;
 use super::watch::PartState;
 use crate::morphology::{Assembly, Part};
 
@@ -49,6 +50,14 @@ enum Joint {
     Impulse(ImpulseJointHandle),
 }
 
+/// A part in the engine's hands.
+#[derive(Debug, Clone, Copy)]
+struct Member {
+    body: RigidBodyHandle,
+    /// Centre of mass in the part's frame, metres: the engine's velocities are those of this point.
+    centre_part_m: Vector3<f64>,
+}
+
 /// Where a hinge's motor finds its parts.
 #[derive(Debug, Clone)]
 struct Axle {
@@ -75,7 +84,7 @@ pub(super) struct World {
     multibody_joints: MultibodyJointSet,
     soft_bodies: SoftBodySet,
     ccd: CCDSolver,
-    parts: Vec<RigidBodyHandle>,
+    parts: Vec<Member>,
     axles: Vec<Axle>,
     /// Turns sliding friction opposite to slip; only where every contact has a cone of its own.
     friction: Option<Friction>,
@@ -136,8 +145,8 @@ impl World {
                 .contacts_enabled(false)
                 .build();
             let (parent, child) = (
-                world.parts[hinge.parent_part],
-                world.parts[hinge.child_part],
+                world.parts[hinge.parent_part].body,
+                world.parts[hinge.child_part].body,
             );
             let multibody = (experiment.solver.joint == JointKind::Multibody)
                 .then(|| world.multibody_joints.insert(parent, child, data, true))
@@ -203,10 +212,15 @@ impl World {
             .can_sleep(false)
             .build();
         let handle = self.bodies.insert(body);
-        for solid in part.solids.iter().filter(|solid| solid.collides) {
-            let h = solid.half_extents_m;
-            let collider = ColliderBuilder::cuboid(h.x, h.y, h.z)
-                .position(to_pose(&(part_from_robot * solid.robot_from_solid)))
+        for block in blocks(part, part_from_robot, experiment.adjustment.edge_radius_m) {
+            let (h, r) = (block.half_extents_m, block.edge_radius_m);
+            let shape = if r > 0.0 {
+                ColliderBuilder::round_cuboid(h.x - r, h.y - r, h.z - r, r)
+            } else {
+                ColliderBuilder::cuboid(h.x, h.y, h.z)
+            };
+            let collider = shape
+                .position(Pose::from_translation(to_vector(&block.centre_part_m)))
                 .density(0.0)
                 .friction(experiment.floor.friction)
                 .restitution(experiment.floor.restitution)
@@ -222,21 +236,22 @@ impl World {
         if let Some(body) = self.bodies.get_mut(handle) {
             body.recompute_mass_properties_from_colliders(&self.colliders);
         }
-        self.parts.push(handle);
+        self.parts.push(Member {
+            body: handle,
+            centre_part_m,
+        });
     }
 
     /// A multibody ignores its bodies' velocities and damps its joints unless told otherwise.
     fn start_multibody(&mut self) {
-        let Some(&root) = self.parts.first() else {
+        let Some(root) = self.parts.first() else {
             return;
         };
-        let Some(link) = self.multibody_joints.rigid_body_link(root).copied() else {
+        let Some(link) = self.multibody_joints.rigid_body_link(root.body).copied() else {
             return;
         };
-        let Some(body) = self.bodies.get(root) else {
-            return;
-        };
-        let (linear, angular) = (body.linvel(), body.angvel());
+        // The root's generalized velocity is that of its frame's origin, not of its centre of mass.
+        let (_, linear, angular) = self.part(0);
         if let Some(multibody) = self.multibody_joints.get_multibody_mut(link.multibody) {
             multibody.damping_mut().fill(0.0);
             let mut velocity = multibody.generalized_velocity_mut();
@@ -279,18 +294,18 @@ impl World {
 
     /// Pose, linear velocity of the part frame's origin and angular velocity of a part, all in the world frame.
     pub fn part(&self, part: usize) -> (Isometry3<f64>, Vector3<f64>, Vector3<f64>) {
-        let body = &self.bodies[self.parts[part]];
+        let member = &self.parts[part];
+        let body = &self.bodies[member.body];
         let pose = from_pose(body.position());
         let angular = from_vector(body.angvel());
-        let centre = from_vector(body.center_of_mass());
         let linear =
-            from_vector(body.linvel()) + angular.cross(&(pose.translation.vector - centre));
+            from_vector(body.linvel()) - angular.cross(&(pose.rotation * member.centre_part_m));
         (pose, linear, angular)
     }
 
     /// A part in full.
     pub fn part_state(&self, part: usize) -> PartState {
-        let body = &self.bodies[self.parts[part]];
+        let body = &self.bodies[self.parts[part].body];
         let local = &body.mass_properties().local_mprops;
         let inertia = local.reconstruct_inertia_matrix();
         let column = |v: Vector| from_vector(v);
@@ -312,7 +327,7 @@ impl World {
 
     /// Adds to the velocity of a part that no hinge holds, m/s.
     pub fn push(&mut self, part: usize, velocity_world_m_s: &Vector3<f64>) {
-        if let Some(body) = self.bodies.get_mut(self.parts[part]) {
+        if let Some(body) = self.bodies.get_mut(self.parts[part].body) {
             let velocity = body.linvel() + to_vector(velocity_world_m_s);
             body.set_linvel(velocity, true);
         }
@@ -384,6 +399,8 @@ fn parameters(experiment: &Experiment) -> IntegrationParameters {
         num_solver_iterations: experiment.solver.substeps,
         num_internal_stabilization_iterations: experiment.solver.relaxations,
         normalized_prediction_distance: contact.prediction_m,
+        // A robot that flies off is to be seen, not slowed down.
+        normalized_max_linear_velocity: f64::MAX,
         friction_model: match contact.friction_model {
             FrictionModel::Simplified => EngineFriction::Simplified,
             FrictionModel::Coulomb => EngineFriction::Coulomb,

@@ -1,10 +1,13 @@
 //! One simulation of a study and the recordings it is compared with.
 
+use std::borrow::Cow;
+
 use nalgebra::Vector3;
 
 use super::clip::clip;
 use super::file::{StartRule, Study};
 use crate::error::{Error, Result};
+use crate::identification::{Refined, StartState, refine};
 use crate::simulation::{Experiment, Sampling, Start};
 use crate::trajectory::{Prepared, Recording, State, Trajectory, prepare};
 use crate::warning::Warning;
@@ -18,6 +21,25 @@ pub struct Target {
     pub motion: Trajectory,
     /// The prepared motion.
     pub prepared: Prepared,
+}
+
+impl Target {
+    /// The target in true lengths, where recorded ones are `length_scale` times those.
+    ///
+    /// # Errors
+    /// Lengths that are no longer finite.
+    pub fn in_true_lengths(&self, length_scale: f64) -> Result<Cow<'_, Self>> {
+        if length_scale == 1.0 {
+            return Ok(Cow::Borrowed(self));
+        }
+        let motion = self.motion.scaled(1.0 / length_scale)?;
+        let prepared = prepare(&motion)?;
+        Ok(Cow::Owned(Self {
+            recording: self.recording,
+            motion,
+            prepared,
+        }))
+    }
 }
 
 /// One simulation of a study: a start, and the recordings that share it.
@@ -39,11 +61,7 @@ pub(super) fn cases(study: &Study) -> Result<(Vec<Case>, Vec<Warning>)> {
             .at_file(&study.path)
             .field("recordings"));
     }
-    let mut base = Experiment::new(study.morphology.assemble());
-    if let Some(joint) = study.joint {
-        base.solver.joint = joint;
-    }
-    let base = study.set.apply(&base);
+    let base = study.experiment();
     match study.start {
         StartRule::Settled => settled(study, &base),
         StartRule::FromRecording => from_recordings(study, &base),
@@ -106,7 +124,36 @@ fn from_recordings(study: &Study, base: &Experiment) -> Result<(Vec<Case>, Vec<W
             targets: vec![target],
         });
     }
+    warnings.extend(start_state_warnings(study, &cases)?);
     Ok((cases, warnings))
+}
+
+/// A start that has seen more than the first sample is no prediction from it: every report has to say so.
+fn start_state_warnings(study: &Study, cases: &[Case]) -> Result<Vec<Warning>> {
+    let rule = study.start_state;
+    if rule == StartState::FirstSample {
+        return Ok(Vec::new());
+    }
+    let mut warnings = vec![Warning::new(
+        "refined-start",
+        format!("start states: {}", rule.label()),
+    )];
+    let mut without = 0;
+    for case in cases {
+        let recorded = &study.recordings[case.targets[0].recording].trajectory;
+        let (_, refined) = refine(rule, case.experiment.clone(), recorded)?;
+        without += usize::from(refined == Refined::NoFlight);
+    }
+    if without > 0 {
+        warnings.push(Warning::new(
+            "no-flight",
+            format!(
+                "{without} of {} recordings have no flight to fit; their start is corrected by half a sample instead",
+                cases.len()
+            ),
+        ));
+    }
+    Ok(warnings)
 }
 
 fn target(

@@ -8,10 +8,11 @@ use serde::Deserialize;
 use crate::comparison::{self, Components, Metric};
 use crate::error::{Error, Result};
 use crate::file::{Source, parse_ron};
+use crate::identification::StartState;
 use crate::morphology::Morphology;
 use crate::parameter::{Assignment, ParameterSet, by_name};
 use crate::quantity::LengthUnit;
-use crate::simulation::JointKind;
+use crate::simulation::{Experiment, JointKind};
 use crate::trajectory::Recording;
 use crate::tuning::{Grid, Range};
 use crate::warning::Warning;
@@ -35,6 +36,7 @@ struct StudyFile {
     #[serde(default)]
     recordings: Vec<String>,
     start: StartRule,
+    start_state: Option<StartState>,
     duration_s: Option<f64>,
     timestep_s: Option<f64>,
     substeps: Option<usize>,
@@ -86,11 +88,42 @@ fn default_points() -> usize {
     21
 }
 
+/// A part of the recordings: the `offset`-th of every `every`, in order of their paths, counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Part {
+    every: usize,
+    offset: usize,
+}
+
+impl Part {
+    /// A part; offsets 0 to `every` − 1 together are the whole.
+    ///
+    /// # Errors
+    /// An offset that is not below `every`.
+    pub fn new(every: usize, offset: usize) -> Result<Self> {
+        if offset < every {
+            return Ok(Self { every, offset });
+        }
+        Err(Error::usage("there is no such part of the recordings")
+            .found(format!("offset {offset} of every {every}"))
+            .allowed("offsets from 0 to one less than `every`"))
+    }
+
+    /// Whether the recording at `index` belongs to it.
+    pub fn contains(&self, index: usize) -> bool {
+        index % self.every == self.offset
+    }
+}
+
 /// What the caller wants different from the file.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
     /// Globs of recordings, relative to the current folder, in place of the file's.
     pub recordings: Vec<String>,
+    /// Every so many-th recording only, in order of their paths, counted from an offset.
+    pub part: Option<Part>,
+    /// Start state in place of the file's.
+    pub start_state: Option<StartState>,
     /// Only the first so many recordings.
     pub limit_recordings: Option<usize>,
     /// Metric in place of the file's.
@@ -124,6 +157,8 @@ pub struct Study {
     pub recordings_sha256: Vec<String>,
     /// Where simulated runs start.
     pub start: StartRule,
+    /// Which state of a recording runs start from, where they start from recordings.
+    pub start_state: StartState,
     /// Length of the runs, seconds; `None`: as long as the recordings.
     pub duration_s: Option<f64>,
     /// How parts are jointed, where the study says so.
@@ -145,6 +180,15 @@ pub struct Study {
 }
 
 impl Study {
+    /// The experiment with everything that the study fixes, before any recording has a say.
+    pub fn experiment(&self) -> Experiment {
+        let mut base = Experiment::new(self.morphology.assemble());
+        if let Some(joint) = self.joint {
+            base.solver.joint = joint;
+        }
+        self.set.apply(&base)
+    }
+
     /// Reads a study, its morphology and its recordings.
     ///
     /// # Errors
@@ -232,6 +276,16 @@ impl Study {
                 .allowed("0.001 to 3600 s");
             return Err(source.at("duration_s", error));
         }
+        let start_state = overrides
+            .start_state
+            .or(file.start_state)
+            .unwrap_or_default();
+        if file.start == StartRule::Settled && start_state != StartState::FirstSample {
+            let error = Error::invalid("a settled start has no start state to refine")
+                .field("start_state")
+                .hint("use `start: FromRecording`");
+            return Err(source.at("start", error));
+        }
         let truth = file
             .truth
             .iter()
@@ -249,6 +303,7 @@ impl Study {
             recordings: Vec::new(),
             recordings_sha256: Vec::new(),
             start: file.start,
+            start_state,
             duration_s: file.duration_s,
             joint: file.joint.map(|joint| match joint {
                 Joint::Multibody => JointKind::Multibody,

@@ -5,6 +5,7 @@
 
 mod case;
 mod clip;
+mod evaluation;
 mod file;
 mod problem;
 mod recording;
@@ -13,7 +14,8 @@ mod sweep;
 mod values;
 
 pub use case::{Case, Target};
-pub use file::{Overrides, StartRule, Study};
+pub use evaluation::{Evaluation, FaceOdds, RecordingErrors, Spread, evaluate};
+pub use file::{Overrides, Part, StartRule, Study};
 pub use problem::Problem;
 pub use score::{PointScore, Scores};
 pub use sweep::{LEVEL, Mode, Sweep, sweep};

@@ -4,6 +4,7 @@ use super::case::{Case, cases};
 use super::file::Study;
 use crate::comparison::{Context, Pair};
 use crate::error::Result;
+use crate::identification::{StartState, refine};
 use crate::parameter::{Assignment, ParameterSet};
 use crate::simulation::{self, ENGINE_VERSION, Experiment, Noise, Status};
 use crate::store::{Fingerprint, Outcome, OutcomeStatus, Trial};
@@ -111,7 +112,7 @@ impl Problem {
     pub fn evaluate(&self, index: usize) -> Result<Trial> {
         let values = self.study.grid.values(index);
         let outcomes = (0..self.cases.len())
-            .map(|case| self.evaluate_case(case, &self.experiment(case, &values)))
+            .map(|case| self.evaluate_case(case, &self.experiment(case, &values)?))
             .collect::<Result<_>>()?;
         Ok(Trial {
             index,
@@ -121,12 +122,36 @@ impl Problem {
     }
 
     /// The experiment of a case with these parameter values.
-    pub fn experiment(&self, case: usize, values: &[f64]) -> Experiment {
-        self.parameter_set(values)
-            .apply(&self.cases[case].experiment)
+    ///
+    /// # Errors
+    /// A start state that cannot be refined as the study asks.
+    pub fn experiment(&self, case: usize, values: &[f64]) -> Result<Experiment> {
+        self.experiment_with(case, &self.parameter_set(values))
     }
 
-    /// Simulates case 0 with these values under `noise`, repeat number `repeat`.
+    /// The experiment of a case with these parameters, its start refined as the study asks.
+    ///
+    /// # Errors
+    /// As [`Problem::experiment`].
+    pub fn experiment_with(&self, case: usize, set: &ParameterSet) -> Result<Experiment> {
+        let experiment = set.apply(&self.cases[case].experiment);
+        if self.study.start_state == StartState::FirstSample {
+            return Ok(experiment);
+        }
+        // Centre of mass, gravity and length scale decide the start, so it comes after the parameters.
+        let recording = self.cases[case].targets[0].recording;
+        let recorded = &self.study.recordings[recording].trajectory;
+        Ok(refine(self.study.start_state, experiment, recorded)?.0)
+    }
+
+    /// Recorded lengths over true ones at these values.
+    pub(super) fn recording_length_scale(&self, values: &[f64]) -> f64 {
+        self.parameter_set(values)
+            .apply(&self.cases[0].experiment)
+            .recording_length_scale
+    }
+
+    /// Simulates case 0 with these values under `noise`, repeat number `repeat`, at `timestep_factor` times the timestep.
     ///
     /// # Errors
     /// As [`Problem::evaluate`].
@@ -135,11 +160,11 @@ impl Problem {
         values: &[f64],
         noise: &Noise,
         repeat: u64,
+        timestep_factor: f64,
     ) -> Result<Outcome> {
-        self.evaluate_case(
-            0,
-            &noise.perturb(&self.experiment(0, values), self.study.seed, repeat),
-        )
+        let mut experiment = self.experiment(0, values)?;
+        experiment.solver.timestep_s *= timestep_factor;
+        self.evaluate_case(0, &noise.perturb(&experiment, self.study.seed, repeat))
     }
 
     fn evaluate_case(&self, case: usize, experiment: &Experiment) -> Result<Outcome> {
@@ -162,6 +187,7 @@ impl Problem {
         let mut scores = Vec::new();
         if !needs_basis {
             for target in &self.cases[case].targets {
+                let target = target.in_true_lengths(experiment.recording_length_scale)?;
                 let pair = Pair {
                     real: &target.motion,
                     simulated: &motion,
@@ -173,7 +199,13 @@ impl Problem {
         }
         // Scores with a basis exist only once all paths are known; the pictures need the first case's.
         let path_xy_m = if needs_basis || case == 0 {
-            prepared.xy_m().to_vec()
+            // In recorded lengths, as the recordings that share a basis and a picture with it.
+            let scale = experiment.recording_length_scale;
+            prepared
+                .xy_m()
+                .iter()
+                .map(|point| point.map(|m| m * scale))
+                .collect()
         } else {
             Vec::new()
         };
@@ -220,6 +252,9 @@ impl Problem {
             .with("contact", format!("{:?}", experiment.contact))
             .with("set", &study.set)
             .with("seed", study.seed);
+        if study.start_state != StartState::FirstSample {
+            print = print.with("start state", study.start_state.label());
+        }
         for range in study.grid.ranges() {
             print = print.with(
                 format!("parameter {}", range.parameter.name),

@@ -52,28 +52,37 @@ pub(super) fn find(study: &Study, overrides: &Overrides) -> Result<Found> {
             unique.push(path);
         }
     }
-    unique.truncate(overrides.limit_recordings.unwrap_or(usize::MAX).max(1));
-
     let mut found = Found {
         recordings: Vec::new(),
         sha256: Vec::new(),
         warnings: Vec::new(),
     };
+    let limit = overrides.limit_recordings.unwrap_or(usize::MAX).max(1);
+    let mut index = 0;
     for path in &unique {
+        if found.recordings.len() >= limit {
+            break;
+        }
         let bytes = std::fs::read(path).map_err(|e| Error::io("read the recording", path, &e))?;
         let sha256: String = Sha256::digest(&bytes)
             .iter()
             .map(|byte| format!("{byte:02x}"))
             .collect();
         for recording in trajectory::read_all(path, overrides.unit)? {
-            found.sha256.push(sha256.clone());
-            found.recordings.push(recording);
+            if overrides.part.is_none_or(|part| part.contains(index)) {
+                found.sha256.push(sha256.clone());
+                found.recordings.push(recording);
+            }
+            index += 1;
         }
     }
-    found
-        .recordings
-        .truncate(overrides.limit_recordings.unwrap_or(usize::MAX).max(1));
-    found.sha256.truncate(found.recordings.len());
+    found.recordings.truncate(limit);
+    found.sha256.truncate(limit);
+    if found.recordings.is_empty() {
+        return Err(Error::invalid("this part of the recordings is empty")
+            .at_file(&study.path)
+            .found(format!("{index} recordings in all")));
+    }
     found.warnings = warnings(study, &found.recordings);
     Ok(found)
 }

@@ -70,17 +70,18 @@ impl Scores {
         })
     }
 
-    /// Scores of one case's outcome against the recordings of that case.
+    /// Scores of one case's outcome at these parameter values against the recordings of that case.
     ///
     /// # Errors
     /// A path that does not fit the basis.
     pub fn outcome_scores(
         &self,
         problem: &Problem,
+        values: &[f64],
         case: usize,
         outcome: &Outcome,
     ) -> Result<Vec<f64>> {
-        outcome_scores(problem, self.basis.as_ref(), case, outcome)
+        outcome_scores(problem, self.basis.as_ref(), values, case, outcome)
     }
 }
 
@@ -126,14 +127,16 @@ fn score(
         return Ok(point);
     }
     let count = real.len();
+    let length_scale = problem.recording_length_scale(&trial.values);
     point.recordings = vec![f64::NAN; count];
     let mut displacement_error_m = 0.0;
     for (case, outcome) in trial.outcomes.iter().enumerate() {
-        let scores = outcome_scores(problem, basis, case, outcome)?;
+        let scores = outcome_scores(problem, basis, &trial.values, case, outcome)?;
         for (target, score) in problem.cases()[case].targets.iter().zip(scores) {
             point.recordings[target.recording] = score;
-            displacement_error_m +=
-                (outcome.net_displacement_m - target.prepared.net_displacement_m()).abs();
+            displacement_error_m += (outcome.net_displacement_m
+                - target.prepared.net_displacement_m() / length_scale)
+                .abs();
         }
     }
     point.score = Some(point.recordings.iter().sum::<f64>() / count as f64);
@@ -144,6 +147,7 @@ fn score(
 fn outcome_scores(
     problem: &Problem,
     basis: Option<&Basis>,
+    values: &[f64],
     case: usize,
     outcome: &Outcome,
 ) -> Result<Vec<f64>> {
@@ -151,9 +155,11 @@ fn outcome_scores(
         return Ok(outcome.scores.clone());
     };
     let simulated = Prepared::from_xy_m(outcome.path_xy_m.clone())?;
-    problem.cases()[case]
+    // Both paths are in recorded lengths, the score in true ones.
+    let length_scale = problem.recording_length_scale(values);
+    Ok(problem.cases()[case]
         .targets
         .iter()
-        .map(|target| Ok(basis.discrepancy_m(&target.prepared, &simulated)))
-        .collect()
+        .map(|target| basis.discrepancy_m(&target.prepared, &simulated) / length_scale)
+        .collect())
 }

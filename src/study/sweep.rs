@@ -135,13 +135,18 @@ fn uncertainty(problem: &Problem, scores: &Scores, best: usize) -> Result<Uncert
     Ok(spread_indistinguishable(&all, best, &repeats, LEVEL))
 }
 
-/// Scores of perturbed repeats of the best point; diverged ones are left out.
+/// Scores of repeats of the best point; diverged ones are left out.
+///
+/// Every repeat starts a little differently and takes another timestep, from the study's down to half of it:
+/// for a walking robot the timestep does not converge (docs/fidelity.md), so a finer one is as good a choice,
+/// and what it changes belongs to the uncertainty.
 fn repeats(problem: &Problem, scores: &Scores, values: &[f64], noise: &Noise) -> Result<Vec<f64>> {
     let mut repeats = Vec::new();
     for repeat in 0..REPEATS {
-        let outcome = problem.evaluate_perturbed(values, noise, repeat)?;
+        let timestep_factor = 0.5_f64.powf(repeat as f64 / (REPEATS - 1) as f64);
+        let outcome = problem.evaluate_perturbed(values, noise, repeat, timestep_factor)?;
         if outcome.status == OutcomeStatus::Completed {
-            let scores = scores.outcome_scores(problem, 0, &outcome)?;
+            let scores = scores.outcome_scores(problem, values, 0, &outcome)?;
             repeats.push(scores.iter().sum::<f64>() / scores.len() as f64);
         }
     }

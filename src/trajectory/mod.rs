@@ -9,6 +9,7 @@ mod format;
 mod meta;
 mod prepare;
 mod recording;
+mod registry;
 mod resample;
 mod sample;
 mod state;
@@ -16,12 +17,11 @@ mod text;
 mod tum;
 
 pub use csv::{Csv, GROUP_COLUMNS};
-pub use format::{
-    FORMATS, Format, Parsed, Rendered, format_of, read, read_all, read_groups, write,
-};
+pub use format::{Format, Parsed, Rendered};
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
 pub use prepare::{POINTS, Prepared, prepare};
 pub use recording::{Meta, Recording, Source};
+pub use registry::{FORMATS, format_of, read, read_all, read_groups, write};
 pub use resample::{Interpolator, resample};
 pub use state::{State, Trajectory};
 pub use text::{MAX_COLUMNS, MAX_FILE_BYTES, MAX_ROWS};

@@ -17,6 +17,18 @@ pub struct State {
     pub angular_velocity_body_rad_s: Vector3<f64>,
 }
 
+impl State {
+    /// The same state with every length, and so every linear velocity, times `factor`.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            position_world_m: self.position_world_m * factor,
+            velocity_world_m_s: self.velocity_world_m_s * factor,
+            ..*self
+        }
+    }
+}
+
 /// Time-stamped poses of one execution, simulated or real.
 ///
 /// Invariants: at least two samples, strictly increasing finite times, finite positions, and
@@ -112,6 +124,30 @@ impl Trajectory {
         self.velocities_world_m_s = Some(linear_world_m_s);
         self.angular_velocities_body_rad_s = Some(angular_body_rad_s);
         Ok(self)
+    }
+
+    /// The same motion with every length, and so every linear velocity, times `factor`.
+    ///
+    /// # Errors
+    /// A factor that is not a positive number, or one so large that a length is no longer finite.
+    pub fn scaled(&self, factor: f64) -> Result<Self> {
+        let all =
+            |v: &[Vector3<f64>]| -> Vec<Vector3<f64>> { v.iter().map(|v| v * factor).collect() };
+        let largest_m = self
+            .positions_world_m
+            .iter()
+            .map(|p| p.amax())
+            .fold(0.0, f64::max);
+        if !(factor > 0.0 && factor.is_finite() && (largest_m * factor).is_finite()) {
+            return Err(Error::invalid("lengths cannot be scaled by this")
+                .found(factor)
+                .allowed("a finite factor above 0"));
+        }
+        Ok(Self {
+            positions_world_m: all(&self.positions_world_m),
+            velocities_world_m_s: self.velocities_world_m_s.as_deref().map(all),
+            ..self.clone()
+        })
     }
 
     /// Marks the trajectory as recorded in the plane: z is not known and 0 everywhere.

@@ -22,8 +22,8 @@ pub struct Uncertainty {
     pub level: f64,
     /// Standard deviation of the best point's score when reality is sampled again, in the metric's unit.
     pub best_score_sd: f64,
-    /// Standard deviation of the best point's score when its simulated start is perturbed, in the metric's
-    /// unit; 0 where every recording has its own start, because then the recordings carry that noise.
+    /// Standard deviation of the best point's score when its simulated start and timestep are varied, in the
+    /// metric's unit; 0 where every recording has its own start, because then the recordings carry that noise.
     pub simulation_sd: f64,
     /// One flag per point; the best itself is always in.
     pub indistinguishable: Vec<bool>,
@@ -176,8 +176,8 @@ mod tests {
             !bootstrap_indistinguishable(&scores, 0, simulation_sd, 0.95, 1).indistinguishable[1]
         };
         // One-sided 5 %: told apart from a difference of 1.645 · √2 · sd on.
-        assert!(told_apart(0.1 / (1.645 * 1.4143)));
-        assert!(!told_apart(0.1 / (1.644 * 1.4142)));
+        assert!(told_apart(0.1 / (1.65 * std::f64::consts::SQRT_2)));
+        assert!(!told_apart(0.1 / (1.64 * std::f64::consts::SQRT_2)));
     }
 
     /// Standard error of the mean of n values: sd / √n (with the population sd).

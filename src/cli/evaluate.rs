@@ -1,0 +1,153 @@
+//! `realgap evaluate`: how well one setting predicts recordings.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::identification::StartState;
+use realgap::parameter::ParameterSet;
+use realgap::report::{Side, TextTable};
+use realgap::study::{Evaluation, Overrides, Problem, Spread, Study, evaluate};
+use realgap::{Error, Result};
+
+use super::option::{Format, Recordings, StartOption, Values};
+use super::{progress, terminal};
+
+/// Simulate a study once per recording with given values and report pose errors over the recordings
+///
+/// Nothing is fitted here. Check what was fitted on some recordings with others: --every 2 --offset 1 takes the
+/// odd-numbered ones.
+#[derive(Debug, Args)]
+pub struct Evaluate {
+    /// The study, e.g. sweeps/cube_toss_fit.ron
+    study: PathBuf,
+    #[command(flatten)]
+    values: Values,
+    #[command(flatten)]
+    recordings: Recordings,
+    /// Start state in place of the study's own
+    #[arg(long, value_enum)]
+    start: Option<StartOption>,
+    /// Add one row per recording
+    #[arg(long)]
+    rows: bool,
+    /// Threads [default: all cores]
+    #[arg(short, long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Evaluate {
+    pub fn run(self) -> Result<ExitCode> {
+        let overrides = Overrides {
+            set: self.values.parameter_set()?,
+            start_state: self.start.map(StartState::from),
+            // The report is of pose errors, whatever the study optimises.
+            metric: Some("pose".to_owned()),
+            ..self.recordings.overrides()?
+        };
+        let problem = Problem::new(Study::read(&self.study, &overrides)?)?;
+        let jobs = self.jobs.map_or(0, NonZeroUsize::get);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(jobs)
+            .build()
+            .map_err(|e| {
+                Error::conflict(format!("cannot start {jobs} threads: {e}"))
+                    .hint("use fewer --jobs")
+            })?;
+        let bar = progress::bar(problem.cases().len(), "evaluating");
+        // Every value is in the study's own set by now.
+        let result = pool.install(|| {
+            evaluate(&problem, &ParameterSet::new(), |done| {
+                bar.set_position(done as u64)
+            })
+        });
+        bar.finish_and_clear();
+        let mut result = result?;
+        terminal::print_warnings(&result.warnings);
+        if !self.rows {
+            result.rows.clear();
+        }
+        match self.format {
+            Format::Json => terminal::print(terminal::json(&result)?),
+            Format::Table => print(&result),
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+fn print(result: &Evaluation) {
+    let colour = terminal::stdout_wants_colour();
+    let mut table = TextTable::new([
+        ("error", Side::Left),
+        ("mean", Side::Right),
+        ("median", Side::Right),
+        ("standard error", Side::Right),
+    ]);
+    for (name, spread) in [
+        ("position, % of body length", &result.position_percent),
+        ("rotation, deg", &result.rotation_deg),
+        ("final position, %", &result.final_position_percent),
+        ("final rotation, deg", &result.final_rotation_deg),
+    ] {
+        let Spread {
+            mean,
+            median,
+            standard_error,
+        } = spread;
+        table.push([
+            name.to_owned(),
+            format!("{mean:.2}"),
+            format!("{median:.2}"),
+            format!("{standard_error:.2}"),
+        ]);
+    }
+    let mut faces = TextTable::new([
+        ("face down", Side::Left),
+        ("real", Side::Right),
+        ("simulated", Side::Right),
+        ("same recording", Side::Right),
+    ]);
+    for odds in &result.resting_faces {
+        faces.push([
+            odds.face.to_owned(),
+            odds.real.to_string(),
+            odds.simulated.to_string(),
+            odds.both.to_string(),
+        ]);
+    }
+    terminal::print(format!(
+        "{} recordings, start: {}\n{}\n{} of {} end over 45 deg off; {:.2} CPU ms per simulated second\n{}",
+        result.recordings,
+        result.start,
+        table.render(colour).trim_end(),
+        result.over_45_deg,
+        result.recordings,
+        result.cpu_ms_per_s,
+        faces.render(colour).trim_end()
+    ));
+    if result.rows.is_empty() {
+        return;
+    }
+    let mut rows = TextTable::new([
+        ("recording", Side::Left),
+        ("position %", Side::Right),
+        ("rotation deg", Side::Right),
+        ("final %", Side::Right),
+        ("final deg", Side::Right),
+    ]);
+    let text = |value: Option<f64>| value.map_or("diverged".to_owned(), |v| format!("{v:.2}"));
+    for row in &result.rows {
+        rows.push([
+            row.recording.clone(),
+            text(row.position_percent),
+            text(row.rotation_deg),
+            text(row.final_position_percent),
+            text(row.final_rotation_deg),
+        ]);
+    }
+    terminal::print(rows.render(colour).trim_end());
+}

@@ -1,0 +1,51 @@
+//! `realgap export`: a robot for another simulator.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use realgap::Result;
+use realgap::export::{FORMATS, Robot, format_named};
+use realgap::file::write_atomic;
+use realgap::morphology::Morphology;
+use realgap::simulation::Experiment;
+
+use super::option::Values;
+use super::terminal;
+
+/// Write a robot for another simulator: MJCF for MuJoCo, URDF for ROS and PyBullet
+///
+/// What the format cannot carry is said on standard error and in comments of the file. Values of `--set` and
+/// `--parameters` (a calibrated floor, say) are written into the file.
+#[derive(Debug, Args)]
+pub struct Export {
+    /// The robot, e.g. morphologies/tripod.ron
+    morphology: PathBuf,
+    /// Format of the file
+    #[arg(long, value_name = "FORMAT", value_parser = PossibleValuesParser::new(FORMATS.iter().map(|f| f.name())))]
+    format: String,
+    /// Write to this file instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    values: Values,
+}
+
+impl Export {
+    pub fn run(self) -> Result<ExitCode> {
+        let format = format_named(&self.format)?;
+        let morphology = Morphology::read(&self.morphology)?;
+        let experiment = Experiment::new(morphology.assemble());
+        let experiment = self.values.parameter_set()?.apply(&experiment);
+        let exported = format.render(&Robot::new(&morphology, &experiment));
+        for warning in &exported.warnings {
+            terminal::note(format!("{} does not carry: {}", format.name(), warning));
+        }
+        match &self.output {
+            Some(path) => write_atomic(path, exported.text.as_bytes())?,
+            None => terminal::print(exported.text.trim_end()),
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

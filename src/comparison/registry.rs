@@ -1,0 +1,55 @@
+//! The metrics by name.
+
+use super::cluster::PcaCluster;
+use super::evo::{Ape, Rpe, UmeyamaApe};
+use super::metric::Metric;
+use super::pca::Pca;
+use super::pointwise::{Displacement, Rms};
+use super::pose::{Pose, Rotation};
+use super::shape::{Dtw, Frechet, Hausdorff};
+use crate::error::{Error, Result};
+
+/// Name of the metric that is used unless another is asked for.
+pub const DEFAULT_METRIC: &str = "pca";
+
+/// Every known metric; the first is the default.
+pub const METRICS: &[&dyn Metric] = &[
+    &Pca,
+    &PcaCluster,
+    &Displacement,
+    &Rms,
+    &Hausdorff,
+    &Frechet,
+    &Dtw,
+    &Ape,
+    &UmeyamaApe,
+    &Rpe,
+    &Rotation,
+    &Pose,
+];
+
+/// The metric called `name`.
+///
+/// ```
+/// use realgap::comparison::by_name;
+///
+/// assert_eq!(by_name("dtw")?.column(), "dtw_sum_m");
+/// assert!(by_name("dwt").unwrap_err().to_string().contains("hausdorff"));
+/// # Ok::<(), realgap::Error>(())
+/// ```
+///
+/// # Errors
+/// An unknown name; the error lists the known ones.
+pub fn by_name(name: &str) -> Result<&'static dyn Metric> {
+    METRICS
+        .iter()
+        .copied()
+        .find(|metric| metric.name() == name)
+        .ok_or_else(|| {
+            let known: Vec<&str> = METRICS.iter().map(|metric| metric.name()).collect();
+            Error::invalid("unknown metric")
+                .field("metric")
+                .found(name)
+                .allowed(known.join(", "))
+        })
+}

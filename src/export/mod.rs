@@ -1,0 +1,28 @@
+//! Robots for other simulators: one trait, one registry, one file per format.
+//!
+//! What is exported is the robot of an [`Experiment`](crate::simulation::Experiment), so calibrated parameters travel with it. What
+//! a format cannot carry is said twice: as warnings, and as comments in the file.
+//!
+//! ```
+//! use realgap::export::{Robot, format_named};
+//! use realgap::morphology::Morphology;
+//! use realgap::simulation::Experiment;
+//!
+//! let morphology = Morphology::read("morphologies/tripod.ron")?;
+//! let experiment = Experiment::new(morphology.assemble());
+//! let exported = format_named("mjcf")?.render(&Robot::new(&morphology, &experiment));
+//! assert!(exported.text.starts_with("<?xml"));
+//! assert!(!exported.warnings.is_empty());
+//! # Ok::<(), realgap::Error>(())
+//! ```
+//!
+//! Both formats use the same body frames: axes of the robot frame at zero servo angles.
+
+mod format;
+mod mjcf;
+mod robot;
+mod urdf;
+mod xml;
+
+pub use format::{Exported, FORMATS, Format, format_named};
+pub use robot::Robot;

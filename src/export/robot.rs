@@ -1,0 +1,142 @@
+//! The robot as export formats see it: parts with mass, names and frames.
+
+use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
+
+use crate::morphology::{Assembly, Hinge, Morphology, Part, Role, Solid};
+use crate::simulation::{Experiment, Floor};
+
+/// A robot to be exported, with the world it stands in.
+#[derive(Debug, Clone)]
+pub struct Robot<'a> {
+    /// Name of the morphology.
+    pub name: &'a str,
+    /// Free text, possibly empty.
+    pub description: &'a str,
+    /// Parts and hinges, with the experiment's adjustments applied.
+    pub assembly: Assembly,
+    /// The ground.
+    pub floor: Floor,
+    /// Gravity along −z, m/s².
+    pub gravity_m_s2: f64,
+}
+
+/// Mass of a part: kg, centre of mass (m) and inertia about it (kg m²), axes of the robot frame at zero angles.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Mass {
+    pub mass_kg: f64,
+    pub centre_robot_m: Vector3<f64>,
+    pub inertia_kg_m2: Matrix3<f64>,
+}
+
+impl<'a> Robot<'a> {
+    /// The robot of `experiment`, which was made from `morphology`.
+    pub fn new(morphology: &'a Morphology, experiment: &Experiment) -> Self {
+        Self {
+            name: morphology.name(),
+            description: morphology.description(),
+            assembly: experiment.adjusted_assembly(),
+            floor: experiment.floor,
+            gravity_m_s2: experiment.gravity_m_s2,
+        }
+    }
+
+    /// The hinges that a part carries.
+    pub(super) fn hinges_on(&self, part: usize) -> impl Iterator<Item = &Hinge> {
+        self.assembly
+            .hinges
+            .iter()
+            .filter(move |hinge| hinge.parent_part == part)
+    }
+
+    /// Name of a hinge: its servo's module. A module has one servo at most.
+    pub(super) fn hinge_name(&self, hinge: &Hinge) -> &str {
+        &self.assembly.module_names[hinge.module]
+    }
+
+    /// Name of a box. Module names have no dot, so no two boxes share a name.
+    pub(super) fn solid_name(&self, solid: &Solid) -> String {
+        let module = &self.assembly.module_names[solid.module];
+        match solid.role {
+            Role::Cube => format!("{module}.cube"),
+            Role::Plate => format!("{module}.plate"),
+        }
+    }
+
+    /// Name of a part: that of its first box, except that a part which begins with a cube has the bare module name.
+    pub(super) fn part_name(&self, part: usize) -> String {
+        // A part may begin with a plate or be the far side of a bending hinge: its hinge names it uniquely too,
+        // but people look for the module.
+        match self.assembly.parts[part].solids.first() {
+            Some(solid) if solid.role == Role::Cube => {
+                self.assembly.module_names[solid.module].clone()
+            }
+            Some(solid) => self.solid_name(solid),
+            None => format!("part.{part}"),
+        }
+    }
+
+    /// Half-heights at zero angles: distance by which the root's centre must be lifted to clear the floor, metres.
+    pub(super) fn clearance_m(&self) -> f64 {
+        let normal = self.floor.normal_world();
+        let lowest = self
+            .assembly
+            .parts
+            .iter()
+            .flat_map(|part| &part.solids)
+            .filter(|solid| solid.collides)
+            .map(|solid| {
+                let along = solid.robot_from_solid.rotation.inverse() * normal;
+                solid.robot_from_solid.translation.vector.dot(&normal)
+                    - along.abs().dot(&solid.half_extents_m)
+            })
+            .fold(f64::INFINITY, f64::min);
+        -lowest / normal.z
+    }
+}
+
+/// Origin of a part's frame in the robot frame: the centre of its first box.
+pub(super) fn origin_robot_m(part: &Part) -> Vector3<f64> {
+    part.solids.first().map_or_else(Vector3::zeros, |solid| {
+        solid.robot_from_solid.translation.vector
+    })
+}
+
+/// A pose of the robot frame seen from a frame with the same axes at `origin_robot_m`.
+pub(super) fn seen_from(origin_robot_m: &Vector3<f64>, pose: &Isometry3<f64>) -> Isometry3<f64> {
+    Isometry3::from_parts(
+        (pose.translation.vector - origin_robot_m).into(),
+        pose.rotation,
+    )
+}
+
+/// The quaternion as files write it: real part first.
+pub(super) fn quaternion(rotation: &UnitQuaternion<f64>) -> [f64; 4] {
+    [rotation.w, rotation.i, rotation.j, rotation.k]
+}
+
+/// Mass properties of a rigid cluster.
+pub(super) fn mass(part: &Part) -> Mass {
+    let centre_of = |solid: &Solid| {
+        (solid.robot_from_solid * Point3::from(solid.centre_of_mass_solid_m)).coords
+    };
+    let mass_kg: f64 = part.solids.iter().map(|solid| solid.mass_kg).sum();
+    let moment: Vector3<f64> = part
+        .solids
+        .iter()
+        .map(|solid| centre_of(solid) * solid.mass_kg)
+        .sum();
+    let centre_robot_m = moment / mass_kg;
+    let mut inertia_kg_m2 = Matrix3::zeros();
+    for solid in &part.solids {
+        let turn = solid.robot_from_solid.rotation.to_rotation_matrix();
+        let d = centre_of(solid) - centre_robot_m;
+        // Parallel axes (Steiner).
+        inertia_kg_m2 += turn * solid.inertia_kg_m2 * turn.transpose()
+            + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * solid.mass_kg;
+    }
+    Mass {
+        mass_kg,
+        centre_robot_m,
+        inertia_kg_m2,
+    }
+}

@@ -1,0 +1,152 @@
+//! The file formats by extension: reading and writing.
+//!
+//! A new format is one new file that implements [`Format`] and one line in [`FORMATS`]; the
+//! contract test in tests/formats.rs runs over all of them.
+
+use std::path::Path;
+
+use super::csv::{Csv, group_columns_of, parse_groups};
+use super::format::{Format, Parsed};
+use super::meta::read_meta_beside;
+use super::text::{MAX_FILE_BYTES, read_text};
+use super::tum::Tum;
+use super::{Recording, Trajectory};
+use crate::error::{Error, Result};
+use crate::file::write_atomic;
+use crate::quantity::LengthUnit;
+use crate::warning::Warning;
+
+/// Every known format.
+pub const FORMATS: &[&dyn Format] = &[&Csv, &Tum];
+
+/// The format that the extension of `path` names.
+///
+/// # Errors
+/// An unknown extension, or none.
+pub fn format_of(path: &Path) -> Result<&'static dyn Format> {
+    let extension = path
+        .extension()
+        .map(|e| e.to_string_lossy().to_ascii_lowercase());
+    let wanted = extension.as_deref().unwrap_or_default();
+    FORMATS
+        .iter()
+        .copied()
+        .find(|format| format.extensions().contains(&wanted))
+        .ok_or_else(|| {
+            let known: Vec<String> = FORMATS
+                .iter()
+                .flat_map(|format| format.extensions())
+                .map(|e| format!(".{e}"))
+                .collect();
+            Error::invalid("unknown kind of trajectory file")
+                .at_file(path)
+                .found(match extension {
+                    Some(extension) => format!(".{extension}"),
+                    None => "no extension".to_owned(),
+                })
+                .allowed(known.join(", "))
+        })
+}
+
+/// Reads one recording; the extension chooses the format, and a `meta.ron` beside the file is attached.
+///
+/// Lengths in the file are in `unit`; the result is in metres.
+///
+/// # Errors
+/// Unreadable file, unknown extension, more than [`MAX_FILE_BYTES`], anything that is not a
+/// trajectory (with file, line and column), or a broken `meta.ron`.
+pub fn read(path: impl AsRef<Path>, unit: LengthUnit) -> Result<Recording> {
+    let path = path.as_ref();
+    let format = format_of(path)?;
+    let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
+    let parsed = format
+        .parse(&text, unit)
+        .map_err(|error| error.at_file(path))?;
+    recording(path, stem(path), parsed)
+}
+
+/// Reads every recording in a CSV file with grouping columns, e.g. `condition,run,sample,t_s,x_m,y_m`.
+///
+/// One recording per combination of the values of `group_columns`, in order of first appearance, named
+/// `<file stem>/<value>/<value>...`.
+///
+/// # Errors
+/// As [`read`]; a grouping column that the file lacks; an extension other than `.csv`.
+pub fn read_groups(
+    path: impl AsRef<Path>,
+    unit: LengthUnit,
+    group_columns: &[&str],
+) -> Result<Vec<Recording>> {
+    let path = path.as_ref();
+    let format = format_of(path)?;
+    if format.name() != Csv.name() {
+        return Err(Error::invalid("only CSV files can hold several recordings")
+            .at_file(path)
+            .found(format.name()));
+    }
+    let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
+    groups(path, &text, unit, group_columns)
+}
+
+/// Reads whatever is in the file: its groups if it is a CSV file with a column `run`, else one recording.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_all(path: impl AsRef<Path>, unit: LengthUnit) -> Result<Vec<Recording>> {
+    let path = path.as_ref();
+    let format = format_of(path)?;
+    let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
+    if format.name() == Csv.name() {
+        let columns = group_columns_of(&text);
+        if !columns.is_empty() {
+            return groups(path, &text, unit, &columns);
+        }
+    }
+    let parsed = format
+        .parse(&text, unit)
+        .map_err(|error| error.at_file(path))?;
+    Ok(vec![recording(path, stem(path), parsed)?])
+}
+
+fn groups(
+    path: &Path,
+    text: &str,
+    unit: LengthUnit,
+    group_columns: &[&str],
+) -> Result<Vec<Recording>> {
+    parse_groups(text, unit, group_columns)
+        .map_err(|error| error.at_file(path))?
+        .into_iter()
+        .map(|(key, parsed)| recording(path, format!("{}/{}", stem(path), key.join("/")), parsed))
+        .collect()
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem()
+        .map(|stem| stem.to_string_lossy().into_owned())
+        .unwrap_or_default()
+}
+
+fn recording(path: &Path, name: String, parsed: Parsed) -> Result<Recording> {
+    Ok(Recording {
+        name,
+        path: path.to_path_buf(),
+        trajectory: parsed.trajectory,
+        meta: read_meta_beside(path)?,
+        warnings: parsed.warnings,
+    })
+}
+
+/// Writes `trajectory` to `path`, in metres; the extension chooses the format.
+///
+/// The file appears whole or not at all: it is written under another name in the same folder, then
+/// renamed. The warnings name what the format cannot hold.
+///
+/// # Errors
+/// Unknown extension, unwritable folder, full disk.
+pub fn write(path: impl AsRef<Path>, trajectory: &Trajectory) -> Result<Vec<Warning>> {
+    let path = path.as_ref();
+    let rendered = format_of(path)?.render(trajectory);
+    write_atomic(path, rendered.text.as_bytes())?;
+    Ok(rendered.warnings)
+}

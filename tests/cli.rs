@@ -1,0 +1,221 @@
+//! The command line as a user meets it: help, exit codes, JSON, errors.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+mod common;
+
+use common::{project, realgap, text};
+
+#[test]
+fn help_teaches_the_way_through_and_is_quick() {
+    let out = realgap().arg("--help").assert().success();
+    let help = text(&out.get_output().stdout);
+    for word in [
+        "realgap check",
+        "realgap simulate",
+        "realgap compare",
+        "realgap sweep",
+        "Exit codes",
+    ] {
+        assert!(help.contains(word), "{word} is missing from\n{help}");
+    }
+}
+
+#[test]
+fn wrong_usage_exits_with_2_and_a_failure_with_1() {
+    realgap().arg("conquer").assert().code(2);
+    realgap().assert().code(2);
+    realgap().args(["compare", "only_one.csv"]).assert().code(2);
+    realgap()
+        .args([
+            "simulate",
+            "morphologies/cube.ron",
+            "--set",
+            "floor.friction=slippery",
+        ])
+        .assert()
+        .code(2);
+    realgap().args(["simulate", "nowhere.ron"]).assert().code(1);
+}
+
+#[test]
+fn every_shipped_file_is_sound() {
+    let files: Vec<_> = ["morphologies", "sweeps"]
+        .iter()
+        .flat_map(|folder| std::fs::read_dir(project().join(folder)).unwrap())
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "ron"))
+        .collect();
+    assert!(files.len() >= 9, "{files:?}");
+    let out = realgap().arg("check").args(&files).assert().success();
+    let report = text(&out.get_output().stdout);
+    assert!(
+        report.contains("morphology \"tripod\": 4 modules, 3 hinges, 4 rigid parts"),
+        "{report}"
+    );
+    assert!(report.contains("441 points"), "{report}");
+}
+
+#[test]
+fn a_path_that_is_not_there_is_named_with_a_hint() {
+    let out = realgap().args(["check", "no/such.ron"]).assert().code(1);
+    let error = text(&out.get_output().stderr);
+    assert!(
+        error.contains("no/such.ron") && error.contains("hint:"),
+        "{error}"
+    );
+}
+
+#[test]
+fn simulate_reports_what_happened_as_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("run.csv");
+    let out = realgap()
+        .args([
+            "simulate",
+            "morphologies/tripod.ron",
+            "--duration",
+            "1",
+            "--rate",
+            "30",
+            "--format",
+            "json",
+            "-o",
+        ])
+        .arg(&csv)
+        .args(["--set", "floor.friction=0.4"])
+        .assert()
+        .success();
+    let report: serde_json::Value = serde_json::from_slice(&out.get_output().stdout).unwrap();
+    assert_eq!(report["steps"], 240);
+    assert_eq!(report["simulated_s"], 1.0);
+    assert!(report["cpu_s"].as_f64().unwrap() > 0.0);
+    assert!(report["net_displacement_m"].as_f64().unwrap() > 0.0);
+    assert_eq!(report["status"]["status"], "completed");
+    // 30 Hz from 0 to 1 s, both ends, and a header.
+    assert_eq!(std::fs::read_to_string(&csv).unwrap().lines().count(), 32);
+}
+
+#[test]
+fn a_passive_cube_goes_nowhere() {
+    let out = realgap()
+        .args([
+            "simulate",
+            "morphologies/cube.ron",
+            "--duration",
+            "1",
+            "--format",
+            "json",
+        ])
+        .assert()
+        .success();
+    let report: serde_json::Value = serde_json::from_slice(&out.get_output().stdout).unwrap();
+    assert!(report["net_displacement_m"].as_f64().unwrap() < 1e-5);
+}
+
+#[test]
+fn compare_speaks_the_golden_columns() {
+    let curves = project().join("tests/golden/curves");
+    let out = realgap()
+        .args(["compare", "--format", "json"])
+        .args([
+            curves.join("real.csv"),
+            curves.join("real.csv"),
+            curves.join("scaled.csv"),
+        ])
+        .assert()
+        .success();
+    let rows: Vec<serde_json::Value> = serde_json::from_slice(&out.get_output().stdout).unwrap();
+    assert_eq!(rows[0]["trajectory"], "real");
+    assert_eq!(rows[0]["rms_m"], 0.0);
+    assert_eq!(rows[1]["trajectory"], "scaled");
+    let rms = rows[1]["rms_m"].as_f64().unwrap();
+    assert!((rms / 0.116806236 - 1.0).abs() < 1e-6, "{rms}");
+    assert_eq!(rows[1].as_object().unwrap().len(), 15);
+}
+
+#[test]
+fn compare_draws_what_it_compares() {
+    let folder = tempfile::tempdir().unwrap();
+    let curves = project().join("tests/golden/curves");
+    let plot = folder.path().join("gap.png");
+    realgap()
+        .arg("compare")
+        .args([curves.join("real.csv"), curves.join("far.csv")])
+        .args(["--metric", "frechet", "--plot"])
+        .arg(&plot)
+        .assert()
+        .success();
+    assert_eq!(&std::fs::read(&plot).unwrap()[1..4], b"PNG");
+    let out = realgap()
+        .arg("compare")
+        .args([curves.join("real.csv"), curves.join("far.csv")])
+        .args(["--plot", "gap.jpg"])
+        .assert()
+        .code(2);
+    assert!(text(&out.get_output().stderr).contains(".png"));
+}
+
+#[test]
+fn an_unknown_metric_lists_the_known_ones() {
+    let curves = project().join("tests/golden/curves");
+    let out = realgap()
+        .arg("compare")
+        .args([curves.join("real.csv"), curves.join("far.csv")])
+        .args(["--metric", "frechett"])
+        .assert()
+        .code(1);
+    assert!(text(&out.get_output().stderr).contains("hausdorff, frechet, dtw"));
+}
+
+#[test]
+fn files_in_centimetres_are_read_as_such() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cm.csv");
+    std::fs::write(&path, "t_s,x_cm,y_cm\n0,0,0\n1,100,0\n2,200,50\n").unwrap();
+    let out = realgap()
+        .arg("check")
+        .arg(&path)
+        .args(["--unit", "cm"])
+        .assert()
+        .success();
+    assert!(text(&out.get_output().stdout).contains("path 2.1180 m"));
+    let out = realgap().arg("check").arg(&path).assert().code(1);
+    assert!(text(&out.get_output().stderr).contains("--unit cm"));
+}
+
+#[test]
+fn no_colour_codes_reach_a_pipe() {
+    let out = realgap().args(["parameters"]).assert().success();
+    assert!(!out.get_output().stdout.contains(&0x1b));
+    let out = realgap().args(["check", "nowhere.ron"]).assert().code(1);
+    assert!(!out.get_output().stderr.contains(&0x1b));
+}
+
+#[test]
+fn completions_name_every_command() {
+    for shell in ["bash", "zsh", "fish"] {
+        let out = realgap().args(["completions", shell]).assert().success();
+        let script = text(&out.get_output().stdout);
+        assert!(
+            ["sweep", "compare", "record"]
+                .iter()
+                .all(|command| script.contains(command)),
+            "{shell}"
+        );
+    }
+}
+
+#[test]
+fn a_simulation_that_diverges_is_an_error_with_advice() {
+    // Without friction, 20 s down a slope of 0.7 rad are more than a kilometre.
+    let out = realgap()
+        .args(["simulate", "morphologies/cube.ron", "--duration", "20"])
+        .args(["--set", "floor.slope_rad=0.7", "--set", "floor.friction=0"])
+        .assert()
+        .code(1);
+    let error = text(&out.get_output().stderr);
+    assert!(
+        error.contains("diverged") && error.contains("--timestep"),
+        "{error}"
+    );
+}

@@ -1,0 +1,60 @@
+//! What the integration tests share.
+#![allow(clippy::print_stdout, reason = "a skipped test says so")]
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![allow(dead_code, reason = "every test binary uses its own part")]
+
+use std::path::{Path, PathBuf};
+
+use assert_cmd::Command;
+
+/// The project's folder.
+pub fn project() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The command, started in the project's folder.
+pub fn realgap() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_realgap"));
+    command.current_dir(project());
+    command
+}
+
+/// Output as text.
+pub fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// The real recordings, which are not part of the repository; says so where they are absent.
+pub fn shared_data(folder: &str) -> Option<PathBuf> {
+    let path = project().join("../shared/data").join(folder);
+    if path.is_dir() {
+        return Some(path);
+    }
+    println!("SKIPPED: {} is not here", path.display());
+    None
+}
+
+/// A study file in `folder` with this body inside `Study( … )`.
+pub fn study(folder: &Path, body: &str) -> PathBuf {
+    let path = folder.join("study.ron");
+    std::fs::write(&path, format!("Study(\n{body}\n)\n")).unwrap();
+    path
+}
+
+/// A quick study: the tripod for one second on a small grid, against shipped stand-ins.
+pub fn quick_study(folder: &Path, points: usize) -> PathBuf {
+    let root = project().display();
+    study(
+        folder,
+        &format!(
+            "morphology: \"{root}/morphologies/tripod.ron\",
+    recordings: [\"{root}/real_trajectories/tripod_standin/*.csv\"],
+    start: Settled,
+    duration_s: 1.0,
+    parameters: [
+        (name: \"floor.friction\", from: 0.1, to: 0.9, points: {points}),
+        (name: \"floor.restitution\", from: 0.0, to: 0.8, points: {points}),
+    ],"
+        ),
+    )
+}

@@ -1,0 +1,66 @@
+//! The shipped stand-in was made from known floor values: the sweep must find them, and say what it cannot find.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+mod common;
+
+use std::sync::atomic::AtomicBool;
+
+use realgap::folder;
+use realgap::study::{Mode, Overrides, Problem, Study, sweep};
+
+const FRICTION: f64 = 0.43;
+const RESTITUTION: f64 = 0.36;
+
+#[test]
+fn the_hidden_floor_lies_in_the_indistinguishable_set() {
+    let results = tempfile::tempdir().unwrap();
+    // Every second point of the shipped grid; the hidden values are among them.
+    let overrides = Overrides {
+        points: Some(11),
+        ..Overrides::default()
+    };
+    let study = Study::read(common::project().join("sweeps/tripod_self.ron"), &overrides).unwrap();
+    assert_eq!(study.truth.value("floor.friction"), Some(FRICTION));
+    assert_eq!(study.truth.value("floor.restitution"), Some(RESTITUTION));
+    let problem = Problem::new(study).unwrap();
+    let never = AtomicBool::new(false);
+    let result = sweep(&problem, results.path(), Mode::Start, 2, &never, |_| ()).unwrap();
+    let uncertainty = result.uncertainty.as_ref().unwrap();
+    let truth = result
+        .scores
+        .points
+        .iter()
+        .position(|point| point.values == [FRICTION, RESTITUTION])
+        .expect("the hidden values are points of the grid");
+    let best = &result.scores.points[result.scores.best.unwrap()];
+    assert!(
+        uncertainty.indistinguishable[truth],
+        "hidden values score {:?}, best {:?} at {:?}",
+        result.scores.points[truth].score, best.score, best.values
+    );
+    // The set says something: it is not simply everything.
+    let size = uncertainty
+        .indistinguishable
+        .iter()
+        .filter(|is_in| **is_in)
+        .count();
+    assert!(size < 40, "{size} of 121");
+    // Friction is found to within two steps of this coarse grid; restitution is honestly not determined.
+    assert!(
+        (best.values[0] - FRICTION).abs() <= 0.19 + 1e-12,
+        "{:?}",
+        best.values
+    );
+    let summary = folder::write(results.path(), &problem, &result).unwrap();
+    assert!(
+        summary.verdicts[0].identified,
+        "{}",
+        summary.verdicts[0].text
+    );
+    assert!(
+        !summary.verdicts[1].identified,
+        "{}",
+        summary.verdicts[1].text
+    );
+    assert!(summary.verdicts[1].text.contains("not determined"));
+}

@@ -1,0 +1,216 @@
+#!/usr/bin/env python3
+"""CPU time of realgap, MuJoCo and PyBullet for the same robots, in one table.
+
+    cargo build --release
+    python3 -m pip install -r tools/requirements-engines.txt
+    python3 tools/compare_engines.py --realgap target/release/realgap
+
+The robots are exported by `realgap export`. Rounds of all engines are interleaved, so that a busy machine hurts all alike; medians are printed.
+The columns x and y show the net displacement of the tracked module: engines that disagree there did not simulate the same thing.
+"""
+
+import argparse
+import json
+import math
+import pathlib
+import statistics
+import subprocess
+import tempfile
+import time
+
+import mujoco
+import numpy as np
+from mujoco import rollout
+
+from standin import Robot
+
+try:
+    import pybullet
+except ImportError:
+    pybullet = None
+
+MUJOCO_TIMESTEP_S = 1 / 500
+PYBULLET_TIMESTEP_S = 1 / 240
+FRICTION = 0.5
+
+
+class Realgap:
+    """The command line; `cpu_s` is its own thread's time, building and settling included."""
+
+    def __init__(self, binary, morphology, duration_s, extra):
+        self.command = [binary, "simulate", str(morphology), "--duration", str(duration_s), "--format", "json",
+                        "--set", f"floor.friction={FRICTION}", "--set", "floor.restitution=0", *extra]
+        first = self.run()
+        self.name = f"realgap {first['version']} ({first['engine']})"
+        self.settings = f"1/{1 / first['timestep_s']:.0f} s, {first['substeps']} substeps"
+
+    def run(self):
+        done = subprocess.run(self.command, capture_output=True, text=True)
+        if done.returncode != 0:
+            raise SystemExit(f"error: {' '.join(self.command)} failed:\n{done.stderr}")
+        return json.loads(done.stdout)
+
+    def round(self):
+        r = self.run()
+        simulated_s = (r["steps"] + r["settle_steps"]) * r["timestep_s"]
+        x, y, _ = r["net_displacement_world_m"]
+        return r["cpu_s"] / simulated_s, r["timestep_s"], (x, y)
+
+
+class MuJoCo:
+    """`mujoco.rollout`: the whole run is one C loop."""
+
+    def __init__(self, mjcf, duration_s, solref_s):
+        self.robot = Robot(mjcf)
+        if self.robot.velocity_law.any():
+            raise SystemExit("error: a velocity servo cannot be driven inside mujoco.rollout; use robots with a torque law")
+        m = self.robot.model
+        m.opt.timestep = MUJOCO_TIMESTEP_S
+        if solref_s:
+            m.geom_solref[:, 0] = solref_s
+            m.geom_solimp[:, :2] = [0.95, 0.99] if solref_s < 0.02 else [0.9, 0.95]
+        self.name = f"MuJoCo {mujoco.__version__}"
+        self.settings = f"1/{1 / MUJOCO_TIMESTEP_S:.0f} s, implicitfast, elliptic cone, solref {m.geom_solref[0, 0]:g}"
+        data = self.robot.place()
+        self.robot.settle(data)
+        self.data, self.duration_s = data, duration_s
+        self.start = np.zeros((1, mujoco.mj_stateSize(m, mujoco.mjtState.mjSTATE_FULLPHYSICS)))
+        mujoco.mj_getState(m, data, self.start[0], mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        steps = round(duration_s / MUJOCO_TIMESTEP_S)
+        self.control = np.zeros((1, steps, m.nu))
+        self.control[0][:, self.robot.actuator] = self.robot.command_rad((np.arange(steps) + 0.5) * MUJOCO_TIMESTEP_S)
+        self.from_m = self.position(self.start[0])
+
+    def position(self, state):
+        mujoco.mj_setState(self.robot.model, self.data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        return self.robot.pose(self.data)[0]
+
+    def round(self):
+        before = time.process_time()
+        states, _ = rollout.rollout(self.robot.model, self.data, self.start, self.control)
+        spent = time.process_time() - before
+        moved = self.position(states[0, -1]) - self.from_m
+        return spent / self.duration_s, MUJOCO_TIMESTEP_S, (moved[0], moved[1])
+
+
+class PyBullet:
+    """One Python call per step: there is no other way to change the servos' targets, so it counts."""
+
+    name = "PyBullet 3.2.7"
+
+    def __init__(self, urdf, mjcf, duration_s):
+        from importlib.metadata import version
+
+        self.name = f"PyBullet {version('pybullet')}"
+        self.robot = Robot(mjcf)
+        self.urdf, self.duration_s = str(urdf), duration_s
+        self.settings = f"1/{1 / PYBULLET_TIMESTEP_S:.0f} s, 50 iterations, position motors of the same gain and torque limit"
+
+    def round(self):
+        p, robot, dt = pybullet, self.robot, PYBULLET_TIMESTEP_S
+        client = p.connect(p.DIRECT)
+        try:
+            p.setGravity(0, 0, -9.81)
+            p.setTimeStep(dt)
+            floor = p.createMultiBody(0, p.createCollisionShape(p.GEOM_PLANE))
+            p.changeDynamics(floor, -1, lateralFriction=1.0, restitution=0.0)
+            # The initial height of the MJCF file is just above the floor.
+            height_m = robot.model.body(1).pos[2]
+            body = p.loadURDF(self.urdf, [0, 0, height_m], flags=p.URDF_USE_INERTIA_FROM_FILE | p.URDF_USE_SELF_COLLISION)
+            index = {p.getJointInfo(body, j)[1].decode(): j for j in range(p.getNumJoints(body))}
+            joints = [index[name] for name in robot.joints]
+            for link in range(-1, p.getNumJoints(body)):
+                p.changeDynamics(body, link, lateralFriction=FRICTION, restitution=0.0, linearDamping=0, angularDamping=0, jointDamping=0)
+            steps, settle = round(self.duration_s / dt), round(2.0 / dt)
+            # Unloaded, torque = k error - d speed holds at speed = k/d error: the same law for Bullet's motor.
+            stiffness, damping, torque = (np.array(column) for column in zip(*(robot.numbers(f"servo_{n}") for n in robot.joints)))
+            drive = dict(controlMode=p.POSITION_CONTROL, positionGains=list(stiffness / damping * dt), velocityGains=[1.0] * len(joints), forces=list(torque))
+            start = robot.command_rad(0.0).tolist()
+            for joint, angle in zip(joints, start):
+                p.resetJointState(body, joint, angle)
+            # Turned hinges reach below the floor: lift the robot until it just touches.
+            p.performCollisionDetection()
+            low = min(p.getAABB(body, link)[0][2] for link in range(-1, p.getNumJoints(body)))
+            base, turn = p.getBasePositionAndOrientation(body)
+            p.resetBasePositionAndOrientation(body, [base[0], base[1], base[2] - min(low, 0.0)], turn)
+            for _ in range(settle):
+                p.setJointMotorControlArray(body, joints, targetPositions=start, **drive)
+                p.stepSimulation()
+            commands = robot.command_rad((np.arange(steps) + 0.5) * dt).tolist()
+            first = self.position(body)
+            before = time.process_time()
+            for command in commands:
+                p.setJointMotorControlArray(body, joints, targetPositions=command, **drive)
+                p.stepSimulation()
+            spent = time.process_time() - before
+            moved = self.position(body) - first
+            return spent / self.duration_s, dt, (moved[0], moved[1])
+        finally:
+            p.disconnect(client)
+
+    def position(self, body):
+        """Origin of the base link's frame, which is the tracked module's centre for these robots."""
+        position, turn = pybullet.getBasePositionAndOrientation(body)
+        offset, frame = pybullet.getDynamicsInfo(body, -1)[3:5]
+        back = pybullet.invertTransform(offset, frame)
+        return np.array(pybullet.multiplyTransforms(position, turn, *back)[0])
+
+
+def export(binary, morphology, folder, kind):
+    path = folder / f"{morphology.stem}.{kind}"
+    done = subprocess.run([binary, "export", str(morphology), "--format", kind, "-o", str(path), "--set", f"floor.friction={FRICTION}"],
+                          capture_output=True, text=True)
+    if done.returncode != 0:
+        raise SystemExit(f"error: realgap export failed:\n{done.stderr}")
+    return path
+
+
+def main():
+    a = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    a.add_argument("--realgap", default="target/release/realgap", help="the binary (default target/release/realgap)")
+    a.add_argument("--robots", nargs="+", type=pathlib.Path, help="morphologies with torque servos, tracked at their root")
+    a.add_argument("--duration", type=float, default=10.0, help="seconds per round (default 10)")
+    a.add_argument("--rounds", type=int, default=5)
+    a.add_argument("--solref", type=float, default=0.004, help="MuJoCo contact time constant, s (default 0.004, the hardest at 1/500 s; its own default is 0.02)")
+    a.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="further settings of realgap, e.g. solver.substeps=4")
+    a.add_argument("--joint", choices=["impulse", "multibody"], help="joint kind of realgap")
+    a = a.parse_args()
+    here = pathlib.Path(__file__).resolve().parent.parent / "morphologies"
+    robots = a.robots or [here / f"{name}.ron" for name in ("chain3", "spider8", "chain30")]
+    extra = [word for value in a.set for word in ("--set", value)] + (["--joint", a.joint] if a.joint else [])
+    if pybullet is None:
+        print("PyBullet is not installed: left out (python3 -m pip install pybullet)")
+    rows, notes = [], {}
+    with tempfile.TemporaryDirectory() as folder:
+        for morphology in robots:
+            mjcf = export(a.realgap, morphology, pathlib.Path(folder), "mjcf")
+            engines = [MuJoCo(mjcf, a.duration, a.solref), Realgap(a.realgap, morphology, a.duration, extra)]
+            if pybullet is not None:
+                urdf = export(a.realgap, morphology, pathlib.Path(folder), "urdf")
+                engines.append(PyBullet(urdf, mjcf, a.duration))
+            results = [[] for _ in engines]
+            for _ in range(a.rounds):
+                for engine, result in zip(engines, results):
+                    result.append(engine.round())
+            reference = statistics.median(r[0] for r in results[0])
+            for engine, result in zip(engines, results):
+                cost = sorted(r[0] for r in result)
+                middle = statistics.median(cost)
+                x, y = result[-1][2]
+                notes[engine.name] = engine.settings
+                rows.append([morphology.stem, engine.name, f"{middle * 1e3:.2f}", f"{cost[0] * 1e3:.2f}-{cost[-1] * 1e3:.2f}",
+                             f"{middle * result[-1][1] * 1e6:.1f}", f"{middle / reference:.2f}", f"{x:+.3f}", f"{y:+.3f}", f"{math.hypot(x, y):.3f}"])
+    head = ["robot", "engine", "CPU ms per s", "range", "us per step", "ratio to MuJoCo", "x m", "y m", "displacement m"]
+    widths = [max(len(row[k]) for row in [head, *rows]) for k in range(len(head))]
+    line = lambda row: "| " + " | ".join(cell.ljust(w) if k < 2 else cell.rjust(w) for k, (cell, w) in enumerate(zip(row, widths))) + " |"
+    print(line(head))
+    print("|" + "|".join(("-" * (w + 2)) if k < 2 else "-" * (w + 1) + ":" for k, w in enumerate(widths)) + "|")
+    for row in rows:
+        print(line(row))
+    print(f"\n{a.rounds} interleaved rounds of {a.duration:g} s, medians; friction {FRICTION}, restitution 0. Settings:")
+    for name, settings in notes.items():
+        print(f"- {name}: {settings}")
+
+
+if __name__ == "__main__":
+    main()
