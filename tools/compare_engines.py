@@ -31,7 +31,12 @@ except ImportError:
 
 MUJOCO_TIMESTEP_S = 1 / 500
 PYBULLET_TIMESTEP_S = 1 / 240
+# MuJoCo's own default of the contact time constant, and the hardest that this timestep allows.
+MUJOCO_SOLREF_S = 0.02
+MUJOCO_HARD_SOLREF_S = 2 * MUJOCO_TIMESTEP_S
 FRICTION = 0.5
+# Net displacements farther apart than this, and than this share of the reference's, did not simulate the same thing.
+AGREEMENT_M, AGREEMENT_SHARE = 0.05, 0.5
 
 
 class Realgap:
@@ -66,11 +71,11 @@ class MuJoCo:
             raise SystemExit("error: a velocity servo cannot be driven inside mujoco.rollout; use robots with a torque law")
         m = self.robot.model
         m.opt.timestep = MUJOCO_TIMESTEP_S
-        if solref_s:
-            m.geom_solref[:, 0] = solref_s
-            m.geom_solimp[:, :2] = [0.95, 0.99] if solref_s < 0.02 else [0.9, 0.95]
-        self.name = f"MuJoCo {mujoco.__version__}"
-        self.settings = f"1/{1 / MUJOCO_TIMESTEP_S:.0f} s, implicitfast, elliptic cone, solref {m.geom_solref[0, 0]:g}"
+        m.geom_solref[:, 0] = solref_s
+        m.geom_solimp[:, :2] = [0.95, 0.99] if solref_s < MUJOCO_SOLREF_S else [0.9, 0.95]
+        kind = "hardened" if solref_s < MUJOCO_SOLREF_S else "soft"
+        self.name = f"MuJoCo {mujoco.__version__} {kind}"
+        self.settings = f"1/{1 / MUJOCO_TIMESTEP_S:.0f} s, implicitfast, elliptic cone, solref {solref_s:g} 1, solimp {m.geom_solimp[0, 0]:g} {m.geom_solimp[0, 1]:g}"
         data = self.robot.place()
         self.robot.settle(data)
         self.data, self.duration_s = data, duration_s
@@ -95,8 +100,6 @@ class MuJoCo:
 
 class PyBullet:
     """One Python call per step: there is no other way to change the servos' targets, so it counts."""
-
-    name = "PyBullet 3.2.7"
 
     def __init__(self, urdf, mjcf, duration_s):
         from importlib.metadata import version
@@ -171,7 +174,6 @@ def main():
     a.add_argument("--robots", nargs="+", type=pathlib.Path, help="morphologies with torque servos, tracked at their root")
     a.add_argument("--duration", type=float, default=10.0, help="seconds per round (default 10)")
     a.add_argument("--rounds", type=int, default=5)
-    a.add_argument("--solref", type=float, default=0.004, help="MuJoCo contact time constant, s (default 0.004, the hardest at 1/500 s; its own default is 0.02)")
     a.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="further settings of realgap, e.g. solver.substeps=4")
     a.add_argument("--joint", choices=["impulse", "multibody"], help="joint kind of realgap")
     a = a.parse_args()
@@ -180,11 +182,11 @@ def main():
     extra = [word for value in a.set for word in ("--set", value)] + (["--joint", a.joint] if a.joint else [])
     if pybullet is None:
         print("PyBullet is not installed: left out (python3 -m pip install pybullet)")
-    rows, notes = [], {}
+    rows, notes, doubts = [], {}, []
     with tempfile.TemporaryDirectory() as folder:
         for morphology in robots:
             mjcf = export(a.realgap, morphology, pathlib.Path(folder), "mjcf")
-            engines = [MuJoCo(mjcf, a.duration, a.solref), Realgap(a.realgap, morphology, a.duration, extra)]
+            engines = [MuJoCo(mjcf, a.duration, MUJOCO_HARD_SOLREF_S), MuJoCo(mjcf, a.duration, MUJOCO_SOLREF_S), Realgap(a.realgap, morphology, a.duration, extra)]
             if pybullet is not None:
                 urdf = export(a.realgap, morphology, pathlib.Path(folder), "urdf")
                 engines.append(PyBullet(urdf, mjcf, a.duration))
@@ -192,24 +194,30 @@ def main():
             for _ in range(a.rounds):
                 for engine, result in zip(engines, results):
                     result.append(engine.round())
+            # Hardened MuJoCo: its default contacts are so soft that chain30 walks the other way.
             reference = statistics.median(r[0] for r in results[0])
+            home = results[0][-1][2]
             for engine, result in zip(engines, results):
                 cost = sorted(r[0] for r in result)
                 middle = statistics.median(cost)
                 x, y = result[-1][2]
                 notes[engine.name] = engine.settings
+                if math.dist((x, y), home) > max(AGREEMENT_M, AGREEMENT_SHARE * math.hypot(*home)):
+                    doubts.append(f"{morphology.stem}: {engine.name} ends {math.dist((x, y), home):.2f} m from {engines[0].name}")
                 rows.append([morphology.stem, engine.name, f"{middle * 1e3:.2f}", f"{cost[0] * 1e3:.2f}-{cost[-1] * 1e3:.2f}",
                              f"{middle * result[-1][1] * 1e6:.1f}", f"{middle / reference:.2f}", f"{x:+.3f}", f"{y:+.3f}", f"{math.hypot(x, y):.3f}"])
-    head = ["robot", "engine", "CPU ms per s", "range", "us per step", "ratio to MuJoCo", "x m", "y m", "displacement m"]
+    head = ["robot", "engine", "CPU ms per s", "range", "us per step", "ratio", "x m", "y m", "displacement m"]
     widths = [max(len(row[k]) for row in [head, *rows]) for k in range(len(head))]
     line = lambda row: "| " + " | ".join(cell.ljust(w) if k < 2 else cell.rjust(w) for k, (cell, w) in enumerate(zip(row, widths))) + " |"
     print(line(head))
     print("|" + "|".join(("-" * (w + 2)) if k < 2 else "-" * (w + 1) + ":" for k, w in enumerate(widths)) + "|")
     for row in rows:
         print(line(row))
-    print(f"\n{a.rounds} interleaved rounds of {a.duration:g} s, medians; friction {FRICTION}, restitution 0. Settings:")
+    print(f"\n{a.rounds} interleaved rounds of {a.duration:g} s, medians; ratio to the first engine; friction {FRICTION}, restitution 0. Settings:")
     for name, settings in notes.items():
         print(f"- {name}: {settings}")
+    for doubt in doubts:
+        print(f"DISAGREEMENT {doubt}")
 
 
 if __name__ == "__main__":

@@ -62,10 +62,8 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Name of a part: that of its first box, except that a part which begins with a cube has the bare module name.
+    /// Name of a part: its first module where that is a cube, else the plate it begins with. No two parts share a box.
     pub(super) fn part_name(&self, part: usize) -> String {
-        // A part may begin with a plate or be the far side of a bending hinge: its hinge names it uniquely too,
-        // but people look for the module.
         match self.assembly.parts[part].solids.first() {
             Some(solid) if solid.role == Role::Cube => {
                 self.assembly.module_names[solid.module].clone()
@@ -75,7 +73,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Half-heights at zero angles: distance by which the root's centre must be lifted to clear the floor, metres.
+    /// Height of the root's centre above the floor at zero angles when the lowest box just touches it, metres.
     pub(super) fn clearance_m(&self) -> f64 {
         let normal = self.floor.normal_world();
         let lowest = self

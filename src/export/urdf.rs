@@ -53,7 +53,7 @@ impl Format for Urdf {
 }
 
 fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
-    let track = &robot.assembly.robot_from_track.translation.vector
+    let track = robot.assembly.robot_from_track.translation.vector
         - link_origin_robot_m(robot, robot.assembly.track_part);
     let mut warnings = vec![
         Warning::new(
