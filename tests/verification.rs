@@ -8,8 +8,6 @@ use realgap::verification::{Check, Settings, Tolerance, Verdict, run};
 /// Checks that the default settings do not pass, with the reason in docs/fidelity.md. A check that starts to
 /// pass must leave this list, one that starts to fail must be mended.
 const KNOWN_FAILURES: &[&str] = &[
-    // A bar as one box has contacts at its ends only and drifts 1.8 % sideways (0.99 % as four boxes).
-    "friction.straight.bar",
     // Restitution is one pass over the contact points: a flat bounce picks up spin.
     "restitution.flat.first.0.3",
     "restitution.flat.first.0.5",
