@@ -58,7 +58,7 @@ impl Format for Mjcf {
                 Element::new("option")
                     .with("timestep", numbers([TIMESTEP_S]))
                     .with("gravity", numbers([0.0, 0.0, -robot.gravity_m_s2]))
-                    // Euler treats actuator damping explicitly and goes wrong; pyramids push sideways.
+                    // Euler takes servo damping explicitly, so that light joints rattle; a pyramid favours its axes.
                     .with("integrator", "implicitfast")
                     .with("cone", "elliptic"),
             )
