@@ -1,7 +1,7 @@
 //! MJCF, the format of MuJoCo: the whole experiment but restitution and contact softness.
 
 use super::format::{Exported, Format};
-use super::robot::{Robot, mass, origin_robot_m, quaternion, seen_from};
+use super::robot::{Robot, origin_robot_m, quaternion, seen_from};
 use super::xml::{Element, numbers, vector};
 use crate::morphology::{Hinge, Servo, ServoLaw, Solid};
 use crate::warning::Warning;
@@ -235,11 +235,11 @@ fn body(robot: &Robot<'_>, part: usize, hinge: Option<&Hinge>) -> Element {
             );
         }
     }
-    let mass = mass(cluster);
+    let mass = cluster.mass(&nalgebra::Isometry3::identity());
     let i = mass.inertia_kg_m2;
     element.push(
         Element::new("inertial")
-            .with("pos", vector(&(mass.centre_robot_m - origin_m)))
+            .with("pos", vector(&(mass.centre_m - origin_m)))
             .with("mass", numbers([mass.mass_kg]))
             .with(
                 "fullinertia",

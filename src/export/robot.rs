@@ -1,6 +1,6 @@
 //! The robot as export formats see it: parts with mass, names and frames.
 
-use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::morphology::{Assembly, Hinge, Morphology, Part, Role, Solid};
 use crate::simulation::{Experiment, Floor};
@@ -18,14 +18,6 @@ pub struct Robot<'a> {
     pub floor: Floor,
     /// Gravity along −z, m/s².
     pub gravity_m_s2: f64,
-}
-
-/// Mass of a part: kg, centre of mass (m) and inertia about it (kg m²), axes of the robot frame at zero angles.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Mass {
-    pub mass_kg: f64,
-    pub centre_robot_m: Vector3<f64>,
-    pub inertia_kg_m2: Matrix3<f64>,
 }
 
 impl<'a> Robot<'a> {
@@ -110,31 +102,4 @@ pub(super) fn seen_from(origin_robot_m: &Vector3<f64>, pose: &Isometry3<f64>) ->
 /// The quaternion as files write it: real part first.
 pub(super) fn quaternion(rotation: &UnitQuaternion<f64>) -> [f64; 4] {
     [rotation.w, rotation.i, rotation.j, rotation.k]
-}
-
-/// Mass properties of a rigid cluster.
-pub(super) fn mass(part: &Part) -> Mass {
-    let centre_of = |solid: &Solid| {
-        (solid.robot_from_solid * Point3::from(solid.centre_of_mass_solid_m)).coords
-    };
-    let mass_kg: f64 = part.solids.iter().map(|solid| solid.mass_kg).sum();
-    let moment: Vector3<f64> = part
-        .solids
-        .iter()
-        .map(|solid| centre_of(solid) * solid.mass_kg)
-        .sum();
-    let centre_robot_m = moment / mass_kg;
-    let mut inertia_kg_m2 = Matrix3::zeros();
-    for solid in &part.solids {
-        let turn = solid.robot_from_solid.rotation.to_rotation_matrix();
-        let d = centre_of(solid) - centre_robot_m;
-        // Parallel axes (Steiner).
-        inertia_kg_m2 += turn * solid.inertia_kg_m2 * turn.transpose()
-            + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * solid.mass_kg;
-    }
-    Mass {
-        mass_kg,
-        centre_robot_m,
-        inertia_kg_m2,
-    }
 }

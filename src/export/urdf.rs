@@ -3,7 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::format::{Exported, Format};
-use super::robot::{Robot, mass, origin_robot_m};
+use super::robot::{Robot, origin_robot_m};
 use super::xml::{Element, numbers, vector};
 use crate::morphology::{Hinge, Solid};
 use crate::warning::Warning;
@@ -118,7 +118,7 @@ fn origin(position_m: &Vector3<f64>, rotation: &UnitQuaternion<f64>) -> Element 
 
 fn link(robot: &Robot<'_>, part: usize, origin_m: &Vector3<f64>) -> Element {
     let cluster = &robot.assembly.parts[part];
-    let mass = mass(cluster);
+    let mass = cluster.mass(&nalgebra::Isometry3::identity());
     let i = mass.inertia_kg_m2;
     let moment = |row: usize, column: usize| numbers([i[(row, column)]]);
     let mut link = Element::new("link")
@@ -126,7 +126,7 @@ fn link(robot: &Robot<'_>, part: usize, origin_m: &Vector3<f64>) -> Element {
         .child(
             Element::new("inertial")
                 .child(origin(
-                    &(mass.centre_robot_m - origin_m),
+                    &(mass.centre_m - origin_m),
                     &UnitQuaternion::identity(),
                 ))
                 .child(Element::new("mass").with("value", numbers([mass.mass_kg])))

@@ -3,7 +3,7 @@
 //! Everything is given in the robot frame: the frame of the root module at zero servo angles,
 //! origin at the root module's centre, x, y, z along its faces.
 
-use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 
 /// What a solid stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,6 +40,46 @@ pub struct Solid {
 pub struct Part {
     /// The boxes glued together, at least one.
     pub solids: Vec<Solid>,
+}
+
+/// Mass, centre of mass and inertia of a rigid cluster, in one frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClusterMass {
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass, metres.
+    pub centre_m: Vector3<f64>,
+    /// Inertia about the centre of mass, along the frame's axes, kg m².
+    pub inertia_kg_m2: Matrix3<f64>,
+}
+
+impl Part {
+    /// Mass properties of the cluster in a frame given by its pose: the sum over the solids, moved to the common
+    /// centre by the parallel-axes rule (Steiner).
+    pub fn mass(&self, frame_from_robot: &Isometry3<f64>) -> ClusterMass {
+        let pose = |solid: &Solid| frame_from_robot * solid.robot_from_solid;
+        let centre_of =
+            |solid: &Solid| (pose(solid) * Point3::from(solid.centre_of_mass_solid_m)).coords;
+        let mass_kg: f64 = self.solids.iter().map(|solid| solid.mass_kg).sum();
+        let moment: Vector3<f64> = self
+            .solids
+            .iter()
+            .map(|solid| centre_of(solid) * solid.mass_kg)
+            .sum();
+        let centre_m = moment / mass_kg;
+        let mut inertia_kg_m2 = Matrix3::zeros();
+        for solid in &self.solids {
+            let turn = pose(solid).rotation.to_rotation_matrix();
+            let d = centre_of(solid) - centre_m;
+            inertia_kg_m2 += turn * solid.inertia_kg_m2 * turn.transpose()
+                + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * solid.mass_kg;
+        }
+        ClusterMass {
+            mass_kg,
+            centre_m,
+            inertia_kg_m2,
+        }
+    }
 }
 
 /// Open-loop command of a servo: offset + amplitude·sin(2π·frequency·t + phase).

@@ -86,7 +86,7 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-pub use assembly::{Assembly, Gait, Hinge, Part, Role, Servo, ServoLaw, Solid};
+pub use assembly::{Assembly, ClusterMass, Gait, Hinge, Part, Role, Servo, ServoLaw, Solid};
 pub use face::Face;
 pub use glue::Glue;
 pub use module::{Drive, DriveAxis, Module, Plate};

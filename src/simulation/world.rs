@@ -193,7 +193,8 @@ impl World {
         world_from_part: &Isometry3<f64>,
         motion: &Motion,
     ) {
-        let (mass_kg, centre_part_m, inertia_kg_m2) = mass_properties(part, part_from_robot);
+        let mass = part.mass(part_from_robot);
+        let centre_part_m = mass.centre_m;
         let centre_world_m = world_from_part * nalgebra::Point3::from(centre_part_m);
         let velocity = motion.linear_world_m_s
             + motion
@@ -205,8 +206,8 @@ impl World {
             .angvel(to_vector(&motion.angular_world_rad_s))
             .additional_mass_properties(MassProperties::with_inertia_matrix(
                 to_vector(&centre_part_m),
-                mass_kg,
-                to_matrix(&inertia_kg_m2),
+                mass.mass_kg,
+                to_matrix(&mass.inertia_kg_m2),
             ))
             .can_sleep(false)
             .build();
@@ -417,37 +418,6 @@ fn parameters(experiment: &Experiment) -> IntegrationParameters {
     p.contact_softness.natural_frequency = 0.5 * contact.natural_frequency_hz;
     p.contact_softness.damping_ratio = contact.damping_ratio;
     p
-}
-
-/// Mass (kg), centre of mass (m) and inertia about it (kg m²) of a rigid cluster, in the part's frame.
-fn mass_properties(
-    part: &Part,
-    part_from_robot: &Isometry3<f64>,
-) -> (f64, Vector3<f64>, Matrix3<f64>) {
-    let centre_of = |solid: &crate::morphology::Solid| {
-        (part_from_robot
-            * solid.robot_from_solid
-            * nalgebra::Point3::from(solid.centre_of_mass_solid_m))
-        .coords
-    };
-    let mass_kg: f64 = part.solids.iter().map(|solid| solid.mass_kg).sum();
-    let centre_m = part
-        .solids
-        .iter()
-        .map(|solid| centre_of(solid) * solid.mass_kg)
-        .sum::<Vector3<f64>>()
-        / mass_kg;
-    let mut inertia = Matrix3::zeros();
-    for solid in &part.solids {
-        let turn = (part_from_robot * solid.robot_from_solid)
-            .rotation
-            .to_rotation_matrix();
-        let d = centre_of(solid) - centre_m;
-        // Parallel axes (Steiner).
-        inertia += turn * solid.inertia_kg_m2 * turn.transpose()
-            + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * solid.mass_kg;
-    }
-    (mass_kg, centre_m, inertia)
 }
 
 fn to_vector(v: &Vector3<f64>) -> Vector {
