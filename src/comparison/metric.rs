@@ -90,7 +90,7 @@ impl Measurement {
 
 /// A distance between two trajectories. Implement [`Metric::measure`]; call [`Metric::compare`].
 ///
-/// Contract (a test runs over [`METRICS`]): 0 for equal trajectories, never negative, finite, the same
+/// Contract (a test runs over [`METRICS`](super::METRICS)): 0 for equal trajectories, never negative, finite, the same
 /// after turning both about z, and symmetric where [`Metric::is_symmetric`] says so.
 pub trait Metric: Sync {
     /// Name on the command line, e.g. `pca`.

@@ -9,10 +9,10 @@ use crate::warning::Warning;
 /// MuJoCo's XML.
 pub(super) struct Mjcf;
 
-/// Time per step, s. Light parts behind saturated servos need it this short (docs/fidelity_engines.md).
+/// Time per step, s. Light parts behind saturated servos need it this short (docs/fidelity.md).
 const TIMESTEP_S: f64 = 1.0 / 8000.0;
 /// Contacts twenty times shorter than MuJoCo's default time constant, whose softness alone can turn the direction
-/// of a walking robot (docs/fidelity_engines.md).
+/// of a walking robot (docs/fidelity.md).
 const SOLREF: &str = "0.002 1";
 const SOLIMP: &str = "0.95 0.99 0.001";
 /// Height above the floor at the start, m.
