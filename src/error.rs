@@ -154,6 +154,13 @@ impl Error {
         self
     }
 
+    /// The same error as a wrong use of a command: for values that came from an option, not from a file.
+    #[must_use]
+    pub fn into_usage(mut self) -> Self {
+        self.0.kind = ErrorKind::Usage;
+        self
+    }
+
     /// The kind, which decides the exit code.
     pub fn kind(&self) -> ErrorKind {
         self.0.kind

@@ -163,7 +163,7 @@ fn an_unknown_metric_lists_the_known_ones() {
         .args([curves.join("real.csv"), curves.join("far.csv")])
         .args(["--metric", "frechett"])
         .assert()
-        .code(1);
+        .code(2);
     assert!(text(&out.get_output().stderr).contains("hausdorff, frechet, dtw"));
 }
 

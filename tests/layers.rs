@@ -39,7 +39,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
     ),
     (
         "parameter",
-        &["error", "quantity", "morphology", "simulation"],
+        &["error", "warning", "quantity", "morphology", "simulation"],
     ),
     (
         "identification",

@@ -167,6 +167,7 @@ fn motion(path: &Path, unit: LengthUnit) -> Result<String> {
     let mut lines = Vec::new();
     for recording in trajectory::read_all(path, unit)? {
         let motion = &recording.trajectory;
+        let prepared = trajectory::prepare(motion).map_err(|e| e.at_file(path))?;
         let columns = match (
             motion.orientations_world_from_body(),
             motion.velocities_world_m_s(),
@@ -183,7 +184,8 @@ fn motion(path: &Path, unit: LengthUnit) -> Result<String> {
             motion.net_displacement_world_m().xy().norm(),
             motion.path_length_xy_m(),
         ));
-        lines.extend(recording.warnings.iter().map(|w| format!("  warning: {w}")));
+        let warnings = recording.warnings.iter().chain(prepared.warnings());
+        lines.extend(warnings.map(|w| format!("  warning: {w}")));
     }
     Ok(lines.join("\n"))
 }

@@ -19,13 +19,14 @@ use super::terminal;
 /// Every trajectory is resampled to 182 points uniform in time, moved to start at the origin and turned so that
 /// its net displacement lies on +x (paper 003, section 2.2); then each metric measures the distance.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct Compare {
     /// The reference, usually the real run (.csv or .tum)
     reference: PathBuf,
     /// The trajectories to compare with it
     #[arg(required = true, value_name = "TRAJECTORY")]
     trajectories: Vec<PathBuf>,
-    /// Metric, or `all`
+    /// Metric, or `all` that need positions only (rotation and pose are asked for by name)
     #[arg(long, default_value = "all", value_name = "NAME")]
     metric: String,
     /// Keep this many principal components
@@ -52,7 +53,7 @@ impl Compare {
     pub fn run(self) -> Result<ExitCode> {
         let chosen = match self.metric.as_str() {
             "all" => None,
-            name => Some(comparison::by_name(name).map_err(|e| e.field("--metric"))?),
+            name => Some(comparison::by_name(name).map_err(|e| e.field("--metric").into_usage())?),
         };
         if let Some(plot) = &self.plot {
             realgap::report::check_picture_path(plot)?;
@@ -62,6 +63,12 @@ impl Compare {
             (None, Some(share)) => Components::Variance(share),
             (None, None) => Components::default(),
         };
+        components.check().map_err(Error::into_usage)?;
+        if chosen.is_none() && self.body_length.is_some() {
+            return Err(Error::usage("--body-length belongs to --metric pose").hint(
+                "`all` are the metrics of positions; pose and rotation are asked for by name",
+            ));
+        }
         let unit = LengthUnit::from(self.unit);
         let reference = trajectory::read(&self.reference, unit)?;
         let others: Vec<Recording> = self

@@ -50,7 +50,11 @@ impl Evaluate {
             ..self.recordings.overrides()?
         };
         let problem = Problem::new(Study::read(&self.study, &overrides)?)?;
-        let jobs = self.jobs.map_or(0, NonZeroUsize::get);
+        // More threads than recordings would only wait; 0 is all cores.
+        let jobs = self
+            .jobs
+            .map_or(0, NonZeroUsize::get)
+            .min(problem.cases().len());
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(jobs)
             .build()

@@ -11,7 +11,7 @@ use realgap::file::write_atomic;
 use realgap::morphology::Morphology;
 use realgap::simulation::Experiment;
 
-use super::option::Values;
+use super::option::{Values, recording_unused};
 use super::terminal;
 
 /// Write a robot for another simulator: MJCF for MuJoCo, URDF for ROS and PyBullet
@@ -37,7 +37,10 @@ impl Export {
         let format = format_named(&self.format)?;
         let morphology = Morphology::read(&self.morphology)?;
         let experiment = Experiment::new(morphology.assemble());
-        let experiment = self.values.parameter_set()?.apply(&experiment);
+        let values = self.values.parameter_set()?;
+        terminal::print_warnings(&values.without_effect(&experiment));
+        terminal::print_warnings(&recording_unused(&values));
+        let experiment = values.apply(&experiment);
         let exported = format.render(&Robot::new(&morphology, &experiment));
         for warning in &exported.warnings {
             terminal::note(format!("{} does not carry: {}", format.name(), warning));

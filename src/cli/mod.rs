@@ -60,6 +60,7 @@ enum Command {
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     match run(cli.command) {
+        Ok(_) if terminal::output_lost() => ExitCode::FAILURE,
         Ok(code) => code,
         Err(error) => {
             terminal::print_error(&error);

@@ -4,12 +4,12 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use realgap::Result;
 use realgap::identification::StartState;
 use realgap::parameter::{Assignment, ParameterSet};
 use realgap::quantity::LengthUnit;
 use realgap::simulation::JointKind;
 use realgap::study::{Overrides, Part, read_parameters};
+use realgap::{Result, Warning};
 
 /// How results are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -147,4 +147,21 @@ impl Values {
             .iter()
             .fold(all, |set, assignment| set.with(*assignment)))
     }
+}
+
+/// Values about recordings, where there are none.
+pub fn recording_unused(values: &ParameterSet) -> Vec<Warning> {
+    let idle = values
+        .iter()
+        .filter(|a| a.parameter.name.starts_with("recording."));
+    idle.map(|a| {
+        Warning::new(
+            "no-effect",
+            format!(
+                "{} has no effect: no recording is read here",
+                a.parameter.name
+            ),
+        )
+    })
+    .collect()
 }

@@ -17,6 +17,7 @@ use super::terminal;
 /// They take the place of real runs where there are none, so that a calibration can be tested on known
 /// truth. `meta.ron` beside them says that they are stand-ins and how they were made.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct Record {
     /// The robot
     morphology: PathBuf,
@@ -70,7 +71,14 @@ impl Record {
         experiment.duration_s = self.duration;
         experiment.sampling = Sampling::Rate(self.rate);
         let values = self.values.parameter_set()?;
+        terminal::print_warnings(&values.without_effect(&experiment));
         let experiment = values.apply(&experiment);
+        let old = self.output.join(trajectory::META_FILE);
+        if old.exists() {
+            return Err(Error::conflict("the folder already holds recordings")
+                .at_file(&self.output)
+                .hint("name a new folder, or remove the old one: a mixture of two sets would carry the wrong meta.ron"));
+        }
         std::fs::create_dir_all(&self.output)
             .map_err(|e| Error::io("make the folder", &self.output, &e))?;
         let bar = super::progress::bar(self.repeats as usize, "recording");

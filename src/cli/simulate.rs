@@ -12,7 +12,7 @@ use realgap::trajectory;
 use realgap::{Error, Result};
 use serde_json::json;
 
-use super::option::{Format, Joint, Values};
+use super::option::{Format, Joint, Values, recording_unused};
 use super::terminal;
 
 /// Simulate one run of a robot from rest and print what it did
@@ -20,6 +20,7 @@ use super::terminal;
 /// The robot is placed on the floor with its servos at their first command, comes to rest, and then
 /// follows its gait. `-o` writes the tracked module's motion (.csv with velocities, or .tum).
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct Simulate {
     /// The robot, e.g. morphologies/tripod.ron
     morphology: PathBuf,
@@ -54,7 +55,10 @@ impl Simulate {
         let mut experiment = Experiment::new(morphology.assemble());
         experiment.duration_s = self.duration;
         experiment.sampling = Sampling::Rate(self.rate);
-        let mut experiment = self.values.parameter_set()?.apply(&experiment);
+        let values = self.values.parameter_set()?;
+        terminal::print_warnings(&values.without_effect(&experiment));
+        terminal::print_warnings(&recording_unused(&values));
+        let mut experiment = values.apply(&experiment);
         if let Some(timestep_s) = self.timestep {
             experiment.solver.timestep_s = timestep_s;
         }
@@ -67,6 +71,7 @@ impl Simulate {
         if let Some(output) = &self.output {
             trajectory::format_of(output)?;
         }
+        experiment.check().map_err(Error::into_usage)?;
         let run = simulation::run(&experiment)?;
         terminal::print_warnings(&run.warnings);
         if let (Some(output), Some(motion)) = (&self.output, &run.trajectory) {

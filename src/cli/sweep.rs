@@ -11,7 +11,7 @@ use realgap::quantity::LengthUnit;
 use realgap::report::quantity;
 use realgap::study::{Mode, Overrides, Problem, Study, sweep};
 use realgap::tuning::{Ending, UncertaintySource};
-use realgap::{Error, Result};
+use realgap::{Error, Result, Warning};
 
 use super::option::{Format, UnitOption, Values};
 use super::{interrupt, progress, terminal};
@@ -71,6 +71,21 @@ impl Sweep {
         };
         let problem = Problem::new(Study::read(&self.study, &overrides)?)?;
         terminal::print_warnings(problem.warnings());
+        let varied = problem
+            .study()
+            .grid
+            .ranges()
+            .iter()
+            .map(|range| range.parameter.name);
+        let overruled = varied
+            .filter(|name| overrides.set.value(name).is_some())
+            .map(|name| {
+                Warning::new(
+                    "no-effect",
+                    format!("{name} was set, but the study varies it: the study's range counts"),
+                )
+            });
+        terminal::print_warnings(&overruled.collect::<Vec<_>>());
         let folder = match &self.output {
             Some(folder) => folder.clone(),
             None => PathBuf::from("results").join(&problem.study().name),

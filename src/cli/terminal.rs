@@ -1,6 +1,7 @@
 //! Printing: colours only on a terminal that wants them, broken pipes are no error.
 
 use std::io::{IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use realgap::{Error, Warning};
 
@@ -14,9 +15,28 @@ pub fn stdout_wants_colour() -> bool {
     wants_colour(std::io::stdout().is_terminal())
 }
 
-/// Writes text and a newline to standard output; a reader that has gone away is no error.
+/// Set when standard output refused something, e.g. on a full disk.
+static OUTPUT_LOST: AtomicBool = AtomicBool::new(false);
+
+/// Writes text and a newline to standard output; a reader that has gone away is no error, a full disk is.
 pub fn print(text: impl AsRef<str>) {
-    let _ = writeln!(std::io::stdout(), "{}", text.as_ref());
+    let mut stdout = std::io::stdout();
+    let written = writeln!(stdout, "{}", text.as_ref()).and_then(|()| stdout.flush());
+    if let Err(error) = written
+        && error.kind() != std::io::ErrorKind::BrokenPipe
+        && !OUTPUT_LOST.swap(true, Ordering::Relaxed)
+    {
+        print_error(&Error::io(
+            "write to standard output",
+            "standard output",
+            &error,
+        ));
+    }
+}
+
+/// Whether some output could not be written; the exit code must say so.
+pub fn output_lost() -> bool {
+    OUTPUT_LOST.load(Ordering::Relaxed)
 }
 
 /// Writes text and a newline to standard error.

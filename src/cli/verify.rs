@@ -19,6 +19,7 @@ use super::terminal;
 /// explains each check. Checks that involve hinges are run with both joint kinds unless --joint chooses one.
 /// Exit code 0: all passed; 1: some failed.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct Verify {
     /// Time per step, seconds [default: see `realgap parameters`]
     #[arg(long, value_name = "S")]

@@ -30,6 +30,14 @@ impl Default for Components {
 
 impl Components {
     /// How many of the components with these shares of the variance count.
+    /// Checks that at least one component and a share between 0 and 1 are asked for.
+    ///
+    /// # Errors
+    /// 0 components, or a share that is not more than 0 and at most 1.
+    pub fn check(self) -> Result<()> {
+        self.kept(&[1.0]).map(|_| ())
+    }
+
     fn kept(self, ratio: &[f64]) -> Result<usize> {
         match self {
             Self::Count(0) => Err(Error::invalid("at least one component must be kept")

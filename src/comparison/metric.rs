@@ -131,6 +131,7 @@ pub trait Metric: Sync {
         if needs.preparation {
             warnings.extend_from_slice(pair.real_prepared.warnings());
             warnings.extend_from_slice(pair.simulated_prepared.warnings());
+            warnings.extend(different_durations(pair));
         }
         Ok(Score {
             value: measured.value,
@@ -139,6 +140,18 @@ pub trait Metric: Sync {
             warnings,
         })
     }
+}
+
+/// Preparation maps whatever was recorded onto 182 points, so that a run half as long looks half as fast.
+fn different_durations(pair: &Pair<'_>) -> Option<Warning> {
+    let (real_s, simulated_s) = (pair.real.duration_s(), pair.simulated.duration_s());
+    let differ = (real_s - simulated_s).abs() > 0.01 * real_s.max(simulated_s);
+    differ.then(|| {
+        Warning::new(
+            "different-durations",
+            format!("a trajectory of {real_s:.2} s is compared with one of {simulated_s:.2} s, point by point in relative time"),
+        )
+    })
 }
 
 impl std::fmt::Debug for dyn Metric {

@@ -8,7 +8,7 @@ mod verdict;
 
 use std::path::Path;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::study::{Problem, Sweep};
 
 pub use summary::Summary;
@@ -19,6 +19,7 @@ pub use verdict::Verdict;
 /// # Errors
 /// A full disk or an unwritable folder.
 pub fn write(folder: &Path, problem: &Problem, sweep: &Sweep) -> Result<Summary> {
+    remove_old(folder)?;
     table::write_points(folder, problem, sweep)?;
     table::write_scores(folder, problem, sweep)?;
     let summary = Summary::new(problem, sweep)?;
@@ -26,4 +27,24 @@ pub fn write(folder: &Path, problem: &Problem, sweep: &Sweep) -> Result<Summary>
     best::write(folder, problem, sweep, &summary)?;
     picture::draw(folder, problem, sweep, &summary)?;
     Ok(summary)
+}
+
+/// Removes what an earlier sweep wrote for people: a heat map must not outlive its study.
+fn remove_old(folder: &Path) -> Result<()> {
+    let ours = |name: &str| {
+        let is_picture = [".png", ".svg"].iter().any(|end| name.ends_with(end))
+            && ["heatmap", "curve", "trajectories"]
+                .iter()
+                .any(|start| name.starts_with(start));
+        is_picture || ["points.csv", "scores.csv", "summary.json", "best.ron"].contains(&name)
+    };
+    let entries = std::fs::read_dir(folder)
+        .map_err(|e| Error::io("look into the results folder", folder, &e))?;
+    for entry in entries.flatten() {
+        if ours(&entry.file_name().to_string_lossy()) {
+            std::fs::remove_file(entry.path())
+                .map_err(|e| Error::io("remove an old result", entry.path(), &e))?;
+        }
+    }
+    Ok(())
 }

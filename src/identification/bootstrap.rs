@@ -38,13 +38,21 @@ impl Interval {
 /// Percentile bootstrap over recordings (Efron & Tibshirani 1993, chapter 13) of several quantities at once.
 ///
 /// `estimate` gets how often each recording is drawn; `None` (nothing can be estimated) is left out. `None` where
-/// all recordings together give nothing.
+/// all recordings together give nothing; an unbounded interval for a single recording.
 pub(super) fn intervals<const N: usize>(
     recordings: usize,
     seed: u64,
     estimate: impl Fn(&[f64]) -> Option<[f64; N]>,
 ) -> Option<[Interval; N]> {
     let values = estimate(&vec![1.0; recordings])?;
+    if recordings < 2 {
+        // One recording says nothing about how much another would differ.
+        return Some(values.map(|value| Interval {
+            value,
+            low: f64::NEG_INFINITY,
+            high: f64::INFINITY,
+        }));
+    }
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut draws: Vec<[f64; N]> = Vec::with_capacity(RESAMPLES);
     for _ in 0..RESAMPLES {

@@ -5,6 +5,7 @@ use std::fmt;
 use super::{Parameter, by_name};
 use crate::error::{Error, Result};
 use crate::simulation::Experiment;
+use crate::warning::Warning;
 
 /// One parameter with a checked value.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,6 +98,25 @@ impl ParameterSet {
     /// True where nothing is set.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
+    }
+
+    /// What this set says about parts that the robot does not have: said, not silently ignored.
+    pub fn without_effect(&self, experiment: &Experiment) -> Vec<Warning> {
+        let has_servos = !experiment.assembly.hinges.is_empty();
+        let idle = self.0.iter().filter(|a| {
+            let name = a.parameter.name;
+            !has_servos && (name.starts_with("servo.") || name.starts_with("gait."))
+        });
+        idle.map(|a| {
+            Warning::new(
+                "no-effect",
+                format!(
+                    "{} has no effect: the robot has no servos",
+                    a.parameter.name
+                ),
+            )
+        })
+        .collect()
     }
 
     /// A new experiment with every assignment applied.

@@ -12,9 +12,9 @@ use crate::identification::StartState;
 use crate::morphology::Morphology;
 use crate::parameter::{Assignment, ParameterSet, by_name};
 use crate::quantity::LengthUnit;
-use crate::simulation::{Experiment, JointKind};
+use crate::simulation::Experiment;
 use crate::trajectory::Recording;
-use crate::tuning::{Grid, Range};
+use crate::tuning::{Grid, MAX_POINTS, Range};
 use crate::warning::Warning;
 
 /// Where a simulated run starts.
@@ -161,8 +161,8 @@ pub struct Study {
     pub start_state: StartState,
     /// Length of the runs, seconds; `None`: as long as the recordings.
     pub duration_s: Option<f64>,
-    /// How parts are jointed, where the study says so.
-    pub joint: Option<JointKind>,
+    /// Unit of length of the recordings' files.
+    pub unit: LengthUnit,
     /// Fixed parameter values.
     pub set: ParameterSet,
     /// The parameters that vary.
@@ -182,10 +182,7 @@ pub struct Study {
 impl Study {
     /// The experiment with everything that the study fixes, before any recording has a say.
     pub fn experiment(&self) -> Experiment {
-        let mut base = Experiment::new(self.morphology.assemble());
-        if let Some(joint) = self.joint {
-            base.solver.joint = joint;
-        }
+        let base = Experiment::new(self.morphology.assemble());
         self.set.apply(&base)
     }
 
@@ -228,6 +225,11 @@ impl Study {
         let named = [
             ("timestep_s", file.timestep_s),
             ("solver.substeps", file.substeps.map(|n| n as f64)),
+            (
+                "solver.joint",
+                file.joint
+                    .map(|joint| f64::from(u8::from(matches!(joint, Joint::Multibody)))),
+            ),
         ];
         for (name, value) in named {
             if let Some(value) = value {
@@ -253,13 +255,18 @@ impl Study {
                         overrides.points.unwrap_or(range.points),
                     )
                 })
-                .map_err(|e| source.at(&format!("parameters[{index}]"), e))?;
+                .map_err(|e| match overrides.points {
+                    Some(points) if !(2..=MAX_POINTS).contains(&points) => {
+                        e.field("--points").into_usage()
+                    }
+                    _ => source.at(&format!("parameters[{index}]"), e),
+                })?;
             ranges.push(checked);
         }
         let grid = Grid::new(ranges).map_err(|e| source.at("parameters", e))?;
         let metric_name = overrides.metric.as_deref().unwrap_or(&file.metric);
         let metric = comparison::by_name(metric_name).map_err(|e| match overrides.metric {
-            Some(_) => e.field("--metric"),
+            Some(_) => e.field("--metric").into_usage(),
             None => source.at("metric", e),
         })?;
         let components = match file.components {
@@ -267,6 +274,7 @@ impl Study {
             Some(ComponentsFile::Variance(share)) => Components::Variance(share),
             Some(ComponentsFile::Count(count)) => Components::Count(count),
         };
+        components.check().map_err(|e| source.at("components", e))?;
         if let Some(duration_s) = file.duration_s
             && !(1e-3..=3600.0).contains(&duration_s)
         {
@@ -305,10 +313,7 @@ impl Study {
             start: file.start,
             start_state,
             duration_s: file.duration_s,
-            joint: file.joint.map(|joint| match joint {
-                Joint::Multibody => JointKind::Multibody,
-                Joint::Impulse => JointKind::Impulse,
-            }),
+            unit: overrides.unit,
             set,
             grid,
             metric,

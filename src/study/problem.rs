@@ -28,6 +28,7 @@ impl Problem {
     pub fn new(study: Study) -> Result<Self> {
         let (cases, mut warnings) = cases(&study)?;
         warnings.extend(study.warnings.iter().cloned());
+        warnings.extend(study.set.without_effect(&cases[0].experiment));
         warnings.sort();
         warnings.dedup();
         let body_length_m = study.morphology.assemble().body_length_m;
@@ -251,7 +252,8 @@ impl Problem {
             .with("solver", format!("{:?}", experiment.solver))
             .with("contact", format!("{:?}", experiment.contact))
             .with("set", &study.set)
-            .with("seed", study.seed);
+            .with("seed", study.seed)
+            .with("unit of the recordings", format!("{:?}", study.unit));
         if study.start_state != StartState::FirstSample {
             print = print.with("start state", study.start_state.label());
         }
@@ -261,8 +263,13 @@ impl Problem {
                 format!("{} to {}, {} points", range.from, range.to, range.points),
             );
         }
-        for (recording, sha256) in study.recordings.iter().zip(&study.recordings_sha256) {
-            print = print.with(format!("recording {}", recording.name), sha256);
+        for (index, (recording, sha256)) in study
+            .recordings
+            .iter()
+            .zip(&study.recordings_sha256)
+            .enumerate()
+        {
+            print = print.with(format!("recording {index} {}", recording.name), sha256);
         }
         print
     }

@@ -45,8 +45,10 @@ pub fn drive(
         .collect();
     let mut done = evaluation.points - todo.len();
     progress(done);
+    // More threads than points would only wait.
+    let jobs = evaluation.jobs.clamp(1, todo.len().max(1));
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(evaluation.jobs.max(1))
+        .num_threads(jobs)
         .build()
         .map_err(|e| {
             Error::conflict(format!("cannot start {} threads: {e}", evaluation.jobs))
@@ -57,7 +59,7 @@ pub fn drive(
     let (sender, receiver) = mpsc::channel::<Result<Trial>>();
     let mut first_error = None;
     pool.in_place_scope(|scope| {
-        for _ in 0..evaluation.jobs.max(1) {
+        for _ in 0..jobs {
             let (sender, next, abort, todo, evaluate) =
                 (sender.clone(), &next, &abort, &todo, &evaluate);
             scope.spawn(move |_| {

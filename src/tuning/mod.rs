@@ -7,7 +7,7 @@ mod grid;
 mod uncertainty;
 
 pub use driver::{Ending, Evaluation, drive};
-pub use grid::{Grid, Range};
+pub use grid::{Grid, MAX_POINTS, Range};
 pub use uncertainty::{
     Uncertainty, UncertaintySource, bootstrap_indistinguishable, spread_indistinguishable,
     standard_deviation,
