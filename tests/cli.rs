@@ -219,3 +219,86 @@ fn a_simulation_that_diverges_is_an_error_with_advice() {
         "{error}"
     );
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn output_that_cannot_be_written_is_a_failure() {
+    let full = std::fs::File::create("/dev/full").unwrap();
+    let status = std::process::Command::new(env!("CARGO_BIN_EXE_realgap"))
+        .arg("parameters")
+        .stdout(full)
+        .stderr(std::process::Stdio::null())
+        .status()
+        .unwrap();
+    assert_eq!(status.code(), Some(1));
+}
+
+#[test]
+fn a_setting_without_effect_is_said() {
+    let out = realgap()
+        .args([
+            "simulate",
+            "morphologies/cube.ron",
+            "--duration",
+            "0.1",
+            "--set",
+            "servo.gain=3",
+        ])
+        .args(["--set", "recording.length_scale=2"])
+        .assert()
+        .success();
+    let warnings = text(&out.get_output().stderr);
+    assert!(
+        warnings.contains("servo.gain has no effect")
+            && warnings.contains("recording.length_scale has no effect")
+    );
+}
+
+#[test]
+fn runs_of_different_length_are_compared_with_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let short = folder.path().join("short.csv");
+    realgap()
+        .args([
+            "simulate",
+            "morphologies/tripod.ron",
+            "--duration",
+            "2",
+            "-o",
+        ])
+        .arg(&short)
+        .assert()
+        .success();
+    let out = realgap()
+        .args(["compare", "real_trajectories/tripod_standin/run_00.csv"])
+        .arg(&short)
+        .assert()
+        .success();
+    assert!(text(&out.get_output().stderr).contains("different-durations"));
+}
+
+#[test]
+fn values_from_options_that_cannot_be_used_are_wrong_usage() {
+    let curves = project().join("tests/golden/curves");
+    for arguments in [
+        ["--components", "0"],
+        ["--variance", "2"],
+        ["--body-length", "0.1"],
+        ["--metric", "no_such"],
+    ] {
+        realgap()
+            .arg("compare")
+            .args([curves.join("real.csv"), curves.join("far.csv")])
+            .args(arguments)
+            .assert()
+            .code(2);
+    }
+    realgap()
+        .args(["simulate", "morphologies/cube.ron", "--duration", "-1"])
+        .assert()
+        .code(2);
+    realgap()
+        .args(["sweep", "sweeps/tripod_floor.ron", "--points", "1"])
+        .assert()
+        .code(2);
+}

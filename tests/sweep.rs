@@ -516,3 +516,72 @@ fn two_hidden_floor_values_of_real_tosses_are_where_others_found_them() {
     let position = summary["pose"]["position_percent"].as_f64().unwrap();
     assert!(position < 18.0, "{position} %");
 }
+
+#[test]
+fn another_unit_of_the_recordings_is_another_study() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let study = quick_study(folder.path(), 2);
+    realgap()
+        .arg("sweep")
+        .arg(&study)
+        .arg("-o")
+        .arg(&out)
+        .assert()
+        .success();
+    let refused = realgap()
+        .arg("sweep")
+        .arg(&study)
+        .args(["--unit", "cm", "--resume", "-o"])
+        .arg(&out)
+        .assert()
+        .code(1);
+    let error = text(&refused.get_output().stderr);
+    assert!(
+        error.contains("unit of the recordings") && error.contains("Centimetre"),
+        "{error}"
+    );
+}
+
+#[test]
+fn pictures_do_not_outlive_their_study() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    realgap()
+        .arg("sweep")
+        .arg(quick_study(folder.path(), 2))
+        .arg("-o")
+        .arg(&out)
+        .assert()
+        .success();
+    assert!(out.join("heatmap.png").exists() && out.join("scores.csv").exists());
+    realgap()
+        .arg("sweep")
+        .arg(slope(folder.path(), 0.001))
+        .args(["--restart", "-o"])
+        .arg(&out)
+        .assert()
+        .code(1);
+    for gone in ["heatmap.png", "heatmap.svg", "best.ron"] {
+        assert!(
+            !out.join(gone).exists(),
+            "{gone} is left from another study"
+        );
+    }
+}
+
+#[test]
+fn a_value_for_a_parameter_that_the_study_varies_is_not_silently_ignored() {
+    let folder = tempfile::tempdir().unwrap();
+    let assert = realgap()
+        .arg("sweep")
+        .arg(quick_study(folder.path(), 2))
+        .args(["--set", "floor.friction=0.3", "-o"])
+        .arg(folder.path().join("out"))
+        .assert()
+        .success();
+    assert!(
+        text(&assert.get_output().stderr)
+            .contains("floor.friction was set, but the study varies it")
+    );
+}
