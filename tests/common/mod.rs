@@ -58,3 +58,14 @@ pub fn quick_study(folder: &Path, points: usize) -> PathBuf {
         ),
     )
 }
+
+/// A text file of a results folder.
+pub fn read(folder: &Path, file: &str) -> String {
+    std::fs::read_to_string(folder.join(file))
+        .unwrap_or_else(|e| panic!("{}: {e}", folder.join(file).display()))
+}
+
+/// The summary of a results folder.
+pub fn summary(folder: &Path) -> serde_json::Value {
+    serde_json::from_str(&read(folder, "summary.json")).unwrap()
+}
