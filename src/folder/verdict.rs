@@ -57,7 +57,10 @@ fn verdict(range: &Range, best: f64, low: f64, high: f64) -> Verdict {
     let unit = range.parameter.unit.symbol();
     let show = |value: f64| format!("{value:.digits$} {unit}").trim_end().to_owned();
     let name = range.parameter.name;
-    let at_edge = best == range.from || best == range.to;
+    // At a bound of the parameter itself (restitution 0) there is nothing to widen.
+    let (lowest, highest) = range.parameter.bounds;
+    let at_edge =
+        (best == range.from && range.from > lowest) || (best == range.to && range.to < highest);
     let text = match (identified, at_edge) {
         (false, _) => format!(
             "{name} is not determined by these recordings: values from {} to {} fit as well as the best, {}",
