@@ -33,19 +33,7 @@ impl Format for Mjcf {
 
     fn render(&self, robot: &Robot<'_>) -> Exported {
         let warnings = warnings(robot);
-        let mut comments = vec![format!(
-            "Robot {} exported by realgap {}. SI units, radians, z up.",
-            robot.name,
-            env!("CARGO_PKG_VERSION")
-        )];
-        if !robot.description.is_empty() {
-            comments.push(robot.description.to_owned());
-        }
-        comments.extend(
-            warnings
-                .iter()
-                .map(|w| format!("Not carried: {}", w.message)),
-        );
+        let comments = robot.comments("", &warnings);
         let mut root = Element::new("mujoco")
             .with("model", robot.name)
             .child(

@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::morphology::{Assembly, Hinge, Morphology, Part, Role, Solid};
 use crate::simulation::{Experiment, Floor};
+use crate::warning::Warning;
 
 /// A robot to be exported, with the world it stands in.
 #[derive(Debug, Clone)]
@@ -30,6 +31,24 @@ impl<'a> Robot<'a> {
             floor: experiment.floor,
             gravity_m_s2: experiment.gravity_m_s2,
         }
+    }
+
+    /// What the head of an exported file says: where it comes from, what `remark` adds, what is not in it.
+    pub(super) fn comments(&self, remark: &str, not_carried: &[Warning]) -> Vec<String> {
+        let mut comments = vec![format!(
+            "Robot {} exported by realgap {}. SI units, radians, z up.{remark}",
+            self.name,
+            env!("CARGO_PKG_VERSION")
+        )];
+        if !self.description.is_empty() {
+            comments.push(self.description.to_owned());
+        }
+        comments.extend(
+            not_carried
+                .iter()
+                .map(|w| format!("Not carried: {}", w.message)),
+        );
+        comments
     }
 
     /// The hinges that a part carries.

@@ -25,18 +25,9 @@ impl Format for Urdf {
 
     fn render(&self, robot: &Robot<'_>) -> Exported {
         let warnings = warnings(robot);
-        let mut comments = vec![format!(
-            "Robot {} exported by realgap {}. SI units, radians, z up. PyBullet: load with URDF_USE_INERTIA_FROM_FILE.",
-            robot.name,
-            env!("CARGO_PKG_VERSION")
-        )];
-        if !robot.description.is_empty() {
-            comments.push(robot.description.to_owned());
-        }
-        comments.extend(
-            warnings
-                .iter()
-                .map(|w| format!("Not carried: {}", w.message)),
+        let comments = robot.comments(
+            " PyBullet: load with URDF_USE_INERTIA_FROM_FILE.",
+            &warnings,
         );
         let mut root = Element::new("robot").with("name", robot.name);
         root.push(link(robot, 0, &origin_robot_m(&robot.assembly.parts[0])));

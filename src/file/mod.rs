@@ -29,12 +29,14 @@
 //! ```
 
 mod decode;
+mod input;
 mod outline;
 mod output;
 mod source;
 mod suggestion;
 
 pub use decode::{parse_ron, write_ron};
+pub(crate) use input::read_limited;
 pub use output::write_atomic;
 pub use source::{MAX_FILE_BYTES, MAX_NESTING, Source};
 pub use suggestion::nearest_name;

@@ -1,11 +1,11 @@
 //! A text and where it came from.
 
 use std::fmt::Write as _;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest as _, Sha256};
 
+use super::input::read_limited;
 use super::outline::{self, Entry};
 use crate::{Error, Result};
 
@@ -37,19 +37,7 @@ impl Source {
     /// Missing or unreadable files, folders, more than [`MAX_FILE_BYTES`], and anything that is not UTF-8 text.
     pub fn read(path: impl AsRef<Path>, kind: &str) -> Result<Self> {
         let path = path.as_ref();
-        let doing = format!("read the {kind}");
-        let refuse = |error: std::io::Error| Error::io(&doing, path, &error);
-        let file = std::fs::File::open(path).map_err(refuse)?;
-        if file.metadata().map_err(refuse)?.is_dir() {
-            return Err(Error::invalid(format!("cannot {doing}: this is a folder"))
-                .at_file(path)
-                .hint("name one file inside it"));
-        }
-        let mut bytes = Vec::new();
-        // One byte more than allowed, so that endless files (/dev/zero) are refused, not read.
-        file.take(MAX_FILE_BYTES + 1)
-            .read_to_end(&mut bytes)
-            .map_err(refuse)?;
+        let bytes = read_limited(path, MAX_FILE_BYTES, kind)?;
         Self::from_bytes(path, bytes, kind)
     }
 

@@ -1,9 +1,9 @@
 //! Text files of numbers: read within limits, cut into cells that know their line and column.
 
-use std::io::Read as _;
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::file::read_limited;
 
 /// Largest recording that is read, in bytes (256 MB).
 pub const MAX_FILE_BYTES: u64 = 256_000_000;
@@ -20,18 +20,7 @@ pub const MAX_COLUMNS: usize = 1_000;
 /// Unreadable, a folder, more than `limit` bytes, or not UTF-8 (with line and column).
 pub(super) fn read_text(path: &Path, limit: u64, kind: &str) -> Result<String> {
     let doing = format!("read the {kind}");
-    let refuse = |error: std::io::Error| Error::io(&doing, path, &error);
-    let file = std::fs::File::open(path).map_err(refuse)?;
-    if file.metadata().map_err(refuse)?.is_dir() {
-        return Err(Error::invalid(format!("cannot {doing}: this is a folder"))
-            .at_file(path)
-            .hint("name one file inside it"));
-    }
-    let mut bytes = Vec::new();
-    // One byte more than allowed, so that endless files (/dev/zero) are refused, not read.
-    file.take(limit + 1)
-        .read_to_end(&mut bytes)
-        .map_err(refuse)?;
+    let mut bytes = read_limited(path, limit, kind)?;
     if bytes.len() as u64 > limit {
         return Err(
             Error::invalid(format!("cannot {doing}: the file is too large"))
