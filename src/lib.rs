@@ -72,6 +72,7 @@ pub mod parameter;
 pub mod quantity;
 pub mod report;
 pub mod simulation;
+pub mod statistic;
 pub mod store;
 pub mod study;
 pub mod trajectory;

@@ -10,6 +10,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
     ("error", &[]),
     ("warning", &[]),
     ("quantity", &[]),
+    ("statistic", &["error"]),
     ("file", &["error"]),
     ("trajectory", &["error", "warning", "quantity", "file"]),
     (
@@ -53,7 +54,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
         ],
     ),
     ("store", &["error"]),
-    ("tuning", &["error", "parameter", "store"]),
+    ("tuning", &["error", "statistic", "parameter", "store"]),
     ("study", BELOW_STUDY),
     ("report", &["error", "warning", "quantity", "file"]),
     (
@@ -79,6 +80,7 @@ const BELOW_STUDY: &[&str] = &[
     "error",
     "warning",
     "quantity",
+    "statistic",
     "file",
     "trajectory",
     "comparison",

@@ -8,10 +8,10 @@ use super::problem::Problem;
 use super::score::Scores;
 use crate::error::{Error, Result};
 use crate::simulation::Noise;
+use crate::statistic::standard_deviation;
 use crate::store::{OutcomeStatus, STORE_FILE, Store};
 use crate::tuning::{
     Ending, Evaluation, Uncertainty, bootstrap_indistinguishable, drive, spread_indistinguishable,
-    standard_deviation,
 };
 
 /// What to do with results that are already in the folder.

@@ -10,5 +10,4 @@ pub use driver::{Ending, Evaluation, drive};
 pub use grid::{Grid, MAX_POINTS, Range};
 pub use uncertainty::{
     Uncertainty, UncertaintySource, bootstrap_indistinguishable, spread_indistinguishable,
-    standard_deviation,
 };

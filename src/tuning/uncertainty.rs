@@ -1,7 +1,6 @@
 //! Which points of a study cannot be told apart from the best one.
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use crate::statistic::{normal_quantile, resamples, standard_deviation};
 
 /// Where the uncertainty of the scores comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -47,9 +46,7 @@ pub fn bootstrap_indistinguishable(
     seed: u64,
 ) -> Uncertainty {
     let best_scores = scores[best].clone().unwrap_or_default();
-    let weights = resample_weights(best_scores.len(), seed);
-    let weighted =
-        |values: &[f64], weight: &[f64]| values.iter().zip(weight).map(|(v, w)| v * w).sum::<f64>();
+    let resamples = resamples(best_scores.len(), RESAMPLES, seed);
     let noise_sd = std::f64::consts::SQRT_2 * simulation_sd;
     let as_good = |difference: f64| {
         if noise_sd > 0.0 {
@@ -70,16 +67,16 @@ pub fn bootstrap_indistinguishable(
                 .zip(&best_scores)
                 .map(|(p, b)| p - b)
                 .collect();
-            let probability: f64 = weights
+            let probability: f64 = resamples
                 .iter()
-                .map(|weight| as_good(weighted(&difference, weight)))
+                .map(|resample| as_good(resample.mean(&difference)))
                 .sum();
             point == best || probability > (1.0 - level) * RESAMPLES as f64
         })
         .collect();
-    let means: Vec<f64> = weights
+    let means: Vec<f64> = resamples
         .iter()
-        .map(|weight| weighted(&best_scores, weight))
+        .map(|resample| resample.mean(&best_scores))
         .collect();
     Uncertainty {
         source: UncertaintySource::Bootstrap,
@@ -115,38 +112,6 @@ pub fn spread_indistinguishable(
         best_score_sd,
         simulation_sd: best_score_sd,
         indistinguishable,
-    }
-}
-
-/// Weights of every resample: how often each recording was drawn, divided by their number.
-fn resample_weights(recordings: usize, seed: u64) -> Vec<Vec<f64>> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    (0..RESAMPLES)
-        .map(|_| {
-            let mut weights = vec![0.0; recordings];
-            for _ in 0..recordings {
-                weights[rng.random_range(0..recordings)] += 1.0 / recordings as f64;
-            }
-            weights
-        })
-        .collect()
-}
-
-/// Sample standard deviation; 0 for fewer than two values.
-pub fn standard_deviation(values: &[f64]) -> f64 {
-    if values.len() < 2 {
-        return 0.0;
-    }
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64).sqrt()
-}
-
-/// Quantile of the standard normal for the usual one-sided levels.
-fn normal_quantile(level: f64) -> f64 {
-    match level {
-        l if l >= 0.99 => 2.326_347_874,
-        l if l >= 0.95 => 1.644_853_627,
-        _ => 1.281_551_566,
     }
 }
 

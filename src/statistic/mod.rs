@@ -1,0 +1,11 @@
+//! Numbers about samples: what a spread is, how sure a share is, and resampling.
+//!
+//! Checked against scipy and statsmodels where they have the same quantity (tests/statistic.rs).
+
+mod bootstrap;
+mod describe;
+mod proportion;
+
+pub use bootstrap::{Resample, resamples};
+pub use describe::{mean, median, quantile, standard_deviation};
+pub use proportion::{Proportion, normal_quantile};
