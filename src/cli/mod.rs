@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, each one library call plus printing.
 
+mod answer;
 mod check;
 mod compare;
 mod completions;
@@ -14,6 +15,7 @@ mod record;
 mod simulate;
 mod sweep;
 mod terminal;
+mod tune;
 mod verify;
 
 use std::process::ExitCode;
@@ -38,6 +40,7 @@ The usual way through:
   realgap simulate morphologies/tripod.ron -o a.csv one run, written as a trajectory
   realgap compare real.csv a.csv --plot gap.png     how far apart are the two?
   realgap sweep sweeps/tripod_floor.ron             which friction and restitution fit best?
+  realgap tune sweeps/tripod_floor.ron              the same question with a quarter of the simulations
 
 Exit codes: 0 fine, 1 failed, 2 wrong usage, 130 interrupted (the work so far is saved).";
 
@@ -47,6 +50,7 @@ enum Command {
     Simulate(simulate::Simulate),
     Compare(compare::Compare),
     Sweep(sweep::Sweep),
+    Tune(tune::Tune),
     Evaluate(evaluate::Evaluate),
     Identify(identify::Identify),
     Record(record::Record),
@@ -79,6 +83,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Simulate(simulate) => simulate.run(),
         Command::Compare(compare) => compare.run(),
         Command::Sweep(sweep) => sweep.run(),
+        Command::Tune(tune) => tune.run(),
         Command::Evaluate(evaluate) => evaluate.run(),
         Command::Identify(identify) => identify.run(),
         Command::Record(record) => record.run(),

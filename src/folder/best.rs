@@ -5,12 +5,12 @@ use std::path::Path;
 use super::summary::Summary;
 use crate::error::Result;
 use crate::file::{write_atomic, write_ron};
-use crate::study::{BestFile, Problem, Sweep};
+use crate::study::{Answer, BestFile, Problem};
 
 pub(super) fn write(
     folder: &Path,
     problem: &Problem,
-    sweep: &Sweep,
+    answer: &Answer,
     summary: &Summary,
 ) -> Result<()> {
     let Some(best) = &summary.best else {
@@ -30,7 +30,7 @@ pub(super) fn write(
     let file = BestFile {
         description: format!(
             "Best of {} points of the study {} ({} recordings, {} = {} {}). {}.",
-            sweep.scores.points.len(),
+            answer.scores.points.len(),
             summary.study,
             summary.recordings,
             summary.metric,

@@ -1,6 +1,7 @@
 //! What a results folder holds for people: tables, pictures, a summary, the best values.
 
 mod best;
+mod convergence;
 mod picture;
 mod summary;
 mod table;
@@ -9,34 +10,53 @@ mod verdict;
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::study::{Problem, Sweep};
+use crate::study::{Answer, Method, Problem};
 
-pub use summary::Summary;
+pub use summary::{Best, Correlation, Summary};
 pub use verdict::Verdict;
 
 /// Writes everything into `folder`, next to the store, and returns the summary.
 ///
 /// # Errors
 /// A full disk or an unwritable folder.
-pub fn write(folder: &Path, problem: &Problem, sweep: &Sweep) -> Result<Summary> {
+pub fn write(folder: &Path, problem: &Problem, answer: &Answer) -> Result<Summary> {
     remove_old(folder)?;
-    table::write_points(folder, problem, sweep)?;
-    table::write_scores(folder, problem, sweep)?;
-    let summary = Summary::new(problem, sweep)?;
+    table::write_points(folder, problem, answer)?;
+    table::write_scores(folder, problem, answer)?;
+    table::write_profiles(folder, answer)?;
+    if let Method::Tune(tuned) = &answer.method {
+        convergence::write_trials(folder, problem, answer, tuned)?;
+    }
+    let summary = Summary::new(problem, answer)?;
     summary.write(folder)?;
-    best::write(folder, problem, sweep, &summary)?;
-    picture::draw(folder, problem, sweep, &summary)?;
+    best::write(folder, problem, answer, &summary)?;
+    picture::draw(folder, problem, answer, &summary)?;
     Ok(summary)
 }
 
-/// Removes what an earlier sweep wrote for people: a heat map must not outlive its study.
+/// Removes what an earlier run wrote for people: a heat map must not outlive its study.
 fn remove_old(folder: &Path) -> Result<()> {
     let ours = |name: &str| {
         let is_picture = [".png", ".svg"].iter().any(|end| name.ends_with(end))
-            && ["heatmap", "curve", "trajectories"]
-                .iter()
-                .any(|start| name.starts_with(start));
-        is_picture || ["points.csv", "scores.csv", "summary.json", "best.ron"].contains(&name)
+            && [
+                "heatmap",
+                "curve",
+                "trajectories",
+                "profile_",
+                "convergence",
+            ]
+            .iter()
+            .any(|start| name.starts_with(start));
+        is_picture
+            || [
+                "points.csv",
+                "scores.csv",
+                "profiles.csv",
+                "trials.csv",
+                "summary.json",
+                "best.ron",
+            ]
+            .contains(&name)
     };
     let entries = std::fs::read_dir(folder)
         .map_err(|e| Error::io("look into the results folder", folder, &e))?;

@@ -7,26 +7,35 @@ use crate::report::{
     AxisSpec, Curve, HeatMap, Panel, PanelGrid, ScoreScale, Truth, draw_curve, draw_heat_map,
     draw_panels,
 };
-use crate::study::{PointScore, Problem, Sweep};
+use crate::study::{Answer, Method, PointScore, Problem};
 use crate::trajectory::{Prepared, Source};
 use crate::tuning::{Grid, Range};
 
+use super::convergence;
 use super::summary::Summary;
 
 /// Draws everything that the points evaluated so far allow.
 pub(super) fn draw(
     folder: &Path,
     problem: &Problem,
-    sweep: &Sweep,
+    answer: &Answer,
     summary: &Summary,
 ) -> Result<()> {
-    if sweep.scores.points.is_empty() {
+    if answer.scores.points.is_empty() {
         return Ok(());
     }
-    let map = Map::new(problem, sweep, summary);
-    match problem.study().grid.ranges() {
+    let map = Map::new(problem, answer, summary);
+    let ranges = problem.study().grid.ranges();
+    if ranges.len() > 1 {
+        map.draw_profiles(folder)?;
+    }
+    if let Method::Tune(tuned) = &answer.method {
+        convergence::draw(folder, problem, answer, tuned, &map.subtitle)?;
+    }
+    match ranges {
         [x] => map.draw_curve(x, folder)?,
         [_, _] => map.draw_slice(0, 1, &folder.join("heatmap"))?,
+        _ if map.cells.is_empty() => return map.draw_best_panels(&folder.join("trajectories.png")),
         ranges => {
             for first in 0..ranges.len() {
                 for second in first + 1..ranges.len() {
@@ -46,24 +55,18 @@ pub(super) fn draw(
 /// Scores by grid index, with what the captions need.
 struct Map<'a> {
     problem: &'a Problem,
-    sweep: &'a Sweep,
+    answer: &'a Answer,
     title: String,
     subtitle: String,
     score_label: String,
-    by_index: Vec<Option<(&'a PointScore, bool)>>,
+    /// What stands for each point of the grid; empty where there are too many parameters to show an optimizer's points so.
+    cells: Vec<Option<(&'a PointScore, bool)>>,
 }
 
 impl<'a> Map<'a> {
-    fn new(problem: &'a Problem, sweep: &'a Sweep, summary: &Summary) -> Self {
+    fn new(problem: &'a Problem, answer: &'a Answer, summary: &Summary) -> Self {
         let study = problem.study();
-        let mut by_index = vec![None; study.grid.len()];
-        for (position, point) in sweep.scores.points.iter().enumerate() {
-            let is_in = sweep
-                .uncertainty
-                .as_ref()
-                .is_some_and(|u| u.indistinguishable[position]);
-            by_index[point.index] = Some((point, is_in));
-        }
+        let cells = cells(problem, answer);
         let stand_in = study
             .recordings
             .iter()
@@ -78,6 +81,12 @@ impl<'a> Map<'a> {
             study.morphology.name(),
             study.recordings.len()
         );
+        if let Method::Tune(tuned) = &answer.method {
+            subtitle += &format!("; {} points chosen by {}", summary.points, tuned.optimizer);
+            if study.grid.ranges().len() <= 2 {
+                subtitle += ", each cell shows the nearest";
+            }
+        }
         if !summary.complete {
             subtitle += &format!(
                 " - INCOMPLETE: {} of {} points",
@@ -86,11 +95,11 @@ impl<'a> Map<'a> {
         }
         Self {
             problem,
-            sweep,
+            answer,
             title: format!("{}: distance between simulation and recordings", study.name),
             subtitle,
             score_label: format!("{} discrepancy", study.metric.name()),
-            by_index,
+            cells,
         }
     }
 
@@ -99,18 +108,22 @@ impl<'a> Map<'a> {
     }
 
     fn score(&self, index: usize) -> Option<f64> {
-        self.by_index[index].and_then(|(point, _)| point.score)
+        self.cells[index].and_then(|(point, _)| point.score)
     }
 
     fn is_indistinguishable(&self, index: usize) -> bool {
-        self.by_index[index].is_some_and(|(_, is_in)| is_in)
+        self.cells[index].is_some_and(|(_, is_in)| is_in)
     }
 
     fn best_coordinates(&self) -> Option<Vec<usize>> {
-        self.sweep.scores.best.map(|best| {
-            self.grid()
-                .coordinates(self.sweep.scores.points[best].index)
-        })
+        let best = &self.answer.scores.points[self.answer.scores.best?];
+        let ranges = self.grid().ranges().iter();
+        Some(
+            ranges
+                .zip(&best.values)
+                .map(|(range, value)| range.nearest(*value))
+                .collect(),
+        )
     }
 
     fn truth(&self, x: &Range, y: Option<&Range>) -> Option<Truth> {
@@ -167,7 +180,7 @@ impl<'a> Map<'a> {
             y_values: y.values(),
             scores,
             score_label: self.score_label.clone(),
-            score_unit: self.sweep.scores.unit,
+            score_unit: self.answer.scores.unit,
             scale: ScoreScale::Auto,
             best: best.map(|best| (best[first], best[second])),
             indistinguishable,
@@ -185,7 +198,7 @@ impl<'a> Map<'a> {
             x_values: x.values(),
             scores: (0..x.points).map(|index| self.score(index)).collect(),
             score_label: self.score_label.clone(),
-            score_unit: self.sweep.scores.unit,
+            score_unit: self.answer.scores.unit,
             scale: ScoreScale::Auto,
             best: self.best_coordinates().map(|best| best[0]),
             indistinguishable: (0..x.points)
@@ -195,6 +208,64 @@ impl<'a> Map<'a> {
         };
         draw_curve(&curve, folder.join("curve.png"))?;
         draw_curve(&curve, folder.join("curve.svg"))
+    }
+
+    /// The best score that each value of a parameter allows, whatever the others.
+    fn draw_profiles(&self, folder: &Path) -> Result<()> {
+        for (range, profile) in self.grid().ranges().iter().zip(&self.answer.profiles) {
+            // Values that nobody tried are left out; a hole in the line would say that they diverged.
+            let tried: Vec<usize> = (0..profile.values.len())
+                .filter(|index| profile.scores[*index].is_some())
+                .collect();
+            if tried.len() < 2 {
+                continue;
+            }
+            let best = tried.iter().enumerate().min_by(|(_, a), (_, b)| {
+                let score = |index: &usize| profile.scores[*index].unwrap_or(f64::INFINITY);
+                score(a).total_cmp(&score(b))
+            });
+            let curve = Curve {
+                title: format!(
+                    "{}: lowest score at each {}",
+                    self.problem.study().name,
+                    range.parameter.name
+                ),
+                subtitle: format!("{}; every other parameter at its best", self.subtitle),
+                x: axis(range),
+                x_values: tried.iter().map(|index| profile.values[*index]).collect(),
+                scores: tried.iter().map(|index| profile.scores[*index]).collect(),
+                score_label: self.score_label.clone(),
+                score_unit: self.answer.scores.unit,
+                scale: ScoreScale::Auto,
+                best: best.map(|(position, _)| position),
+                indistinguishable: tried
+                    .iter()
+                    .map(|index| profile.indistinguishable[*index])
+                    .collect(),
+                truth: self.truth(range, None),
+            };
+            let stem = format!("profile_{}", range.parameter.name.replace('.', "_"));
+            draw_curve(&curve, folder.join(format!("{stem}.png")))?;
+            draw_curve(&curve, folder.join(format!("{stem}.svg")))?;
+        }
+        Ok(())
+    }
+
+    /// The nine best points' paths: an optimizer's points lie on no grid.
+    fn draw_best_panels(&self, path: &Path) -> Result<()> {
+        let mut points: Vec<&PointScore> = self.answer.scores.points.iter().collect();
+        points.retain(|point| point.score.is_some());
+        points.sort_by(|a, b| {
+            let score = |point: &PointScore| point.score.unwrap_or(f64::INFINITY);
+            score(a).total_cmp(&score(b))
+        });
+        let panels: Vec<Panel> = points
+            .iter()
+            .take(9)
+            .enumerate()
+            .map(|(position, point)| self.panel(point, position == 0))
+            .collect();
+        self.draw_panel_grid(path, "the nine best simulated paths", 3, panels)
     }
 
     /// Nine panels across the first two parameters, the others at their best, reality behind; the first
@@ -217,12 +288,27 @@ impl<'a> Map<'a> {
                     coordinates[1] = *row;
                 }
                 let index = self.grid().index(&coordinates);
-                let Some((point, _)) = self.by_index[index] else {
+                let Some((point, _)) = self.cells[index] else {
                     continue;
                 };
                 panels.push(self.panel(point, best.as_deref() == Some(&coordinates[..])));
             }
         }
+        self.draw_panel_grid(
+            path,
+            "simulated paths across the grid",
+            columns.len(),
+            panels,
+        )
+    }
+
+    fn draw_panel_grid(
+        &self,
+        path: &Path,
+        what: &str,
+        columns: usize,
+        panels: Vec<Panel>,
+    ) -> Result<()> {
         if panels.is_empty() {
             return Ok(());
         }
@@ -244,12 +330,9 @@ impl<'a> Map<'a> {
         };
         let stand_in = self.subtitle.contains("stand-in");
         let grid = PanelGrid {
-            title: format!(
-                "{}: simulated paths across the grid, {} above each",
-                study.name, self.score_label
-            ),
+            title: format!("{}: {what}, {} above each", study.name, self.score_label),
             subtitle: shown,
-            columns: columns.len(),
+            columns,
             panels,
             reality_m: real
                 .iter()
@@ -260,7 +343,7 @@ impl<'a> Map<'a> {
             } else {
                 "reality".to_owned()
             },
-            unit: self.sweep.scores.unit,
+            unit: self.answer.scores.unit,
         };
         draw_panels(&grid, path)
     }
@@ -281,6 +364,43 @@ impl<'a> Map<'a> {
             is_best,
         }
     }
+}
+
+/// What stands for each point of the grid: the point itself, or the nearest one that an optimizer chose.
+fn cells<'a>(problem: &Problem, answer: &'a Answer) -> Vec<Option<(&'a PointScore, bool)>> {
+    let grid = &problem.study().grid;
+    let is_in = |position: usize| {
+        answer
+            .uncertainty
+            .as_ref()
+            .is_some_and(|u| u.indistinguishable[position])
+    };
+    let points = || answer.scores.points.iter().enumerate();
+    if answer.method == Method::Sweep {
+        let mut cells = vec![None; grid.len()];
+        for (position, point) in points() {
+            cells[point.index] = Some((point, is_in(position)));
+        }
+        return cells;
+    }
+    if grid.ranges().len() > 2 {
+        return Vec::new();
+    }
+    let nearest = |values: &[f64]| {
+        let distance = |point: &PointScore| -> f64 {
+            let ranges = grid.ranges().iter();
+            ranges
+                .zip(values.iter().zip(&point.values))
+                .map(|(range, (a, b))| ((a - b) / range.step()).powi(2))
+                .sum()
+        };
+        points()
+            .min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)))
+            .map(|(position, point)| (point, is_in(position)))
+    };
+    (0..grid.len())
+        .map(|index| nearest(&grid.values(index)))
+        .collect()
 }
 
 fn axis(range: &Range) -> AxisSpec {

@@ -9,12 +9,13 @@ use super::verdict::{Verdict, verdicts};
 use crate::comparison::pose_errors;
 use crate::error::{Error, Result};
 use crate::file::write_atomic;
+use crate::report::quantity;
 use crate::simulation;
-use crate::study::{Problem, Sweep};
+use crate::study::{Answer, Audit, Method, Problem, Tuned, Validation};
 use crate::tuning::{Ending, UncertaintySource};
 use crate::warning::Warning;
 
-/// The answer of a sweep.
+/// The answer of a answer.
 #[derive(Debug, Clone, Serialize)]
 pub struct Summary {
     /// Name of the study.
@@ -25,8 +26,10 @@ pub struct Summary {
     pub complete: bool,
     /// Points evaluated.
     pub points: usize,
-    /// Points of the study.
+    /// Points of the study's grid, or the optimizer's budget.
     pub points_total: usize,
+    /// How an optimizer chose the points; `None` for a sweep.
+    pub tuning: Option<Tuned>,
     /// Points without a score.
     pub diverged: usize,
     /// Recordings compared with.
@@ -41,6 +44,12 @@ pub struct Summary {
     pub uncertainty: Option<UncertaintySummary>,
     /// What the recordings say about each parameter.
     pub verdicts: Vec<Verdict>,
+    /// How the best values of two parameters move together when reality is sampled again.
+    pub correlations: Vec<Correlation>,
+    /// What the numerical settings change.
+    pub audit: Option<Audit>,
+    /// How the fit does on recordings that it has not seen.
+    pub validation: Option<Validation>,
     /// Principal components kept and the share of the variance each explains, where the metric uses them.
     pub components: Option<Vec<f64>>,
     /// Pose errors of the best point, where the recordings have orientations.
@@ -60,6 +69,17 @@ pub struct Best {
     pub score: f64,
     /// Mean absolute difference of the net displacements, metres.
     pub displacement_error_m: Option<f64>,
+}
+
+/// Correlation of two parameters over the bootstrap.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Correlation {
+    /// One parameter.
+    pub first: &'static str,
+    /// The other.
+    pub second: &'static str,
+    /// Pearson's coefficient.
+    pub value: f64,
 }
 
 /// How sure the best point is.
@@ -87,9 +107,9 @@ pub struct PoseSummary {
 }
 
 impl Summary {
-    pub(super) fn new(problem: &Problem, sweep: &Sweep) -> Result<Self> {
+    pub(super) fn new(problem: &Problem, answer: &Answer) -> Result<Self> {
         let study = problem.study();
-        let scores = &sweep.scores;
+        let scores = &answer.scores;
         let best = scores.best.and_then(|best| {
             let point = &scores.points[best];
             point.score.map(|score| Best {
@@ -102,6 +122,10 @@ impl Summary {
                 displacement_error_m: point.displacement_error_m,
             })
         });
+        let points_total = match &answer.method {
+            Method::Sweep => study.grid.len(),
+            Method::Tune(tuned) => tuned.budget,
+        };
         let mut warnings = problem.warnings().to_vec();
         let diverged = scores
             .points
@@ -117,13 +141,31 @@ impl Summary {
                 ),
             ));
         }
-        if sweep.ending == Ending::Interrupted {
+        if answer.ending == Ending::Interrupted {
             warnings.push(Warning::new(
                 "incomplete",
-                format!("only {} of {} points were evaluated: the best of these may not be the best of all", scores.points.len(), study.grid.len()),
+                format!("only {} of {points_total} points were evaluated: the best of these may not be the best of all", scores.points.len()),
             ));
         }
-        if study.recordings.len() == 1 {
+        if let Some(audit) = &answer.audit
+            && !audit.unresolved.is_empty()
+        {
+            warnings.push(Warning::new(
+                "unresolved",
+                format!(
+                    "timestep or substeps change the best score by {}, more than the whole range of {}: these scores cannot tell",
+                    quantity(audit.largest_change, scores.unit),
+                    audit.unresolved.join(", ")
+                ),
+            ));
+        }
+        warnings.extend(
+            answer
+                .validation
+                .as_ref()
+                .and_then(|validation| validation.warning()),
+        );
+        if problem.fitted_recordings() == 1 {
             warnings.push(Warning::new(
                 "one-recording",
                 "one recording says nothing about how repeatable reality is; the uncertainty is that of perturbed simulated starts",
@@ -132,22 +174,29 @@ impl Summary {
         Ok(Self {
             study: study.name.clone(),
             description: study.description.clone(),
-            complete: sweep.ending == Ending::Complete,
+            complete: answer.ending == Ending::Complete,
             points: scores.points.len(),
-            points_total: study.grid.len(),
+            points_total,
+            tuning: match &answer.method {
+                Method::Tune(tuned) => Some(tuned.clone()),
+                Method::Sweep => None,
+            },
             diverged,
             recordings: study.recordings.len(),
             metric: study.metric.name(),
             unit: study.metric.unit().label(),
             best,
-            uncertainty: sweep.uncertainty.as_ref().map(|u| UncertaintySummary {
+            uncertainty: answer.uncertainty.as_ref().map(|u| UncertaintySummary {
                 source: u.source,
                 level: u.level,
                 best_score_sd: u.best_score_sd,
                 simulation_sd: u.simulation_sd,
                 indistinguishable: u.indistinguishable.iter().filter(|is_in| **is_in).count(),
             }),
-            verdicts: verdicts(problem, sweep),
+            verdicts: verdicts(problem, answer),
+            correlations: correlations(problem, answer),
+            audit: answer.audit.clone(),
+            validation: answer.validation.clone(),
             components: scores.basis.as_ref().map(|b| {
                 b.explained_variance_ratio()
                     .iter()
@@ -155,7 +204,7 @@ impl Summary {
                     .copied()
                     .collect()
             }),
-            pose: pose(problem, sweep)?,
+            pose: pose(problem, answer)?,
             provenance: problem.fingerprint().entries().iter().cloned().collect(),
             warnings,
         })
@@ -170,15 +219,30 @@ impl Summary {
     }
 }
 
+fn correlations(problem: &Problem, answer: &Answer) -> Vec<Correlation> {
+    let Some(draws) = &answer.draws else {
+        return Vec::new();
+    };
+    let ranges = problem.study().grid.ranges();
+    let pairs = (0..ranges.len()).flat_map(|a| (a + 1..ranges.len()).map(move |b| (a, b)));
+    pairs
+        .map(|(a, b)| Correlation {
+            first: ranges[a].parameter.name,
+            second: ranges[b].parameter.name,
+            value: draws.correlation(a, b),
+        })
+        .collect()
+}
+
 /// Simulates the best point once more and measures its pose errors.
-fn pose(problem: &Problem, sweep: &Sweep) -> Result<Option<PoseSummary>> {
-    let Some(best) = sweep.scores.best else {
+fn pose(problem: &Problem, answer: &Answer) -> Result<Option<PoseSummary>> {
+    let Some(best) = answer.scores.best else {
         return Ok(None);
     };
     if problem.study().metric.name() != "pose" {
         return Ok(None);
     }
-    let values = &sweep.scores.points[best].values;
+    let values = &answer.scores.points[best].values;
     let (mut position, mut rotation_rad, mut count) = (0.0, 0.0, 0.0);
     for (index, case) in problem.cases().iter().enumerate() {
         let experiment = problem.experiment(index, values)?;

@@ -4,20 +4,20 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::file::write_atomic;
-use crate::study::{PointScore, Problem, Sweep};
+use crate::study::{Answer, PointScore, Problem};
 
 /// One row a point: parameters as columns, then score, unit, status and displacement error.
-pub(super) fn write_points(folder: &Path, problem: &Problem, sweep: &Sweep) -> Result<()> {
+pub(super) fn write_points(folder: &Path, problem: &Problem, answer: &Answer) -> Result<()> {
     let names = names(problem);
     let header: Vec<&str> = names
         .iter()
         .copied()
         .chain(["score", "unit", "status", "displacement_error_m"])
         .collect();
-    let rows = sweep.scores.points.iter().map(|point| {
+    let rows = answer.scores.points.iter().map(|point| {
         let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
         row.push(number(point.score));
-        row.push(sweep.scores.unit.label().to_owned());
+        row.push(answer.scores.unit.label().to_owned());
         row.push(status(point).to_owned());
         row.push(number(point.displacement_error_m));
         row
@@ -26,7 +26,7 @@ pub(super) fn write_points(folder: &Path, problem: &Problem, sweep: &Sweep) -> R
 }
 
 /// One row a point and recording, where there are several recordings.
-pub(super) fn write_scores(folder: &Path, problem: &Problem, sweep: &Sweep) -> Result<()> {
+pub(super) fn write_scores(folder: &Path, problem: &Problem, answer: &Answer) -> Result<()> {
     let recordings = &problem.study().recordings;
     if recordings.len() < 2 {
         return Ok(());
@@ -37,7 +37,7 @@ pub(super) fn write_scores(folder: &Path, problem: &Problem, sweep: &Sweep) -> R
         .copied()
         .chain(["recording", "score", "unit"])
         .collect();
-    let rows = sweep.scores.points.iter().flat_map(|point| {
+    let rows = answer.scores.points.iter().flat_map(|point| {
         recordings
             .iter()
             .zip(&point.recordings)
@@ -45,11 +45,34 @@ pub(super) fn write_scores(folder: &Path, problem: &Problem, sweep: &Sweep) -> R
                 let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
                 row.push(recording.name.clone());
                 row.push(score.to_string());
-                row.push(sweep.scores.unit.label().to_owned());
+                row.push(answer.scores.unit.label().to_owned());
                 row
             })
     });
     write(&folder.join("scores.csv"), &header, rows)
+}
+
+/// One row a parameter and value: the lowest score that it allows.
+pub(super) fn write_profiles(folder: &Path, answer: &Answer) -> Result<()> {
+    let header = [
+        "parameter",
+        "value",
+        "lowest_score",
+        "unit",
+        "indistinguishable",
+    ];
+    let rows = answer.profiles.iter().flat_map(|profile| {
+        profile.values.iter().enumerate().map(|(index, value)| {
+            vec![
+                profile.parameter.name.to_owned(),
+                value.to_string(),
+                number(profile.scores[index]),
+                answer.scores.unit.label().to_owned(),
+                profile.indistinguishable[index].to_string(),
+            ]
+        })
+    });
+    write(&folder.join("profiles.csv"), &header, rows)
 }
 
 fn names(problem: &Problem) -> Vec<&'static str> {
@@ -71,11 +94,15 @@ fn status(point: &PointScore) -> &'static str {
 }
 
 /// Shortest text that reads back to the same bits; empty where there is no number.
-fn number(value: Option<f64>) -> String {
+pub(super) fn number(value: Option<f64>) -> String {
     value.map_or(String::new(), |value| value.to_string())
 }
 
-fn write(path: &Path, header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Result<()> {
+pub(super) fn write(
+    path: &Path,
+    header: &[&str],
+    rows: impl Iterator<Item = Vec<String>>,
+) -> Result<()> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let fail = |e: csv::Error| Error::invalid(format!("cannot write the table: {e}")).at_file(path);
     writer.write_record(header).map_err(fail)?;

@@ -1,6 +1,6 @@
 //! Masses and where they sit.
 
-use super::Parameter;
+use super::{Nudge, Parameter, Scale};
 use crate::quantity::Unit;
 
 pub(super) static PARAMETERS: &[Parameter] = &[
@@ -9,6 +9,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::One,
         bounds: (0.01, 100.0),
         whole: false,
+        scale: Scale::Log,
+        nudge: Nudge::Share(0.05),
         doc: "Factor on every mass; inertia follows.",
         get: |e| Some(e.adjustment.mass_scale),
         set: |e, value| e.adjustment.mass_scale = value,
@@ -18,6 +20,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::One,
         bounds: (0.01, 100.0),
         whole: false,
+        scale: Scale::Log,
+        nudge: Nudge::Share(0.05),
         doc: "Further factor on every inertia.",
         get: |e| Some(e.adjustment.inertia_scale),
         set: |e, value| e.adjustment.inertia_scale = value,
@@ -27,6 +31,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::Metre,
         bounds: (-1.0, 1.0),
         whole: false,
+        scale: Scale::Linear,
+        nudge: Nudge::Absolute(0.001),
         doc: "Shift of every cube's centre of mass along the module's own x axis.",
         get: |e| Some(e.adjustment.centre_of_mass_offset_m.x),
         set: |e, value| e.adjustment.centre_of_mass_offset_m.x = value,
@@ -36,6 +42,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::Metre,
         bounds: (-1.0, 1.0),
         whole: false,
+        scale: Scale::Linear,
+        nudge: Nudge::Absolute(0.001),
         doc: "Shift of every cube's centre of mass along the module's own y axis.",
         get: |e| Some(e.adjustment.centre_of_mass_offset_m.y),
         set: |e, value| e.adjustment.centre_of_mass_offset_m.y = value,
@@ -45,6 +53,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::Metre,
         bounds: (-1.0, 1.0),
         whole: false,
+        scale: Scale::Linear,
+        nudge: Nudge::Absolute(0.001),
         doc: "Shift of every cube's centre of mass along the module's own z axis.",
         get: |e| Some(e.adjustment.centre_of_mass_offset_m.z),
         set: |e, value| e.adjustment.centre_of_mass_offset_m.z = value,
@@ -54,6 +64,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::Metre,
         bounds: (0.0, 0.5),
         whole: false,
+        scale: Scale::Linear,
+        nudge: Nudge::Absolute(0.001),
         doc: "Radius of the edges and corners of every cube, less than half its side; 0 is sharp.",
         get: |e| Some(e.adjustment.edge_radius_m),
         set: |e, value| e.adjustment.edge_radius_m = value,

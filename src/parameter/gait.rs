@@ -1,6 +1,6 @@
 //! The open-loop command.
 
-use super::Parameter;
+use super::{Nudge, Parameter, Scale};
 use crate::quantity::Unit;
 
 pub(super) static PARAMETERS: &[Parameter] = &[
@@ -9,6 +9,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::One,
         bounds: (0.0, 100.0),
         whole: false,
+        scale: Scale::Log,
+        nudge: Nudge::Share(0.02),
         doc: "Factor on every gait frequency.",
         get: |e| Some(e.adjustment.frequency_scale),
         set: |e, value| e.adjustment.frequency_scale = value,
@@ -18,6 +20,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::One,
         bounds: (0.0, 100.0),
         whole: false,
+        scale: Scale::Linear,
+        nudge: Nudge::Share(0.05),
         doc: "Factor on every gait amplitude.",
         get: |e| Some(e.adjustment.amplitude_scale),
         set: |e, value| e.adjustment.amplitude_scale = value,

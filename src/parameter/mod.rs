@@ -30,11 +30,33 @@ pub struct Parameter {
     pub bounds: (f64, f64),
     /// True where only whole numbers make sense.
     pub whole: bool,
+    /// How a search walks along it.
+    pub scale: Scale,
+    /// A change of the size that a user would call small: what a sensitivity study tries.
+    pub nudge: Nudge,
     /// What it means, one sentence.
     pub doc: &'static str,
     /// Reads the value; `None` where the robot's own file decides (a limit that is not overridden).
     pub get: fn(&Experiment) -> Option<f64>,
     set: fn(&mut Experiment, f64),
+}
+
+/// How a search walks along a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// Equal steps are equal differences.
+    Linear,
+    /// Equal steps are equal ratios, where the searched range lies above 0.
+    Log,
+}
+
+/// A small change of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Nudge {
+    /// This share of the value.
+    Share(f64),
+    /// This much, in the parameter's unit.
+    Absolute(f64),
 }
 
 impl PartialEq for Parameter {

@@ -1,6 +1,6 @@
 //! Servos: limits, gain, latency and play.
 
-use super::Parameter;
+use super::{Nudge, Parameter, Scale};
 use crate::quantity::Unit;
 
 pub(super) static PARAMETERS: &[Parameter] = &[
@@ -9,6 +9,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::NewtonMetre,
         bounds: (0.0, 1000.0),
         whole: false,
+        scale: Scale::Log,
+        nudge: Nudge::Share(0.1),
         doc: "Torque limit of every servo, in place of the robot file's.",
         get: |e| e.adjustment.max_torque_nm,
         set: |e, value| e.adjustment.max_torque_nm = Some(value),
@@ -18,6 +20,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::RadianPerSecond,
         bounds: (0.0, 1000.0),
         whole: false,
+        scale: Scale::Log,
+        nudge: Nudge::Share(0.1),
         doc: "Speed limit of every servo, in place of the robot file's.",
         get: |e| e.adjustment.max_speed_rad_s,
         set: |e, value| e.adjustment.max_speed_rad_s = Some(value),
@@ -27,6 +31,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::One,
         bounds: (0.0, 1000.0),
         whole: false,
+        scale: Scale::Log,
+        nudge: Nudge::Share(0.1),
         doc: "Factor on every servo's answer to an angle error: gain of the Velocity law, stiffness of the Torque law.",
         get: |e| Some(e.adjustment.servo_gain_scale),
         set: |e, value| e.adjustment.servo_gain_scale = value,
@@ -36,6 +42,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::Second,
         bounds: (0.0, 10.0),
         whole: false,
+        scale: Scale::Linear,
+        nudge: Nudge::Absolute(0.01),
         doc: "Every servo acts on the command of this long ago; until the first arrives it holds the start.",
         get: |e| Some(e.adjustment.servo_latency_s),
         set: |e, value| e.adjustment.servo_latency_s = value,
@@ -45,6 +53,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::Radian,
         bounds: (0.0, 3.0),
         whole: false,
+        scale: Scale::Linear,
+        nudge: Nudge::Absolute(0.02),
         doc: "Play between servo and joint, end to end: no torque within it, only the rest of the error counts beyond.",
         get: |e| Some(e.adjustment.servo_backlash_rad),
         set: |e, value| e.adjustment.servo_backlash_rad = value,

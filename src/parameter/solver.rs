@@ -1,6 +1,6 @@
 //! Numerical settings: worth a sweep of their own, because they change results too.
 
-use super::Parameter;
+use super::{Nudge, Parameter, Scale};
 use crate::quantity::Unit;
 use crate::simulation::JointKind;
 
@@ -10,6 +10,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::Second,
         bounds: (1e-6, 0.1),
         whole: false,
+        scale: Scale::Log,
+        nudge: Nudge::Share(0.25),
         doc: "Time per simulation step.",
         get: |e| Some(e.solver.timestep_s),
         set: |e, value| e.solver.timestep_s = value,
@@ -19,6 +21,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::One,
         bounds: (1.0, 256.0),
         whole: true,
+        scale: Scale::Log,
+        nudge: Nudge::Absolute(2.0),
         doc: "Solver substeps per step.",
         get: |e| Some(e.solver.substeps as f64),
         set: |e, value| e.solver.substeps = value as usize,
@@ -28,6 +32,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::One,
         bounds: (0.0, 16.0),
         whole: true,
+        scale: Scale::Linear,
+        nudge: Nudge::Absolute(1.0),
         doc: "Passes without bias at the end of every substep; each drains some energy of the hinges.",
         get: |e| Some(e.solver.relaxations as f64),
         set: |e, value| e.solver.relaxations = value as usize,
@@ -37,6 +43,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         unit: Unit::One,
         bounds: (0.0, 1.0),
         whole: true,
+        scale: Scale::Linear,
+        nudge: Nudge::Absolute(1.0),
         doc: "0: impulse joints (constraints); 1: multibody joints (reduced coordinates).",
         get: |e| {
             Some(match e.solver.joint {

@@ -13,7 +13,7 @@ use super::heading::Heading;
 use super::legend::{Legend, Symbol, draw_cross, draw_star};
 use super::number::DisplayUnit;
 use super::picture::{self, Picture};
-use super::scale::{AXIS_DECADES, Scale, ScoreScale};
+use super::scale::{AXIS_DECADES, Scale, ScoreScale, with_room};
 use crate::quantity::Unit;
 use crate::{Error, Result};
 
@@ -234,28 +234,5 @@ impl Picture for Curve {
             let letter = Letter::new(28.0, Weight::Bold, FAINT_INK);
             canvas.text_beside("every simulation diverged", centre, Align::Centre, letter);
         }
-    }
-}
-
-/// Some room above and below the line; a linear scale starts at 0 where that is not far away.
-fn with_room(scale: Scale) -> Scale {
-    if scale.is_log {
-        let room = (scale.high / scale.low).powf(0.06);
-        return Scale {
-            low: scale.low / room,
-            high: scale.high * room,
-            ..scale
-        };
-    }
-    let room = 0.07 * (scale.high - scale.low);
-    let low = if scale.low >= 0.0 && scale.low < 0.5 * scale.high {
-        0.0
-    } else {
-        scale.low - room
-    };
-    Scale {
-        low,
-        high: scale.high + room,
-        ..scale
     }
 }

@@ -28,6 +28,7 @@ pub(super) enum Symbol {
     Ring,
     Start,
     Shade(RGBColor),
+    Dot(RGBColor),
 }
 
 pub(super) struct Legend {
@@ -120,6 +121,7 @@ fn draw_symbol<B: DrawingBackend>(canvas: &mut Canvas<B>, symbol: Symbol, (left,
         Symbol::Ring => canvas.ring(centre, 12.0, 3.5, VERMILLION),
         Symbol::Start => draw_start(canvas, centre),
         Symbol::Shade(colour) => canvas.cell(from, to, colour),
+        Symbol::Dot(colour) => canvas.disc(centre, 6.0, colour),
     }
 }
 

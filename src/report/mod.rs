@@ -5,6 +5,8 @@
 //! | [`HeatMap`] | [`draw_heat_map`] | the score over two parameters |
 //! | [`Curve`] | [`draw_curve`] | the score over one parameter |
 //! | [`PanelGrid`] | [`draw_panels`] | simulated paths at several parameter values, over the real ones |
+//! | [`LinePlot`] | [`draw_lines`] | lines, dots and bands over time or number of simulations |
+//! | [`BarChart`] | [`draw_bars`] | what each of many causes changes |
 //! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
 //! | [`TextTable`] | [`TextTable::render`] | a table for the terminal |
 //!
@@ -13,6 +15,7 @@
 //! from: callers fill the structs. This is the only room that names `plotters`.
 
 mod axis;
+mod bar;
 mod canvas;
 mod colour;
 mod curve;
@@ -21,6 +24,7 @@ mod frame;
 mod heading;
 mod heatmap;
 mod legend;
+mod line;
 mod number;
 mod overlay;
 mod panel;
@@ -32,8 +36,10 @@ mod table;
 mod tests;
 
 pub use axis::{AxisSpec, Truth};
+pub use bar::{Bar, BarChart, draw_bars};
 pub use curve::{Curve, draw_curve};
 pub use heatmap::{HeatMap, draw_heat_map};
+pub use line::{LinePlot, Series, SeriesKind, draw_lines};
 pub use number::{DisplayUnit, number, quantity};
 pub use overlay::{Overlay, OverlayPath, draw_overlay};
 pub use panel::{Panel, PanelGrid, draw_panels};

@@ -195,6 +195,29 @@ fn label(value: f64, step: f64) -> String {
     text.replace('-', "−")
 }
 
+/// Some room above and below the line; a linear scale starts at 0 where that is not far away.
+pub(super) fn with_room(scale: Scale) -> Scale {
+    if scale.is_log {
+        let room = (scale.high / scale.low).powf(0.06);
+        return Scale {
+            low: scale.low / room,
+            high: scale.high * room,
+            ..scale
+        };
+    }
+    let room = 0.07 * (scale.high - scale.low);
+    let low = if scale.low >= 0.0 && scale.low < 0.5 * scale.high {
+        0.0
+    } else {
+        scale.low - room
+    };
+    Scale {
+        low,
+        high: scale.high + room,
+        ..scale
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
 //! The SQLite file of a results folder.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -8,14 +8,14 @@ use rusqlite::{Connection, OpenFlags, OptionalExtension, params};
 
 use super::fingerprint::Fingerprint;
 use super::lock::FolderLock;
-use super::trial::{Outcome, OutcomeStatus, Trial};
+use super::trial::{Outcome, OutcomeStatus, Trial, TrialScore};
 use crate::error::{Error, Result};
 
 /// Name of the store inside a results folder.
 pub const STORE_FILE: &str = "results.sqlite";
 
 /// Layout of the tables; raised when they change.
-const SCHEMA: i64 = 1;
+const SCHEMA: i64 = 2;
 
 /// The results of one study, open for writing by this process alone.
 #[derive(Debug)]
@@ -117,7 +117,10 @@ impl Store {
         let transaction = self.connection.transaction().map_err(fail)?;
         transaction
             .execute_batch(
-                "CREATE TABLE fingerprint (position INTEGER PRIMARY KEY, name TEXT NOT NULL, value TEXT NOT NULL) STRICT;
+                "CREATE TABLE description (name TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT, WITHOUT ROWID;
+                 CREATE TABLE score (trial INTEGER PRIMARY KEY REFERENCES trial, score REAL,
+                    displacement_error_m REAL, recordings BLOB NOT NULL) STRICT;
+                 CREATE TABLE fingerprint (position INTEGER PRIMARY KEY, name TEXT NOT NULL, value TEXT NOT NULL) STRICT;
                  CREATE TABLE trial (id INTEGER PRIMARY KEY, parameters BLOB NOT NULL) STRICT;
                  CREATE TABLE outcome (
                     trial INTEGER NOT NULL REFERENCES trial, position INTEGER NOT NULL,
@@ -215,6 +218,94 @@ impl Store {
         transaction.commit().map_err(fail)
     }
 
+    /// Keeps named texts that say what the trials are, so that the store explains itself; old values are replaced.
+    ///
+    /// # Errors
+    /// A full disk or a store that cannot be written.
+    pub fn describe<'a>(
+        &mut self,
+        entries: impl IntoIterator<Item = (&'a str, String)>,
+    ) -> Result<()> {
+        let path = self.path.clone();
+        let fail = |e: rusqlite::Error| sql(&path, "write the results", &e);
+        let transaction = self.connection.transaction().map_err(fail)?;
+        for (name, value) in entries {
+            transaction
+                .execute(
+                    "INSERT OR REPLACE INTO description VALUES (?1, ?2)",
+                    params![name, value],
+                )
+                .map_err(fail)?;
+        }
+        transaction.commit().map_err(fail)
+    }
+
+    /// What [`Store::describe`] kept.
+    ///
+    /// # Errors
+    /// A store that cannot be read.
+    pub fn description(&self) -> Result<BTreeMap<String, String>> {
+        let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
+        let mut statement = self
+            .connection
+            .prepare("SELECT name, value FROM description")
+            .map_err(fail)?;
+        let rows = statement
+            .query_map([], |row| Ok((row.get(0)?, row.get(1)?)))
+            .map_err(fail)?;
+        rows.collect::<rusqlite::Result<_>>().map_err(fail)
+    }
+
+    /// Keeps the scores of trials; scores of the same trial are replaced (a basis fitted later changes them).
+    ///
+    /// # Errors
+    /// A full disk or a store that cannot be written.
+    pub fn insert_scores(&mut self, scores: &[TrialScore]) -> Result<()> {
+        let path = self.path.clone();
+        let fail = |e: rusqlite::Error| sql(&path, "write the results", &e);
+        let transaction = self.connection.transaction().map_err(fail)?;
+        {
+            let mut row = transaction
+                .prepare("INSERT OR REPLACE INTO score VALUES (?1, ?2, ?3, ?4)")
+                .map_err(fail)?;
+            for score in scores {
+                row.execute(params![
+                    score.index as i64,
+                    score.score,
+                    score.displacement_error_m,
+                    to_bytes(&score.recordings)
+                ])
+                .map_err(fail)?;
+            }
+        }
+        transaction.commit().map_err(fail)
+    }
+
+    /// The scores that are there, by trial.
+    ///
+    /// # Errors
+    /// A store that cannot be read.
+    pub fn scores(&self) -> Result<Vec<TrialScore>> {
+        let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
+        let mut statement = self
+            .connection
+            .prepare(
+                "SELECT trial, score, displacement_error_m, recordings FROM score ORDER BY trial",
+            )
+            .map_err(fail)?;
+        let rows = statement
+            .query_map([], |row| {
+                Ok(TrialScore {
+                    index: row.get::<_, i64>(0)? as usize,
+                    score: row.get(1)?,
+                    displacement_error_m: row.get(2)?,
+                    recordings: from_bytes(row.get_ref(3)?.as_blob()?),
+                })
+            })
+            .map_err(fail)?;
+        rows.collect::<rusqlite::Result<_>>().map_err(fail)
+    }
+
     /// Indices of the trials that are there.
     ///
     /// # Errors
@@ -238,13 +329,21 @@ impl Store {
     /// # Errors
     /// A store that cannot be read.
     pub fn trials(&self) -> Result<Vec<Trial>> {
+        self.trials_within(0..i64::MAX as usize)
+    }
+
+    /// The trials with an index in `range`, by index.
+    ///
+    /// # Errors
+    /// A store that cannot be read.
+    pub fn trials_within(&self, range: std::ops::Range<usize>) -> Result<Vec<Trial>> {
         let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
         let mut statement = self
             .connection
-            .prepare("SELECT id, parameters FROM trial ORDER BY id")
+            .prepare("SELECT id, parameters FROM trial WHERE id >= ?1 AND id < ?2 ORDER BY id")
             .map_err(fail)?;
         let rows = statement
-            .query_map([], |row| {
+            .query_map([range.start as i64, range.end as i64], |row| {
                 Ok(Trial {
                     index: row.get::<_, i64>(0)? as usize,
                     values: from_bytes(row.get_ref(1)?.as_blob()?),
@@ -335,85 +434,4 @@ fn from_bytes(bytes: &[u8]) -> Vec<f64> {
         .iter()
         .map(|chunk| f64::from_le_bytes(*chunk))
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn trial(index: usize) -> Trial {
-        Trial {
-            index,
-            values: vec![0.1 + index as f64, f64::MIN_POSITIVE],
-            outcomes: vec![
-                Outcome {
-                    status: OutcomeStatus::Completed,
-                    steps: 480,
-                    net_displacement_m: 0.1_f64.sqrt(),
-                    scores: vec![1.0 / 3.0],
-                    path_xy_m: vec![[0.0, -0.0], [1e-300, 2.0]],
-                },
-                Outcome {
-                    status: OutcomeStatus::Diverged("part 0 left".to_owned()),
-                    steps: 3,
-                    net_displacement_m: 0.0,
-                    scores: vec![],
-                    path_xy_m: vec![],
-                },
-            ],
-        }
-    }
-
-    #[test]
-    fn trials_come_back_bit_for_bit() {
-        let folder = tempfile::tempdir().unwrap();
-        let fingerprint = Fingerprint::new().with("a", 1).with("b", "x");
-        let mut store = Store::create(folder.path(), &fingerprint).unwrap();
-        store.insert(&[trial(7), trial(2)]).unwrap();
-        drop(store);
-        let store = Store::resume(folder.path(), &fingerprint).unwrap();
-        assert_eq!(store.trials().unwrap(), [trial(2), trial(7)]);
-        assert_eq!(
-            store.finished().unwrap().into_iter().collect::<Vec<_>>(),
-            [2, 7]
-        );
-        assert!(!store.trials().unwrap()[0].completed());
-    }
-
-    #[test]
-    fn a_folder_takes_one_writer_and_one_study() {
-        let folder = tempfile::tempdir().unwrap();
-        let fingerprint = Fingerprint::new().with("a", 1);
-        let store = Store::create(folder.path(), &fingerprint).unwrap();
-        let busy = Store::resume(folder.path(), &fingerprint).unwrap_err();
-        assert!(busy.to_string().contains("another process"), "{busy}");
-        drop(store);
-        let there = Store::create(folder.path(), &fingerprint).unwrap_err();
-        assert!(there.to_string().contains("--resume"), "{there}");
-        let other = Store::resume(folder.path(), &Fingerprint::new().with("a", 2)).unwrap_err();
-        assert!(other.to_string().contains("now 2, stored 1"), "{other}");
-        Store::remove(folder.path()).unwrap();
-        Store::create(folder.path(), &Fingerprint::new().with("a", 2)).unwrap();
-    }
-
-    #[test]
-    fn a_reader_may_look_while_a_writer_writes() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut store = Store::create(folder.path(), &Fingerprint::new()).unwrap();
-        store.insert(&[trial(0)]).unwrap();
-        let reader = Store::read(folder.path()).unwrap();
-        store.insert(&[trial(1)]).unwrap();
-        assert_eq!(reader.finished().unwrap().len(), 2);
-    }
-
-    #[test]
-    fn a_file_that_is_no_store_is_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(
-            folder.path().join(STORE_FILE),
-            b"not a database, but long enough to look at",
-        )
-        .unwrap();
-        assert!(Store::resume(folder.path(), &Fingerprint::new()).is_err());
-    }
 }

@@ -7,8 +7,10 @@
 mod database;
 mod fingerprint;
 mod lock;
+#[cfg(test)]
+mod tests;
 mod trial;
 
 pub use database::{STORE_FILE, Store};
 pub use fingerprint::Fingerprint;
-pub use trial::{Outcome, OutcomeStatus, Trial};
+pub use trial::{Outcome, OutcomeStatus, Trial, TrialScore};

@@ -43,3 +43,16 @@ impl Trial {
             .all(|outcome| outcome.status == OutcomeStatus::Completed)
     }
 }
+
+/// Scores of one trial, once they can be told.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrialScore {
+    /// Index of the trial.
+    pub index: usize,
+    /// Mean score over the recordings that were fitted; `None` where a case diverged.
+    pub score: Option<f64>,
+    /// Mean absolute difference of the net displacements, metres.
+    pub displacement_error_m: Option<f64>,
+    /// Score against each recording, in order; empty where a case diverged.
+    pub recordings: Vec<f64>,
+}

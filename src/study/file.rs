@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::validation::Split;
 use crate::comparison::{self, Components, Metric};
 use crate::error::{Error, Result};
 use crate::file::{Source, parse_ron};
@@ -130,10 +131,14 @@ pub struct Overrides {
     pub metric: Option<String>,
     /// Points per parameter in place of the file's.
     pub points: Option<usize>,
+    /// Seed in place of the file's.
+    pub seed: Option<u64>,
     /// Fixed values, after the file's own.
     pub set: ParameterSet,
     /// Unit of length of the recordings.
     pub unit: LengthUnit,
+    /// Which recordings are kept from the fit to check it.
+    pub split: Option<Split>,
 }
 
 /// A validated study with its recordings read.
@@ -143,6 +148,8 @@ pub struct Study {
     pub name: String,
     /// The file.
     pub path: PathBuf,
+    /// The file as written.
+    pub text: String,
     /// What it is for.
     pub description: String,
     /// The robot.
@@ -173,6 +180,8 @@ pub struct Study {
     pub components: Components,
     /// Seed of everything random.
     pub seed: u64,
+    /// Which recordings are kept from the fit to check it.
+    pub split: Option<Split>,
     /// Known truth of a stand-in, for marking it in pictures; never used by the fit.
     pub truth: ParameterSet,
     /// What the reader should know.
@@ -305,6 +314,7 @@ impl Study {
                 .map(|s| s.to_string_lossy().into_owned())
                 .unwrap_or_default(),
             path: path.to_path_buf(),
+            text: source.text().to_owned(),
             description: file.description,
             morphology,
             morphology_sha256: morphology_source.sha256(),
@@ -318,7 +328,8 @@ impl Study {
             grid,
             metric,
             components,
-            seed: file.seed,
+            seed: overrides.seed.unwrap_or(file.seed),
+            split: overrides.split,
             truth,
             recording_globs: file.recordings,
             warnings: Vec::new(),

@@ -3,20 +3,30 @@
 //! [`Study::read`] parses the file, [`Problem::new`] turns it into cases (one simulation each),
 //! [`Problem::evaluate`] simulates one point, [`Scores::new`] compares all points with reality.
 
+mod answer;
+mod audit;
 mod case;
 mod clip;
 mod evaluation;
 mod file;
+mod keeping;
 mod problem;
 mod recording;
 mod score;
 mod sweep;
+mod tune;
+mod validation;
 mod values;
 
+pub use answer::{Answer, INTERVAL_LEVEL, LEVEL, Method};
+pub use audit::{Audit, AuditRow};
 pub use case::{Case, Target};
 pub use evaluation::{Evaluation, FaceOdds, RecordingErrors, Spread, evaluate};
 pub use file::{Overrides, Part, StartRule, Study};
+pub use keeping::Mode;
 pub use problem::Problem;
 pub use score::{PointScore, Scores};
-pub use sweep::{LEVEL, Mode, Sweep, sweep};
+pub use sweep::sweep;
+pub use tune::{Termination, TuneOptions, Tuned, tune};
+pub use validation::{Fold, Split, Validation};
 pub use values::{BestFile, read_parameters};

@@ -1,12 +1,14 @@
 //! A study made ready: its cases, and what it takes to evaluate one point.
 
+use rayon::prelude::*;
+
 use super::case::{Case, cases};
 use super::file::Study;
 use crate::comparison::{Context, Pair};
 use crate::error::Result;
 use crate::identification::{StartState, refine};
 use crate::parameter::{Assignment, ParameterSet};
-use crate::simulation::{self, ENGINE_VERSION, Experiment, Noise, Status};
+use crate::simulation::{self, ENGINE_VERSION, Experiment, Noise, Solver, Status};
 use crate::store::{Fingerprint, Outcome, OutcomeStatus, Trial};
 use crate::trajectory::{Prepared, prepare};
 use crate::warning::Warning;
@@ -17,6 +19,7 @@ pub struct Problem {
     study: Study,
     cases: Vec<Case>,
     warnings: Vec<Warning>,
+    held_out: Vec<bool>,
     body_length_m: f64,
 }
 
@@ -32,10 +35,15 @@ impl Problem {
         warnings.sort();
         warnings.dedup();
         let body_length_m = study.morphology.assemble().body_length_m;
+        let held_out = match study.split {
+            Some(split) => split.held_out(study.recordings.len(), study.seed)?,
+            None => vec![false; study.recordings.len()],
+        };
         let problem = Self {
             study,
             cases,
             warnings,
+            held_out,
             body_length_m,
         };
         problem.check_recordings()?;
@@ -111,8 +119,16 @@ impl Problem {
     /// # Errors
     /// A metric that cannot compare; a diverged simulation is an outcome, not an error.
     pub fn evaluate(&self, index: usize) -> Result<Trial> {
-        let values = self.study.grid.values(index);
+        self.evaluate_values(index, self.study.grid.values(index))
+    }
+
+    /// Simulates every case at these values, as trial number `index`; cases run in parallel on the current rayon pool.
+    ///
+    /// # Errors
+    /// As [`Problem::evaluate`].
+    pub fn evaluate_values(&self, index: usize, values: Vec<f64>) -> Result<Trial> {
         let outcomes = (0..self.cases.len())
+            .into_par_iter()
             .map(|case| self.evaluate_case(case, &self.experiment(case, &values)?))
             .collect::<Result<_>>()?;
         Ok(Trial {
@@ -166,6 +182,40 @@ impl Problem {
         let mut experiment = self.experiment(0, values)?;
         experiment.solver.timestep_s *= timestep_factor;
         self.evaluate_case(0, &noise.perturb(&experiment, self.study.seed, repeat))
+    }
+
+    /// Simulates every case at these values with other numerical settings.
+    ///
+    /// # Errors
+    /// As [`Problem::evaluate`], and settings that cannot be simulated.
+    pub(super) fn evaluate_with_solver(
+        &self,
+        values: &[f64],
+        change: impl Fn(&mut Solver) + Sync,
+    ) -> Result<Trial> {
+        let outcomes = (0..self.cases.len())
+            .into_par_iter()
+            .map(|case| {
+                let mut experiment = self.experiment(case, values)?;
+                change(&mut experiment.solver);
+                self.evaluate_case(case, &experiment)
+            })
+            .collect::<Result<_>>()?;
+        Ok(Trial {
+            index: 0,
+            values: values.to_vec(),
+            outcomes,
+        })
+    }
+
+    /// Whether a recording is kept from the fit.
+    pub fn is_held_out(&self, recording: usize) -> bool {
+        self.held_out[recording]
+    }
+
+    /// Number of recordings that the fit sees.
+    pub fn fitted_recordings(&self) -> usize {
+        self.held_out.iter().filter(|held_out| !**held_out).count()
     }
 
     fn evaluate_case(&self, case: usize, experiment: &Experiment) -> Result<Outcome> {
@@ -256,6 +306,9 @@ impl Problem {
             .with("unit of the recordings", format!("{:?}", study.unit));
         if study.start_state != StartState::FirstSample {
             print = print.with("start state", study.start_state.label());
+        }
+        if let Some(split) = study.split {
+            print = print.with("split", split);
         }
         for range in study.grid.ranges() {
             print = print.with(

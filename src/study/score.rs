@@ -18,8 +18,10 @@ pub struct PointScore {
     pub diverged: Option<String>,
     /// Score against each recording, in order; empty when diverged.
     pub recordings: Vec<f64>,
-    /// Mean score; `None` when diverged.
+    /// Mean score over the recordings that are fitted; `None` when diverged.
     pub score: Option<f64>,
+    /// Mean score over the recordings that are held out; `None` when diverged or none are.
+    pub held_out: Option<f64>,
     /// Mean absolute difference of the net displacements, metres; `None` when diverged.
     pub displacement_error_m: Option<f64>,
     /// Prepared path of the first case, metres; empty when diverged.
@@ -45,13 +47,17 @@ impl Scores {
     /// # Errors
     /// Paths from which no basis can be built.
     pub fn new(problem: &Problem, trials: &[Trial]) -> Result<Self> {
+        let basis = basis(problem, trials)?;
+        Self::with_basis(problem, trials, basis)
+    }
+
+    /// Scores all trials with a basis that was fitted before; one that the metric does not need is ignored.
+    ///
+    /// # Errors
+    /// Paths that do not fit the basis.
+    pub fn with_basis(problem: &Problem, trials: &[Trial], basis: Option<Basis>) -> Result<Self> {
         let metric = problem.study().metric;
         let real = problem.real_paths();
-        let basis = if metric.needs().basis {
-            Some(basis(problem, &real, trials)?)
-        } else {
-            None
-        };
         let points = trials
             .iter()
             .map(|trial| score(problem, &real, basis.as_ref(), trial))
@@ -85,8 +91,15 @@ impl Scores {
     }
 }
 
-/// Basis of all recordings and all completed simulations; diverged ones are left out.
-fn basis(problem: &Problem, real: &[&Prepared], trials: &[Trial]) -> Result<Basis> {
+/// Basis of all recordings and all completed simulations, diverged ones left out; `None` where the metric needs none.
+///
+/// # Errors
+/// Paths from which no basis can be built.
+pub(super) fn basis(problem: &Problem, trials: &[Trial]) -> Result<Option<Basis>> {
+    if !problem.study().metric.needs().basis {
+        return Ok(None);
+    }
+    let real = problem.real_paths();
     let simulated: Vec<Prepared> = trials
         .iter()
         .flat_map(|trial| &trial.outcomes)
@@ -94,7 +107,7 @@ fn basis(problem: &Problem, real: &[&Prepared], trials: &[Trial]) -> Result<Basi
         .map(|outcome| Prepared::from_xy_m(outcome.path_xy_m.clone()))
         .collect::<Result<_>>()?;
     let all: Vec<&Prepared> = real.iter().copied().chain(&simulated).collect();
-    Basis::fit(&all, problem.study().components)
+    Basis::fit(&all, problem.study().components).map(Some)
 }
 
 fn score(
@@ -116,6 +129,7 @@ fn score(
         diverged,
         recordings: Vec::new(),
         score: None,
+        held_out: None,
         displacement_error_m: None,
         path_xy_m: trial
             .outcomes
@@ -139,7 +153,17 @@ fn score(
                 .abs();
         }
     }
-    point.score = Some(point.recordings.iter().sum::<f64>() / count as f64);
+    let mean_of = |held_out: bool| {
+        let chosen: Vec<f64> = point
+            .recordings
+            .iter()
+            .enumerate()
+            .filter(|(recording, _)| problem.is_held_out(*recording) == held_out)
+            .map(|(_, score)| *score)
+            .collect();
+        (!chosen.is_empty()).then(|| chosen.iter().sum::<f64>() / chosen.len() as f64)
+    };
+    (point.score, point.held_out) = (mean_of(false), mean_of(true));
     point.displacement_error_m = Some(displacement_error_m / count as f64);
     Ok(point)
 }

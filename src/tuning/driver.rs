@@ -26,6 +26,19 @@ pub struct Evaluation<'a> {
     pub stop: &'a AtomicBool,
 }
 
+/// Threads for everything that a study does in parallel.
+///
+/// # Errors
+/// More threads than the system gives.
+pub fn pool(jobs: usize) -> Result<rayon::ThreadPool> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(jobs.max(1))
+        .build()
+        .map_err(|e| {
+            Error::conflict(format!("cannot start {jobs} threads: {e}")).hint("use fewer --jobs")
+        })
+}
+
 /// Evaluates all points that the store does not have yet, in parallel, and stores each as it comes.
 ///
 /// Which thread evaluates which point has no influence on any result. `progress` is called on the
@@ -45,15 +58,9 @@ pub fn drive(
         .collect();
     let mut done = evaluation.points - todo.len();
     progress(done);
-    // More threads than points would only wait.
+    // A thread without a point of its own helps with the cases of the others.
+    let pool = pool(evaluation.jobs)?;
     let jobs = evaluation.jobs.clamp(1, todo.len().max(1));
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(jobs)
-        .build()
-        .map_err(|e| {
-            Error::conflict(format!("cannot start {} threads: {e}", evaluation.jobs))
-                .hint("use fewer --jobs")
-        })?;
     let next = AtomicUsize::new(0);
     let abort = AtomicBool::new(false);
     let (sender, receiver) = mpsc::channel::<Result<Trial>>();

@@ -1,7 +1,7 @@
 //! Every combination of evenly spaced values.
 
 use crate::error::{Error, Result};
-use crate::parameter::Parameter;
+use crate::parameter::{Parameter, Scale};
 
 /// Evenly spaced values of one parameter, both ends included.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,9 +76,38 @@ impl Range {
         format!("{exact:.11e}").parse().unwrap_or(exact)
     }
 
+    /// The value at a coordinate from 0 (`from`) to 1 (`to`), evenly on the parameter's own scale; both ends exact,
+    /// whole numbers rounded.
+    pub fn at(&self, coordinate: f64) -> f64 {
+        let share = coordinate.clamp(0.0, 1.0);
+        if share == 0.0 {
+            return self.from;
+        }
+        if share == 1.0 {
+            return self.to;
+        }
+        let value = if self.parameter.scale == Scale::Log && self.from > 0.0 {
+            self.from * (self.to / self.from).powf(share)
+        } else {
+            self.from + (self.to - self.from) * share
+        };
+        let value = if self.parameter.whole {
+            value.round()
+        } else {
+            value
+        };
+        value.clamp(self.from, self.to)
+    }
+
     /// All values, increasing.
     pub fn values(&self) -> Vec<f64> {
         (0..self.points).map(|index| self.value(index)).collect()
+    }
+
+    /// Index of the value nearest to `value`.
+    pub fn nearest(&self, value: f64) -> usize {
+        let place = (value - self.from) / self.step();
+        (place.round().max(0.0) as usize).min(self.points - 1)
     }
 
     /// Distance between neighbouring values.
@@ -97,7 +126,7 @@ impl Grid {
     /// A grid over at least one range.
     ///
     /// # Errors
-    /// No range, a parameter twice, or more combinations than can sensibly be evaluated.
+    /// No range, or a parameter twice.
     pub fn new(ranges: Vec<Range>) -> Result<Self> {
         if ranges.is_empty() {
             return Err(Error::invalid("nothing to vary")
@@ -114,16 +143,21 @@ impl Grid {
                     .found(range.parameter.name));
             }
         }
-        let size = ranges
-            .iter()
-            .try_fold(1_usize, |size, range| size.checked_mul(range.points));
-        if size.is_none_or(|size| size > MAX_GRID) {
-            return Err(Error::invalid("too many combinations")
-                .field("parameters")
-                .allowed(format!("at most {MAX_GRID} points in all"))
-                .hint("take fewer points per parameter"));
-        }
         Ok(Self { ranges })
+    }
+
+    /// Refuses a grid with more points than can sensibly be evaluated; an optimizer does not mind.
+    ///
+    /// # Errors
+    /// More than ten million points.
+    pub fn check_size(&self) -> Result<()> {
+        if self.len() <= MAX_GRID {
+            return Ok(());
+        }
+        Err(Error::invalid("too many combinations")
+            .field("parameters")
+            .allowed(format!("at most {MAX_GRID} points in all"))
+            .hint("take fewer points per parameter, or let `realgap tune` choose them"))
     }
 
     /// The ranges, in order.
@@ -131,10 +165,12 @@ impl Grid {
         &self.ranges
     }
 
-    /// Number of points.
+    /// Number of points; `usize::MAX` where it is more than that.
     #[allow(clippy::len_without_is_empty)]
     pub fn len(&self) -> usize {
-        self.ranges.iter().map(|range| range.points).product()
+        self.ranges
+            .iter()
+            .fold(1, |size: usize, range| size.saturating_mul(range.points))
     }
 
     /// Index along each range of point number `index`.

@@ -4,10 +4,19 @@
 
 mod driver;
 mod grid;
+mod optimizer;
+mod posterior;
+mod profile;
 mod uncertainty;
 
-pub use driver::{Ending, Evaluation, drive};
+pub use driver::{Ending, Evaluation, drive, pool};
 pub use grid::{Grid, MAX_POINTS, Range};
+pub use optimizer::{
+    Brief, History, OPTIMIZERS, Optimizer, Proposal, Told, UnitPoint, optimizer_by_name,
+    space_filling,
+};
+pub use posterior::{BestDraws, ScoredPoint};
+pub use profile::Profile;
 pub use uncertainty::{
     Uncertainty, UncertaintySource, bootstrap_indistinguishable, spread_indistinguishable,
 };

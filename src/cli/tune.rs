@@ -1,0 +1,79 @@
+//! `realgap tune`: let an optimizer choose the points.
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Args;
+use realgap::Result;
+use realgap::report::quantity;
+use realgap::study::{TuneOptions, tune};
+use realgap::tuning::{OPTIMIZERS, optimizer_by_name};
+
+use super::answer::StudyOptions;
+use super::{interrupt, progress};
+
+/// Let an optimizer find what matches reality best, with far fewer simulations than a sweep
+///
+/// Any number of parameters. The same study, optimizer, seed and budget give the same bits for any number of threads and
+/// after any interruption; a larger budget with --resume goes on. The folder gets what a sweep writes, and
+/// convergence.png and trials.csv.
+#[derive(Debug, Args)]
+#[command(after_help = optimizers())]
+pub struct Tune {
+    #[command(flatten)]
+    options: StudyOptions,
+    /// Who chooses the points (listed below)
+    #[arg(long, value_name = "NAME", default_value = "cma-es")]
+    optimizer: String,
+    /// Most points to evaluate, the first design included
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    budget: usize,
+    /// Stop after N points in a row without a better one
+    #[arg(long, value_name = "N")]
+    patience: Option<usize>,
+}
+
+fn optimizers() -> String {
+    let lines = OPTIMIZERS
+        .iter()
+        .map(|optimizer| format!("  {:<15} {}", optimizer.name(), optimizer.doc()));
+    format!(
+        "Optimizers:\n{}\n\nThe pca metric freezes its basis on a first design of 64 points, which counts.",
+        lines.collect::<Vec<_>>().join("\n")
+    )
+}
+
+impl Tune {
+    pub fn run(self) -> Result<ExitCode> {
+        let tuning = TuneOptions {
+            optimizer: optimizer_by_name(&self.optimizer)
+                .map_err(|e| e.field("--optimizer").into_usage())?,
+            budget: self.budget,
+            patience: self.patience,
+        };
+        let options = &self.options;
+        let problem = options.problem(None)?;
+        let folder = options.folder(&problem, &format!("_{}", tuning.optimizer.name()));
+        let stop = interrupt::stop_flag()?;
+        let bar = progress::bar(self.budget, "tuning");
+        let started = Instant::now();
+        let unit = problem.study().metric.unit();
+        let result = tune(
+            &problem,
+            &folder,
+            options.mode(),
+            options.jobs(),
+            &tuning,
+            stop,
+            |done, best| {
+                bar.set_position(done as u64);
+                if let Some(best) = best {
+                    bar.set_message(format!("tuning, best {}", quantity(best, unit)));
+                }
+            },
+        );
+        bar.finish_and_clear();
+        let wall_s = started.elapsed().as_secs_f64();
+        options.finish("tune", &problem, &result?, &folder, wall_s)
+    }
+}

@@ -1,0 +1,106 @@
+//! What a store promises.
+
+use std::fs;
+
+use super::*;
+
+fn trial(index: usize) -> Trial {
+    Trial {
+        index,
+        values: vec![0.1 + index as f64, f64::MIN_POSITIVE],
+        outcomes: vec![
+            Outcome {
+                status: OutcomeStatus::Completed,
+                steps: 480,
+                net_displacement_m: 0.1_f64.sqrt(),
+                scores: vec![1.0 / 3.0],
+                path_xy_m: vec![[0.0, -0.0], [1e-300, 2.0]],
+            },
+            Outcome {
+                status: OutcomeStatus::Diverged("part 0 left".to_owned()),
+                steps: 3,
+                net_displacement_m: 0.0,
+                scores: vec![],
+                path_xy_m: vec![],
+            },
+        ],
+    }
+}
+
+#[test]
+fn trials_come_back_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let fingerprint = Fingerprint::new().with("a", 1).with("b", "x");
+    let mut store = Store::create(folder.path(), &fingerprint).unwrap();
+    store.insert(&[trial(7), trial(2)]).unwrap();
+    drop(store);
+    let store = Store::resume(folder.path(), &fingerprint).unwrap();
+    assert_eq!(store.trials().unwrap(), [trial(2), trial(7)]);
+    assert_eq!(
+        store.finished().unwrap().into_iter().collect::<Vec<_>>(),
+        [2, 7]
+    );
+    assert!(!store.trials().unwrap()[0].completed());
+}
+
+#[test]
+fn scores_and_descriptions_come_back_and_are_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = Store::create(folder.path(), &Fingerprint::new()).unwrap();
+    store.insert(&[trial(0), trial(1)]).unwrap();
+    let score = |index, score| TrialScore {
+        index,
+        score,
+        displacement_error_m: score,
+        recordings: vec![0.1, 1.0 / 3.0],
+    };
+    store
+        .insert_scores(&[score(0, Some(2.0)), score(1, None)])
+        .unwrap();
+    store.insert_scores(&[score(0, Some(0.1 + 0.2))]).unwrap();
+    assert_eq!(
+        store.scores().unwrap(),
+        [score(0, Some(0.1 + 0.2)), score(1, None)]
+    );
+    store.describe([("metric", "pca".to_owned())]).unwrap();
+    store.describe([("metric", "rms".to_owned())]).unwrap();
+    assert_eq!(store.description().unwrap()["metric"], "rms");
+    assert_eq!(store.trials_within(1..9).unwrap(), [trial(1)]);
+}
+
+#[test]
+fn a_folder_takes_one_writer_and_one_study() {
+    let folder = tempfile::tempdir().unwrap();
+    let fingerprint = Fingerprint::new().with("a", 1);
+    let store = Store::create(folder.path(), &fingerprint).unwrap();
+    let busy = Store::resume(folder.path(), &fingerprint).unwrap_err();
+    assert!(busy.to_string().contains("another process"), "{busy}");
+    drop(store);
+    let there = Store::create(folder.path(), &fingerprint).unwrap_err();
+    assert!(there.to_string().contains("--resume"), "{there}");
+    let other = Store::resume(folder.path(), &Fingerprint::new().with("a", 2)).unwrap_err();
+    assert!(other.to_string().contains("now 2, stored 1"), "{other}");
+    Store::remove(folder.path()).unwrap();
+    Store::create(folder.path(), &Fingerprint::new().with("a", 2)).unwrap();
+}
+
+#[test]
+fn a_reader_may_look_while_a_writer_writes() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = Store::create(folder.path(), &Fingerprint::new()).unwrap();
+    store.insert(&[trial(0)]).unwrap();
+    let reader = Store::read(folder.path()).unwrap();
+    store.insert(&[trial(1)]).unwrap();
+    assert_eq!(reader.finished().unwrap().len(), 2);
+}
+
+#[test]
+fn a_file_that_is_no_store_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join(STORE_FILE),
+        b"not a database, but long enough to look at",
+    )
+    .unwrap();
+    assert!(Store::resume(folder.path(), &Fingerprint::new()).is_err());
+}
