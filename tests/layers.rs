@@ -97,6 +97,10 @@ const OWNED: &[(&str, &str)] = &[
     ("rapier3d", "simulation"),
     ("plotters", "report"),
     ("rusqlite", "store"),
+    ("parquet", "store"),
+    ("argmin", "tuning"),
+    ("cmaes", "tuning"),
+    ("egobox_ego", "tuning"),
     ("indicatif", "cli"),
     ("clap", "cli"),
 ];

@@ -12,6 +12,8 @@ mod option;
 mod parameters;
 mod progress;
 mod record;
+mod results;
+mod sensitivity;
 mod simulate;
 mod sweep;
 mod terminal;
@@ -51,6 +53,8 @@ enum Command {
     Compare(compare::Compare),
     Sweep(sweep::Sweep),
     Tune(tune::Tune),
+    Results(results::Results),
+    Sensitivity(sensitivity::Sensitivity),
     Evaluate(evaluate::Evaluate),
     Identify(identify::Identify),
     Record(record::Record),
@@ -84,6 +88,8 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Compare(compare) => compare.run(),
         Command::Sweep(sweep) => sweep.run(),
         Command::Tune(tune) => tune.run(),
+        Command::Results(results) => results.run(),
+        Command::Sensitivity(sensitivity) => sensitivity.run(),
         Command::Evaluate(evaluate) => evaluate.run(),
         Command::Identify(identify) => identify.run(),
         Command::Record(record) => record.run(),

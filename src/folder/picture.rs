@@ -83,9 +83,6 @@ impl<'a> Map<'a> {
         );
         if let Method::Tune(tuned) = &answer.method {
             subtitle += &format!("; {} points chosen by {}", summary.points, tuned.optimizer);
-            if study.grid.ranges().len() <= 2 {
-                subtitle += ", each cell shows the nearest";
-            }
         }
         if !summary.complete {
             subtitle += &format!(
@@ -100,6 +97,14 @@ impl<'a> Map<'a> {
             subtitle,
             score_label: format!("{} discrepancy", study.metric.name()),
             cells,
+        }
+    }
+
+    /// Subtitle of a picture in which cells stand for points.
+    fn cell_subtitle(&self) -> String {
+        match self.answer.method {
+            Method::Sweep => self.subtitle.clone(),
+            Method::Tune(_) => format!("{}, each cell shows the nearest", self.subtitle),
         }
     }
 
@@ -157,7 +162,7 @@ impl<'a> Map<'a> {
                 indistinguishable.push(self.is_indistinguishable(index));
             }
         }
-        let mut subtitle = self.subtitle.clone();
+        let mut subtitle = self.cell_subtitle();
         if let (Some(best), true) = (&best, ranges.len() > 2) {
             let others = (0..ranges.len()).filter(|i| *i != first && *i != second);
             let fixed: Vec<String> = others
@@ -193,7 +198,7 @@ impl<'a> Map<'a> {
     fn draw_curve(&self, x: &Range, folder: &Path) -> Result<()> {
         let curve = Curve {
             title: self.title.clone(),
-            subtitle: self.subtitle.clone(),
+            subtitle: self.cell_subtitle(),
             x: axis(x),
             x_values: x.values(),
             scores: (0..x.points).map(|index| self.score(index)).collect(),

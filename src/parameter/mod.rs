@@ -150,6 +150,18 @@ impl Parameter {
         (self.get)(&Experiment::new(nobody))
     }
 
+    /// `value` made a little smaller and a little larger (see [`Nudge`]); `None` at a bound.
+    pub fn nudged(&self, value: f64) -> [Option<f64>; 2] {
+        let step = match self.nudge {
+            Nudge::Share(share) => share * value.abs(),
+            Nudge::Absolute(step) => step,
+        };
+        [-step, step].map(|step| {
+            let moved = value + step;
+            (step != 0.0 && self.check(moved).is_ok()).then_some(moved)
+        })
+    }
+
     /// Name and unit for an axis or table: `floor.friction` or `floor.height_m (m)`.
     pub fn label(&self) -> String {
         match self.unit {

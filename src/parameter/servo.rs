@@ -1,7 +1,20 @@
 //! Servos: limits, gain, latency and play.
 
 use super::{Nudge, Parameter, Scale};
+use crate::morphology::Servo;
 use crate::quantity::Unit;
+use crate::simulation::Experiment;
+
+/// What the robot's file gives every servo; `None` where they differ or there are none.
+fn shared(experiment: &Experiment, own: impl Fn(&Servo) -> f64) -> Option<f64> {
+    let mut values = experiment
+        .assembly
+        .hinges
+        .iter()
+        .map(|hinge| own(&hinge.servo));
+    let first = values.next()?;
+    values.all(|value| value == first).then_some(first)
+}
 
 pub(super) static PARAMETERS: &[Parameter] = &[
     Parameter {
@@ -12,7 +25,10 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Log,
         nudge: Nudge::Share(0.1),
         doc: "Torque limit of every servo, in place of the robot file's.",
-        get: |e| e.adjustment.max_torque_nm,
+        get: |e| {
+            let own = |servo: &Servo| servo.max_torque_nm;
+            e.adjustment.max_torque_nm.or_else(|| shared(e, own))
+        },
         set: |e, value| e.adjustment.max_torque_nm = Some(value),
     },
     Parameter {
@@ -23,7 +39,10 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Log,
         nudge: Nudge::Share(0.1),
         doc: "Speed limit of every servo, in place of the robot file's.",
-        get: |e| e.adjustment.max_speed_rad_s,
+        get: |e| {
+            let own = |servo: &Servo| servo.max_speed_rad_s;
+            e.adjustment.max_speed_rad_s.or_else(|| shared(e, own))
+        },
         set: |e, value| e.adjustment.max_speed_rad_s = Some(value),
     },
     Parameter {

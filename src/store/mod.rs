@@ -6,11 +6,15 @@
 
 mod database;
 mod fingerprint;
+mod listing;
 mod lock;
+mod parquet;
 #[cfg(test)]
 mod tests;
 mod trial;
 
 pub use database::{STORE_FILE, Store};
 pub use fingerprint::Fingerprint;
+pub use listing::{Cell, ListedTrial, Listing};
+pub use parquet::to_parquet;
 pub use trial::{Outcome, OutcomeStatus, Trial, TrialScore};

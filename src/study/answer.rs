@@ -168,11 +168,12 @@ fn uncertainty(
 /// for a walking robot the timestep does not converge (docs/fidelity.md), so a finer one is as good a choice,
 /// and what it changes belongs to the uncertainty.
 fn repeats(problem: &Problem, scores: &Scores, values: &[f64], noise: &Noise) -> Result<Vec<f64>> {
+    let set = problem.parameter_set(values);
     let repeats: Vec<Option<f64>> = (0..REPEATS)
         .into_par_iter()
         .map(|repeat| {
             let timestep_factor = 0.5_f64.powf(repeat as f64 / (REPEATS - 1) as f64);
-            let outcome = problem.evaluate_perturbed(values, noise, repeat, timestep_factor)?;
+            let outcome = problem.evaluate_perturbed(&set, noise, repeat, timestep_factor)?;
             if outcome.status != OutcomeStatus::Completed {
                 return Ok(None);
             }

@@ -127,10 +127,7 @@ impl Problem {
     /// # Errors
     /// As [`Problem::evaluate`].
     pub fn evaluate_values(&self, index: usize, values: Vec<f64>) -> Result<Trial> {
-        let outcomes = (0..self.cases.len())
-            .into_par_iter()
-            .map(|case| self.evaluate_case(case, &self.experiment(case, &values)?))
-            .collect::<Result<_>>()?;
+        let outcomes = self.evaluate_set(&self.parameter_set(&values))?;
         Ok(Trial {
             index,
             values,
@@ -168,20 +165,31 @@ impl Problem {
             .recording_length_scale
     }
 
-    /// Simulates case 0 with these values under `noise`, repeat number `repeat`, at `timestep_factor` times the timestep.
+    /// Simulates case 0 with these parameters under `noise`, repeat number `repeat`, at `timestep_factor` times the timestep.
     ///
     /// # Errors
     /// As [`Problem::evaluate`].
     pub fn evaluate_perturbed(
         &self,
-        values: &[f64],
+        set: &ParameterSet,
         noise: &Noise,
         repeat: u64,
         timestep_factor: f64,
     ) -> Result<Outcome> {
-        let mut experiment = self.experiment(0, values)?;
+        let mut experiment = self.experiment_with(0, set)?;
         experiment.solver.timestep_s *= timestep_factor;
         self.evaluate_case(0, &noise.perturb(&experiment, self.study.seed, repeat))
+    }
+
+    /// Simulates every case with these parameters; cases run in parallel on the current rayon pool.
+    ///
+    /// # Errors
+    /// As [`Problem::evaluate`].
+    pub fn evaluate_set(&self, set: &ParameterSet) -> Result<Vec<Outcome>> {
+        (0..self.cases.len())
+            .into_par_iter()
+            .map(|case| self.evaluate_case(case, &self.experiment_with(case, set)?))
+            .collect()
     }
 
     /// Simulates every case at these values with other numerical settings.

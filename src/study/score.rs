@@ -87,7 +87,8 @@ impl Scores {
         case: usize,
         outcome: &Outcome,
     ) -> Result<Vec<f64>> {
-        outcome_scores(problem, self.basis.as_ref(), values, case, outcome)
+        let length_scale = problem.recording_length_scale(values);
+        outcome_scores(problem, self.basis.as_ref(), length_scale, case, outcome)
     }
 }
 
@@ -145,7 +146,7 @@ fn score(
     point.recordings = vec![f64::NAN; count];
     let mut displacement_error_m = 0.0;
     for (case, outcome) in trial.outcomes.iter().enumerate() {
-        let scores = outcome_scores(problem, basis, &trial.values, case, outcome)?;
+        let scores = outcome_scores(problem, basis, length_scale, case, outcome)?;
         for (target, score) in problem.cases()[case].targets.iter().zip(scores) {
             point.recordings[target.recording] = score;
             displacement_error_m += (outcome.net_displacement_m
@@ -168,10 +169,11 @@ fn score(
     Ok(point)
 }
 
-fn outcome_scores(
+/// Scores of one outcome against the recordings of its case; `length_scale` is recorded lengths over true ones.
+pub(super) fn outcome_scores(
     problem: &Problem,
     basis: Option<&Basis>,
-    values: &[f64],
+    length_scale: f64,
     case: usize,
     outcome: &Outcome,
 ) -> Result<Vec<f64>> {
@@ -180,7 +182,6 @@ fn outcome_scores(
     };
     let simulated = Prepared::from_xy_m(outcome.path_xy_m.clone())?;
     // Both paths are in recorded lengths, the score in true ones.
-    let length_scale = problem.recording_length_scale(values);
     Ok(problem.cases()[case]
         .targets
         .iter()

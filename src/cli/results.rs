@@ -1,0 +1,128 @@
+//! `realgap results`: what a results folder holds.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, ValueEnum};
+use realgap::file::write_atomic;
+use realgap::report::{Side, TextTable, number};
+use realgap::store::{Cell, Listing, to_parquet};
+use realgap::{Error, Result};
+
+use super::terminal;
+
+/// List the trials of a results folder, also while a run is still writing into it
+///
+/// Everything comes from the folder's results.sqlite; the study's files are not needed.
+#[derive(Debug, Args)]
+pub struct Results {
+    /// A folder that sweep or tune has written, e.g. results/tripod_floor
+    folder: PathBuf,
+    /// Column to sort by: score, trial, displacement_error_m or a parameter
+    #[arg(long, value_name = "COLUMN", default_value = "score")]
+    sort: String,
+    /// Only the first N rows after sorting
+    #[arg(long, value_name = "N")]
+    top: Option<usize>,
+    /// One more column a recording
+    #[arg(long)]
+    per_recording: bool,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: ResultsFormat,
+    /// File to write to instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum ResultsFormat {
+    /// A table for people
+    #[default]
+    Table,
+    /// Comma-separated values
+    Csv,
+    /// An array of objects
+    Json,
+    /// A Parquet file (needs --output)
+    Parquet,
+}
+
+impl Results {
+    pub fn run(self) -> Result<ExitCode> {
+        let mut listing = Listing::read(&self.folder)?.sorted(&self.sort)?;
+        listing.trials.truncate(self.top.unwrap_or(usize::MAX));
+        let bytes = match self.format {
+            ResultsFormat::Table => self.table(&listing).into_bytes(),
+            ResultsFormat::Csv => self.csv(&listing)?,
+            ResultsFormat::Json => self.json(&listing)?.into_bytes(),
+            ResultsFormat::Parquet => {
+                let Some(path) = &self.output else {
+                    return Err(Error::usage("Parquet is no text")
+                        .field("--format parquet")
+                        .hint("name a file with --output trials.parquet"));
+                };
+                to_parquet(&listing, self.per_recording, path)?
+            }
+        };
+        match &self.output {
+            Some(path) => write_atomic(path, &bytes)?,
+            None => terminal::print(String::from_utf8_lossy(&bytes).trim_end()),
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn table(&self, listing: &Listing) -> String {
+        let columns = listing.columns(self.per_recording);
+        let mut table = TextTable::new(columns.iter().map(|name| (name.as_str(), Side::Right)));
+        for row in listing.cells(self.per_recording) {
+            table.push(row.iter().map(|cell| match cell {
+                Cell::Number(Some(value)) => number(*value),
+                other => other.text(),
+            }));
+        }
+        let state = if listing.complete {
+            "complete"
+        } else {
+            "unfinished"
+        };
+        format!(
+            "{} of {}, {state}, metric {}\n{}",
+            listing.kind,
+            listing.study,
+            listing.metric,
+            table.render(terminal::stdout_wants_colour())
+        )
+    }
+
+    fn csv(&self, listing: &Listing) -> Result<Vec<u8>> {
+        let fail = |e: csv::Error| Error::invalid(format!("cannot write the table: {e}"));
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer
+            .write_record(listing.columns(self.per_recording))
+            .map_err(fail)?;
+        for row in listing.cells(self.per_recording) {
+            writer
+                .write_record(row.iter().map(Cell::text))
+                .map_err(fail)?;
+        }
+        writer
+            .into_inner()
+            .map_err(|e| Error::invalid(format!("cannot write the table: {e}")))
+    }
+
+    fn json(&self, listing: &Listing) -> Result<String> {
+        let columns = listing.columns(self.per_recording);
+        let rows: Vec<serde_json::Map<String, serde_json::Value>> = listing
+            .cells(self.per_recording)
+            .map(|row| {
+                columns
+                    .iter()
+                    .cloned()
+                    .zip(row.iter().map(Cell::json))
+                    .collect()
+            })
+            .collect();
+        terminal::json(&rows)
+    }
+}

@@ -1,0 +1,139 @@
+//! `realgap sensitivity`: which parameters matter at all?
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::Result;
+use realgap::report::{
+    Bar, BarChart, Side, TextTable, check_picture_path, draw_bars, number, quantity,
+};
+use realgap::study::{Overrides, Problem, Sensitivity as Effects, Study, sensitivity};
+use realgap::tuning::pool;
+
+use super::option::{Format, Recordings, Values};
+use super::{progress, terminal};
+
+/// Change every parameter a little, one at a time, and see what it does to the score
+///
+/// Around the study's values, or those of --parameters best.ron. Each parameter moves by a step that a user would call small
+/// (`realgap parameters` lists it). Worth doing before a sweep: what has no effect cannot be fitted.
+#[derive(Debug, Args)]
+pub struct Sensitivity {
+    /// The study
+    study: PathBuf,
+    #[command(flatten)]
+    values: Values,
+    #[command(flatten)]
+    recordings: Recordings,
+    /// Metric in place of the study's own
+    #[arg(long, value_name = "NAME")]
+    metric: Option<String>,
+    /// Draw a bar chart into this .png or .svg
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Threads [default: all cores]
+    #[arg(short, long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Sensitivity {
+    pub fn run(self) -> Result<ExitCode> {
+        if let Some(path) = &self.plot {
+            check_picture_path(path)?;
+        }
+        let overrides = Overrides {
+            set: self.values.parameter_set()?,
+            metric: self.metric.clone(),
+            ..self.recordings.overrides()?
+        };
+        let problem = Problem::new(Study::read(&self.study, &overrides)?)?;
+        let jobs = self
+            .jobs
+            .or_else(|| std::thread::available_parallelism().ok())
+            .map_or(1, NonZeroUsize::get);
+        let bar = progress::bar(0, "nudging");
+        let result = pool(jobs)?.install(|| {
+            sensitivity(&problem, |done, total| {
+                bar.set_length(total as u64);
+                bar.set_position(done as u64);
+            })
+        });
+        bar.finish_and_clear();
+        let result = result?;
+        terminal::print_warnings(&result.warnings);
+        if let Some(path) = &self.plot {
+            draw_bars(&chart(&problem, &result), path)?;
+        }
+        match self.format {
+            Format::Json => terminal::print(terminal::json(&result)?),
+            Format::Table => print(&problem, &result),
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+fn moves(value: f64, lower: Option<f64>, higher: Option<f64>) -> String {
+    let end = |end: Option<f64>| end.map_or("-".to_owned(), number);
+    format!("{} | {} | {}", end(lower), number(value), end(higher))
+}
+
+fn chart(problem: &Problem, result: &Effects) -> BarChart {
+    let study = problem.study();
+    let bars = result.effects.iter().map(|effect| Bar {
+        name: effect.parameter.to_owned(),
+        lower: effect.lower_change,
+        higher: effect.higher_change,
+    });
+    BarChart {
+        title: format!("{}: what a small change of each parameter does", study.name),
+        subtitle: format!(
+            "{}, {} recordings; score at the point {}",
+            study.morphology.name(),
+            study.recordings.len(),
+            quantity(result.score, study.metric.unit())
+        ),
+        label: format!("change of the {} discrepancy", result.metric),
+        unit: study.metric.unit(),
+        bars: bars.collect(),
+        noise: result.start_sd,
+    }
+}
+
+fn print(problem: &Problem, result: &Effects) {
+    let unit = problem.study().metric.unit();
+    let mut table = TextTable::new([
+        ("parameter", Side::Left),
+        ("unit", Side::Left),
+        ("smaller | value | larger", Side::Right),
+        ("change if smaller", Side::Right),
+        ("change if larger", Side::Right),
+    ]);
+    let change = |change: Option<f64>| change.map_or("-".to_owned(), |c| quantity(c, unit));
+    for effect in &result.effects {
+        table.push([
+            effect.parameter.to_owned(),
+            effect.unit.to_owned(),
+            moves(effect.value, effect.lower, effect.higher),
+            change(effect.lower_change),
+            change(effect.higher_change),
+        ]);
+    }
+    let chance = match result.start_sd {
+        Some(sd) => format!(
+            "; a start 1 mm and 1 deg off changes it by {} (sd), so smaller changes are chance",
+            quantity(sd, unit)
+        ),
+        None => String::new(),
+    };
+    terminal::print(format!(
+        "{} at the point: {}{chance}\n{}",
+        result.metric,
+        quantity(result.score, unit),
+        table.render(terminal::stdout_wants_colour()).trim_end()
+    ));
+}

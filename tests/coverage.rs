@@ -1,0 +1,68 @@
+//! Are the intervals honest? Many small studies with a truth that we know.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+mod common;
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use realgap::morphology::Morphology;
+use realgap::simulation::{Experiment, Noise, run};
+use realgap::study::{INTERVAL_LEVEL, Mode, Overrides, Problem, Study, sweep};
+use realgap::trajectory::write;
+
+const STUDIES: u64 = 60;
+const RECORDINGS: u64 = 6;
+const DURATION_S: f64 = 2.0;
+
+/// Repeats of a run on a hidden floor: put down by hand, with servos of one make, seen by a camera.
+fn record(folder: &Path, friction: f64, seed: u64) {
+    let robot = Morphology::read(common::project().join("morphologies/tripod.ron")).unwrap();
+    let mut truth = Experiment::new(robot.assemble());
+    truth.duration_s = DURATION_S;
+    truth.floor.friction = friction;
+    let noise = Noise {
+        camera_m: 1e-3,
+        ..Noise::careful_repeat()
+    };
+    for repeat in 0..RECORDINGS {
+        let run = run(&noise.perturb(&truth, seed, repeat)).unwrap();
+        let seen = noise
+            .record(&run.trajectory.unwrap(), seed, repeat)
+            .unwrap();
+        write(folder.join(format!("run_{repeat}.csv")), &seen).unwrap();
+    }
+}
+
+/// Whether the interval of one study holds its truth.
+fn covers(seed: u64) -> bool {
+    let folder = tempfile::tempdir().unwrap();
+    // Truths spread evenly over the range, on and between the points of the grid.
+    let friction = 0.15 + 0.7 * (seed as f64 * 0.618_033_988_749_895).fract();
+    record(folder.path(), friction, seed);
+    let path = common::study(
+        folder.path(),
+        &format!(
+            "morphology: \"{}/morphologies/tripod.ron\",
+    recordings: [\"run_*.csv\"],
+    start: Settled,
+    parameters: [(name: \"floor.friction\", from: 0.05, to: 0.95, points: 19)],
+    metric: \"rms\",
+    seed: {seed},",
+            common::project().display()
+        ),
+    );
+    let problem = Problem::new(Study::read(path, &Overrides::default()).unwrap()).unwrap();
+    let never = AtomicBool::new(false);
+    let results = folder.path().join("results");
+    let answer = sweep(&problem, &results, Mode::Start, 2, &never, |_| ()).unwrap();
+    let (low, high) = answer.draws.unwrap().interval(0, INTERVAL_LEVEL);
+    low <= friction && friction <= high
+}
+
+#[test]
+fn a_ninety_percent_interval_covers_the_truth_in_about_ninety_percent_of_studies() {
+    let covered = (0..STUDIES).filter(|seed| covers(*seed)).count();
+    let share = covered as f64 / STUDIES as f64;
+    assert!((0.85..=0.95).contains(&share), "{covered} of {STUDIES}");
+}
