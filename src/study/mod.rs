@@ -9,14 +9,16 @@ mod evaluation;
 mod file;
 mod problem;
 mod recording;
+mod rest;
 mod score;
 mod sweep;
 mod values;
 
 pub use case::{Case, Target};
-pub use evaluation::{Evaluation, FaceOdds, RecordingErrors, Spread, evaluate};
+pub use evaluation::{Evaluation, RecordingErrors, Spread, evaluate};
 pub use file::{Overrides, Part, StartRule, Study};
 pub use problem::Problem;
+pub use rest::{FaceOdds, RestingOdds, resting_odds};
 pub use score::{PointScore, Scores};
 pub use sweep::{LEVEL, Mode, Sweep, sweep};
 pub use values::{BestFile, read_parameters};
