@@ -7,11 +7,13 @@ use clap::{Args, ValueEnum};
 use realgap::file::{check_writable, write_atomic, write_ron};
 use realgap::identification::{Identification, Interval, LengthReading, identify};
 use realgap::parameter::{Assignment, ParameterSet};
+use realgap::quantity::counted;
 use realgap::report::{Side, TextTable};
 use realgap::study::{BestFile, Overrides, RestingOdds, StartRule, Study, resting_odds};
 use realgap::{Result, Warning};
 use serde::Serialize;
 
+use super::kind::read_study;
 use super::option::{Format, Recordings, Values};
 use super::{progress, terminal};
 
@@ -61,7 +63,7 @@ impl Identify {
             metric: Some("pose".to_owned()),
             ..self.recordings.overrides()?
         };
-        let study = Study::read(&self.study, &overrides)?;
+        let study = read_study(&self.study, &overrides)?;
         let reading = match self.reading {
             Reading::LengthScale => LengthReading::LengthScale,
             Reading::Gravity => LengthReading::Gravity,
@@ -79,8 +81,10 @@ impl Identify {
         if let Some(output) = &self.output {
             let file = BestFile {
                 description: format!(
-                    "Identified from the free flight of {} of {} recordings of the study {} (realgap identify); no contact was used.",
-                    found.flying, found.recordings, name
+                    "Identified from the free flight of {} of {} of the study {} (realgap identify); no contact was used.",
+                    found.flying,
+                    counted(found.recordings, "recording"),
+                    name
                 ),
                 parameters: found.parameters.clone(),
             };
@@ -184,10 +188,10 @@ fn print(found: &Identification, odds: Option<&RestingOdds>) {
     }
     let mut lines = vec![
         format!(
-            "{} of {} recordings fly, {} samples; {:.3} mm per axis unexplained",
+            "{} of {} fly, {}; {:.3} mm per axis unexplained",
             found.flying,
-            found.recordings,
-            found.samples,
+            counted(found.recordings, "recording"),
+            counted(found.samples, "sample"),
             1e3 * found.residual_m
         ),
         table.render(colour).trim_end().to_owned(),
@@ -258,9 +262,9 @@ fn rest(found: &Identification, odds: Option<&RestingOdds>, colour: bool) -> Str
         format!("{name} = {value:.6}{origin}")
     });
     format!(
-        "{}\n{} recordings at rest, each simulated once ({} diverged), {} on the same face; {} still moving at the end\nsimulated from the {} with {}",
+        "{}\n{} at rest, each simulated once ({} diverged), {} on the same face; {} still moving at the end\nsimulated from the {} with {}",
         table.render(colour).trim_end(),
-        odds.simulations,
+        counted(odds.simulations, "recording"),
         odds.diverged,
         odds.same_face,
         rest.moving,

@@ -7,12 +7,13 @@ use std::time::Instant;
 
 use clap::Args;
 use realgap::folder::{self, Summary};
-use realgap::quantity::LengthUnit;
+use realgap::quantity::{LengthUnit, counted};
 use realgap::report::quantity;
-use realgap::study::{Mode, Overrides, Problem, Study, sweep};
+use realgap::study::{Mode, Overrides, Problem, sweep};
 use realgap::tuning::{Ending, UncertaintySource};
 use realgap::{Error, Result, Warning};
 
+use super::kind::read_study;
 use super::option::{Format, UnitOption, Values};
 use super::{interrupt, progress, terminal};
 
@@ -69,7 +70,7 @@ impl Sweep {
             unit: LengthUnit::from(self.unit),
             ..Overrides::default()
         };
-        let problem = Problem::new(Study::read(&self.study, &overrides)?)?;
+        let problem = Problem::new(read_study(&self.study, &overrides)?)?;
         terminal::print_warnings(problem.warnings());
         let varied = problem
             .study()
@@ -149,13 +150,12 @@ impl Sweep {
 
 fn print(summary: &Summary, folder: &std::path::Path, problem: &Problem, wall_s: f64, jobs: usize) {
     let mut lines = vec![format!(
-        "{}: {} of {} points, {} recording{}, {wall_s:.1} s on {jobs} thread{}",
+        "{}: {} of {}, {}, {wall_s:.1} s on {}",
         summary.study,
         summary.points,
-        summary.points_total,
-        summary.recordings,
-        if summary.recordings == 1 { "" } else { "s" },
-        if jobs == 1 { "" } else { "s" },
+        counted(summary.points_total, "point"),
+        counted(summary.recordings, "recording"),
+        counted(jobs, "thread"),
     )];
     let unit = problem.study().metric.unit();
     if let Some(best) = &summary.best {
