@@ -136,7 +136,7 @@ def summary(programs, folder, recordings, repeats):
                 *toss(program, recordings, hertz, substeps), *costs)
     if glob.glob(recordings):
         print(f"\nTosses: the held-out half (`--every 2 --offset 1`), mean ± standard error. The fit was made at 1/{FITTED_AT[0]} s × "
-              f"{FITTED_AT[1]}, and no row refits: a row elsewhere is that much worse off.")
+              f"{FITTED_AT[1]} and is the same in every row.")
     else:
         print(f"\nThe toss columns are empty: no recordings at {recordings} (--recordings GLOB).")
 

@@ -106,7 +106,7 @@ fn describe(path: &Path, unit: LengthUnit) -> Result<Contents> {
                 )),
         );
     }
-    if !path.extension().is_some_and(|extension| extension == "ron") {
+    if path.extension().is_none_or(|extension| extension != "ron") {
         return motion(path, unit);
     }
     let source = Source::read(path, "RON file")?;
