@@ -96,3 +96,15 @@ impl LengthUnit {
         }
     }
 }
+
+/// A number of things in words: `1 recording`, `3 recordings`.
+///
+/// ```
+/// use realgap::quantity::counted;
+///
+/// assert_eq!(counted(1, "recording"), "1 recording");
+/// assert_eq!(counted(0, "recording"), "0 recordings");
+/// ```
+pub fn counted(number: usize, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
+}

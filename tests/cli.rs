@@ -302,3 +302,180 @@ fn values_from_options_that_cannot_be_used_are_wrong_usage() {
         .assert()
         .code(2);
 }
+
+#[test]
+fn a_mixed_up_file_is_called_what_it_is() {
+    let cases = [
+        (
+            "simulate",
+            "sweeps/tripod_self.ron",
+            "a study",
+            "realgap sweep",
+        ),
+        (
+            "export",
+            "sweeps/cube_toss_best.ron",
+            "a parameter file",
+            "--parameters",
+        ),
+        (
+            "sweep",
+            "morphologies/cube.ron",
+            "a morphology",
+            "realgap simulate",
+        ),
+        (
+            "evaluate",
+            "morphologies/cube.ron",
+            "a morphology",
+            "realgap simulate",
+        ),
+        (
+            "identify",
+            "sweeps/cube_toss_best.ron",
+            "a parameter file",
+            "--parameters",
+        ),
+        (
+            "sweep",
+            "real_trajectories/tripod_mujoco/run_00.csv",
+            "a trajectory",
+            "realgap compare",
+        ),
+    ];
+    for (command, file, kind, hint) in cases {
+        let mut call = realgap();
+        call.arg(command).arg(project().join(file));
+        if command == "export" {
+            call.args(["--format", "urdf"]);
+        }
+        let error = text(&call.assert().code(2).get_output().stderr);
+        assert!(
+            error.contains(&format!("found:   {kind}")),
+            "{command}: {error}"
+        );
+        assert!(error.contains(hint), "{command}: {error}");
+    }
+    // What is broken stays broken: a file of the right kind keeps its own error.
+    let folder = tempfile::tempdir().unwrap();
+    let broken = folder.path().join("robot.ron");
+    std::fs::write(&broken, "(name: \"x\", modules: [])").unwrap();
+    let error = text(
+        &realgap()
+            .arg("simulate")
+            .arg(&broken)
+            .assert()
+            .code(1)
+            .get_output()
+            .stderr,
+    );
+    assert!(!error.contains("not a morphology"), "{error}");
+}
+
+#[test]
+fn a_folder_is_not_checked_but_its_files_may_be() {
+    let out = realgap()
+        .arg("check")
+        .arg(project().join("sweeps"))
+        .assert()
+        .code(1);
+    let error = text(&out.get_output().stderr);
+    assert!(
+        error.contains("this is a folder") && error.contains("*.ron"),
+        "{error}"
+    );
+}
+
+#[test]
+fn check_tells_machines_what_it_tells_people() {
+    let out = realgap()
+        .arg("check")
+        .arg(project().join("morphologies/tripod.ron"))
+        .arg(project().join("real_trajectories/tripod_mujoco/run_00.csv"))
+        .args(["nowhere.ron", "--format", "json"])
+        .assert()
+        .code(1);
+    let reports: serde_json::Value = serde_json::from_slice(&out.get_output().stdout).unwrap();
+    let [robot, run, missing] = reports.as_array().unwrap().as_slice() else {
+        panic!("{reports}");
+    };
+    assert!(robot["ok"] == true && robot["kind"] == "morphology");
+    assert_eq!(robot["contents"]["modules"], 4);
+    assert!(run["kind"] == "trajectory");
+    assert!(
+        run["contents"]["recordings"][0]["samples"]
+            .as_u64()
+            .unwrap()
+            > 100
+    );
+    assert!(missing["ok"] == false && missing["error"]["text"].is_string());
+}
+
+#[test]
+fn record_tells_machines_what_it_wrote() {
+    let folder = tempfile::tempdir().unwrap();
+    let runs = folder.path().join("runs");
+    let out = realgap()
+        .arg("record")
+        .arg(project().join("morphologies/cube.ron"))
+        .args([
+            "--repeats",
+            "1",
+            "--duration",
+            "0.2",
+            "--set",
+            "floor.friction=0.4",
+        ])
+        .args(["--format", "json", "-o"])
+        .arg(&runs)
+        .assert()
+        .success();
+    let report: serde_json::Value = serde_json::from_slice(&out.get_output().stdout).unwrap();
+    assert_eq!(report["source"], "StandIn");
+    assert_eq!(report["parameters"]["floor.friction"], 0.4);
+    for file in [&report["recordings"][0], &report["meta"]] {
+        assert!(
+            std::path::Path::new(file.as_str().unwrap()).is_file(),
+            "{file}"
+        );
+    }
+}
+
+#[test]
+fn simulate_tries_its_output_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let started = std::time::Instant::now();
+    let out = realgap()
+        .arg("simulate")
+        .arg(project().join("morphologies/chain30.ron"))
+        .args(["--duration", "3600", "-o"])
+        .arg(folder.path().join("missing/run.csv"))
+        .assert()
+        .code(1);
+    let error = text(&out.get_output().stderr);
+    assert!(error.contains("cannot write the file"), "{error}");
+    // An hour of chain30 takes minutes.
+    assert!(started.elapsed().as_secs() < 20);
+}
+
+#[test]
+fn help_shows_the_defaults_that_are_used() {
+    let out = realgap().args(["simulate", "--help"]).assert().success();
+    let help = text(&out.get_output().stdout);
+    let solver = realgap::simulation::Solver::default();
+    for default in [
+        format!("[default: 1/{:.0},", 1.0 / solver.timestep_s),
+        format!("[default: {},", solver.substeps),
+        format!(
+            "[default: {},",
+            format!("{:?}", solver.joint).to_lowercase()
+        ),
+    ] {
+        // Long lines are wrapped.
+        let words = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(
+            words.contains(&default),
+            "{default} is missing from\n{help}"
+        );
+    }
+}

@@ -95,6 +95,7 @@ const BELOW_STUDY: &[&str] = &[
 /// Crates that only one room may name.
 const OWNED: &[(&str, &str)] = &[
     ("rapier3d", "simulation"),
+    ("rapier3d_f64", "simulation"),
     ("plotters", "report"),
     ("rusqlite", "store"),
     ("parquet", "store"),

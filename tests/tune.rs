@@ -6,6 +6,7 @@ mod common;
 use std::path::Path;
 
 use common::{project, read, realgap, study, summary, text};
+use parquet::record::RowAccessor;
 
 /// The tripod for a second, compared point by point: no basis, so that small budgets are enough.
 fn quick(folder: &Path) -> std::path::PathBuf {
@@ -257,7 +258,7 @@ fn results_can_be_read_without_the_study() {
     let reader =
         parquet::file::reader::SerializedFileReader::new(std::fs::File::open(&file).unwrap())
             .unwrap();
-    let rows: Vec<_> = reader.into_iter().map(|row| row.unwrap()).collect();
+    let rows: Vec<_> = reader.into_iter().map(Result::unwrap).collect();
     assert_eq!(rows.len(), 20);
     assert_eq!(rows[0].get_double(4).unwrap(), scores[0]);
 

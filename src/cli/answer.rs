@@ -6,11 +6,13 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::folder::{self, Summary};
+use realgap::quantity::counted;
 use realgap::report::quantity;
-use realgap::study::{Answer, Mode, Overrides, Problem, Split, Study};
+use realgap::study::{Answer, Mode, Overrides, Problem, Split};
 use realgap::tuning::{Ending, UncertaintySource};
 use realgap::{Error, Result, Warning};
 
+use super::kind::read_study;
 use super::option::{Format, Recordings, Values};
 use super::terminal;
 
@@ -66,7 +68,7 @@ impl StudyOptions {
             },
             ..self.recordings.overrides()?
         };
-        let problem = Problem::new(Study::read(&self.study, &overrides)?)?;
+        let problem = Problem::new(read_study(&self.study, &overrides)?)?;
         terminal::print_warnings(problem.warnings());
         let ranges = problem.study().grid.ranges().iter();
         let overruled = ranges
@@ -144,18 +146,14 @@ impl StudyOptions {
     }
 }
 
-fn plural(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
-}
-
 fn print(summary: &Summary, folder: &Path, problem: &Problem, wall_s: f64, jobs: usize) {
     let mut lines = vec![format!(
-        "{}: {} of {} points, {}, {wall_s:.1} s on {}",
+        "{}: {} of {}, {}, {wall_s:.1} s on {}",
         summary.study,
         summary.points,
-        summary.points_total,
-        plural(summary.recordings, "recording"),
-        plural(jobs, "thread"),
+        counted(summary.points_total, "point"),
+        counted(summary.recordings, "recording"),
+        counted(jobs, "thread"),
     )];
     let unit = problem.study().metric.unit();
     if let Some(best) = &summary.best {

@@ -6,11 +6,13 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::file::Source;
 use realgap::morphology::Morphology;
-use realgap::quantity::LengthUnit;
+use realgap::quantity::{LengthUnit, counted};
 use realgap::study::{Overrides, StartRule, Study, read_parameters};
-use realgap::{Error, Result, trajectory};
+use realgap::{Error, Result, Warning, trajectory};
+use serde_json::{Value, json};
 
-use super::option::UnitOption;
+use super::kind::Kind;
+use super::option::{Format, UnitOption};
 use super::terminal;
 
 /// Validate morphologies, studies, parameter files and trajectories, and print what they hold
@@ -22,19 +24,41 @@ pub struct Check {
     /// Unit of length of trajectories
     #[arg(long, value_enum, default_value_t)]
     unit: UnitOption,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// What a sound file holds: for people, and for machines.
+struct Contents {
+    kind: Kind,
+    lines: Vec<String>,
+    details: Value,
+    warnings: Vec<Warning>,
 }
 
 impl Check {
     pub fn run(self) -> Result<ExitCode> {
+        let mut reports = Vec::new();
         let mut failed = 0;
         for path in &self.files {
-            match describe(path, LengthUnit::from(self.unit)) {
-                Ok(text) => terminal::print(format!("{}: ok\n{text}", path.display())),
-                Err(error) => {
-                    failed += 1;
-                    terminal::print_error(&error);
-                }
+            let found = describe(path, LengthUnit::from(self.unit));
+            if let Err(error) = &found {
+                failed += 1;
+                terminal::print_error(error);
             }
+            match (self.format, found) {
+                (Format::Json, found) => reports.push(report(path, found)),
+                (Format::Table, Ok(contents)) => {
+                    let warnings = contents.warnings.iter().map(|w| format!("  warning: {w}"));
+                    let lines: Vec<String> = contents.lines.into_iter().chain(warnings).collect();
+                    terminal::print(format!("{}: ok\n{}", path.display(), lines.join("\n")));
+                }
+                (Format::Table, Err(_)) => {}
+            }
+        }
+        if self.format == Format::Json {
+            terminal::print(terminal::json(&reports)?);
         }
         if failed > 0 {
             if self.files.len() > 1 {
@@ -49,34 +73,65 @@ impl Check {
     }
 }
 
-fn describe(path: &Path, unit: LengthUnit) -> Result<String> {
-    if path.extension().is_some_and(|extension| extension == "ron") {
-        let source = Source::read(path, "RON file")?;
-        let has = |field: &str| source.locate(field).is_some();
-        return match (has("modules"), has("morphology"), has("parameters"), has("robot")) {
-            (true, ..) => morphology(&source),
-            (_, true, ..) => study(path),
-            (_, _, true, _) => parameters(path),
-            (_, _, _, true) => meta(path),
-            _ => Err(Error::invalid("not a file of ours")
-                .at_file(path)
-                .allowed("a morphology (modules, glue), a study (morphology, parameters), a parameter file (parameters) or a meta.ron (robot, source)")),
-        };
+fn report(path: &Path, found: Result<Contents>) -> Value {
+    match found {
+        Ok(contents) => json!({
+            "file": path,
+            "ok": true,
+            "kind": contents.kind.name(),
+            "contents": contents.details,
+            "warnings": contents.warnings,
+        }),
+        Err(error) => json!({
+            "file": path,
+            "ok": false,
+            "error": {
+                "message": error.message(),
+                "line": error.line_column().map(|(line, _)| line),
+                "column": error.line_column().map(|(_, column)| column),
+                "text": error.to_string(),
+            },
+        }),
     }
-    motion(path, unit)
 }
 
-fn morphology(source: &Source) -> Result<String> {
+fn describe(path: &Path, unit: LengthUnit) -> Result<Contents> {
+    if path.is_dir() {
+        let folder = path.display();
+        return Err(
+            Error::invalid("this is a folder, and files are checked one by one")
+                .at_file(path)
+                .hint(format!(
+                    "name the files in it, e.g. realgap check {folder}/*.ron or {folder}/*.csv"
+                )),
+        );
+    }
+    if path.extension().is_none_or(|extension| extension != "ron") {
+        return motion(path, unit);
+    }
+    let source = Source::read(path, "RON file")?;
+    match Kind::of_ron(&source) {
+        Some(Kind::Morphology) => morphology(&source),
+        Some(Kind::Study) => study(path),
+        Some(Kind::Parameters) => parameters(path),
+        Some(Kind::Meta) => meta(path),
+        _ => Err(Error::invalid("not a file of ours")
+            .at_file(path)
+            .allowed("a morphology (modules, glue), a study (morphology, parameters), a parameter file (parameters) or a meta.ron (robot, source)")),
+    }
+}
+
+fn morphology(source: &Source) -> Result<Contents> {
     let robot = Morphology::parse(source)?;
     let summary = robot.summary();
     let size = summary.size_m();
-    let mut lines = vec![
+    let lines = vec![
         format!(
-            "  morphology \"{}\": {} modules, {} hinges, {} rigid parts",
+            "  morphology \"{}\": {}, {}, {}",
             robot.name(),
-            summary.modules,
-            summary.hinges,
-            summary.parts
+            counted(summary.modules, "module"),
+            counted(summary.hinges, "hinge"),
+            counted(summary.parts, "rigid part")
         ),
         format!("  mass          {:.4} kg", summary.mass_kg),
         format!(
@@ -89,11 +144,24 @@ fn morphology(source: &Source) -> Result<String> {
             summary.body_length_m
         ),
     ];
-    lines.extend(robot.warnings().iter().map(|w| format!("  warning: {w}")));
-    Ok(lines.join("\n"))
+    Ok(Contents {
+        kind: Kind::Morphology,
+        lines,
+        details: json!({
+            "name": robot.name(),
+            "modules": summary.modules,
+            "hinges": summary.hinges,
+            "parts": summary.parts,
+            "mass_kg": summary.mass_kg,
+            "size_m": [size[0], size[1], size[2]],
+            "track": robot.track(),
+            "body_length_m": summary.body_length_m,
+        }),
+        warnings: robot.warnings().to_vec(),
+    })
 }
 
-fn study(path: &Path) -> Result<String> {
+fn study(path: &Path) -> Result<Contents> {
     let study = Study::read_without_recordings(path, &Overrides::default())?;
     let mut lines = vec![format!(
         "  study of the robot \"{}\", metric {} in {}",
@@ -101,6 +169,7 @@ fn study(path: &Path) -> Result<String> {
         study.metric.name(),
         study.metric.unit()
     )];
+    let mut ranges = Vec::new();
     for range in study.grid.ranges() {
         lines.push(format!(
             "  {:<24} {} to {}, {} points",
@@ -109,33 +178,64 @@ fn study(path: &Path) -> Result<String> {
             range.to,
             range.points
         ));
+        ranges.push(json!({
+            "name": range.parameter.name,
+            "from": range.from,
+            "to": range.to,
+            "points": range.points,
+        }));
     }
     let points = study.grid.len();
+    let mut details = json!({
+        "robot": study.morphology.name(),
+        "metric": study.metric.name(),
+        "unit": study.metric.unit(),
+        "parameters": ranges,
+        "points": points,
+        "recordings": null,
+        "simulations": null,
+        "cpu_s": null,
+    });
+    let mut warnings = Vec::new();
     match Study::read(path, &Overrides::default()) {
         Ok(whole) => {
+            let recordings = whole.recordings.len();
             let simulations = match whole.start {
                 StartRule::Settled => points,
-                StartRule::FromRecording => points * whole.recordings.len(),
+                StartRule::FromRecording => points * recordings,
             };
             let problem = realgap::study::Problem::new(whole)?;
             let one = time_one(&problem)?;
+            let cpu_s = one * points as f64;
             lines.push(format!(
-                "  {} recordings, {points} points, {simulations} simulations",
-                problem.study().recordings.len()
+                "  {}, {}, {}",
+                counted(recordings, "recording"),
+                counted(points, "point"),
+                counted(simulations, "simulation")
             ));
             lines.push(format!(
-                "  about {:.0} CPU s ({:.3} s a point, measured on this machine just now)",
-                one * points as f64,
-                one
+                "  about {cpu_s:.0} CPU s ({one:.3} s a point, measured on this machine just now)"
             ));
-            lines.extend(problem.warnings().iter().map(|w| format!("  warning: {w}")));
+            details["recordings"] = json!(recordings);
+            details["simulations"] = json!(simulations);
+            details["cpu_s"] = json!(cpu_s);
+            warnings = problem.warnings().to_vec();
         }
         Err(error) if study.recording_globs.is_empty() => {
-            lines.push(format!("  {points} points; {}", error.message()));
+            lines.push(format!(
+                "  {}; {}",
+                counted(points, "point"),
+                error.message()
+            ));
         }
         Err(error) => return Err(error),
     }
-    Ok(lines.join("\n"))
+    Ok(Contents {
+        kind: Kind::Study,
+        lines,
+        details,
+        warnings,
+    })
 }
 
 /// CPU seconds of one point in the middle of the grid.
@@ -146,46 +246,91 @@ fn time_one(problem: &realgap::study::Problem) -> Result<f64> {
     Ok(run.cpu.as_secs_f64() * share)
 }
 
-fn parameters(path: &Path) -> Result<String> {
+fn parameters(path: &Path) -> Result<Contents> {
     let set = read_parameters(path)?;
-    let lines: Vec<String> = set
+    let lines = set
         .iter()
         .map(|a| format!("  {:<24} {}", a.parameter.label(), a.value))
         .collect();
-    Ok(lines.join("\n"))
+    let values: serde_json::Map<String, Value> = set
+        .iter()
+        .map(|a| (a.parameter.name.to_owned(), json!(a.value)))
+        .collect();
+    Ok(Contents {
+        kind: Kind::Parameters,
+        lines,
+        details: json!({ "parameters": values }),
+        warnings: Vec::new(),
+    })
 }
 
-fn meta(path: &Path) -> Result<String> {
+fn meta(path: &Path) -> Result<Contents> {
     let meta = trajectory::read_meta(path)?;
-    Ok(format!(
-        "  recordings of the robot \"{}\", source {:?}\n  {}\n  frame {}, licence {}",
-        meta.robot, meta.source, meta.description, meta.frame, meta.licence
-    ))
+    let lines = vec![
+        format!(
+            "  recordings of the robot \"{}\", source {:?}",
+            meta.robot, meta.source
+        ),
+        format!("  {}", meta.description),
+        format!("  frame {}, licence {}", meta.frame, meta.licence),
+    ];
+    Ok(Contents {
+        kind: Kind::Meta,
+        lines,
+        details: json!({
+            "robot": meta.robot,
+            "source": format!("{:?}", meta.source),
+            "description": meta.description,
+            "frame": meta.frame,
+            "licence": meta.licence,
+        }),
+        warnings: Vec::new(),
+    })
 }
 
-fn motion(path: &Path, unit: LengthUnit) -> Result<String> {
+fn motion(path: &Path, unit: LengthUnit) -> Result<Contents> {
     let mut lines = Vec::new();
+    let mut recordings = Vec::new();
+    let mut warnings = Vec::new();
     for recording in trajectory::read_all(path, unit)? {
         let motion = &recording.trajectory;
         let prepared = trajectory::prepare(motion).map_err(|e| e.at_file(path))?;
-        let columns = match (
-            motion.orientations_world_from_body(),
-            motion.velocities_world_m_s(),
-        ) {
-            (Some(_), Some(_)) => "positions, orientations and velocities",
-            (Some(_), None) => "positions and orientations",
+        let has_orientations = motion.orientations_world_from_body().is_some();
+        let has_velocities = motion.velocities_world_m_s().is_some();
+        let columns = match (has_orientations, has_velocities) {
+            (true, true) => "positions, orientations and velocities",
+            (true, false) => "positions and orientations",
             _ => "positions",
         };
+        let net_m = motion.net_displacement_world_m().xy().norm();
         lines.push(format!(
-            "  {}: {} samples over {:.3} s, {columns}; net displacement {:.4} m, path {:.4} m",
+            "  {}: {} over {:.3} s, {columns}; net displacement {net_m:.4} m, path {:.4} m",
             recording.name,
-            motion.len(),
+            counted(motion.len(), "sample"),
             motion.duration_s(),
-            motion.net_displacement_world_m().xy().norm(),
             motion.path_length_xy_m(),
         ));
-        let warnings = recording.warnings.iter().chain(prepared.warnings());
-        lines.extend(warnings.map(|w| format!("  warning: {w}")));
+        recordings.push(json!({
+            "name": recording.name,
+            "samples": motion.len(),
+            "duration_s": motion.duration_s(),
+            "orientations": has_orientations,
+            "velocities": has_velocities,
+            "net_displacement_m": net_m,
+            "path_length_m": motion.path_length_xy_m(),
+        }));
+        warnings.extend(
+            recording
+                .warnings
+                .iter()
+                .chain(prepared.warnings())
+                .cloned(),
+        );
     }
-    Ok(lines.join("\n"))
+    Ok(Contents {
+        kind: Kind::Trajectory,
+        lines,
+        details: json!({ "recordings": recordings }),
+        warnings,
+    })
 }

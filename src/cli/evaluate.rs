@@ -7,10 +7,12 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::identification::StartState;
 use realgap::parameter::ParameterSet;
+use realgap::quantity::counted;
 use realgap::report::{Side, TextTable};
-use realgap::study::{Evaluation, Overrides, Problem, Spread, Study, evaluate};
+use realgap::study::{Evaluation, Overrides, Problem, Spread, evaluate};
 use realgap::{Error, Result};
 
+use super::kind::read_study;
 use super::option::{Format, Recordings, StartOption, Values};
 use super::{progress, terminal};
 
@@ -49,7 +51,7 @@ impl Evaluate {
             metric: Some("pose".to_owned()),
             ..self.recordings.overrides()?
         };
-        let problem = Problem::new(Study::read(&self.study, &overrides)?)?;
+        let problem = Problem::new(read_study(&self.study, &overrides)?)?;
         // More threads than recordings would only wait; 0 is all cores.
         let jobs = self
             .jobs
@@ -124,8 +126,8 @@ fn print(result: &Evaluation) {
         ]);
     }
     terminal::print(format!(
-        "{} recordings, start: {}\n{}\n{} of {} end over 45 deg off; {:.2} CPU ms per simulated second\n{}",
-        result.recordings,
+        "{}, start: {}\n{}\n{} of {} end over 45 deg off; {:.2} CPU ms per simulated second\n{}",
+        counted(result.recordings, "recording"),
         result.start,
         table.render(colour).trim_end(),
         result.over_45_deg,

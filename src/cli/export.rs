@@ -8,9 +8,9 @@ use clap::builder::PossibleValuesParser;
 use realgap::Result;
 use realgap::export::{FORMATS, Robot, format_named};
 use realgap::file::write_atomic;
-use realgap::morphology::Morphology;
 use realgap::simulation::Experiment;
 
+use super::kind::read_morphology;
 use super::option::{Values, recording_unused};
 use super::terminal;
 
@@ -35,7 +35,7 @@ pub struct Export {
 impl Export {
     pub fn run(self) -> Result<ExitCode> {
         let format = format_named(&self.format)?;
-        let morphology = Morphology::read(&self.morphology)?;
+        let morphology = read_morphology(&self.morphology)?;
         let experiment = Experiment::new(morphology.assemble());
         let values = self.values.parameter_set()?;
         terminal::print_warnings(&values.without_effect(&experiment));

@@ -4,14 +4,18 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use realgap::Result;
-use realgap::file::{write_atomic, write_ron};
+use realgap::file::{check_writable, write_atomic, write_ron};
 use realgap::identification::{Identification, Interval, LengthReading, identify};
+use realgap::parameter::{Assignment, ParameterSet};
+use realgap::quantity::counted;
 use realgap::report::{Side, TextTable};
-use realgap::study::{BestFile, Overrides, Study};
+use realgap::study::{BestFile, Overrides, RestingOdds, StartRule, Study, resting_odds};
+use realgap::{Result, Warning};
+use serde::Serialize;
 
+use super::kind::read_study;
 use super::option::{Format, Recordings, Values};
-use super::terminal;
+use super::{progress, terminal};
 
 /// How an apparent gravity other than the stated one is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -26,7 +30,9 @@ enum Reading {
 /// Estimate centre of mass, apparent gravity, velocity lag and start states from free flight alone
 ///
 /// In flight p + R c is a parabola, whatever happens on the floor later. Intervals are 95 %, bootstrap over
-/// recordings. -o writes the values for --parameters of sweep and evaluate, in true lengths.
+/// recordings. -o writes the values for --parameters of sweep and evaluate, in true lengths. Last comes which face ends
+/// down, how often, beside one simulation of each recording with the study's values and what was identified; contact
+/// is in those simulations alone, so friction and restitution are worth giving (--parameters best.ron).
 #[derive(Debug, Args)]
 pub struct Identify {
     /// The study: robot, floor height and stated gravity
@@ -48,11 +54,16 @@ pub struct Identify {
 
 impl Identify {
     pub fn run(self) -> Result<ExitCode> {
+        if let Some(output) = &self.output {
+            check_writable(output)?;
+        }
         let overrides = Overrides {
             set: self.values.parameter_set()?,
+            // Nothing is compared here; what tossed bodies are compared by asks least of a study's recordings.
+            metric: Some("pose".to_owned()),
             ..self.recordings.overrides()?
         };
-        let study = Study::read(&self.study, &overrides)?;
+        let study = read_study(&self.study, &overrides)?;
         let reading = match self.reading {
             Reading::LengthScale => LengthReading::LengthScale,
             Reading::Gravity => LengthReading::Gravity,
@@ -64,20 +75,27 @@ impl Identify {
                     None => e.at_file(&self.study),
                 }
             })?;
-        terminal::print_warnings(study.warnings.iter().chain(&found.warnings));
+        let name = study.name.clone();
+        let (odds, more) = simulate_rest(study, &found)?;
+        terminal::print_warnings(found.warnings.iter().chain(&more));
         if let Some(output) = &self.output {
             let file = BestFile {
                 description: format!(
-                    "Identified from the free flight of {} of {} recordings of the study {} (realgap identify); no contact was used.",
-                    found.flying, found.recordings, study.name
+                    "Identified from the free flight of {} of {} of the study {} (realgap identify); no contact was used.",
+                    found.flying,
+                    counted(found.recordings, "recording"),
+                    name
                 ),
                 parameters: found.parameters.clone(),
             };
             write_atomic(output, write_ron(&file)?.as_bytes())?;
         }
         match self.format {
-            Format::Json => terminal::print(terminal::json(&found)?),
-            Format::Table => print(&found),
+            Format::Json => terminal::print(terminal::json(&Report {
+                found: &found,
+                resting_odds: odds.as_ref(),
+            })?),
+            Format::Table => print(&found, odds.as_ref()),
         }
         if let Some(output) = &self.output {
             terminal::note(format!("written: {}", output.display()));
@@ -86,7 +104,50 @@ impl Identify {
     }
 }
 
-fn print(found: &Identification) {
+/// What JSON holds: the identification, and the simulated odds beside the real ones.
+#[derive(Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    found: &'a Identification,
+    /// Null where nothing could be simulated; a warning says why.
+    resting_odds: Option<&'a RestingOdds>,
+}
+
+/// Simulated resting faces with what was identified, where there is something to simulate, and the warnings about it.
+fn simulate_rest(
+    study: Study,
+    found: &Identification,
+) -> Result<(Option<RestingOdds>, Vec<Warning>)> {
+    let why_not = if found.rest.at_rest == 0 {
+        Some("no recording ends at rest")
+    } else if study.start == StartRule::Settled {
+        Some(
+            "the runs of this study start settled on the floor (`start: FromRecording` starts them as recorded)",
+        )
+    } else {
+        None
+    };
+    if let Some(why) = why_not {
+        let warning = Warning::new(
+            "no-simulated-odds",
+            format!("resting faces were not simulated: {why}"),
+        );
+        return Ok((None, [study.warnings, vec![warning]].concat()));
+    }
+    let identified = found
+        .parameters
+        .iter()
+        .map(|(name, value)| Assignment::new(name, *value))
+        .collect::<Result<ParameterSet>>()?;
+    let bar = progress::bar(found.rest.at_rest, "simulating");
+    let odds = resting_odds(study, &identified, |done| bar.set_position(done as u64));
+    bar.finish_and_clear();
+    let odds = odds?;
+    let warnings = odds.warnings.clone();
+    Ok((Some(odds), warnings))
+}
+
+fn print(found: &Identification, odds: Option<&RestingOdds>) {
     let colour = terminal::stdout_wants_colour();
     let mut table = TextTable::new([
         ("quantity", Side::Left),
@@ -127,10 +188,10 @@ fn print(found: &Identification) {
     }
     let mut lines = vec![
         format!(
-            "{} of {} recordings fly, {} samples; {:.3} mm per axis unexplained",
+            "{} of {} fly, {}; {:.3} mm per axis unexplained",
             found.flying,
-            found.recordings,
-            found.samples,
+            counted(found.recordings, "recording"),
+            counted(found.samples, "sample"),
             1e3 * found.residual_m
         ),
         table.render(colour).trim_end().to_owned(),
@@ -145,22 +206,69 @@ fn print(found: &Identification) {
             1e3 * s.residual_m
         ));
     }
-    let faces: Vec<String> = found
-        .rest
-        .faces
-        .iter()
-        .map(|f| format!("{} {}", f.face, f.down))
-        .collect();
-    lines.push(format!(
-        "face down at rest: {} ({} still moving at the end)",
-        faces.join(", "),
-        found.rest.moving
-    ));
     let values: Vec<String> = found
         .parameters
         .iter()
         .map(|(name, value)| format!("{name} = {value:.6}"))
         .collect();
     lines.push(format!("parameters (true lengths): {}", values.join(", ")));
+    lines.push(rest(found, odds, colour));
     terminal::print(lines.join("\n"));
+}
+
+/// Which face ends down: real counts, and simulated ones where there are any.
+fn rest(found: &Identification, odds: Option<&RestingOdds>, colour: bool) -> String {
+    let rest = &found.rest;
+    let Some(odds) = odds else {
+        let faces = rest.faces.iter().map(|f| format!("{} {}", f.face, f.down));
+        return format!(
+            "face down at rest: {} ({} still moving at the end)",
+            faces.collect::<Vec<_>>().join(", "),
+            rest.moving
+        );
+    };
+    let mut table = TextTable::new([
+        ("face down", Side::Left),
+        ("real", Side::Right),
+        ("%", Side::Right),
+        ("simulated", Side::Right),
+        ("%", Side::Right),
+        ("same recording", Side::Right),
+    ]);
+    let percent = |count: usize| {
+        format!(
+            "{:.1}",
+            100.0 * count as f64 / odds.simulations.max(1) as f64
+        )
+    };
+    for face in &odds.faces {
+        table.push([
+            face.face.to_owned(),
+            face.real.to_string(),
+            percent(face.real),
+            face.simulated.to_string(),
+            percent(face.simulated),
+            face.both.to_string(),
+        ]);
+    }
+    let simulated = odds.values.iter().map(|(name, value)| {
+        let origin = if odds.identified.contains(name) {
+            " (identified)"
+        } else if odds.at_default.contains(name) {
+            " (default)"
+        } else {
+            ""
+        };
+        format!("{name} = {value:.6}{origin}")
+    });
+    format!(
+        "{}\n{} at rest, each simulated once ({} diverged), {} on the same face; {} still moving at the end\nsimulated from the {} with {}",
+        table.render(colour).trim_end(),
+        counted(odds.simulations, "recording"),
+        odds.diverged,
+        odds.same_face,
+        rest.moving,
+        odds.start,
+        simulated.collect::<Vec<_>>().join(", ")
+    )
 }

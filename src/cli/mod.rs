@@ -8,6 +8,7 @@ mod evaluate;
 mod export;
 mod identify;
 mod interrupt;
+mod kind;
 mod option;
 mod parameters;
 mod progress;

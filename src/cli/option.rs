@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use realgap::identification::StartState;
 use realgap::parameter::{Assignment, ParameterSet};
 use realgap::quantity::LengthUnit;
-use realgap::simulation::JointKind;
+use realgap::simulation::{JointKind, Solver};
 use realgap::study::{Overrides, Part, read_parameters};
 use realgap::{Result, Warning};
 
@@ -59,6 +59,29 @@ impl From<Joint> for JointKind {
             Joint::Impulse => Self::Impulse,
         }
     }
+}
+
+/// Help of `--timestep`, with the default that is used.
+pub fn timestep_help() -> String {
+    let default_s = Solver::default().timestep_s;
+    format!(
+        "Time per step, seconds [default: 1/{:.0}, or timestep_s where it is set]",
+        1.0 / default_s
+    )
+}
+
+/// Help of `--substeps`, with the default that is used.
+pub fn substeps_help() -> String {
+    format!(
+        "Solver substeps per step [default: {}, or solver.substeps where it is set]",
+        Solver::default().substeps
+    )
+}
+
+/// Help of `--joint` of one run, with the default that is used.
+pub fn joint_help() -> String {
+    let default = format!("{:?}", Solver::default().joint).to_lowercase();
+    format!("How parts are jointed [default: {default}, or solver.joint where it is set]")
 }
 
 /// Which state of a recording a run starts from.

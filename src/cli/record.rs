@@ -4,12 +4,14 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::morphology::Morphology;
+use realgap::quantity::counted;
 use realgap::simulation::{self, Experiment, Noise, Sampling, Status};
 use realgap::trajectory::{self, Meta, Source};
 use realgap::{Error, Result};
+use serde_json::json;
 
-use super::option::Values;
+use super::kind::read_morphology;
+use super::option::{Format, Values};
 use super::terminal;
 
 /// Make stand-in recordings: repeats of a simulation with start, servo and camera noise
@@ -53,6 +55,9 @@ pub struct Record {
     /// Camera orientation error, standard deviation in radians
     #[arg(long, value_name = "RAD", default_value_t = 0.005)]
     camera_angle_noise: f64,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
 }
 
 impl Record {
@@ -66,12 +71,13 @@ impl Record {
             camera_rad: self.camera_angle_noise,
         };
         noise.check()?;
-        let morphology = Morphology::read(&self.morphology)?;
+        let morphology = read_morphology(&self.morphology)?;
         let mut experiment = Experiment::new(morphology.assemble());
         experiment.duration_s = self.duration;
         experiment.sampling = Sampling::Rate(self.rate);
         let values = self.values.parameter_set()?;
-        terminal::print_warnings(&values.without_effect(&experiment));
+        let warnings = values.without_effect(&experiment);
+        terminal::print_warnings(&warnings);
         let experiment = values.apply(&experiment);
         let old = self.output.join(trajectory::META_FILE);
         if old.exists() {
@@ -81,6 +87,7 @@ impl Record {
         }
         std::fs::create_dir_all(&self.output)
             .map_err(|e| Error::io("make the folder", &self.output, &e))?;
+        let mut written = Vec::new();
         let bar = super::progress::bar(self.repeats as usize, "recording");
         for repeat in 0..self.repeats {
             let run = simulation::run(&noise.perturb(&experiment, self.seed, repeat))?;
@@ -97,6 +104,7 @@ impl Record {
             };
             let path = self.output.join(format!("run_{repeat:02}.csv"));
             trajectory::write(&path, &noise.record(&motion, self.seed, repeat)?)?;
+            written.push(path);
             bar.inc(1);
         }
         bar.finish_and_clear();
@@ -127,12 +135,38 @@ impl Record {
             licence: "MIT OR Apache-2.0".to_owned(),
         };
         trajectory::write_meta(&self.output, &meta)?;
-        terminal::print(format!(
-            "{} stand-in recordings of {} in {}",
-            self.repeats,
-            morphology.name(),
-            self.output.display()
-        ));
+        let text = match self.format {
+            Format::Json => terminal::json(&json!({
+                "morphology": morphology.name(),
+                "source": "StandIn",
+                "recordings": written,
+                "meta": old,
+                "duration_s": self.duration,
+                "rate_hz": self.rate,
+                "seed": self.seed,
+                "parameters": values
+                    .iter()
+                    .map(|a| (a.parameter.name.to_owned(), json!(a.value)))
+                    .collect::<serde_json::Map<_, _>>(),
+                "noise": {
+                    "start_position_m": noise.start_position_m,
+                    "start_angle_rad": noise.start_tilt_rad,
+                    "servo_zero_rad": noise.servo_zero_rad,
+                    "camera_m": noise.camera_m,
+                    "camera_rad": noise.camera_rad,
+                },
+                "engine": simulation::ENGINE_VERSION,
+                "version": env!("CARGO_PKG_VERSION"),
+                "warnings": warnings,
+            }))?,
+            Format::Table => format!(
+                "{} of {} in {}",
+                counted(written.len(), "stand-in recording"),
+                morphology.name(),
+                self.output.display()
+            ),
+        };
+        terminal::print(text);
         Ok(ExitCode::SUCCESS)
     }
 }

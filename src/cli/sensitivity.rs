@@ -6,12 +6,14 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::Result;
+use realgap::quantity::counted;
 use realgap::report::{
     Bar, BarChart, Side, TextTable, check_picture_path, draw_bars, number, quantity,
 };
-use realgap::study::{Overrides, Problem, Sensitivity as Effects, Study, sensitivity};
+use realgap::study::{Overrides, Problem, Sensitivity as Effects, sensitivity};
 use realgap::tuning::pool;
 
+use super::kind::read_study;
 use super::option::{Format, Recordings, Values};
 use super::{progress, terminal};
 
@@ -51,7 +53,7 @@ impl Sensitivity {
             metric: self.metric.clone(),
             ..self.recordings.overrides()?
         };
-        let problem = Problem::new(Study::read(&self.study, &overrides)?)?;
+        let problem = Problem::new(read_study(&self.study, &overrides)?)?;
         let jobs = self
             .jobs
             .or_else(|| std::thread::available_parallelism().ok())
@@ -92,9 +94,9 @@ fn chart(problem: &Problem, result: &Effects) -> BarChart {
     BarChart {
         title: format!("{}: what a small change of each parameter does", study.name),
         subtitle: format!(
-            "{}, {} recordings; score at the point {}",
+            "{}, {}; score at the point {}",
             study.morphology.name(),
-            study.recordings.len(),
+            counted(study.recordings.len(), "recording"),
             quantity(result.score, study.metric.unit())
         ),
         label: format!("change of the {} discrepancy", result.metric),

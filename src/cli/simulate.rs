@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use realgap::file::check_writable;
 use realgap::morphology::Morphology;
 use realgap::quantity::Unit;
 use realgap::report::quantity;
@@ -12,7 +13,10 @@ use realgap::trajectory;
 use realgap::{Error, Result};
 use serde_json::json;
 
-use super::option::{Format, Joint, Values, recording_unused};
+use super::kind::read_morphology;
+use super::option::{
+    Format, Joint, Values, joint_help, recording_unused, substeps_help, timestep_help,
+};
 use super::terminal;
 
 /// Simulate one run of a robot from rest and print what it did
@@ -27,14 +31,11 @@ pub struct Simulate {
     /// Length of the run, seconds
     #[arg(long, value_name = "S", default_value_t = 10.0)]
     duration: f64,
-    /// Time per step, seconds [default: see `realgap parameters`]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", help = timestep_help())]
     timestep: Option<f64>,
-    /// Solver substeps per step [default: see `realgap parameters`]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help = substeps_help())]
     substeps: Option<usize>,
-    /// How parts are jointed
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, help = joint_help())]
     joint: Option<Joint>,
     #[command(flatten)]
     values: Values,
@@ -51,7 +52,7 @@ pub struct Simulate {
 
 impl Simulate {
     pub fn run(self) -> Result<ExitCode> {
-        let morphology = Morphology::read(&self.morphology)?;
+        let morphology = read_morphology(&self.morphology)?;
         let mut experiment = Experiment::new(morphology.assemble());
         experiment.duration_s = self.duration;
         experiment.sampling = Sampling::Rate(self.rate);
@@ -70,6 +71,7 @@ impl Simulate {
         }
         if let Some(output) = &self.output {
             trajectory::format_of(output)?;
+            check_writable(output)?;
         }
         experiment.check().map_err(Error::into_usage)?;
         let run = simulation::run(&experiment)?;

@@ -10,7 +10,7 @@ use realgap::verification::{self, Check, Settings, Tolerance, Verdict};
 use realgap::{Error, Result};
 use serde_json::json;
 
-use super::option::{Format, Joint, Values};
+use super::option::{Format, Joint, Values, substeps_help, timestep_help};
 use super::terminal;
 
 /// Check the simulation against closed forms, with the settings given
@@ -21,11 +21,9 @@ use super::terminal;
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct Verify {
-    /// Time per step, seconds [default: see `realgap parameters`]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", help = timestep_help())]
     timestep: Option<f64>,
-    /// Solver substeps per step [default: see `realgap parameters`]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help = substeps_help())]
     substeps: Option<usize>,
     /// Only this kind of joint
     #[arg(long, value_enum)]

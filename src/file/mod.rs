@@ -37,6 +37,6 @@ mod suggestion;
 
 pub use decode::{parse_ron, write_ron};
 pub(crate) use input::read_limited;
-pub use output::write_atomic;
+pub use output::{check_writable, write_atomic};
 pub use source::{MAX_FILE_BYTES, MAX_NESTING, Source};
 pub use suggestion::nearest_name;

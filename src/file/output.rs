@@ -16,7 +16,38 @@ pub fn write_atomic(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
     write_whole(path, bytes).map_err(|e| Error::io("write the file", path, &e))
 }
 
-fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+/// Tries whether [`write_atomic`] can write to `path`, so that a long computation is not lost for a slip of the pen.
+/// The file is neither made nor changed.
+///
+/// # Errors
+/// A missing or unwritable folder, or a path that is itself a folder. Pipes and devices are not tried: opening and
+/// closing a pipe would already be the end of it for its reader.
+pub fn check_writable(path: impl AsRef<Path>) -> Result<()> {
+    let path = path.as_ref();
+    match target_of(path) {
+        Target::Folder => Err(Error::invalid("cannot write the file: this is a folder")
+            .at_file(path)
+            .hint("name a file inside it")),
+        Target::Stream => Ok(()),
+        Target::File(resolved) => {
+            let temporary = temporary_beside(&resolved);
+            fs::File::create_new(&temporary)
+                .and_then(|_file| fs::remove_file(&temporary))
+                .map_err(|e| Error::io("write the file", path, &e))
+        }
+    }
+}
+
+/// What stands, or would stand, at a path.
+enum Target {
+    /// A file, with every link to it followed.
+    File(PathBuf),
+    /// A pipe, a device or a process's own stream, which cannot be replaced by a file.
+    Stream,
+    Folder,
+}
+
+fn target_of(path: &Path) -> Target {
     // A link stays a link: what it points to is written.
     let is_link = fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_symlink());
     let resolved = if is_link {
@@ -24,19 +55,25 @@ fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     } else {
         path.to_path_buf()
     };
-    // A pipe, a device or a process's own stream cannot be replaced by a file.
-    let is_special = fs::metadata(&resolved).is_ok_and(|metadata| !metadata.is_file());
-    if is_special
-        || ["/dev", "/proc"]
-            .iter()
-            .any(|folder| path.starts_with(folder))
-    {
+    let is_stream = ["/dev", "/proc"]
+        .iter()
+        .any(|folder| path.starts_with(folder));
+    match fs::metadata(&resolved) {
+        Ok(metadata) if metadata.is_dir() => Target::Folder,
+        Ok(metadata) if !metadata.is_file() => Target::Stream,
+        _ if is_stream => Target::Stream,
+        _ => Target::File(resolved),
+    }
+}
+
+fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let Target::File(path) = target_of(path) else {
         return fs::OpenOptions::new()
             .write(true)
             .open(path)?
             .write_all(bytes);
-    }
-    let path = resolved.as_path();
+    };
+    let path = path.as_path();
     let temporary = temporary_beside(path);
     let written = fs::File::create_new(&temporary)
         .and_then(|mut file| {
@@ -74,5 +111,19 @@ mod tests {
         write_atomic(&link, b"new").unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read_to_string(&file).unwrap(), "new");
+    }
+    #[test]
+    fn a_path_is_tried_without_leaving_a_trace() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        check_writable(&file).unwrap();
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        fs::write(&file, "old").unwrap();
+        check_writable(&file).unwrap();
+        assert_eq!(fs::read_to_string(&file).unwrap(), "old");
+        let message = |path: &Path| check_writable(path).unwrap_err().to_string();
+        assert!(message(folder.path()).contains("this is a folder"));
+        assert!(message(&folder.path().join("missing/file")).contains("check the path"));
+        check_writable("/dev/null").unwrap();
     }
 }

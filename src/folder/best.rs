@@ -5,6 +5,7 @@ use std::path::Path;
 use super::summary::Summary;
 use crate::error::Result;
 use crate::file::{write_atomic, write_ron};
+use crate::quantity::counted;
 use crate::study::{Answer, BestFile, Problem};
 
 pub(super) fn write(
@@ -29,10 +30,10 @@ pub(super) fn write(
         .map(|a| (a.parameter.name.to_owned(), a.value));
     let file = BestFile {
         description: format!(
-            "Best of {} points of the study {} ({} recordings, {} = {} {}). {}.",
-            answer.scores.points.len(),
+            "Best of {} of the study {} ({}, {} = {} {}). {}.",
+            counted(answer.scores.points.len(), "point"),
             summary.study,
-            summary.recordings,
+            counted(summary.recordings, "recording"),
             summary.metric,
             best.score,
             summary.unit,

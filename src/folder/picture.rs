@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::error::Result;
+use crate::quantity::counted;
 use crate::report::{
     AxisSpec, Curve, HeatMap, Panel, PanelGrid, ScoreScale, Truth, draw_curve, draw_heat_map,
     draw_panels,
@@ -328,9 +329,9 @@ impl<'a> Map<'a> {
             self.subtitle.clone()
         } else {
             format!(
-                "paths of recording {}; scores are means over {} recordings",
+                "paths of recording {}; scores are means over {}",
                 study.recordings[0].name,
-                study.recordings.len()
+                counted(study.recordings.len(), "recording")
             )
         };
         let stand_in = self.subtitle.contains("stand-in");

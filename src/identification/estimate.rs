@@ -11,6 +11,7 @@ use super::rest::RestReport;
 use super::solve::Equations;
 use super::start::{LEAST_SAMPLES, fit_flight};
 use crate::error::{Error, Result};
+use crate::quantity::counted;
 use crate::simulation::Experiment;
 use crate::trajectory::{Recording, Trajectory};
 use crate::warning::Warning;
@@ -130,7 +131,7 @@ pub fn identify(
     }
     if flights.is_empty() {
         return Err(Error::invalid("none of the recordings has a flight")
-            .found(format!("{} recordings, each on or near the floor (or without orientations) from the start", recordings.len()))
+            .found(format!("{}, on or near the floor (or without orientations) from the start", counted(recordings.len(), "recording")))
             .allowed(format!("at least {LEAST_SAMPLES} samples before anything of the robot comes near the floor"))
             .hint("walkers say nothing here: toss or drop the robot and record that; check floor.height_m and the length unit if it did fly"));
     }

@@ -7,17 +7,19 @@
 //! does what Coulomb says. Measured in docs/fidelity.md.
 
 use nalgebra::{SMatrix, SVector, Vector3};
-use rapier3d::dynamics::{MultibodyJointSet, RigidBodyHandle, RigidBodySet};
-use rapier3d::math::Vector;
-use rapier3d::pipeline::{ContactModificationContext, PhysicsHooks};
+
+use super::engine::Real;
+use super::engine::dynamics::{MultibodyJointSet, RigidBodyHandle, RigidBodySet};
+use super::engine::math::Vector;
+use super::engine::pipeline::{ContactModificationContext, PhysicsHooks};
 
 /// Below this slip a contact counts as sticking, where direction does not matter, m/s. A higher value lets a
 /// cube on a slope near the angle of slip creep at that speed.
-const LEAST_SLIP_M_S: f64 = 1e-4;
+const LEAST_SLIP_M_S: Real = 1e-4;
 
 /// Response of a multibody's links to an impulse: spatial velocity (linear, angular) of the link's
 /// centre of mass per unit spatial impulse at it, J M⁻¹ Jᵀ.
-type Response = SMatrix<f64, 6, 6>;
+type Response = SMatrix<Real, 6, 6>;
 
 /// The hook: turns the friction of every sliding contact opposite to its slip.
 #[derive(Default)]
@@ -59,11 +61,11 @@ impl Friction {
         handle: RigidBodyHandle,
         arm: Vector,
         tangents: [Vector; 2],
-    ) -> [[f64; 2]; 2] {
+    ) -> [[Real; 2]; 2] {
         if let Some((_, response)) = self.links.iter().find(|(link, _)| *link == handle) {
             let wrench = tangents.map(|t| {
                 let moment = arm.cross(t);
-                SVector::<f64, 6>::from([t.x, t.y, t.z, moment.x, moment.y, moment.z])
+                SVector::<Real, 6>::from([t.x, t.y, t.z, moment.x, moment.y, moment.z])
             });
             // The solver's rows of a multibody contact are not coupled, so neither is this K.
             return [
@@ -134,7 +136,7 @@ impl PhysicsHooks for Friction {
 /// (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 fn tangents(normal: Vector) -> [Vector; 2] {
     let n = Vector3::new(normal.x, normal.y, normal.z);
-    let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
+    let sign: Real = if n.z >= 0.0 { 1.0 } else { -1.0 };
     let a = -1.0 / (sign + n.z);
     let b = n.x * n.y * a;
     let first = Vector::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);

@@ -2,8 +2,9 @@
 //!
 //! An [`Experiment`] is plain data: robot, floor, start, duration, solver settings. [`run`] turns
 //! it into a [`Run`] and never changes it. Same experiment → same bits, on any thread.
-//! `world` is the only file of the crate that names `rapier3d`.
+//! `engine` is the only file of the crate that names `rapier3d`, in f64 or (feature `f32`) in f32.
 
+mod engine;
 mod experiment;
 mod friction;
 mod kinematics;
@@ -13,6 +14,7 @@ mod servo;
 mod watch;
 mod world;
 
+pub use engine::ENGINE_VERSION;
 pub use experiment::{
     Adjustment, Contact, Experiment, Floor, FrictionModel, JointKind, Perturbation, Sampling,
     Solver, Start,
@@ -20,4 +22,3 @@ pub use experiment::{
 pub use noise::Noise;
 pub use run::{Run, Status, run, watch};
 pub use watch::{HingeState, PartState, Push, Snapshot};
-pub use world::ENGINE_VERSION;

@@ -1,26 +1,24 @@
-//! The only file that names `rapier3d`: a robot on a floor, one step at a time.
+//! A robot on a floor in the engine's hands, one step at a time.
 
 use std::f64::consts::TAU;
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
-use rapier3d::math::{Matrix, Pose, Rotation, Vector};
-use rapier3d::prelude::{
+
+use super::engine::math::{Matrix, Pose, Rotation, Vector};
+use super::engine::prelude::{
     ActiveHooks, BroadPhaseBvh, CCDSolver, CoefficientCombineRule, ColliderBuilder, ColliderSet,
     FrictionModel as EngineFriction, GenericJointBuilder, ImpulseJointHandle, ImpulseJointSet,
     IntegrationParameters, IslandManager, JointAxesMask, JointAxis, MassProperties, MotorModel,
     MultibodyJointHandle, MultibodyJointSet, NarrowPhase, PhysicsHooks, PhysicsPipeline,
     RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SharedShape, SoftBodySet,
 };
-
+use super::engine::{Real, narrow, wide};
 use super::experiment::{Experiment, FrictionModel, JointKind};
 use super::friction::Friction;
 use super::kinematics::robot_from_part_at_zero;
 use super::servo::Command;
 use super::watch::PartState;
 use crate::morphology::{Assembly, Part, Role};
-
-/// Version of the engine that decides the results bit for bit.
-pub const ENGINE_VERSION: &str = "rapier3d-f64 0.36.1";
 
 /// Rigid motion of the whole robot at the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,7 +97,7 @@ impl World {
         motion: &Motion,
     ) -> Self {
         let mut world = Self {
-            gravity: Vector::new(0.0, 0.0, -experiment.gravity_m_s2),
+            gravity: Vector::new(0.0, 0.0, narrow(-experiment.gravity_m_s2)),
             parameters: parameters(experiment),
             pipeline: PhysicsPipeline::new(),
             islands: IslandManager::new(),
@@ -171,11 +169,11 @@ impl World {
         let floor = &experiment.floor;
         let n = floor.normal_world();
         // Value on the robot, 1 on the floor, rule Multiply: the parameter is the pair's value.
-        let collider = ColliderBuilder::new(SharedShape::halfspace(Vector::new(n.x, n.y, n.z)))
+        let collider = ColliderBuilder::new(SharedShape::halfspace(to_vector(&n)))
             .position(Pose::from_translation(Vector::new(
                 0.0,
                 0.0,
-                floor.height_m,
+                narrow(floor.height_m),
             )))
             .friction(1.0)
             .restitution(1.0)
@@ -206,18 +204,18 @@ impl World {
             .angvel(to_vector(&motion.angular_world_rad_s))
             .additional_mass_properties(MassProperties::with_inertia_matrix(
                 to_vector(&centre_part_m),
-                mass.mass_kg,
+                narrow(mass.mass_kg),
                 to_matrix(&mass.inertia_kg_m2),
             ))
             .can_sleep(false)
             .build();
         let handle = self.bodies.insert(body);
         for solid in part.solids.iter().filter(|solid| solid.collides) {
-            let h = solid.half_extents_m;
             let r = match solid.role {
-                Role::Cube => experiment.adjustment.edge_radius_m,
+                Role::Cube => narrow(experiment.adjustment.edge_radius_m),
                 Role::Plate => 0.0,
             };
+            let h = to_vector(&solid.half_extents_m);
             let shape = if r > 0.0 {
                 ColliderBuilder::round_cuboid(h.x - r, h.y - r, h.z - r, r)
             } else {
@@ -226,8 +224,8 @@ impl World {
             let collider = shape
                 .position(to_pose(&(part_from_robot * solid.robot_from_solid)))
                 .density(0.0)
-                .friction(experiment.floor.friction)
-                .restitution(experiment.floor.restitution)
+                .friction(narrow(experiment.floor.friction))
+                .restitution(narrow(experiment.floor.restitution))
                 .friction_combine_rule(CoefficientCombineRule::Multiply)
                 .restitution_combine_rule(CoefficientCombineRule::Multiply)
                 .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
@@ -265,7 +263,7 @@ impl World {
             .into_iter()
             .enumerate()
             {
-                velocity[row] = value;
+                velocity[row] = narrow(value);
             }
         }
     }
@@ -324,7 +322,7 @@ impl World {
             centre_world_m: from_vector(body.center_of_mass()),
             velocity_world_m_s: from_vector(body.linvel()),
             angular_velocity_world_rad_s: from_vector(body.angvel()),
-            mass_kg: body.mass(),
+            mass_kg: wide(body.mass()),
             inertia_world_kg_m2: turn * inertia_part * turn.transpose(),
         }
     }
@@ -375,8 +373,12 @@ impl World {
                 damping_nm_s_rad,
                 max_torque_nm,
             } => {
-                data.set_motor_velocity(JointAxis::AngX, target_rad_s, damping_nm_s_rad);
-                data.set_motor_max_force(JointAxis::AngX, max_torque_nm);
+                data.set_motor_velocity(
+                    JointAxis::AngX,
+                    narrow(target_rad_s),
+                    narrow(damping_nm_s_rad),
+                );
+                data.set_motor_max_force(JointAxis::AngX, narrow(max_torque_nm));
             }
             Command::Spring {
                 error_rad,
@@ -386,11 +388,11 @@ impl World {
             } => {
                 data.set_motor_position(
                     JointAxis::AngX,
-                    here_rad + error_rad,
-                    stiffness_nm_rad,
-                    damping_nm_s_rad,
+                    narrow(here_rad + error_rad),
+                    narrow(stiffness_nm_rad),
+                    narrow(damping_nm_s_rad),
                 );
-                data.set_motor_max_force(JointAxis::AngX, max_torque_nm);
+                data.set_motor_max_force(JointAxis::AngX, narrow(max_torque_nm));
             }
         }
     }
@@ -399,12 +401,12 @@ impl World {
 fn parameters(experiment: &Experiment) -> IntegrationParameters {
     let contact = &experiment.contact;
     let mut p = IntegrationParameters {
-        dt: experiment.solver.timestep_s,
+        dt: narrow(experiment.solver.timestep_s),
         num_solver_iterations: experiment.solver.substeps,
         num_internal_stabilization_iterations: experiment.solver.relaxations,
-        normalized_prediction_distance: contact.prediction_m,
+        normalized_prediction_distance: narrow(contact.prediction_m),
         // A robot that flies off is to be seen, not slowed down.
-        normalized_max_linear_velocity: f64::MAX,
+        normalized_max_linear_velocity: Real::MAX,
         friction_model: match contact.friction_model {
             FrictionModel::Simplified => EngineFriction::Simplified,
             FrictionModel::Coulomb => EngineFriction::Coulomb,
@@ -413,19 +415,19 @@ fn parameters(experiment: &Experiment) -> IntegrationParameters {
     };
     // The floor has no body, so its contacts take the softness of fixed bodies; modules among themselves
     // are half as stiff, as in Rapier's own defaults.
-    p.static_contact_softness.natural_frequency = contact.natural_frequency_hz;
-    p.static_contact_softness.damping_ratio = contact.damping_ratio;
-    p.contact_softness.natural_frequency = 0.5 * contact.natural_frequency_hz;
-    p.contact_softness.damping_ratio = contact.damping_ratio;
+    p.static_contact_softness.natural_frequency = narrow(contact.natural_frequency_hz);
+    p.static_contact_softness.damping_ratio = narrow(contact.damping_ratio);
+    p.contact_softness.natural_frequency = narrow(0.5 * contact.natural_frequency_hz);
+    p.contact_softness.damping_ratio = narrow(contact.damping_ratio);
     p
 }
 
 fn to_vector(v: &Vector3<f64>) -> Vector {
-    Vector::new(v.x, v.y, v.z)
+    Vector::new(narrow(v.x), narrow(v.y), narrow(v.z))
 }
 
 fn from_vector(v: Vector) -> Vector3<f64> {
-    Vector3::new(v.x, v.y, v.z)
+    Vector3::new(wide(v.x), wide(v.y), wide(v.z))
 }
 
 fn to_matrix(m: &Matrix3<f64>) -> Matrix {
@@ -440,14 +442,29 @@ fn to_pose(pose: &Isometry3<f64>) -> Pose {
     let q = pose.rotation.quaternion();
     Pose::from_parts(
         to_vector(&pose.translation.vector),
-        Rotation::from_xyzw(q.i, q.j, q.k, q.w),
+        Rotation::from_xyzw(narrow(q.i), narrow(q.j), narrow(q.k), narrow(q.w)),
     )
 }
 
 fn from_rotation(rotation: &Rotation) -> UnitQuaternion<f64> {
-    UnitQuaternion::new_unchecked(Quaternion::new(
-        rotation.w, rotation.x, rotation.y, rotation.z,
+    from_quaternion(Quaternion::new(
+        wide(rotation.w),
+        wide(rotation.x),
+        wide(rotation.y),
+        wide(rotation.z),
     ))
+}
+
+/// A unit quaternion in f64 as it is.
+#[cfg(feature = "f64")]
+fn from_quaternion(rotation: Quaternion<f64>) -> UnitQuaternion<f64> {
+    UnitQuaternion::new_unchecked(rotation)
+}
+
+/// A unit quaternion in f32 is one in f64 to seven digits only, and everything else counts on sixteen.
+#[cfg(not(feature = "f64"))]
+fn from_quaternion(rotation: Quaternion<f64>) -> UnitQuaternion<f64> {
+    UnitQuaternion::new_normalize(rotation)
 }
 
 fn from_pose(pose: &Pose) -> Isometry3<f64> {

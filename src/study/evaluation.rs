@@ -8,10 +8,10 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use super::problem::Problem;
+use super::rest::{FaceOdds, face_at_end};
 use crate::comparison::pose_errors;
 use crate::error::{Error, Result};
-use crate::identification::{face_down, is_at_rest};
-use crate::morphology::Face;
+use crate::identification::is_at_rest;
 use crate::parameter::ParameterSet;
 use crate::simulation::{self, Experiment, Status};
 use crate::trajectory::Trajectory;
@@ -52,19 +52,6 @@ pub struct RecordingErrors {
     pub simulated_s: f64,
     /// CPU seconds.
     pub cpu_s: f64,
-}
-
-/// How often a face ended down, in reality and in simulation, over the recordings that end at rest.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct FaceOdds {
-    /// Name of the face in the tracked module's frame.
-    pub face: &'static str,
-    /// In reality.
-    pub real: usize,
-    /// In simulation.
-    pub simulated: usize,
-    /// In both, of the same recording.
-    pub both: usize,
 }
 
 /// Pose errors over recordings. Lengths are true ones ([`Experiment::recording_length_scale`]).
@@ -130,13 +117,7 @@ fn evaluate_case(
     experiment: &Experiment,
 ) -> Result<Vec<(usize, RecordingErrors)>> {
     let run = simulation::run(experiment)?;
-    let normal = experiment.floor.normal_world();
-    let face_at_end = |motion: &Trajectory| {
-        motion
-            .orientations_world_from_body()
-            .and_then(|all| all.last())
-            .map(|q| face_down(q, &normal).name())
-    };
+    let face_at_end = |motion: &Trajectory| face_at_end(motion, experiment);
     let simulated = match (&run.status, &run.trajectory) {
         (Status::Completed, Some(motion)) => Some(motion),
         _ => None,
@@ -255,27 +236,11 @@ fn provenance(problem: &Problem) -> BTreeMap<String, String> {
 }
 
 fn resting_faces(rows: &[RecordingErrors]) -> Vec<FaceOdds> {
-    let resting: Vec<&RecordingErrors> = rows
+    let ends: Vec<_> = rows
         .iter()
-        .filter(|row| row.real_face_down.is_some())
+        .filter_map(|row| Some((row.real_face_down?, row.simulated_face_down)))
         .collect();
-    Face::ALL
-        .iter()
-        .map(|face| {
-            let name = Some(face.name());
-            let real = |row: &RecordingErrors| row.real_face_down == name;
-            let simulated = |row: &RecordingErrors| row.simulated_face_down == name;
-            FaceOdds {
-                face: face.name(),
-                real: resting.iter().filter(|row| real(row)).count(),
-                simulated: resting.iter().filter(|row| simulated(row)).count(),
-                both: resting
-                    .iter()
-                    .filter(|row| real(row) && simulated(row))
-                    .count(),
-            }
-        })
-        .collect()
+    FaceOdds::count(&ends)
 }
 
 impl Spread {

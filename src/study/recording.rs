@@ -6,6 +6,7 @@ use sha2::{Digest, Sha256};
 
 use super::file::{Overrides, Study};
 use crate::error::{Error, Result};
+use crate::quantity::counted;
 use crate::trajectory::{self, Recording, Source};
 use crate::warning::Warning;
 
@@ -63,12 +64,12 @@ pub(super) fn find(study: &Study, overrides: &Overrides) -> Result<Found> {
         if found.recordings.len() >= limit {
             break;
         }
-        let bytes = std::fs::read(path).map_err(|e| Error::io("read the recording", path, &e))?;
+        let bytes = trajectory::read_bytes(path)?;
         let sha256: String = Sha256::digest(&bytes)
             .iter()
             .map(|byte| format!("{byte:02x}"))
             .collect();
-        for recording in trajectory::read_all(path, overrides.unit)? {
+        for recording in trajectory::parse_all(path, bytes, overrides.unit)? {
             if overrides.part.is_none_or(|part| part.contains(index)) {
                 found.sha256.push(sha256.clone());
                 found.recordings.push(recording);
@@ -81,7 +82,7 @@ pub(super) fn find(study: &Study, overrides: &Overrides) -> Result<Found> {
     if found.recordings.is_empty() {
         return Err(Error::invalid("this part of the recordings is empty")
             .at_file(&study.path)
-            .found(format!("{index} recordings in all")));
+            .found(format!("{} in all", counted(index, "recording"))));
     }
     found.warnings = warnings(study, &found.recordings);
     Ok(found)

@@ -8,11 +8,11 @@ use std::path::Path;
 use super::csv::{Csv, group_columns_of, parse_groups};
 use super::format::{Format, Parsed};
 use super::meta::read_meta_beside;
-use super::text::{MAX_FILE_BYTES, read_text};
+use super::text::{MAX_FILE_BYTES, decode_text, read_text};
 use super::tum::Tum;
 use super::{Recording, Trajectory};
 use crate::error::{Error, Result};
-use crate::file::write_atomic;
+use crate::file::{read_limited, write_atomic};
 use crate::quantity::LengthUnit;
 use crate::warning::Warning;
 
@@ -94,8 +94,31 @@ pub fn read_groups(
 /// As [`read`].
 pub fn read_all(path: impl AsRef<Path>, unit: LengthUnit) -> Result<Vec<Recording>> {
     let path = path.as_ref();
+    format_of(path)?;
+    parse_all(path, read_bytes(path)?, unit)
+}
+
+/// The bytes of a trajectory file, for [`parse_all`] and for hashing: what is hashed is then what is read.
+///
+/// # Errors
+/// A missing or unreadable file, or a folder. No more than one byte above [`MAX_FILE_BYTES`] is read; `parse_all`
+/// refuses that.
+pub fn read_bytes(path: impl AsRef<Path>) -> Result<Vec<u8>> {
+    read_limited(path.as_ref(), MAX_FILE_BYTES, "trajectory")
+}
+
+/// As [`read_all`], of the file's bytes that are already in memory; `path` names them and has a `meta.ron` beside it.
+///
+/// # Errors
+/// As [`read_all`].
+pub fn parse_all(
+    path: impl AsRef<Path>,
+    bytes: Vec<u8>,
+    unit: LengthUnit,
+) -> Result<Vec<Recording>> {
+    let path = path.as_ref();
     let format = format_of(path)?;
-    let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
+    let text = decode_text(path, bytes, MAX_FILE_BYTES, "trajectory")?;
     if format.name() == Csv.name() {
         let columns = group_columns_of(&text);
         if !columns.is_empty() {

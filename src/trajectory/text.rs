@@ -19,8 +19,20 @@ pub const MAX_COLUMNS: usize = 1_000;
 /// # Errors
 /// Unreadable, a folder, more than `limit` bytes, or not UTF-8 (with line and column).
 pub(super) fn read_text(path: &Path, limit: u64, kind: &str) -> Result<String> {
+    decode_text(path, read_limited(path, limit, kind)?, limit, kind)
+}
+
+/// The text in the bytes of the file at `path`, without a byte order mark.
+///
+/// # Errors
+/// More than `limit` bytes, or not UTF-8 (with line and column).
+pub(super) fn decode_text(
+    path: &Path,
+    mut bytes: Vec<u8>,
+    limit: u64,
+    kind: &str,
+) -> Result<String> {
     let doing = format!("read the {kind}");
-    let mut bytes = read_limited(path, limit, kind)?;
     if bytes.len() as u64 > limit {
         return Err(
             Error::invalid(format!("cannot {doing}: the file is too large"))

@@ -4,7 +4,7 @@ use assert_cmd::Command;
 use nalgebra::Vector3;
 use serde_json::Value;
 
-use super::standin::{Tracker, cube, study, tosses, write};
+use super::standin::{EXACT, Tracker, cube, study, tosses, write};
 
 fn realgap(arguments: &[&str]) -> assert_cmd::assert::Assert {
     Command::cargo_bin("realgap")
@@ -51,6 +51,7 @@ fn identify_feeds_evaluate() {
     ]);
     assert_eq!(found["recordings"], 12);
     realgap(&["check", &body]).success();
+    simulated_odds_stand_beside_the_real_ones(&found);
 
     let contact = [
         "--set",
@@ -107,6 +108,118 @@ fn identify_feeds_evaluate() {
     assert!(flown["start"].as_str().unwrap().contains("flight"));
     assert!(flown["warnings"].to_string().contains("refined-start"));
     assert!(!informed["warnings"].to_string().contains("refined-start"));
+}
+
+fn simulated_odds_stand_beside_the_real_ones(found: &Value) {
+    let odds = &found["resting_odds"];
+    let counts = |face: &Value, key: &str| face[key].as_u64().unwrap();
+    let faces = odds["faces"].as_array().unwrap();
+    let sum = |key: &str| faces.iter().map(|face| counts(face, key)).sum::<u64>();
+    let at_rest = found["rest"]["at_rest"].as_u64().unwrap();
+    assert!(at_rest > 0 && odds["simulations"] == at_rest);
+    // The same real counts, whichever way they were made.
+    for (face, real) in faces.iter().zip(found["rest"]["faces"].as_array().unwrap()) {
+        assert_eq!(
+            (&face["face"], &face["real"]),
+            (&real["face"], &real["down"])
+        );
+    }
+    assert_eq!(sum("real"), at_rest);
+    assert_eq!(
+        sum("simulated") + odds["diverged"].as_u64().unwrap(),
+        at_rest
+    );
+    assert_eq!(sum("both"), odds["same_face"].as_u64().unwrap());
+    // What was simulated is said: what was found, what the study fixes, and defaults where it leaves values free.
+    assert_eq!(
+        odds["values"]["recording.length_scale"],
+        found["parameters"]["recording.length_scale"]
+    );
+    assert!(
+        odds["identified"]
+            .to_string()
+            .contains("body.com_offset_z_m")
+    );
+    assert_eq!(odds["values"]["contact.prediction_m"], 0.001);
+    assert!(odds["at_default"].to_string().contains("floor.friction"));
+    assert!(odds["warnings"].to_string().contains("free-parameter"));
+}
+
+#[test]
+fn with_the_true_contact_most_recordings_end_on_their_simulated_face() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut robot = cube();
+    robot.adjustment.centre_of_mass_offset_m = Vector3::new(0.0, 0.0, 0.008);
+    robot.floor.friction = 0.2;
+    robot.floor.restitution = 0.2;
+    let glob = write(folder.path(), &tosses(&robot, &EXACT, 16));
+    let study = study().to_string_lossy().into_owned();
+    // Solver and contact as the stand-in has them; friction and restitution as its truth.
+    let identify = |extra: &[&str]| {
+        let truth = [
+            "identify",
+            &study,
+            "--recordings",
+            &glob,
+            "--format",
+            "json",
+            "--set",
+            "floor.friction=0.2",
+            "--set",
+            "floor.restitution=0.2",
+            "--set",
+            "contact.prediction_m=0.002",
+            "--set",
+            "solver.relaxations=0",
+            "--set",
+            "solver.substeps=8",
+            "--set",
+            "body.edge_radius_m=0",
+        ];
+        json(&[&truth, extra].concat())
+    };
+    let odds = &identify(&[])["resting_odds"];
+    let share =
+        |odds: &Value| odds["same_face"].as_f64().unwrap() / odds["simulations"].as_f64().unwrap();
+    assert!(odds["simulations"].as_u64().unwrap() >= 10, "{odds}");
+    assert!(share(odds) >= 0.75, "{odds}");
+    // Another contact is another run: what is said to be simulated is simulated.
+    let bouncy = &identify(&[
+        "--set",
+        "floor.friction=0.9",
+        "--set",
+        "floor.restitution=0.7",
+    ])["resting_odds"];
+    assert!(bouncy["faces"] != odds["faces"]);
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_refused_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = folder
+        .path()
+        .join("no/such/body.ron")
+        .to_string_lossy()
+        .into_owned();
+    let study = study().to_string_lossy().into_owned();
+    // The recordings do not exist either: the output is what is looked at first.
+    let error = realgap(&[
+        "identify",
+        &study,
+        "--recordings",
+        "no_such_*.csv",
+        "-o",
+        &missing,
+    ])
+    .code(1)
+    .get_output()
+    .stderr
+    .clone();
+    let error = String::from_utf8_lossy(&error);
+    assert!(
+        error.contains("body.ron") && error.contains("cannot write the file"),
+        "{error}"
+    );
 }
 
 #[test]

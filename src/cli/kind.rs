@@ -1,0 +1,99 @@
+//! Which kind of file of ours this is, so that a mix-up is answered with what it is and what to do with it.
+
+use std::path::Path;
+
+use realgap::file::Source;
+use realgap::morphology::Morphology;
+use realgap::study::{Overrides, Study};
+use realgap::{Error, Result, trajectory};
+
+/// The kinds of files that people name on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Morphology,
+    Study,
+    Parameters,
+    Meta,
+    Trajectory,
+}
+
+impl Kind {
+    /// What a RON text looks like from its outermost fields; `None` for anything else.
+    pub fn of_ron(source: &Source) -> Option<Self> {
+        let has = |field: &str| source.locate(field).is_some();
+        // A study has parameters too, so it comes first.
+        [
+            ("modules", Self::Morphology),
+            ("morphology", Self::Study),
+            ("parameters", Self::Parameters),
+            ("robot", Self::Meta),
+        ]
+        .into_iter()
+        .find_map(|(field, kind)| has(field).then_some(kind))
+    }
+
+    /// As files are called in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Morphology => "morphology",
+            Self::Study => "study",
+            Self::Parameters => "parameter file",
+            Self::Meta => "meta.ron of recordings",
+            Self::Trajectory => "trajectory",
+        }
+    }
+
+    /// What can be done with a file of this kind.
+    fn hint(self, path: &Path) -> String {
+        let path = path.display();
+        match self {
+            Self::Morphology => format!(
+                "`realgap simulate {path}` runs a robot; a study names a robot, its recordings and what to vary (sweeps/tripod_floor.ron is one)"
+            ),
+            Self::Study => format!(
+                "`realgap sweep {path}` runs a study; the robot is the file that its field `morphology` names"
+            ),
+            Self::Parameters => {
+                format!("give it as `--parameters {path}`, beside a robot or a study")
+            }
+            Self::Meta => {
+                format!("`realgap check {path}` shows what it says about the recordings beside it")
+            }
+            Self::Trajectory => {
+                format!(
+                    "`realgap check {path}` describes a trajectory, `realgap compare` compares two"
+                )
+            }
+        }
+    }
+}
+
+/// Reads a robot.
+pub fn read_morphology(path: &Path) -> Result<Morphology> {
+    Morphology::read(path).map_err(|error| explain(path, Kind::Morphology, error))
+}
+
+/// Reads a study.
+pub fn read_study(path: &Path, overrides: &Overrides) -> Result<Study> {
+    Study::read(path, overrides).map_err(|error| explain(path, Kind::Study, error))
+}
+
+/// The error of reading `path` as `wanted`; where the file is clearly of another kind, an error that says so.
+fn explain(path: &Path, wanted: Kind, error: Error) -> Error {
+    let found = if trajectory::format_of(path).is_ok() {
+        path.is_file().then_some(Kind::Trajectory)
+    } else {
+        Source::read(path, "file")
+            .ok()
+            .and_then(|source| Kind::of_ron(&source))
+    };
+    match found {
+        Some(found) if found != wanted => Error::invalid(format!("not a {}", wanted.name()))
+            .at_file(path)
+            .found(format!("a {}", found.name()))
+            .allowed(format!("a {}", wanted.name()))
+            .hint(found.hint(path))
+            .into_usage(),
+        _ => error,
+    }
+}
