@@ -56,6 +56,17 @@ const PERMITTED: &[(&str, &[&str])] = &[
     ("store", &["error"]),
     ("tuning", &["error", "statistic", "parameter", "store"]),
     ("study", BELOW_STUDY),
+    (
+        "ensemble",
+        &[
+            "error",
+            "warning",
+            "quantity",
+            "statistic",
+            "trajectory",
+            "simulation",
+        ],
+    ),
     ("report", &["error", "warning", "quantity", "file"]),
     (
         "folder",
@@ -70,6 +81,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "parameter",
             "tuning",
             "study",
+            "ensemble",
             "report",
         ],
     ),
@@ -97,6 +109,7 @@ const OWNED: &[(&str, &str)] = &[
     ("rapier3d", "simulation"),
     ("plotters", "report"),
     ("rusqlite", "store"),
+    ("kodama", "ensemble"),
     ("indicatif", "cli"),
     ("clap", "cli"),
 ];

@@ -3,12 +3,15 @@
 mod check;
 mod compare;
 mod completions;
+mod ensemble;
 mod evaluate;
 mod export;
+mod forecast;
 mod identify;
 mod interrupt;
 mod option;
 mod parameters;
+mod predict;
 mod progress;
 mod record;
 mod simulate;
@@ -48,6 +51,8 @@ enum Command {
     Compare(compare::Compare),
     Sweep(sweep::Sweep),
     Evaluate(evaluate::Evaluate),
+    Ensemble(ensemble::Ensemble),
+    Predict(predict::Predict),
     Identify(identify::Identify),
     Record(record::Record),
     Export(export::Export),
@@ -80,6 +85,8 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Compare(compare) => compare.run(),
         Command::Sweep(sweep) => sweep.run(),
         Command::Evaluate(evaluate) => evaluate.run(),
+        Command::Ensemble(ensemble) => ensemble.run(),
+        Command::Predict(predict) => predict.run(),
         Command::Identify(identify) => identify.run(),
         Command::Record(record) => record.run(),
         Command::Export(export) => export.run(),

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::morphology::Morphology;
-use realgap::simulation::{self, Experiment, Noise, Sampling, Status};
+use realgap::simulation::{self, Camera, Distribution, Experiment, Noise, Sampling, Status};
 use realgap::trajectory::{self, Meta, Source};
 use realgap::{Error, Result};
 
@@ -58,14 +58,19 @@ pub struct Record {
 impl Record {
     pub fn run(self) -> Result<ExitCode> {
         let noise = Noise {
-            start_position_m: self.start_position_noise,
-            start_tilt_rad: self.start_angle_noise,
-            start_heading_rad: self.start_angle_noise,
-            servo_zero_rad: self.servo_zero_noise,
-            camera_m: self.camera_noise,
-            camera_rad: self.camera_angle_noise,
+            start_position_m: Distribution::Normal(self.start_position_noise),
+            start_height_m: Distribution::Normal(self.start_position_noise),
+            start_tilt_rad: Distribution::Normal(self.start_angle_noise),
+            start_heading_rad: Distribution::Normal(self.start_angle_noise),
+            servo_zero_rad: Distribution::Normal(self.servo_zero_noise),
+            ..Noise::default()
+        };
+        let camera = Camera {
+            position_m: self.camera_noise,
+            orientation_rad: self.camera_angle_noise,
         };
         noise.check()?;
+        camera.check()?;
         let morphology = Morphology::read(&self.morphology)?;
         let mut experiment = Experiment::new(morphology.assemble());
         experiment.duration_s = self.duration;
@@ -96,7 +101,7 @@ impl Record {
                 }
             };
             let path = self.output.join(format!("run_{repeat:02}.csv"));
-            trajectory::write(&path, &noise.record(&motion, self.seed, repeat)?)?;
+            trajectory::write(&path, &camera.record(&motion, self.seed, repeat)?)?;
             bar.inc(1);
         }
         bar.finish_and_clear();
@@ -117,11 +122,11 @@ impl Record {
                 } else {
                     values.to_string()
                 },
-                noise.start_position_m,
-                noise.start_tilt_rad,
-                noise.servo_zero_rad,
-                noise.camera_m,
-                noise.camera_rad,
+                self.start_position_noise,
+                self.start_angle_noise,
+                self.servo_zero_noise,
+                self.camera_noise,
+                self.camera_angle_noise,
             ),
             frame: "world, z up; pose of the tracked module's centre".to_owned(),
             licence: "MIT OR Apache-2.0".to_owned(),

@@ -1,6 +1,7 @@
 //! What a results folder holds for people: tables, pictures, a summary, the best values.
 
 mod best;
+mod ensemble;
 mod picture;
 mod summary;
 mod table;
@@ -11,6 +12,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::study::{Problem, Sweep};
 
+pub use ensemble::{EnsembleResult, draw_repeats, write_repeats, write_report};
 pub use summary::Summary;
 pub use verdict::Verdict;
 

@@ -6,6 +6,7 @@
 //! | [`Curve`] | [`draw_curve`] | the score over one parameter |
 //! | [`PanelGrid`] | [`draw_panels`] | simulated paths at several parameter values, over the real ones |
 //! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
+//! | [`EnsemblePlot`] | [`draw_ensemble`] | repeats by behaviour, their envelope over time, the real runs |
 //! | [`TextTable`] | [`TextTable::render`] | a table for the terminal |
 //!
 //! Every `draw_…` function writes PNG or SVG by the extension of the path. The file is complete or
@@ -16,6 +17,7 @@ mod axis;
 mod canvas;
 mod colour;
 mod curve;
+mod ensemble;
 mod font;
 mod frame;
 mod heading;
@@ -33,6 +35,7 @@ mod tests;
 
 pub use axis::{AxisSpec, Truth};
 pub use curve::{Curve, draw_curve};
+pub use ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
 pub use heatmap::{HeatMap, draw_heat_map};
 pub use number::{DisplayUnit, number, quantity};
 pub use overlay::{Overlay, OverlayPath, draw_overlay};

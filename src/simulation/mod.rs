@@ -4,6 +4,8 @@
 //! it into a [`Run`] and never changes it. Same experiment → same bits, on any thread.
 //! `world` is the only file of the crate that names `rapier3d`.
 
+mod camera;
+mod distribution;
 mod experiment;
 mod friction;
 mod kinematics;
@@ -13,6 +15,8 @@ mod servo;
 mod watch;
 mod world;
 
+pub use camera::Camera;
+pub use distribution::Distribution;
 pub use experiment::{
     Adjustment, Contact, Experiment, Floor, FrictionModel, JointKind, Perturbation, Sampling,
     Solver, Start,

@@ -226,7 +226,10 @@ impl World {
             let collider = shape
                 .position(to_pose(&(part_from_robot * solid.robot_from_solid)))
                 .density(0.0)
-                .friction(experiment.floor.friction)
+                .friction(
+                    experiment.floor.friction
+                        * experiment.perturbation.friction_factor_of(solid.module),
+                )
                 .restitution(experiment.floor.restitution)
                 .friction_combine_rule(CoefficientCombineRule::Multiply)
                 .restitution_combine_rule(CoefficientCombineRule::Multiply)

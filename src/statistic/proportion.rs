@@ -45,8 +45,16 @@ impl Proportion {
             count,
             trials,
             share,
-            low: if count == 0 { 0.0 } else { (centre - half).max(0.0) },
-            high: if count == trials { 1.0 } else { (centre + half).min(1.0) },
+            low: if count == 0 {
+                0.0
+            } else {
+                (centre - half).max(0.0)
+            },
+            high: if count == trials {
+                1.0
+            } else {
+                (centre + half).min(1.0)
+            },
         }
     }
 }
