@@ -364,3 +364,20 @@ fn bad_input_is_refused() {
     let error = Envelope::new(&[], 1.0, BODY_M).unwrap_err().to_string();
     assert!(error.contains("diverged"), "{error}");
 }
+
+#[test]
+fn a_run_without_noise_that_no_repeat_comes_near_is_called_atypical() {
+    let outcomes = || {
+        (1..=9)
+            .map(|i| motion(path(1.0 + 0.01 * f64::from(i), 0.0), 0.0))
+            .collect()
+    };
+    for (far_m, is_typical) in [(1.05, true), (1.5, false), (0.5, false)] {
+        let summary = Summary::new(&hand_made(outcomes(), motion(path(far_m, 0.0), 0.0))).unwrap();
+        let warned = summary
+            .warnings
+            .iter()
+            .any(|w| w.code == "atypical-prediction");
+        assert_eq!(warned, !is_typical, "{far_m}");
+    }
+}

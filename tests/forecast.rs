@@ -167,6 +167,17 @@ fn every_recording_with_its_own_start_has_an_ensemble_of_its_own() {
     let report = json(&output.stdout);
     let cases = report["cases"].as_array().unwrap();
     assert_eq!(cases.len(), 2);
+    let second = folder.path().join("results/ensemble_001.png");
+    assert!(second.is_file());
+    // A picture does not outlive its recording.
+    realgap()
+        .arg("ensemble")
+        .arg(&study)
+        .args(["--repeats", "2", "--limit-recordings", "1", "-o"])
+        .arg(folder.path().join("results"))
+        .assert()
+        .success();
+    assert!(!second.exists());
     assert_eq!(cases[1]["case"], "run_01");
     assert_eq!(report["reality"]["runs"].as_array().unwrap().len(), 2);
     // Which of the two should be replayed?

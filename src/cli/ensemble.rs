@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 
 use clap::Args;
-use realgap::ensemble::{self, Ensemble as Repeats, Reality, Summary};
-use realgap::folder::{EnsembleResult, draw_repeats, write_repeats, write_report};
+use realgap::ensemble::{self, Coverage, Ensemble as Repeats, Reality, Summary};
+use realgap::folder::{EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report};
 use realgap::parameter::ParameterSet;
 use realgap::quantity::Unit;
 use realgap::report::{Side, TextTable, quantity};
@@ -58,6 +58,9 @@ pub struct Ensemble {
     #[arg(long, value_enum, default_value_t)]
     format: Format,
 }
+
+/// At most so many recordings with a start of their own are drawn.
+const PICTURES: usize = 12;
 
 /// One ensemble of the report.
 #[derive(Debug, Serialize)]
@@ -327,7 +330,8 @@ fn write(
         })
         .collect();
     write_repeats(folder, &results)?;
-    for (index, (_, result)) in results.iter().enumerate() {
+    remove_pictures(folder, "ensemble")?;
+    for (index, (_, result)) in results.iter().enumerate().take(PICTURES) {
         // The first has the name that is always there; more than one are numbered.
         let stem = match index {
             0 => "ensemble".to_owned(),
@@ -382,12 +386,7 @@ fn print(report: &Report, folder: &Path) {
                 format!("{:.0} %", 100.0 * coverage.over_time),
                 format!("{} of {}", end.count, end.trials),
                 format!("{:.0} to {:.0} %", 100.0 * end.low, 100.0 * end.high),
-                if coverage.is_honest {
-                    "not contradicted"
-                } else {
-                    "NO"
-                }
-                .to_owned(),
+                honesty(coverage).to_owned(),
             ]);
         }
         lines.push(table.render(colour).trim_end().to_owned());
@@ -402,4 +401,14 @@ fn print(report: &Report, folder: &Path) {
         folder.display()
     ));
     terminal::print(lines.join("\n"));
+}
+
+fn honesty(coverage: &Coverage) -> &'static str {
+    if coverage.is_honest {
+        "not contradicted"
+    } else if coverage.at_end.share < coverage.level {
+        "NO: region too narrow"
+    } else {
+        "NO: region too wide"
+    }
 }

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::ensemble::{self, Ensemble, Summary};
-use realgap::folder::{EnsembleResult, draw_repeats, write_repeats, write_report};
+use realgap::folder::{EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report};
 use realgap::morphology::Morphology;
 use realgap::quantity::Unit;
 use realgap::report::quantity;
@@ -153,6 +153,7 @@ impl Predict {
                 real_label: "reality",
                 title: format!("{}: what it will do", card.morphology),
             };
+            remove_pictures(folder, "prediction")?;
             draw_repeats(folder, "prediction", &result)?;
             write_repeats(folder, &[(&card.morphology, result)])?;
         }

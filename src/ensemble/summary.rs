@@ -73,6 +73,23 @@ impl Summary {
                 ensemble.body_length_m,
             )?)
         };
+        let displacement_m = spread(&Motion::net_displacement_m);
+        let noise_free_displacement_m =
+            ensemble.noise_free.motion().map(Motion::net_displacement_m);
+        let mut warnings = ensemble.warnings.clone();
+        if let (Some(spread), Some(alone_m)) = (&displacement_m, noise_free_displacement_m)
+            && !ensemble.noise.is_zero()
+            && !(spread.q05..=spread.q95).contains(&alone_m)
+        {
+            warnings.push(Warning::new(
+                "atypical-prediction",
+                format!(
+                    "without noise the robot gets {alone_m:.3} m far, outside what 90 % of its repeats do ({:.3} to {:.3} m): \
+                     the one run without noise does not predict them",
+                    spread.q05, spread.q95
+                ),
+            ));
+        }
         Ok(Self {
             repeats: ensemble.repeats.len(),
             repeats_asked: ensemble.asked,
@@ -80,7 +97,7 @@ impl Summary {
             seed: ensemble.seed,
             duration_s: ensemble.duration_s,
             body_length_m: ensemble.body_length_m,
-            displacement_m: spread(&Motion::net_displacement_m),
+            displacement_m,
             speed_m_s: spread(&|m| m.net_displacement_m() / ensemble.duration_s),
             path_length_m: spread(&|m| m.path.path_length_m()),
             turned_rad: spread(&|m| m.turned_rad),
@@ -94,7 +111,7 @@ impl Summary {
             envelope,
             noise: ensemble.noise,
             cpu_s: ensemble.cpu.as_secs_f64(),
-            warnings: ensemble.warnings.clone(),
+            warnings,
         })
     }
 }

@@ -141,6 +141,29 @@ fn behaviour(behaviours: &Behaviours, number: u64) -> String {
         })
 }
 
+/// Removes the pictures `STEM.png`, `STEM_….png` and `.svg` of an earlier ensemble, which may have had more of them.
+///
+/// # Errors
+/// A folder that cannot be read or changed.
+pub fn remove_pictures(folder: &Path, stem: &str) -> Result<()> {
+    let entries = std::fs::read_dir(folder)
+        .map_err(|e| Error::io("look into the results folder", folder, &e))?;
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let base = name.strip_suffix(".png").or(name.strip_suffix(".svg"));
+        let number = base.and_then(|base| base.strip_prefix(stem));
+        let is_ours = number.is_some_and(|rest| {
+            rest.strip_prefix('_')
+                .map_or(rest.is_empty(), |n| n.bytes().all(|b| b.is_ascii_digit()))
+        });
+        if is_ours {
+            std::fs::remove_file(entry.path())
+                .map_err(|e| Error::io("remove an old picture", entry.path(), &e))?;
+        }
+    }
+    Ok(())
+}
+
 /// Draws an ensemble as `STEM.png` and `STEM.svg`; nothing where every repeat diverged.
 ///
 /// # Errors

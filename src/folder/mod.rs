@@ -12,7 +12,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::study::{Problem, Sweep};
 
-pub use ensemble::{EnsembleResult, draw_repeats, write_repeats, write_report};
+pub use ensemble::{EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report};
 pub use summary::Summary;
 pub use verdict::Verdict;
 
