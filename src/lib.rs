@@ -62,6 +62,7 @@
 //! [`guide::design`]. What was measured: [`guide::fidelity`].
 
 pub mod comparison;
+pub mod ensemble;
 pub mod error;
 pub mod export;
 pub mod file;

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use realgap::morphology::Morphology;
-use realgap::simulation::{Experiment, Noise, run};
+use realgap::simulation::{Camera, Experiment, Noise, run};
 use realgap::study::{INTERVAL_LEVEL, Mode, Overrides, Problem, Study, sweep};
 use realgap::trajectory::write;
 
@@ -21,9 +21,10 @@ fn record(folder: &Path, friction: f64, seed: u64) {
     let mut truth = Experiment::new(robot.assemble());
     truth.duration_s = DURATION_S;
     truth.floor.friction = friction;
-    let noise = Noise {
-        camera_m: 1e-3,
-        ..Noise::careful_repeat()
+    let noise = Noise::careful_repeat();
+    let camera = Camera {
+        position_m: 1e-3,
+        orientation_rad: 0.0,
     };
     for repeat in 0..RECORDINGS {
         let run = run(&noise.perturb(&truth, seed, repeat)).unwrap();

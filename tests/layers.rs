@@ -56,6 +56,17 @@ const PERMITTED: &[(&str, &[&str])] = &[
     ("store", &["error"]),
     ("tuning", &["error", "statistic", "parameter", "store"]),
     ("study", BELOW_STUDY),
+    (
+        "ensemble",
+        &[
+            "error",
+            "warning",
+            "quantity",
+            "statistic",
+            "trajectory",
+            "simulation",
+        ],
+    ),
     ("report", &["error", "warning", "quantity", "file"]),
     (
         "folder",
@@ -70,6 +81,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "parameter",
             "tuning",
             "study",
+            "ensemble",
             "report",
         ],
     ),
@@ -102,6 +114,7 @@ const OWNED: &[(&str, &str)] = &[
     ("argmin", "tuning"),
     ("cmaes", "tuning"),
     ("egobox_ego", "tuning"),
+    ("kodama", "ensemble"),
     ("indicatif", "cli"),
     ("clap", "cli"),
 ];

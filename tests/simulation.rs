@@ -5,7 +5,7 @@ mod common;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use realgap::morphology::Morphology;
-use realgap::simulation::{Experiment, JointKind, Noise, Sampling, Start, Status, run};
+use realgap::simulation::{Camera, Experiment, JointKind, Noise, Sampling, Start, Status, run};
 use realgap::trajectory::State;
 
 fn experiment(robot: &str) -> Experiment {
@@ -174,9 +174,10 @@ fn settings_that_cannot_be_simulated_are_refused() {
 #[test]
 fn a_repeat_can_be_replayed_alone() {
     let base = experiment("tripod");
-    let noise = Noise {
-        camera_m: 1e-3,
-        ..Noise::careful_repeat()
+    let noise = Noise::unmeasured_robot();
+    let camera = Camera {
+        position_m: 1e-3,
+        orientation_rad: 1e-2,
     };
     assert_eq!(noise.perturb(&base, 7, 3), noise.perturb(&base, 7, 3));
     assert_ne!(noise.perturb(&base, 7, 3), noise.perturb(&base, 7, 4));
@@ -189,8 +190,8 @@ fn a_repeat_can_be_replayed_alone() {
     .trajectory
     .unwrap();
     assert_eq!(
-        noise.record(&truth, 7, 3).unwrap(),
-        noise.record(&truth, 7, 3).unwrap()
+        camera.record(&truth, 7, 3).unwrap(),
+        camera.record(&truth, 7, 3).unwrap()
     );
 }
 
@@ -203,11 +204,11 @@ fn the_camera_error_has_the_size_that_was_asked_for() {
         ..experiment("cube")
     };
     let truth = run(&base).unwrap().trajectory.unwrap();
-    let noise = Noise {
-        camera_m: 2e-3,
-        ..Noise::default()
+    let camera = Camera {
+        position_m: 2e-3,
+        ..Camera::default()
     };
-    let seen = noise.record(&truth, 1, 0).unwrap();
+    let seen = camera.record(&truth, 1, 0).unwrap();
     let errors: Vec<f64> = truth
         .positions_world_m()
         .iter()

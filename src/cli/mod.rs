@@ -4,13 +4,16 @@ mod answer;
 mod check;
 mod compare;
 mod completions;
+mod ensemble;
 mod evaluate;
 mod export;
+mod forecast;
 mod identify;
 mod interrupt;
 mod kind;
 mod option;
 mod parameters;
+mod predict;
 mod progress;
 mod record;
 mod results;
@@ -57,6 +60,8 @@ enum Command {
     Results(results::Results),
     Sensitivity(sensitivity::Sensitivity),
     Evaluate(evaluate::Evaluate),
+    Ensemble(ensemble::Ensemble),
+    Predict(predict::Predict),
     Identify(identify::Identify),
     Record(record::Record),
     Export(export::Export),
@@ -92,6 +97,8 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Results(results) => results.run(),
         Command::Sensitivity(sensitivity) => sensitivity.run(),
         Command::Evaluate(evaluate) => evaluate.run(),
+        Command::Ensemble(ensemble) => ensemble.run(),
+        Command::Predict(predict) => predict.run(),
         Command::Identify(identify) => identify.run(),
         Command::Record(record) => record.run(),
         Command::Export(export) => export.run(),

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::quantity::counted;
-use realgap::simulation::{self, Experiment, Noise, Sampling, Status};
+use realgap::simulation::{self, Camera, Distribution, Experiment, Noise, Sampling, Status};
 use realgap::trajectory::{self, Meta, Source};
 use realgap::{Error, Result};
 use serde_json::json;
@@ -63,14 +63,19 @@ pub struct Record {
 impl Record {
     pub fn run(self) -> Result<ExitCode> {
         let noise = Noise {
-            start_position_m: self.start_position_noise,
-            start_tilt_rad: self.start_angle_noise,
-            start_heading_rad: self.start_angle_noise,
-            servo_zero_rad: self.servo_zero_noise,
-            camera_m: self.camera_noise,
-            camera_rad: self.camera_angle_noise,
+            start_position_m: Distribution::Normal(self.start_position_noise),
+            start_height_m: Distribution::Normal(self.start_position_noise),
+            start_tilt_rad: Distribution::Normal(self.start_angle_noise),
+            start_heading_rad: Distribution::Normal(self.start_angle_noise),
+            servo_zero_rad: Distribution::Normal(self.servo_zero_noise),
+            ..Noise::default()
+        };
+        let camera = Camera {
+            position_m: self.camera_noise,
+            orientation_rad: self.camera_angle_noise,
         };
         noise.check()?;
+        camera.check()?;
         let morphology = read_morphology(&self.morphology)?;
         let mut experiment = Experiment::new(morphology.assemble());
         experiment.duration_s = self.duration;
@@ -103,7 +108,7 @@ impl Record {
                 }
             };
             let path = self.output.join(format!("run_{repeat:02}.csv"));
-            trajectory::write(&path, &noise.record(&motion, self.seed, repeat)?)?;
+            trajectory::write(&path, &camera.record(&motion, self.seed, repeat)?)?;
             written.push(path);
             bar.inc(1);
         }
@@ -125,11 +130,11 @@ impl Record {
                 } else {
                     values.to_string()
                 },
-                noise.start_position_m,
-                noise.start_tilt_rad,
-                noise.servo_zero_rad,
-                noise.camera_m,
-                noise.camera_rad,
+                self.start_position_noise,
+                self.start_angle_noise,
+                self.servo_zero_noise,
+                self.camera_noise,
+                self.camera_angle_noise,
             ),
             frame: "world, z up; pose of the tracked module's centre".to_owned(),
             licence: "MIT OR Apache-2.0".to_owned(),
@@ -149,11 +154,11 @@ impl Record {
                     .map(|a| (a.parameter.name.to_owned(), json!(a.value)))
                     .collect::<serde_json::Map<_, _>>(),
                 "noise": {
-                    "start_position_m": noise.start_position_m,
-                    "start_angle_rad": noise.start_tilt_rad,
-                    "servo_zero_rad": noise.servo_zero_rad,
-                    "camera_m": noise.camera_m,
-                    "camera_rad": noise.camera_rad,
+                    "start_position_m": self.start_position_noise,
+                    "start_angle_rad": self.start_angle_noise,
+                    "servo_zero_rad": self.servo_zero_noise,
+                    "camera_m": self.camera_noise,
+                    "camera_rad": self.camera_angle_noise,
                 },
                 "engine": simulation::ENGINE_VERSION,
                 "version": env!("CARGO_PKG_VERSION"),

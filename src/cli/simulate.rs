@@ -102,7 +102,7 @@ impl Simulate {
             .as_ref()
             .map(|t| t.net_displacement_world_m());
         let path_m = run.trajectory.as_ref().map(|t| t.path_length_xy_m());
-        let turned_rad = run.trajectory.as_ref().and_then(heading_change_rad);
+        let turned_rad = run.trajectory.as_ref().and_then(|t| t.turned_rad());
         if self.format == Format::Json {
             let report = json!({
                 "morphology": morphology.name(),
@@ -172,15 +172,4 @@ impl Simulate {
         terminal::print(lines.join("\n"));
         Ok(())
     }
-}
-
-/// Accumulated change of the body's heading about the world z axis, radians.
-fn heading_change_rad(motion: &trajectory::Trajectory) -> Option<f64> {
-    let world_from_body = motion.orientations_world_from_body()?;
-    let step = |w: &[nalgebra::UnitQuaternion<f64>]| {
-        let q = w[1] * w[0].inverse();
-        2.0 * q.k.atan2(q.w)
-    };
-    let wrap = |angle: f64| angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round();
-    Some(world_from_body.windows(2).map(|w| wrap(step(w))).sum())
 }

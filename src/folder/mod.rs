@@ -2,6 +2,7 @@
 
 mod best;
 mod convergence;
+mod ensemble;
 mod picture;
 mod summary;
 mod table;
@@ -12,6 +13,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::study::{Answer, Method, Problem};
 
+pub use ensemble::{EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report};
 pub use summary::{Best, Correlation, Summary};
 pub use verdict::Verdict;
 

@@ -121,6 +121,19 @@ pub enum ServoLaw {
     },
 }
 
+impl ServoLaw {
+    /// Multiplies how strongly an angle error is answered: the gain of the velocity law, the stiffness of the
+    /// torque law.
+    pub fn scale_gain(&mut self, factor: f64) {
+        match self {
+            Self::Velocity { gain_1_s } => *gain_1_s *= factor,
+            Self::Torque {
+                stiffness_nm_rad, ..
+            } => *stiffness_nm_rad *= factor,
+        }
+    }
+}
+
 /// A servo: control law and limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Servo {

@@ -8,6 +8,7 @@
 //! | [`LinePlot`] | [`draw_lines`] | lines, dots and bands over time or number of simulations |
 //! | [`BarChart`] | [`draw_bars`] | what each of many causes changes |
 //! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
+//! | [`EnsemblePlot`] | [`draw_ensemble`] | repeats by behaviour, their envelope over time, the real runs |
 //! | [`TextTable`] | [`TextTable::render`] | a table for the terminal |
 //!
 //! Every `draw_…` function writes PNG or SVG by the extension of the path. The file is complete or
@@ -19,6 +20,7 @@ mod bar;
 mod canvas;
 mod colour;
 mod curve;
+mod ensemble;
 mod font;
 mod frame;
 mod heading;
@@ -38,6 +40,7 @@ mod tests;
 pub use axis::{AxisSpec, Truth};
 pub use bar::{Bar, BarChart, draw_bars};
 pub use curve::{Curve, draw_curve};
+pub use ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
 pub use heatmap::{HeatMap, draw_heat_map};
 pub use line::{LinePlot, Series, SeriesKind, draw_lines};
 pub use number::{DisplayUnit, number, quantity};

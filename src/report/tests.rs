@@ -31,7 +31,7 @@ fn png_size(path: &Path) -> (u32, u32) {
 }
 
 /// Draws as PNG and SVG, twice; returns the SVG.
-fn check(name: &str, draw: impl Fn(&Path) -> Result<(), crate::Error>) -> String {
+pub(super) fn check(name: &str, draw: impl Fn(&Path) -> Result<(), crate::Error>) -> String {
     let (folder, _guard) = folder();
     let (png, svg) = (
         folder.join(format!("{name}.png")),
@@ -112,7 +112,7 @@ fn valley(nx: usize, ny: usize) -> HeatMap {
     }
 }
 
-fn curved_path(length_m: f64, bend: f64, wobble: f64) -> Vec<PathPoint> {
+pub(super) fn curved_path(length_m: f64, bend: f64, wobble: f64) -> Vec<PathPoint> {
     let mut points = vec![[0.0, 0.0]];
     for i in 1..182 {
         let t = f64::from(i) / 181.0;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use crate::error::{Error, Result};
-use crate::morphology::{Assembly, Role, ServoLaw};
+use crate::morphology::{Assembly, Role};
 use crate::quantity::GRAVITY_M_S2;
 use crate::trajectory::State;
 
@@ -166,7 +166,7 @@ impl Default for Adjustment {
 }
 
 /// How this one execution differs from the intended one: the draw of one repeat.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Perturbation {
     /// Shift of the start, world frame, metres. A settled start keeps only what the fall leaves of it.
     pub shift_world_m: Vector3<f64>,
@@ -174,6 +174,47 @@ pub struct Perturbation {
     pub turn_world_rad: Vector3<f64>,
     /// Error of every servo's zero, radians, by hinge; empty for none.
     pub servo_zero_rad: Vec<f64>,
+    /// Factor on every servo's gain, by hinge; empty for none.
+    pub servo_gain_factor: Vec<f64>,
+    /// Error of every command's phase, radians, by hinge; empty for none.
+    pub servo_phase_rad: Vec<f64>,
+    /// Latency of every servo beyond the adjustment's, seconds, by hinge; empty for none.
+    pub servo_latency_s: Vec<f64>,
+    /// Factor on every module's mass, by module; empty for none.
+    pub mass_factor: Vec<f64>,
+    /// Factor on every module's friction, by module; empty for none.
+    pub friction_factor: Vec<f64>,
+    /// Factor on the friction of all modules.
+    pub run_friction_factor: f64,
+}
+
+impl Default for Perturbation {
+    /// Everything as intended.
+    fn default() -> Self {
+        Self {
+            shift_world_m: Vector3::zeros(),
+            turn_world_rad: Vector3::zeros(),
+            servo_zero_rad: Vec::new(),
+            servo_gain_factor: Vec::new(),
+            servo_phase_rad: Vec::new(),
+            servo_latency_s: Vec::new(),
+            mass_factor: Vec::new(),
+            friction_factor: Vec::new(),
+            run_friction_factor: 1.0,
+        }
+    }
+}
+
+impl Perturbation {
+    /// Friction of a module's solids as a factor on the floor's parameter.
+    pub(super) fn friction_factor_of(&self, module: usize) -> f64 {
+        self.friction_factor.get(module).unwrap_or(&1.0) * self.run_friction_factor
+    }
+
+    /// Latency of a servo beyond the adjustment's, seconds.
+    pub(super) fn latency_s_of(&self, hinge: usize) -> f64 {
+        self.servo_latency_s.get(hinge).copied().unwrap_or(0.0)
+    }
 }
 
 /// When the state is written down.
@@ -244,23 +285,31 @@ impl Experiment {
         for hinge in &mut robot.hinges {
             hinge.servo.max_torque_nm = a.max_torque_nm.unwrap_or(hinge.servo.max_torque_nm);
             hinge.servo.max_speed_rad_s = a.max_speed_rad_s.unwrap_or(hinge.servo.max_speed_rad_s);
-            match &mut hinge.servo.law {
-                ServoLaw::Velocity { gain_1_s } => *gain_1_s *= a.servo_gain_scale,
-                ServoLaw::Torque {
-                    stiffness_nm_rad, ..
-                } => *stiffness_nm_rad *= a.servo_gain_scale,
-            }
+            hinge.servo.law.scale_gain(a.servo_gain_scale);
             hinge.gait.frequency_hz *= a.frequency_scale;
             hinge.gait.amplitude_rad *= a.amplitude_scale;
         }
-        for (hinge, zero_rad) in robot
-            .hinges
-            .iter_mut()
-            .zip(&self.perturbation.servo_zero_rad)
-        {
+        self.perturb(&mut robot);
+        robot
+    }
+
+    /// What this repeat's draw changes about the robot itself.
+    fn perturb(&self, robot: &mut Assembly) {
+        let drawn = &self.perturbation;
+        for solid in robot.parts.iter_mut().flat_map(|part| &mut part.solids) {
+            let factor = drawn.mass_factor.get(solid.module).unwrap_or(&1.0);
+            solid.mass_kg *= factor;
+            solid.inertia_kg_m2 *= *factor;
+        }
+        for (hinge, zero_rad) in robot.hinges.iter_mut().zip(&drawn.servo_zero_rad) {
             hinge.gait.offset_rad += zero_rad;
         }
-        robot
+        for (hinge, phase_rad) in robot.hinges.iter_mut().zip(&drawn.servo_phase_rad) {
+            hinge.gait.phase_rad += phase_rad;
+        }
+        for (hinge, factor) in robot.hinges.iter_mut().zip(&drawn.servo_gain_factor) {
+            hinge.servo.law.scale_gain(*factor);
+        }
     }
 
     /// Checks the ranges that no single field can check for itself.

@@ -4,6 +4,8 @@
 //! it into a [`Run`] and never changes it. Same experiment → same bits, on any thread.
 //! `engine` is the only file of the crate that names `rapier3d`, in f64 or (feature `f32`) in f32.
 
+mod camera;
+mod distribution;
 mod engine;
 mod experiment;
 mod friction;
@@ -14,6 +16,8 @@ mod servo;
 mod watch;
 mod world;
 
+pub use camera::Camera;
+pub use distribution::Distribution;
 pub use engine::ENGINE_VERSION;
 pub use experiment::{
     Adjustment, Contact, Experiment, Floor, FrictionModel, JointKind, Perturbation, Sampling,

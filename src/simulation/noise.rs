@@ -1,56 +1,74 @@
-//! What makes repeats of one experiment differ: random starts, servo zeros and camera errors.
+//! What makes repeats of one experiment differ: random starts, servos, masses and frictions.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::{Distribution as _, StandardNormal};
+use serde::{Deserialize, Serialize};
 
+use super::distribution::{Distribution, Use};
 use super::experiment::{Experiment, Perturbation};
 use crate::error::{Error, Result};
-use crate::trajectory::Trajectory;
 
-/// Standard deviations of the errors that a repeat draws, all normal and independent.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields, default)]
+/// Distributions of the errors that a repeat draws, all independent. A field that is not named is no error.
+///
+/// Relative fields are factors: 1 + draw, or the draw itself for a `LogNormal`.
+///
+/// ```
+/// use realgap::simulation::{Distribution, Noise};
+///
+/// let noise = Noise {
+///     start_heading_rad: Distribution::Normal(0.0175),
+///     servo_latency_s: Distribution::Uniform(0.0, 0.02),
+///     mass_relative: Distribution::LogNormal(0.02),
+///     ..Noise::default()
+/// };
+/// assert!(noise.check().is_ok() && !noise.is_zero());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Noise")]
 pub struct Noise {
-    /// Start position, each axis, metres (a lift below 0 counts as 0 for settled starts).
-    pub start_position_m: f64,
+    /// Start position, x and y each, metres.
+    pub start_position_m: Distribution,
+    /// Start height above where the robot would just touch, metres (below 0 counts as 0 for settled starts).
+    pub start_height_m: Distribution,
     /// Start tilt about a random horizontal axis, radians.
-    pub start_tilt_rad: f64,
+    pub start_tilt_rad: Distribution,
     /// Start heading, radians.
-    pub start_heading_rad: f64,
+    pub start_heading_rad: Distribution,
     /// Zero of each servo, radians.
-    pub servo_zero_rad: f64,
-    /// Error of each recorded position, each axis, metres.
-    pub camera_m: f64,
-    /// Error of each recorded orientation about a random axis, radians.
-    pub camera_rad: f64,
+    pub servo_zero_rad: Distribution,
+    /// Gain (stiffness for the torque law) of each servo, relative.
+    pub servo_gain_relative: Distribution,
+    /// Phase of each servo's command, radians.
+    pub servo_phase_rad: Distribution,
+    /// Age of the command that each servo acts on, added to the experiment's own, seconds.
+    pub servo_latency_s: Distribution,
+    /// Mass (and with it inertia) of each module, relative.
+    pub mass_relative: Distribution,
+    /// Friction of each module, relative.
+    pub friction_cube_relative: Distribution,
+    /// Friction of all modules in this run, relative.
+    pub friction_run_relative: Distribution,
 }
 
-impl Default for Noise {
-    /// No noise at all.
-    fn default() -> Self {
-        Self {
-            start_position_m: 0.0,
-            start_tilt_rad: 0.0,
-            start_heading_rad: 0.0,
-            servo_zero_rad: 0.0,
-            camera_m: 0.0,
-            camera_rad: 0.0,
-        }
-    }
-}
-
-/// Streams of random numbers of one repeat: changing the number of samples must not change the start.
+/// Streams of random numbers of one repeat: changing one kind of error must not change the others.
 const START_STREAM: u64 = 1;
-const CAMERA_STREAM: u64 = 2;
+pub(super) const CAMERA_STREAM: u64 = 2;
+const GAIN_STREAM: u64 = 3;
+const PHASE_STREAM: u64 = 4;
+const LATENCY_STREAM: u64 = 5;
+const MASS_STREAM: u64 = 6;
+const CUBE_FRICTION_STREAM: u64 = 7;
+const RUN_FRICTION_STREAM: u64 = 8;
 
 impl Noise {
     /// How exactly a robot can be put down by hand: 1 mm, 1° of tilt and heading.
     pub fn careful_start() -> Self {
-        let degree = 1.0_f64.to_radians();
+        let degree = Distribution::Normal(1.0_f64.to_radians());
         Self {
-            start_position_m: 1e-3,
+            start_position_m: Distribution::Normal(1e-3),
+            start_height_m: Distribution::Normal(1e-3),
             start_tilt_rad: degree,
             start_heading_rad: degree,
             ..Self::default()
@@ -60,46 +78,95 @@ impl Noise {
     /// A careful repeat with another robot of the same make: [`Noise::careful_start`] and 1° of servo zero.
     pub fn careful_repeat() -> Self {
         Self {
-            servo_zero_rad: 1.0_f64.to_radians(),
+            servo_zero_rad: Distribution::Normal(1.0_f64.to_radians()),
             ..Self::careful_start()
         }
     }
 
-    /// Checks that every standard deviation is finite and not negative.
+    /// What to expect of a robot that nobody has measured yet: [`Noise::careful_repeat`], servo gains within 3 %,
+    /// phases within 1°, latencies up to one 50 Hz servo frame (20 ms), masses within 2 %, and friction within
+    /// 5 % from cube to cube and from run to run. Estimates, to be replaced by what a laboratory knows.
+    pub fn unmeasured_robot() -> Self {
+        Self {
+            servo_gain_relative: Distribution::LogNormal(0.03),
+            servo_phase_rad: Distribution::Normal(1.0_f64.to_radians()),
+            servo_latency_s: Distribution::Uniform(0.0, 0.02),
+            mass_relative: Distribution::LogNormal(0.02),
+            friction_cube_relative: Distribution::LogNormal(0.05),
+            friction_run_relative: Distribution::LogNormal(0.05),
+            ..Self::careful_repeat()
+        }
+    }
+
+    /// Every field with its name, in the order of the struct.
+    pub fn fields(&self) -> [(&'static str, Distribution); 11] {
+        self.uses().map(|(name, field, _)| (name, field))
+    }
+
+    fn uses(&self) -> [(&'static str, Distribution, Use); 11] {
+        [
+            ("start_position_m", self.start_position_m, Use::Offset),
+            ("start_height_m", self.start_height_m, Use::Offset),
+            ("start_tilt_rad", self.start_tilt_rad, Use::Offset),
+            ("start_heading_rad", self.start_heading_rad, Use::Offset),
+            ("servo_zero_rad", self.servo_zero_rad, Use::Offset),
+            ("servo_gain_relative", self.servo_gain_relative, Use::Factor),
+            ("servo_phase_rad", self.servo_phase_rad, Use::Offset),
+            ("servo_latency_s", self.servo_latency_s, Use::Delay),
+            ("mass_relative", self.mass_relative, Use::Factor),
+            (
+                "friction_cube_relative",
+                self.friction_cube_relative,
+                Use::Factor,
+            ),
+            (
+                "friction_run_relative",
+                self.friction_run_relative,
+                Use::Factor,
+            ),
+        ]
+    }
+
+    /// Whether all repeats are the same.
+    pub fn is_zero(&self) -> bool {
+        self.fields().iter().all(|(_, field)| field.is_zero())
+    }
+
+    /// Checks that every distribution is sound and suits its field.
     ///
     /// # Errors
     /// The first field that is not.
     pub fn check(&self) -> Result<()> {
-        for (field, value) in [
-            ("start_position_m", self.start_position_m),
-            ("start_tilt_rad", self.start_tilt_rad),
-            ("start_heading_rad", self.start_heading_rad),
-            ("servo_zero_rad", self.servo_zero_rad),
-            ("camera_m", self.camera_m),
-            ("camera_rad", self.camera_rad),
-        ] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(
-                    Error::invalid("a standard deviation must be finite and not negative")
-                        .field(field)
-                        .found(value)
-                        .allowed("0 or more"),
-                );
-            }
-        }
-        Ok(())
+        self.fault().map_or(Ok(()), |(_, error)| Err(error))
     }
 
-    /// The experiment of repeat number `repeat`: start and servo zeros drawn from this noise.
+    /// The first field that is not sound, by name, and what is wrong with it.
+    pub fn fault(&self) -> Option<(&'static str, Error)> {
+        self.uses()
+            .into_iter()
+            .find_map(|(name, field, purpose)| Some((name, field.check(name, purpose).err()?)))
+    }
+
+    /// The experiment of repeat number `repeat`, everything random drawn from this noise.
     ///
     /// Repeat k is the same whatever the other repeats are, so any one can be replayed.
     pub fn perturb(&self, experiment: &Experiment, seed: u64, repeat: u64) -> Experiment {
+        Experiment {
+            perturbation: self.draw(experiment, seed, repeat),
+            ..experiment.clone()
+        }
+    }
+
+    fn draw(&self, experiment: &Experiment, seed: u64, repeat: u64) -> Perturbation {
+        let hinges = experiment.assembly.hinges.len();
+        let modules = experiment.assembly.module_names.len();
         let mut rng = generator(seed, repeat, START_STREAM);
-        let mut draw = |sd: f64| sd * normal(&mut rng);
-        let shift_world_m = Vector3::from_fn(|_, _| draw(self.start_position_m));
-        let direction_rad = draw(std::f64::consts::TAU);
-        let tilt_rad = draw(self.start_tilt_rad);
-        let heading_rad = draw(self.start_heading_rad);
+        let shift_x_m = self.start_position_m.draw(normal(&mut rng));
+        let shift_y_m = self.start_position_m.draw(normal(&mut rng));
+        let lift_m = self.start_height_m.draw(normal(&mut rng));
+        let direction_rad = std::f64::consts::TAU * normal(&mut rng);
+        let tilt_rad = self.start_tilt_rad.draw(normal(&mut rng));
+        let heading_rad = self.start_heading_rad.draw(normal(&mut rng));
         let tilt_axis = nalgebra::Unit::new_unchecked(Vector3::new(
             direction_rad.cos(),
             direction_rad.sin(),
@@ -107,50 +174,34 @@ impl Noise {
         ));
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading_rad)
             * UnitQuaternion::from_axis_angle(&tilt_axis, tilt_rad);
-        let servo_zero_rad = experiment
-            .assembly
-            .hinges
-            .iter()
-            .map(|_| draw(self.servo_zero_rad))
+        let servo_zero_rad = (0..hinges)
+            .map(|_| self.servo_zero_rad.draw(normal(&mut rng)))
             .collect();
-        Experiment {
-            perturbation: Perturbation {
-                shift_world_m,
-                turn_world_rad: turn.scaled_axis(),
-                servo_zero_rad,
-            },
-            ..experiment.clone()
-        }
-    }
-
-    /// What a camera would have recorded: positions and orientations with errors, no velocities.
-    ///
-    /// # Errors
-    /// None for a valid trajectory.
-    pub fn record(&self, truth: &Trajectory, seed: u64, repeat: u64) -> Result<Trajectory> {
-        let mut rng = generator(seed, repeat, CAMERA_STREAM);
-        let mut draw = |sd: f64| sd * normal(&mut rng);
-        let mut positions = Vec::with_capacity(truth.len());
-        let mut orientations = Vec::with_capacity(truth.len());
-        for index in 0..truth.len() {
-            positions.push(
-                truth.positions_world_m()[index] + Vector3::from_fn(|_, _| draw(self.camera_m)),
-            );
-            if let Some(world_from_body) = truth.orientations_world_from_body() {
-                let error = Vector3::from_fn(|_, _| draw(self.camera_rad / 3.0_f64.sqrt()));
-                orientations.push(UnitQuaternion::from_scaled_axis(error) * world_from_body[index]);
-            }
-        }
-        let recorded = Trajectory::new(truth.times_s().to_vec(), positions)?;
-        if orientations.is_empty() {
-            Ok(recorded)
-        } else {
-            recorded.with_orientations(orientations)
+        let normals = |stream: u64, count: usize| {
+            let mut rng = generator(seed, repeat, stream);
+            (0..count).map(move |_| normal(&mut rng))
+        };
+        let draws = |field: Distribution, stream: u64, count: usize| -> Vec<f64> {
+            normals(stream, count).map(|z| field.draw(z)).collect()
+        };
+        let factors = |field: Distribution, stream: u64, count: usize| -> Vec<f64> {
+            normals(stream, count).map(|z| field.factor(z)).collect()
+        };
+        Perturbation {
+            shift_world_m: Vector3::new(shift_x_m, shift_y_m, lift_m),
+            turn_world_rad: turn.scaled_axis(),
+            servo_zero_rad,
+            servo_gain_factor: factors(self.servo_gain_relative, GAIN_STREAM, hinges),
+            servo_phase_rad: draws(self.servo_phase_rad, PHASE_STREAM, hinges),
+            servo_latency_s: draws(self.servo_latency_s, LATENCY_STREAM, hinges),
+            mass_factor: factors(self.mass_relative, MASS_STREAM, modules),
+            friction_factor: factors(self.friction_cube_relative, CUBE_FRICTION_STREAM, modules),
+            run_friction_factor: factors(self.friction_run_relative, RUN_FRICTION_STREAM, 1)[0],
         }
     }
 }
 
-fn generator(seed: u64, repeat: u64, stream: u64) -> ChaCha8Rng {
+pub(super) fn generator(seed: u64, repeat: u64, stream: u64) -> ChaCha8Rng {
     let mut key = [0_u8; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
     key[8..16].copy_from_slice(&repeat.to_le_bytes());
@@ -159,6 +210,6 @@ fn generator(seed: u64, repeat: u64, stream: u64) -> ChaCha8Rng {
     rng
 }
 
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
+pub(super) fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
 }

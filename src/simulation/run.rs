@@ -124,7 +124,7 @@ struct Walk<'a> {
     part_from_track: Isometry3<f64>,
     angles_rad: Vec<f64>,
     squared_error_rad2: f64,
-    latency_s: f64,
+    latency_s: Vec<f64>,
     backlash_rad: f64,
 }
 
@@ -177,7 +177,11 @@ impl<'a> Walk<'a> {
             part_from_track,
             angles_rad,
             squared_error_rad2: 0.0,
-            latency_s: experiment.adjustment.servo_latency_s,
+            latency_s: (0..assembly.hinges.len())
+                .map(|hinge| {
+                    experiment.adjustment.servo_latency_s + perturbation.latency_s_of(hinge)
+                })
+                .collect(),
             backlash_rad: experiment.adjustment.servo_backlash_rad,
         }
     }
@@ -189,7 +193,7 @@ impl<'a> Walk<'a> {
             self.angles_rad[index] = angle_rad;
             self.squared_error_rad2 += (hinge.gait.angle_rad(t_s) - angle_rad).powi(2);
             // Before the first command arrives, the servo holds where it started.
-            let target_rad = hinge.gait.angle_rad((t_s - self.latency_s).max(0.0));
+            let target_rad = hinge.gait.angle_rad((t_s - self.latency_s[index]).max(0.0));
             self.world.drive(
                 index,
                 angle_rad,

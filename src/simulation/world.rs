@@ -224,7 +224,10 @@ impl World {
             let collider = shape
                 .position(to_pose(&(part_from_robot * solid.robot_from_solid)))
                 .density(0.0)
-                .friction(narrow(experiment.floor.friction))
+                .friction(narrow(
+                    experiment.floor.friction
+                        * experiment.perturbation.friction_factor_of(solid.module),
+                ))
                 .restitution(narrow(experiment.floor.restitution))
                 .friction_combine_rule(CoefficientCombineRule::Multiply)
                 .restitution_combine_rule(CoefficientCombineRule::Multiply)

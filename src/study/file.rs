@@ -13,7 +13,7 @@ use crate::identification::StartState;
 use crate::morphology::Morphology;
 use crate::parameter::{Assignment, ParameterSet, by_name};
 use crate::quantity::LengthUnit;
-use crate::simulation::Experiment;
+use crate::simulation::{Experiment, Noise};
 use crate::trajectory::Recording;
 use crate::tuning::{Grid, MAX_POINTS, Range};
 use crate::warning::Warning;
@@ -52,6 +52,7 @@ struct StudyFile {
     seed: u64,
     #[serde(default)]
     truth: BTreeMap<String, f64>,
+    noise: Option<Noise>,
 }
 
 #[derive(Debug, Clone, Copy, Deserialize)]
@@ -184,6 +185,8 @@ pub struct Study {
     pub split: Option<Split>,
     /// Known truth of a stand-in, for marking it in pictures; never used by the fit.
     pub truth: ParameterSet,
+    /// How repeats differ, where the study says; used by ensembles, never by a sweep.
+    pub noise: Option<Noise>,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
 }
@@ -293,6 +296,9 @@ impl Study {
                 .allowed("0.001 to 3600 s");
             return Err(source.at("duration_s", error));
         }
+        if let Some((field, error)) = file.noise.and_then(|noise| noise.fault()) {
+            return Err(source.at(&format!("noise.{field}"), error));
+        }
         let start_state = overrides
             .start_state
             .or(file.start_state)
@@ -331,6 +337,7 @@ impl Study {
             seed: overrides.seed.unwrap_or(file.seed),
             split: overrides.split,
             truth,
+            noise: file.noise,
             recording_globs: file.recordings,
             warnings: Vec::new(),
         })

@@ -75,6 +75,11 @@ impl Problem {
         &self.study
     }
 
+    /// The study, where its cases are not needed any more.
+    pub fn into_study(self) -> Study {
+        self.study
+    }
+
     /// The simulations of one point.
     pub fn cases(&self) -> &[Case] {
         &self.cases

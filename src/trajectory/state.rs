@@ -220,6 +220,18 @@ impl Trajectory {
             .sum()
     }
 
+    /// Accumulated change of the body's heading about the world z axis, radians; `None` without orientations.
+    pub fn turned_rad(&self) -> Option<f64> {
+        let world_from_body = self.orientations_world_from_body()?;
+        let step = |w: &[UnitQuaternion<f64>]| {
+            let q = w[1] * w[0].inverse();
+            2.0 * q.k.atan2(q.w)
+        };
+        let wrap =
+            |angle: f64| angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round();
+        Some(world_from_body.windows(2).map(|w| wrap(step(w))).sum())
+    }
+
     /// Last position minus first position, metres.
     pub fn net_displacement_world_m(&self) -> Vector3<f64> {
         self.positions_world_m[self.len() - 1] - self.positions_world_m[0]

@@ -1,0 +1,24 @@
+//! Many repeats of one experiment under noise: what will really happen, and how sure may we be?
+//!
+//! [`run`] simulates the repeats; [`Spread`], [`Envelope`] and [`behaviours`] say what they have in common and
+//! [`Summary`] holds all of it. [`Reality`] holds an ensemble against recorded paths. Paper 003 (section 4) predicted one path and saw it
+//! in 15 % of the trials; this is the prediction it asks for instead.
+//!
+//! Needs no recordings. Same experiment, noise and seed → same bits, whatever the threads; repeat k alone is the
+//! same as repeat k of the ensemble ([`Noise::perturb`](crate::simulation::Noise::perturb)).
+
+mod behaviour;
+mod distance;
+mod envelope;
+mod reality;
+mod run;
+mod spread;
+mod summary;
+
+pub use behaviour::{BEHAVIOURS, Behaviour, Behaviours, Kind, behaviours, cut_m};
+pub use distance::rms_m;
+pub use envelope::{Envelope, LEVELS, Region};
+pub use reality::{Coverage, RealRun, Reality};
+pub use run::{Ensemble, Motion, Outcome, Repeat, repeat, run};
+pub use spread::{QUANTILES, Spread};
+pub use summary::Summary;

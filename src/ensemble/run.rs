@@ -1,0 +1,234 @@
+//! Simulating the repeats.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Duration;
+
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::simulation::{self, Experiment, Noise, Perturbation, Run, Status};
+use crate::trajectory::{Prepared, prepare};
+use crate::warning::Warning;
+
+/// Below this many repeats, tails and rare behaviours are guesses.
+const FEW_REPEATS: usize = 20;
+
+/// What a repeat that ended did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// The prepared path.
+    pub path: Prepared,
+    /// Accumulated change of the tracked module's heading about the world z axis, radians.
+    pub turned_rad: f64,
+    /// Root mean square servo error, radians.
+    pub servo_rms_rad: f64,
+}
+
+impl Motion {
+    /// Distance from first to last point in the plane, metres.
+    pub fn net_displacement_m(&self) -> f64 {
+        self.path.net_displacement_m()
+    }
+}
+
+/// How a repeat ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// The whole duration was simulated.
+    Completed(Motion),
+    /// The state became absurd.
+    Diverged {
+        /// When, seconds from the start.
+        at_s: f64,
+        /// What was seen.
+        why: String,
+    },
+}
+
+impl Outcome {
+    /// The motion, where the repeat ended.
+    pub fn motion(&self) -> Option<&Motion> {
+        match self {
+            Self::Completed(motion) => Some(motion),
+            Self::Diverged { .. } => None,
+        }
+    }
+}
+
+/// One repeat.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Repeat {
+    /// Its number, from 0: with the ensemble's seed it can be replayed.
+    pub number: u64,
+    /// What was drawn.
+    pub perturbation: Perturbation,
+    /// What came of it.
+    pub outcome: Outcome,
+}
+
+/// Repeats of one experiment under noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ensemble {
+    /// How the repeats differ.
+    pub noise: Noise,
+    /// Seed of all draws.
+    pub seed: u64,
+    /// How many repeats were asked for; fewer are here where the run was stopped.
+    pub asked: usize,
+    /// The repeats that were simulated, in order of their numbers.
+    pub repeats: Vec<Repeat>,
+    /// The experiment without noise: the one prediction a single simulation gives.
+    pub noise_free: Outcome,
+    /// Length of each run, seconds.
+    pub duration_s: f64,
+    /// Edge length of the tracked module, metres.
+    pub body_length_m: f64,
+    /// CPU time of all runs.
+    pub cpu: Duration,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+impl Ensemble {
+    /// Whether all repeats that were asked for are here.
+    pub fn is_complete(&self) -> bool {
+        self.repeats.len() == self.asked
+    }
+
+    /// The repeats that ended, with their motions.
+    pub fn motions(&self) -> impl Iterator<Item = (&Repeat, &Motion)> {
+        self.repeats
+            .iter()
+            .filter_map(|repeat| Some((repeat, repeat.outcome.motion()?)))
+    }
+}
+
+/// Simulates `repeats` repeats of `experiment` under `noise`, in parallel on the current rayon pool.
+///
+/// The result does not depend on the threads. `progress` hears how many repeats are done, from any thread.
+/// Once `stop` is set no repeat is begun; those that are done are returned ([`Ensemble::is_complete`]).
+/// A perturbation that the experiment already has is replaced by each draw.
+///
+/// # Errors
+/// Noise or settings that cannot be simulated, no repeats at all. Diverged repeats are outcomes, not errors.
+pub fn run(
+    experiment: &Experiment,
+    noise: &Noise,
+    seed: u64,
+    repeats: usize,
+    stop: &AtomicBool,
+    progress: impl Fn(usize) + Sync,
+) -> Result<Ensemble> {
+    noise.check()?;
+    if repeats == 0 {
+        return Err(Error::invalid("an ensemble needs repeats")
+            .field("repeats")
+            .found(0)
+            .allowed("1 or more"));
+    }
+    let intended = Experiment {
+        perturbation: Perturbation::default(),
+        ..experiment.clone()
+    };
+    let intended = simulation::run(&intended)?;
+    let run_warnings = intended.warnings.clone();
+    let (noise_free, first_cpu) = outcome(intended)?;
+    let done = AtomicUsize::new(0);
+    let all: Vec<Option<(Repeat, Duration)>> = (0..repeats as u64)
+        .into_par_iter()
+        .map(|number| {
+            if stop.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+            let drawn = noise.perturb(experiment, seed, number);
+            let (outcome, cpu) = outcome(simulation::run(&drawn)?)?;
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
+            let repeat = Repeat {
+                number,
+                perturbation: drawn.perturbation,
+                outcome,
+            };
+            Ok(Some((repeat, cpu)))
+        })
+        .collect::<Result<_>>()?;
+    let cpu = first_cpu + all.iter().flatten().map(|(_, cpu)| *cpu).sum::<Duration>();
+    let mut ensemble = Ensemble {
+        noise: *noise,
+        seed,
+        asked: repeats,
+        repeats: all
+            .into_iter()
+            .flatten()
+            .map(|(repeat, _)| repeat)
+            .collect(),
+        noise_free,
+        duration_s: experiment.duration_s,
+        body_length_m: experiment.assembly.body_length_m,
+        cpu,
+        warnings: run_warnings,
+    };
+    let own = warnings(&ensemble);
+    ensemble.warnings.extend(own);
+    Ok(ensemble)
+}
+
+/// Simulates one repeat of an ensemble in full: the same run as repeat `number` of [`run`].
+///
+/// # Errors
+/// As [`run`].
+pub fn repeat(experiment: &Experiment, noise: &Noise, seed: u64, number: u64) -> Result<Run> {
+    noise.check()?;
+    simulation::run(&noise.perturb(experiment, seed, number))
+}
+
+fn outcome(run: Run) -> Result<(Outcome, Duration)> {
+    let outcome = match (run.status, run.trajectory) {
+        (Status::Completed, Some(motion)) => Outcome::Completed(Motion {
+            path: prepare(&motion)?,
+            turned_rad: motion.turned_rad().unwrap_or(0.0),
+            servo_rms_rad: run.servo_rms_rad,
+        }),
+        (Status::Completed, None) => Outcome::Diverged {
+            at_s: 0.0,
+            why: "no motion".to_owned(),
+        },
+        (Status::Diverged { at_s, why }, _) => Outcome::Diverged { at_s, why },
+    };
+    Ok((outcome, run.cpu))
+}
+
+fn warnings(ensemble: &Ensemble) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let count = ensemble.repeats.len();
+    if ensemble.noise.is_zero() {
+        warnings.push(Warning::new(
+            "no-noise",
+            "the noise is zero, so all repeats are the same run: nothing follows from this about how sure the prediction is",
+        ));
+    }
+    if !ensemble.is_complete() {
+        warnings.push(Warning::new(
+            "incomplete",
+            format!("stopped after {count} of {} repeats", ensemble.asked),
+        ));
+    } else if count < FEW_REPEATS {
+        warnings.push(Warning::new(
+            "few-repeats",
+            format!("{count} repeats say little about tails and rare behaviours; {FEW_REPEATS} are the least, 200 are usual"),
+        ));
+    }
+    let diverged = count - ensemble.motions().count();
+    if diverged > 0 {
+        warnings.push(Warning::new(
+            "diverged",
+            format!("{diverged} of {count} repeats diverged; they count as failures and are in no other number"),
+        ));
+    }
+    if let Outcome::Diverged { at_s, why } = &ensemble.noise_free {
+        warnings.push(Warning::new(
+            "diverged",
+            format!("the run without noise diverged at {at_s:.3} s: {why}"),
+        ));
+    }
+    warnings
+}
