@@ -18,6 +18,8 @@ const PERMITTED: &[(&str, &[&str])] = &[
         &["error", "warning", "quantity", "trajectory"],
     ),
     ("morphology", &["error", "warning", "quantity", "file"]),
+    ("genome", &["error", "file", "morphology"]),
+    ("search", &["error", "statistic", "genome"]),
     (
         "simulation",
         &["error", "warning", "quantity", "morphology", "trajectory"],
@@ -57,6 +59,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
     ("tuning", &["error", "statistic", "parameter", "store"]),
     ("study", BELOW_STUDY),
     ("report", &["error", "warning", "quantity", "file"]),
+    ("portrait", &["morphology", "report"]),
     (
         "folder",
         &[

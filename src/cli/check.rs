@@ -5,10 +5,11 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::file::Source;
+use realgap::genome::Specimen;
 use realgap::morphology::Morphology;
 use realgap::quantity::LengthUnit;
 use realgap::study::{Overrides, StartRule, Study, read_parameters};
-use realgap::{Error, Result, trajectory};
+use realgap::{Error, Result, portrait, report, trajectory};
 
 use super::option::UnitOption;
 use super::terminal;
@@ -22,10 +23,16 @@ pub struct Check {
     /// Unit of length of trajectories
     #[arg(long, value_enum, default_value_t)]
     unit: UnitOption,
+    /// Draw the robot into this file (.png or .svg); for one morphology or genome
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
 }
 
 impl Check {
     pub fn run(self) -> Result<ExitCode> {
+        if let Some(plot) = &self.plot {
+            self.draw(plot)?;
+        }
         let mut failed = 0;
         for path in &self.files {
             match describe(path, LengthUnit::from(self.unit)) {
@@ -47,12 +54,36 @@ impl Check {
         }
         Ok(ExitCode::SUCCESS)
     }
+
+    fn draw(&self, plot: &Path) -> Result<()> {
+        report::check_picture_path(plot)?;
+        let [path] = self.files.as_slice() else {
+            return Err(Error::usage("--plot draws one robot")
+                .found(format!("{} files", self.files.len()))
+                .allowed("one morphology or genome"));
+        };
+        let source = Source::read(path, "morphology")?;
+        let robot = if source.locate("genes").is_some() {
+            let specimen = Specimen::parse(&source)?;
+            specimen
+                .develop()
+                .map_err(|m| Error::from(m).at_file(path))?
+        } else {
+            Morphology::parse(&source)?
+        };
+        portrait::draw(&robot, plot)?;
+        terminal::note(format!("drawn: {}", plot.display()));
+        Ok(())
+    }
 }
 
 fn describe(path: &Path, unit: LengthUnit) -> Result<String> {
     if path.extension().is_some_and(|extension| extension == "ron") {
         let source = Source::read(path, "RON file")?;
         let has = |field: &str| source.locate(field).is_some();
+        if has("genes") {
+            return genome(&source);
+        }
         return match (has("modules"), has("morphology"), has("parameters"), has("robot")) {
             (true, ..) => morphology(&source),
             (_, true, ..) => study(path),
@@ -60,7 +91,7 @@ fn describe(path: &Path, unit: LengthUnit) -> Result<String> {
             (_, _, _, true) => meta(path),
             _ => Err(Error::invalid("not a file of ours")
                 .at_file(path)
-                .allowed("a morphology (modules, glue), a study (morphology, parameters), a parameter file (parameters) or a meta.ron (robot, source)")),
+                .allowed("a morphology (modules, glue), a genome (modules, genes), a study (morphology, parameters), a parameter file (parameters) or a meta.ron (robot, source)")),
         };
     }
     motion(path, unit)
@@ -91,6 +122,23 @@ fn morphology(source: &Source) -> Result<String> {
     ];
     lines.extend(robot.warnings().iter().map(|w| format!("  warning: {w}")));
     Ok(lines.join("\n"))
+}
+
+fn genome(source: &Source) -> Result<String> {
+    let specimen = Specimen::parse(source)?;
+    let outcome = match specimen.develop() {
+        Ok(robot) => format!(
+            "develops into a robot of {:.4} kg with {} hinges",
+            robot.summary().mass_kg,
+            robot.summary().hinges
+        ),
+        Err(misfit) => format!("does not develop: {misfit} [{}]", misfit.code()),
+    };
+    Ok(format!(
+        "  genome \"{}\": {} modules\n  {outcome}",
+        specimen.name,
+        specimen.genome.len()
+    ))
 }
 
 fn study(path: &Path) -> Result<String> {

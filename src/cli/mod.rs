@@ -3,8 +3,10 @@
 mod check;
 mod compare;
 mod completions;
+mod develop;
 mod evaluate;
 mod export;
+mod genome;
 mod identify;
 mod interrupt;
 mod option;
@@ -50,6 +52,8 @@ enum Command {
     Evaluate(evaluate::Evaluate),
     Identify(identify::Identify),
     Record(record::Record),
+    Develop(develop::Develop),
+    Genome(genome::GenomeCommand),
     Export(export::Export),
     Parameters(parameters::Parameters),
     Verify(verify::Verify),
@@ -82,6 +86,8 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Evaluate(evaluate) => evaluate.run(),
         Command::Identify(identify) => identify.run(),
         Command::Record(record) => record.run(),
+        Command::Develop(develop) => develop.run(),
+        Command::Genome(genome) => genome.run(),
         Command::Export(export) => export.run(),
         Command::Parameters(parameters) => parameters.run(),
         Command::Verify(verify) => verify.run(),

@@ -6,6 +6,7 @@
 //! | [`Curve`] | [`draw_curve`] | the score over one parameter |
 //! | [`PanelGrid`] | [`draw_panels`] | simulated paths at several parameter values, over the real ones |
 //! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
+//! | [`Gallery`] | [`draw_gallery`] | robots as shaded boxes |
 //! | [`TextTable`] | [`TextTable::render`] | a table for the terminal |
 //!
 //! Every `draw_…` function writes PNG or SVG by the extension of the path. The file is complete or
@@ -13,11 +14,13 @@
 //! from: callers fill the structs. This is the only room that names `plotters`.
 
 mod axis;
+mod block;
 mod canvas;
 mod colour;
 mod curve;
 mod font;
 mod frame;
+mod gallery;
 mod heading;
 mod heatmap;
 mod legend;
@@ -32,7 +35,9 @@ mod table;
 mod tests;
 
 pub use axis::{AxisSpec, Truth};
+pub use block::{Block, BlockKind, DrivenFace, Motion};
 pub use curve::{Curve, draw_curve};
+pub use gallery::{Gallery, GalleryRobot, draw_gallery};
 pub use heatmap::{HeatMap, draw_heat_map};
 pub use number::{DisplayUnit, number, quantity};
 pub use overlay::{Overlay, OverlayPath, draw_overlay};

@@ -10,6 +10,7 @@ mod kinematics;
 mod noise;
 mod run;
 mod servo;
+mod settle;
 mod watch;
 mod world;
 
@@ -19,5 +20,6 @@ pub use experiment::{
 };
 pub use noise::Noise;
 pub use run::{Run, Status, run, watch};
+pub use settle::{Settling, settle};
 pub use watch::{HingeState, PartState, Push, Snapshot};
 pub use world::ENGINE_VERSION;
