@@ -167,6 +167,18 @@ fn every_reason_is_found_and_names_the_modules() {
             neighbour: 2
         }
     );
+    // The second looks up from (1,0,0) after the turn, the third at the same cell from (0,0,1).
+    assert_eq!(
+        develop(vec![
+            gene(&[]),
+            active(&[(Locus::FaceModule, 0.2)]),
+            active(&[(Locus::FaceModule, pos_x), (Locus::PitchPart, 0.3)]),
+        ]),
+        Misfit::PlateOnPlate {
+            module: 2,
+            neighbour: 1
+        }
+    );
     assert_eq!(
         with(active(&[(Locus::FaceModule, 0.2)]), gene(&[])),
         Misfit::PlateInTheWay {
@@ -201,14 +213,14 @@ fn a_passive_cube_is_a_robot_and_lies_at_rest() {
 
 #[test]
 fn a_robot_that_falls_over_while_it_settles_is_flagged() {
-    // A tower of four with a fifth beside the top: its centre of mass is beyond its foot.
+    // A tower of two that goes on beside its top: the centre of mass is beyond the foot.
     let l = gene(&[(Locus::PitchPart, 0.3), (Locus::PlaceX, 1.0)]);
     let stand = gene(&[(Locus::PitchPart, 0.8), (Locus::PlaceX, 0.0)]);
     let heavy = Development {
         passive_mass_kg: 0.1,
         ..Development::default()
     };
-    let genome = Genome::new(vec![gene(&[]), l, l, stand, gene(&[(Locus::PlaceX, 1.0)])]).unwrap();
+    let genome = Genome::new(vec![gene(&[]), l, l, stand, gene(&[])]).unwrap();
     let robot = heavy.develop("leaner", &genome).unwrap();
     let rest = settle(&Experiment::new(robot.assemble())).unwrap();
     let low_x = robot.summary().centre_of_mass_robot_m.x;

@@ -59,7 +59,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
     ("tuning", &["error", "statistic", "parameter", "store"]),
     ("study", BELOW_STUDY),
     ("report", &["error", "warning", "quantity", "file"]),
-    ("portrait", &["morphology", "report"]),
+    ("portrait", &["error", "morphology", "report"]),
     (
         "folder",
         &[

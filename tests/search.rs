@@ -115,7 +115,7 @@ fn selections_prefer_the_fitter_by_as_much_as_they_say() {
     ] {
         let selection = selection_named(name).unwrap();
         let mut rng = generator(7, 0);
-        let mut counts = [0.0; 3];
+        let mut counts = [0.0_f64; 3];
         for _ in 0..20_000 {
             counts[selection.pick(&fitness, &mut rng)] += 1.0 / 20_000.0;
         }

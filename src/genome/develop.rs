@@ -140,6 +140,13 @@ fn check_room(
         } else if is_looked_at {
             return Err(Misfit::PlateInTheWay { module, neighbour });
         }
+        // Two plates in one cell touch each other at its edges, unless they are on opposite sides of it.
+        if let (Some(cell), Some(new), Some(old)) = (faced, new.driven, placed.driven)
+            && placed.faced_cell() == Some(cell)
+            && add(new, old) != [0; 3]
+        {
+            return Err(Misfit::PlateOnPlate { module, neighbour });
+        }
     }
     Ok(())
 }

@@ -29,6 +29,13 @@ pub enum Misfit {
         /// The module whose plate is in the way.
         neighbour: usize,
     },
+    /// The plates of the new module and of an older one would stick out into the same cell from two sides.
+    PlateOnPlate {
+        /// The new module.
+        module: usize,
+        /// The module with the other plate.
+        neighbour: usize,
+    },
     /// The driven faces of the new module and of the one below would be glued onto each other.
     ServoOnServo {
         /// The new module.
@@ -47,6 +54,7 @@ impl Misfit {
             Self::TooManyModules { .. } => "too-many-modules",
             Self::NoRoomForPlate { .. } => "no-room-for-plate",
             Self::PlateInTheWay { .. } => "plate-in-the-way",
+            Self::PlateOnPlate { .. } => "plate-on-plate",
             Self::ServoOnServo { .. } => "servo-on-servo",
             Self::Refused(_) => "refused",
         }
@@ -66,6 +74,10 @@ impl fmt::Display for Misfit {
             Self::PlateInTheWay { module, neighbour } => write!(
                 f,
                 "module {module} would stand where module {neighbour} has its plate"
+            ),
+            Self::PlateOnPlate { module, neighbour } => write!(
+                f,
+                "the plates of module {module} and module {neighbour} would be in the same place"
             ),
             Self::ServoOnServo { module, below } => write!(
                 f,

@@ -131,20 +131,35 @@ impl Block {
     }
 }
 
-/// Corners of the picture of all boxes before scaling, metres; `None` without any finite box.
+/// Corners of the picture of all boxes and of their floor before scaling, metres; `None` without any finite box.
 pub(super) fn extent(blocks: &[Block]) -> Option<(Point, Point)> {
-    let points = blocks
-        .iter()
-        .filter(|block| block.is_finite())
-        .flat_map(Block::corners)
-        .map(project);
-    points.fold(None, |extent, (x, y)| {
+    let finite = blocks.iter().filter(|block| block.is_finite());
+    let corners = finite.flat_map(Block::corners).chain(floor(blocks)?);
+    corners.map(project).fold(None, |extent, (x, y)| {
         let (low, high) = extent.unwrap_or(((x, y), (x, y)));
         Some((
             (f64::min(low.0, x), f64::min(low.1, y)),
             (f64::max(high.0, x), f64::max(high.1, y)),
         ))
     })
+}
+
+/// Corners of the piece of floor below all boxes, and a bit around; `None` without any finite box.
+fn floor(blocks: &[Block]) -> Option<[[f64; 3]; 4]> {
+    let finite = || blocks.iter().filter(|block| block.is_finite());
+    let lowest = |axis: usize| finite().map(|b| b.lower_m[axis]).reduce(f64::min);
+    let highest = |axis: usize| finite().map(|b| b.upper_m[axis]).reduce(f64::max);
+    let edges = finite().flat_map(|b| (0..3).map(|axis| b.upper_m[axis] - b.lower_m[axis]));
+    let margin_m = FLOOR_MARGIN * edges.reduce(f64::max)?;
+    let (low_x, low_y) = (lowest(0)? - margin_m, lowest(1)? - margin_m);
+    let (high_x, high_y) = (highest(0)? + margin_m, highest(1)? + margin_m);
+    let z = lowest(2)?;
+    Some([
+        [low_x, low_y, z],
+        [high_x, low_y, z],
+        [high_x, high_y, z],
+        [low_x, high_y, z],
+    ])
 }
 
 /// Far boxes first. Boxes that lie apart along an axis have a definite order; where three hide each other in a circle, the
@@ -191,41 +206,19 @@ fn draw_floor<B: DrawingBackend>(
     blocks: &[Block],
     place: &impl Fn(Point) -> Point,
 ) {
-    let finite = || blocks.iter().filter(|block| block.is_finite());
-    let Some(floor_m) = finite().map(|block| block.lower_m[2]).reduce(f64::min) else {
-        return;
-    };
-    let rectangle = |low: [f64; 2], high: [f64; 2]| {
-        [
-            (low[0], low[1]),
-            (high[0], low[1]),
-            (high[0], high[1]),
-            (low[0], high[1]),
-        ]
-        .map(|(x, y)| place(project([x, y, floor_m])))
-    };
-    let corner = |pick: fn(f64, f64) -> f64, of: fn(&Block) -> [f64; 3], axis: usize| {
-        finite()
-            .map(|block| of(block)[axis])
-            .reduce(pick)
-            .unwrap_or(0.0)
-    };
-    let low = [0, 1].map(|axis| corner(f64::min, |b| b.lower_m, axis));
-    let high = [0, 1].map(|axis| corner(f64::max, |b| b.upper_m, axis));
-    let margin_m = FLOOR_MARGIN * (high[0] - low[0]).max(high[1] - low[1]);
-    canvas.polygon(
-        &rectangle(low.map(|v| v - margin_m), high.map(|v| v + margin_m)),
-        FLOOR,
-    );
-    for block in finite() {
-        let [x, y, _] = block.lower_m;
-        let [to_x, to_y, _] = block.upper_m;
-        canvas.polygon(&rectangle([x, y], [to_x, to_y]), SHADOW);
+    let Some(corners) = floor(blocks) else { return };
+    let flat = |corners: [[f64; 3]; 4]| corners.map(|corner| place(project(corner)));
+    canvas.polygon(&flat(corners), FLOOR);
+    let floor_m = corners[0][2];
+    for block in blocks.iter().filter(|block| block.is_finite()) {
+        let ([x, y, _], [to_x, to_y, _]) = (block.lower_m, block.upper_m);
+        let shadow = [(x, y), (to_x, y), (to_x, to_y), (x, to_y)];
+        canvas.polygon(&flat(shadow.map(|(x, y)| [x, y, floor_m])), SHADOW);
     }
 }
 
-/// Width of the piece of floor around a robot, as a share of the robot.
-pub(super) const FLOOR_MARGIN: f64 = 0.12;
+/// Width of the piece of floor around a robot, as a share of the longest edge of its boxes.
+const FLOOR_MARGIN: f64 = 0.45;
 
 fn draw_block<B: DrawingBackend>(
     canvas: &mut Canvas<B>,

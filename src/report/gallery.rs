@@ -5,8 +5,7 @@ use std::path::Path;
 use plotters::backend::DrawingBackend;
 
 use super::block::{
-    ACTIVE, BEND, Block, BlockKind, FLOOR_MARGIN, Motion, PASSIVE, SPIN, draw_blocks, extent,
-    project,
+    ACTIVE, BEND, Block, BlockKind, Motion, PASSIVE, SPIN, draw_blocks, extent, project,
 };
 use super::canvas::{Align, Canvas, Letter, Point};
 use super::colour::{FAINT_INK, GRID, INK};
@@ -99,13 +98,7 @@ impl GalleryRobot {
 
     /// Corners of its picture with the floor around, metres.
     fn extent(&self) -> (Point, Point) {
-        let (low, high) = extent(&self.blocks).unwrap_or(((0.0, 0.0), (0.0, 0.0)));
-        // The floor sticks out on all sides by a share of the larger side of the robot.
-        let margin_m = 1.3 * FLOOR_MARGIN * (high.0 - low.0).max(1e-3);
-        (
-            (low.0 - margin_m, low.1),
-            (high.0 + margin_m, high.1 + 0.5 * margin_m),
-        )
+        extent(&self.blocks).unwrap_or(((0.0, 0.0), (0.0, 0.0)))
     }
 }
 
