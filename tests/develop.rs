@@ -93,6 +93,19 @@ fn a_genome_that_does_not_develop_says_why_and_fails() {
 }
 
 #[test]
+fn check_draws_a_robot() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tripod.svg");
+    realgap()
+        .args(["check", "morphologies/tripod.ron", "--plot"])
+        .arg(&path)
+        .assert()
+        .success();
+    let svg = std::fs::read_to_string(path).unwrap();
+    assert!(svg.contains("4 modules, 3 servos"), "the title is missing");
+}
+
+#[test]
 fn wrong_use_exits_with_2() {
     for arguments in [
         &["genome", "random", "--modules", "0"][..],

@@ -254,6 +254,20 @@ fn a_search_cut_off_anywhere_goes_on_as_if_nothing_had_happened() {
 }
 
 #[test]
+fn a_history_written_as_json_is_read_back_to_the_bit_and_checked() {
+    let evolution = Evolution::default();
+    let whole = search(&evolution);
+    let text = serde_json::to_string(&whole).unwrap();
+    assert_eq!(
+        serde_json::from_str::<Vec<Evaluated>>(&text).unwrap(),
+        whole
+    );
+    for bad in ["[]", "[[0,0,0,0,0,0,0,0,0,2]]", "[[0,0,0]]"] {
+        assert!(serde_json::from_str::<Genome>(bad).is_err(), "{bad}");
+    }
+}
+
+#[test]
 fn the_published_size_is_ten_generations_of_ten() {
     let evolution = Evolution {
         elites: 0,

@@ -14,7 +14,7 @@ use realgap::{Error, Result, portrait, report, trajectory};
 use super::option::UnitOption;
 use super::terminal;
 
-/// Validate morphologies, studies, parameter files and trajectories, and print what they hold
+/// Validate morphologies, genomes, studies, parameter files and trajectories, and print what they hold
 #[derive(Debug, Args)]
 pub struct Check {
     /// Files: .ron, .csv or .tum

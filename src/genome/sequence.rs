@@ -1,6 +1,7 @@
 //! Genes and genomes: numbers from 0 to 1, as many genes as modules.
 
 use rand::{Rng, RngExt};
+use serde::{Deserialize, Serialize};
 
 use super::locus::Locus;
 use crate::morphology::Morphology;
@@ -27,8 +28,15 @@ impl Gene {
 
     /// A gene of whatever numbers: those outside 0 to 1 are moved to the nearer end, NaN to 0.
     pub fn clamped(values: [f64; Self::LEN]) -> Self {
-        // max() before min() turns NaN into 0; adding 0 turns -0 into 0.
-        Self(values.map(|value| value.max(0.0).min(1.0) + 0.0))
+        let inside = |value: f64| {
+            if value.is_nan() {
+                0.0
+            } else {
+                // Adding 0 turns -0 into 0.
+                value.clamp(0.0, 1.0) + 0.0
+            }
+        };
+        Self(values.map(inside))
     }
 
     /// A gene drawn evenly.
@@ -84,8 +92,25 @@ pub(super) fn check_value(locus: Locus, value: f64) -> Result<()> {
 /// assert!(Genome::new(Vec::new()).is_err());
 /// # Ok::<(), realgap::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Vec<[f64; Gene::LEN]>", into = "Vec<[f64; Gene::LEN]>")]
 pub struct Genome(Vec<Gene>);
+
+/// As a list of lists of numbers, for stores and tables; checked like any other genome.
+impl TryFrom<Vec<[f64; Gene::LEN]>> for Genome {
+    type Error = Error;
+
+    fn try_from(genes: Vec<[f64; Gene::LEN]>) -> Result<Self> {
+        let genes: Result<Vec<Gene>> = genes.into_iter().map(Gene::new).collect();
+        Self::new(genes?)
+    }
+}
+
+impl From<Genome> for Vec<[f64; Gene::LEN]> {
+    fn from(genome: Genome) -> Self {
+        genome.0.into_iter().map(|gene| gene.0).collect()
+    }
+}
 
 impl Genome {
     /// Most modules of any genome; [`Development::max_modules`](super::Development::max_modules) is usually smaller.

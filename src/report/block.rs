@@ -236,11 +236,12 @@ fn draw_block<B: DrawingBackend>(
         let shade = |colour| darken(colour, BRIGHTNESS[axis]);
         let face = flat(block.patch(axis, [(0.0, 1.0), (0.0, 1.0)]));
         canvas.polygon(&face, shade(colour));
-        if let Some(driven) = block.driven.filter(|_| block.kind == BlockKind::Active) {
-            if let Some(shares) = band(axis, driven) {
-                let colour = shade(motion_colour(driven.motion));
-                canvas.polygon(&flat(block.patch(axis, shares)), colour);
-            }
+        let driven = block.driven.filter(|_| block.kind == BlockKind::Active);
+        if let Some(driven) = driven
+            && let Some(shares) = band(axis, driven)
+        {
+            let colour = shade(motion_colour(driven.motion));
+            canvas.polygon(&flat(block.patch(axis, shares)), colour);
         }
         let outline: Vec<Point> = face.iter().chain(&face[..1]).copied().collect();
         canvas.path(&outline, line, INK, None);

@@ -4,6 +4,8 @@ mod evolution;
 mod map_elites;
 mod variation;
 
+use serde::{Deserialize, Serialize};
+
 use crate::Result;
 use crate::genome::Genome;
 
@@ -12,7 +14,7 @@ pub use map_elites::{Archive, Axis, MapElites};
 pub use variation::Variation;
 
 /// A genome and how it did.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Evaluated {
     /// The genome.
     pub genome: Genome,
