@@ -232,6 +232,35 @@ fn a_robot_that_falls_over_while_it_settles_is_flagged() {
     );
 }
 
+#[test]
+fn a_plate_that_hits_its_own_robot_is_found_unless_it_hardly_turns() {
+    // (0,0,0) drives a plate on its top; (1,0,1) stands beside that plate.
+    let robot = |amplitude: f64| {
+        let genome = Genome::new(vec![
+            // Looks along -x, up after the third module's turn.
+            gene(&[
+                (Locus::Kind, 1.0),
+                (Locus::FaceModule, 0.2),
+                (Locus::Amplitude, amplitude),
+                (Locus::Offset, 0.5),
+            ]),
+            gene(&[]),
+            gene(&[(Locus::PitchPart, 0.3), (Locus::PlaceX, 1.0)]),
+        ]);
+        Development::default()
+            .develop("robot", &genome.unwrap())
+            .unwrap()
+    };
+    assert_eq!(
+        robot(1.0).modules()[0].driven_face().unwrap().name(),
+        "PosZ"
+    );
+    assert_eq!(robot(1.0).blocked_plates(), [(0, 2)]);
+    assert_eq!(robot(0.0).blocked_plates(), []);
+    let tripod = Morphology::read("morphologies/tripod.ron").unwrap();
+    assert_eq!(tripod.blocked_plates(), []);
+}
+
 fn refusal(text: &str) -> String {
     Specimen::parse(&Source::new("g.ron", text))
         .unwrap_err()

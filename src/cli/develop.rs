@@ -8,7 +8,7 @@ use realgap::file::write_atomic;
 use realgap::genome::{Locus, Specimen};
 use realgap::morphology::Morphology;
 use realgap::simulation::{Experiment, Settling, settle};
-use realgap::{Error, Result, portrait, report};
+use realgap::{Error, Result, Warning, portrait, report};
 use serde_json::json;
 
 use super::option::Format;
@@ -59,8 +59,7 @@ impl Develop {
         if let Some(path) = &self.output {
             write_atomic(path, robot.to_ron()?.as_bytes())?;
         }
-        terminal::print_warnings(&robot.warnings());
-        terminal::print_warnings(&settling.warnings());
+        terminal::print_warnings(&flags(&robot, &settling));
         self.print(&specimen, &robot, &settling)?;
         if let Some(plot) = &self.plot {
             portrait::draw(&robot, plot)?;
@@ -77,7 +76,7 @@ impl Develop {
                 let named = Locus::ALL.map(|l| (l.name().to_owned(), json!(gene.get(l))));
                 serde_json::Value::Object(named.into_iter().collect())
             });
-            let warnings = [robot.warnings(), settling.warnings()].concat();
+            let warnings = flags(robot, settling);
             let report = json!({
                 "name": robot.name(),
                 "develops": true,
@@ -155,4 +154,23 @@ impl Develop {
         terminal::print(lines.join("\n"));
         Ok(())
     }
+}
+
+/// What is allowed but probably not meant, of the robot and of how it stands.
+fn flags(robot: &Morphology, settling: &Settling) -> Vec<Warning> {
+    let name = |index: usize| &robot.modules()[index].name;
+    let blocked = robot.blocked_plates().into_iter().map(|(plate, other)| {
+        Warning::new(
+            "plate-blocked",
+            format!(
+                "the plate of `{}` hits `{}` when it follows its gait",
+                name(plate),
+                name(other)
+            ),
+        )
+    });
+    let mut flags: Vec<Warning> = blocked.collect();
+    flags.extend(robot.warnings());
+    flags.extend(settling.warnings());
+    flags
 }
