@@ -18,6 +18,8 @@ const PERMITTED: &[(&str, &[&str])] = &[
         &["error", "warning", "quantity", "trajectory"],
     ),
     ("morphology", &["error", "warning", "quantity", "file"]),
+    ("genome", &["error", "file", "morphology"]),
+    ("search", &["error", "statistic", "genome"]),
     (
         "simulation",
         &["error", "warning", "quantity", "morphology", "trajectory"],
@@ -68,6 +70,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
         ],
     ),
     ("report", &["error", "warning", "quantity", "file"]),
+    ("portrait", &["error", "morphology", "report"]),
     (
         "folder",
         &[

@@ -5,17 +5,19 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::file::Source;
+use realgap::genome::Specimen;
 use realgap::morphology::Morphology;
 use realgap::quantity::{LengthUnit, counted};
+use realgap::report::check_picture_path;
 use realgap::study::{Overrides, StartRule, Study, read_parameters};
-use realgap::{Error, Result, Warning, trajectory};
+use realgap::{Error, Result, Warning, portrait, trajectory};
 use serde_json::{Value, json};
 
 use super::kind::Kind;
 use super::option::{Format, UnitOption};
 use super::terminal;
 
-/// Validate morphologies, studies, parameter files and trajectories, and print what they hold
+/// Validate morphologies, genomes, studies, parameter files and trajectories, and print what they hold
 #[derive(Debug, Args)]
 pub struct Check {
     /// Files: .ron, .csv or .tum
@@ -24,6 +26,9 @@ pub struct Check {
     /// Unit of length of trajectories
     #[arg(long, value_enum, default_value_t)]
     unit: UnitOption,
+    /// Draw the robot into this file (.png or .svg); for one morphology or genome
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -39,6 +44,9 @@ struct Contents {
 
 impl Check {
     pub fn run(self) -> Result<ExitCode> {
+        if let Some(plot) = &self.plot {
+            self.draw(plot)?;
+        }
         let mut reports = Vec::new();
         let mut failed = 0;
         for path in &self.files {
@@ -70,6 +78,27 @@ impl Check {
             return Ok(ExitCode::FAILURE);
         }
         Ok(ExitCode::SUCCESS)
+    }
+
+    fn draw(&self, plot: &Path) -> Result<()> {
+        check_picture_path(plot)?;
+        let [path] = self.files.as_slice() else {
+            return Err(Error::usage("--plot draws one robot")
+                .found(format!("{} files", self.files.len()))
+                .allowed("one morphology or genome"));
+        };
+        let source = Source::read(path, "morphology")?;
+        let robot = if source.locate("genes").is_some() {
+            let specimen = Specimen::parse(&source)?;
+            specimen
+                .develop()
+                .map_err(|m| Error::from(m).at_file(path))?
+        } else {
+            Morphology::parse(&source)?
+        };
+        portrait::draw(&robot, plot)?;
+        terminal::note(format!("drawn: {}", plot.display()));
+        Ok(())
     }
 }
 
@@ -112,12 +141,13 @@ fn describe(path: &Path, unit: LengthUnit) -> Result<Contents> {
     let source = Source::read(path, "RON file")?;
     match Kind::of_ron(&source) {
         Some(Kind::Morphology) => morphology(&source),
+        Some(Kind::Genome) => genome(&source),
         Some(Kind::Study) => study(path),
         Some(Kind::Parameters) => parameters(path),
         Some(Kind::Meta) => meta(path),
         _ => Err(Error::invalid("not a file of ours")
             .at_file(path)
-            .allowed("a morphology (modules, glue), a study (morphology, parameters), a parameter file (parameters) or a meta.ron (robot, source)")),
+            .allowed("a morphology (modules, glue), a genome (modules, genes), a study (morphology, parameters), a parameter file (parameters) or a meta.ron (robot, source)")),
     }
 }
 
@@ -158,6 +188,38 @@ fn morphology(source: &Source) -> Result<Contents> {
             "body_length_m": summary.body_length_m,
         }),
         warnings: robot.warnings().to_vec(),
+    })
+}
+
+fn genome(source: &Source) -> Result<Contents> {
+    let specimen = Specimen::parse(source)?;
+    let modules = specimen.genome.len();
+    let (outcome, misfit) = match specimen.develop() {
+        Ok(robot) => (
+            format!(
+                "develops into a robot of {:.4} kg with {}",
+                robot.summary().mass_kg,
+                counted(robot.summary().hinges, "hinge")
+            ),
+            None,
+        ),
+        Err(misfit) => (
+            format!("does not develop: {misfit} [{}]", misfit.code()),
+            Some(misfit.code()),
+        ),
+    };
+    Ok(Contents {
+        kind: Kind::Genome,
+        lines: vec![
+            format!(
+                "  genome \"{}\": {}",
+                specimen.name,
+                counted(modules, "module")
+            ),
+            format!("  {outcome}"),
+        ],
+        details: json!({ "name": specimen.name, "modules": modules, "misfit": misfit }),
+        warnings: Vec::new(),
     })
 }
 

@@ -11,6 +11,7 @@ use realgap::{Error, Result, trajectory};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Morphology,
+    Genome,
     Study,
     Parameters,
     Meta,
@@ -21,8 +22,9 @@ impl Kind {
     /// What a RON text looks like from its outermost fields; `None` for anything else.
     pub fn of_ron(source: &Source) -> Option<Self> {
         let has = |field: &str| source.locate(field).is_some();
-        // A study has parameters too, so it comes first.
+        // A genome has modules and a study parameters too, so they come first.
         [
+            ("genes", Self::Genome),
             ("modules", Self::Morphology),
             ("morphology", Self::Study),
             ("parameters", Self::Parameters),
@@ -36,6 +38,7 @@ impl Kind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Morphology => "morphology",
+            Self::Genome => "genome",
             Self::Study => "study",
             Self::Parameters => "parameter file",
             Self::Meta => "meta.ron of recordings",
@@ -50,6 +53,9 @@ impl Kind {
             Self::Morphology => format!(
                 "`realgap simulate {path}` runs a robot; a study names a robot, its recordings and what to vary (sweeps/tripod_floor.ron is one)"
             ),
+            Self::Genome => {
+                format!("`realgap develop {path} -o robot.ron` makes a robot of it")
+            }
             Self::Study => format!(
                 "`realgap sweep {path}` runs a study; the robot is the file that its field `morphology` names"
             ),

@@ -4,10 +4,12 @@ mod answer;
 mod check;
 mod compare;
 mod completions;
+mod develop;
 mod ensemble;
 mod evaluate;
 mod export;
 mod forecast;
+mod genome;
 mod identify;
 mod interrupt;
 mod kind;
@@ -64,6 +66,8 @@ enum Command {
     Predict(predict::Predict),
     Identify(identify::Identify),
     Record(record::Record),
+    Develop(develop::Develop),
+    Genome(genome::GenomeCommand),
     Export(export::Export),
     Parameters(parameters::Parameters),
     Verify(verify::Verify),
@@ -101,6 +105,8 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Predict(predict) => predict.run(),
         Command::Identify(identify) => identify.run(),
         Command::Record(record) => record.run(),
+        Command::Develop(develop) => develop.run(),
+        Command::Genome(genome) => genome.run(),
         Command::Export(export) => export.run(),
         Command::Parameters(parameters) => parameters.run(),
         Command::Verify(verify) => verify.run(),

@@ -80,6 +80,7 @@ mod glue;
 mod layout;
 mod module;
 mod summary;
+mod sweep;
 mod tree;
 
 use std::collections::HashMap;
@@ -253,6 +254,12 @@ impl Morphology {
     /// The robot in a few numbers.
     pub fn summary(&self) -> Summary {
         summary::summarise(self)
+    }
+
+    /// Free plates that overlap another module at some angle of their gait, all other servos at zero: pairs of the module with
+    /// the plate and the module that it hits. Such a servo is blocked, or a run starts with bodies inside each other.
+    pub fn blocked_plates(&self) -> Vec<(usize, usize)> {
+        sweep::blocked_plates(self)
     }
 
     /// What is allowed but probably not meant: `servo-too-slow` for a gait that asks for more speed

@@ -9,6 +9,7 @@
 //! | [`BarChart`] | [`draw_bars`] | what each of many causes changes |
 //! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
 //! | [`EnsemblePlot`] | [`draw_ensemble`] | repeats by behaviour, their envelope over time, the real runs |
+//! | [`Gallery`] | [`draw_gallery`] | robots as shaded boxes |
 //! | [`TextTable`] | [`TextTable::render`] | a table for the terminal |
 //!
 //! Every `draw_…` function writes PNG or SVG by the extension of the path. The file is complete or
@@ -17,12 +18,14 @@
 
 mod axis;
 mod bar;
+mod block;
 mod canvas;
 mod colour;
 mod curve;
 mod ensemble;
 mod font;
 mod frame;
+mod gallery;
 mod heading;
 mod heatmap;
 mod legend;
@@ -39,8 +42,10 @@ mod tests;
 
 pub use axis::{AxisSpec, Truth};
 pub use bar::{Bar, BarChart, draw_bars};
+pub use block::{Block, BlockKind, DrivenFace, Motion};
 pub use curve::{Curve, draw_curve};
 pub use ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
+pub use gallery::{Gallery, GalleryRobot, draw_gallery};
 pub use heatmap::{HeatMap, draw_heat_map};
 pub use line::{LinePlot, Series, SeriesKind, draw_lines};
 pub use number::{DisplayUnit, number, quantity};

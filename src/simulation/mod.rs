@@ -13,6 +13,7 @@ mod kinematics;
 mod noise;
 mod run;
 mod servo;
+mod settle;
 mod watch;
 mod world;
 
@@ -25,4 +26,5 @@ pub use experiment::{
 };
 pub use noise::Noise;
 pub use run::{Run, Status, run, watch};
+pub use settle::{Settling, settle};
 pub use watch::{HingeState, PartState, Push, Snapshot};

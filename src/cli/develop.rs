@@ -1,0 +1,176 @@
+//! `realgap develop`: the robot of a genome.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::file::write_atomic;
+use realgap::genome::{Locus, Specimen};
+use realgap::morphology::Morphology;
+use realgap::simulation::{Experiment, Settling, settle};
+use realgap::{Error, Result, Warning, portrait, report};
+use serde_json::json;
+
+use super::option::Format;
+use super::terminal;
+
+/// Build the robot of a genome, or say why it cannot be built
+///
+/// Every gene turns the part built so far, turns its own module and glues it on top; `realgap genome random` makes
+/// one to start from. The robot is then put down in the simulator: one that keeps moving or falls over is
+/// flagged. `-o` writes a morphology for all other commands.
+#[derive(Debug, Args)]
+pub struct Develop {
+    /// The genome
+    genome: PathBuf,
+    /// Write the robot to this file (.ron)
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Draw the robot into this file (.png or .svg)
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Develop {
+    pub fn run(self) -> Result<ExitCode> {
+        if let Some(plot) = &self.plot {
+            report::check_picture_path(plot)?;
+        }
+        let specimen = Specimen::read(&self.genome)?;
+        let robot = match specimen.develop() {
+            Ok(robot) => robot,
+            Err(misfit) => {
+                if self.format == Format::Json {
+                    let report = json!({
+                        "name": specimen.name,
+                        "develops": false,
+                        "reason": misfit.code(),
+                        "message": misfit.to_string(),
+                    });
+                    terminal::print(terminal::json(&report)?);
+                }
+                return Err(Error::from(misfit).at_file(&self.genome));
+            }
+        };
+        let settling = settle(&Experiment::new(robot.assemble()))?;
+        if let Some(path) = &self.output {
+            write_atomic(path, robot.to_ron()?.as_bytes())?;
+        }
+        terminal::print_warnings(&flags(&robot, &settling));
+        self.print(&specimen, &robot, &settling)?;
+        if let Some(plot) = &self.plot {
+            portrait::draw(&robot, plot)?;
+            terminal::note(format!("drawn: {}", plot.display()));
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn print(&self, specimen: &Specimen, robot: &Morphology, settling: &Settling) -> Result<()> {
+        let summary = robot.summary();
+        let size = summary.size_m();
+        if self.format == Format::Json {
+            let genes = specimen.genome.genes().iter().map(|gene| {
+                let named = Locus::ALL.map(|l| (l.name().to_owned(), json!(gene.get(l))));
+                serde_json::Value::Object(named.into_iter().collect())
+            });
+            let warnings = flags(robot, settling);
+            let report = json!({
+                "name": robot.name(),
+                "develops": true,
+                "modules": summary.modules,
+                "hinges": summary.hinges,
+                "mass_kg": summary.mass_kg,
+                "size_m": [size.x, size.y, size.z],
+                "centre_of_mass_robot_m": summary.centre_of_mass_robot_m.as_slice(),
+                "at_rest": settling.is_at_rest(),
+                "toppled": settling.is_toppled(),
+                "settle_s": settling.taken_s,
+                "tilt_rad": settling.tilt_rad,
+                "genes": genes.collect::<Vec<_>>(),
+                "warnings": warnings,
+                "output": self.output,
+                "version": env!("CARGO_PKG_VERSION"),
+            });
+            terminal::print(terminal::json(&report)?);
+            return Ok(());
+        }
+        let mut table = report::TextTable::new([
+            ("module", report::Side::Left),
+            ("kind", report::Side::Left),
+            ("driven face", report::Side::Left),
+            ("on", report::Side::Left),
+            ("amplitude", report::Side::Right),
+            ("frequency", report::Side::Right),
+            ("phase", report::Side::Right),
+            ("offset", report::Side::Right),
+        ]);
+        for (index, module) in robot.modules().iter().enumerate() {
+            let on = robot.glue().iter().find(|glue| glue.child == index);
+            let on = on.map_or("", |glue| robot.modules()[glue.parent].name.as_str());
+            let mut row = vec![module.name.clone()];
+            match &module.drive {
+                None => {
+                    row.extend(["passive", "", on].map(str::to_owned));
+                    row.extend(std::iter::repeat_n(String::new(), 4));
+                }
+                Some(drive) => {
+                    row.extend(["active", drive.face.name(), on].map(str::to_owned));
+                    let degrees = |angle: f64| format!("{:.1} deg", angle.to_degrees());
+                    row.push(degrees(drive.gait.amplitude_rad));
+                    row.push(format!("{:.2} Hz", drive.gait.frequency_hz));
+                    row.push(degrees(drive.gait.phase_rad));
+                    row.push(degrees(drive.gait.offset_rad));
+                }
+            }
+            table.push(row);
+        }
+        let mut lines = vec![
+            format!(
+                "{}: {} modules, {} hinges, {:.3} kg, {:.3} x {:.3} x {:.3} m",
+                robot.name(),
+                summary.modules,
+                summary.hinges,
+                summary.mass_kg,
+                size.x,
+                size.y,
+                size.z
+            ),
+            table
+                .render(terminal::stdout_wants_colour())
+                .trim_end()
+                .to_owned(),
+            match (settling.is_at_rest(), settling.is_toppled()) {
+                (true, false) => format!("at rest on the floor after {:.2} s", settling.taken_s),
+                (true, true) => "at rest, but not as it was put down".to_owned(),
+                (false, _) => "does not come to rest on the floor".to_owned(),
+            },
+        ];
+        if let Some(path) = &self.output {
+            lines.push(format!("written: {}", path.display()));
+        }
+        terminal::print(lines.join("\n"));
+        Ok(())
+    }
+}
+
+/// What is allowed but probably not meant, of the robot and of how it stands.
+fn flags(robot: &Morphology, settling: &Settling) -> Vec<Warning> {
+    let name = |index: usize| &robot.modules()[index].name;
+    let blocked = robot.blocked_plates().into_iter().map(|(plate, other)| {
+        Warning::new(
+            "plate-blocked",
+            format!(
+                "the plate of `{}` hits `{}` when it follows its gait",
+                name(plate),
+                name(other)
+            ),
+        )
+    });
+    let mut flags: Vec<Warning> = blocked.collect();
+    flags.extend(robot.warnings());
+    flags.extend(settling.warnings());
+    flags
+}

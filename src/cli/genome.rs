@@ -1,0 +1,74 @@
+//! `realgap genome`: genomes to start from.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Subcommand};
+use realgap::file::write_atomic;
+use realgap::genome::{Genome, Specimen};
+use realgap::search::generator;
+use realgap::{Error, Result};
+
+use super::terminal;
+
+/// Make genomes: ten numbers per module, from which `realgap develop` builds a robot
+#[derive(Debug, Args)]
+pub struct GenomeCommand {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, Subcommand)]
+enum Action {
+    Random(Random),
+}
+
+/// Draw a random genome, every number as likely
+#[derive(Debug, Args)]
+struct Random {
+    /// Number of modules
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    modules: usize,
+    /// Same seed, same genome
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Name of the robot [default: random_<modules>_<seed>]
+    #[arg(long)]
+    name: Option<String>,
+    /// Write to this file instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+impl GenomeCommand {
+    pub fn run(self) -> Result<ExitCode> {
+        match self.action {
+            Action::Random(random) => random.run(),
+        }
+    }
+}
+
+impl Random {
+    fn run(self) -> Result<ExitCode> {
+        let genome = Genome::random(self.modules, &mut generator(self.seed, 0))
+            .map_err(Error::into_usage)?;
+        let name = self
+            .name
+            .unwrap_or_else(|| format!("random_{}_{}", self.modules, self.seed));
+        let mut specimen = Specimen::new(name, genome);
+        let usual = specimen.development.max_modules;
+        specimen.development.max_modules = usual.max(self.modules);
+        if let Err(misfit) = specimen.develop() {
+            terminal::note(format!(
+                "note: this genome does not develop: {misfit} [{}]",
+                misfit.code()
+            ));
+        }
+        let text = specimen.to_ron()?;
+        match &self.output {
+            Some(path) => write_atomic(path, text.as_bytes())?,
+            None => terminal::print(text.trim_end()),
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

@@ -1,0 +1,77 @@
+//! Plates that hit something of their own robot when they turn.
+
+use nalgebra::{Rotation2, Vector2};
+
+use super::Morphology;
+use super::assembly::Role;
+use super::layout::{Block, OVERLAP_TOLERANCE_M, blocks};
+
+/// Angles at which a plate is looked at, over the range of its gait.
+const ANGLES: u32 = 64;
+
+/// Pairs (module with the plate, module that it hits), each once, in the order of the modules.
+pub(super) fn blocked_plates(morphology: &Morphology) -> Vec<(usize, usize)> {
+    let all = blocks(
+        morphology.modules(),
+        morphology.glue(),
+        &morphology.placements,
+    );
+    let mut blocked = Vec::new();
+    for plate in all.iter().filter(|block| block.role == Role::Plate) {
+        for other in all.iter().filter(|other| other.module != plate.module) {
+            let pair = (plate.module, other.module);
+            if !blocked.contains(&pair) && hits(morphology, plate, other) {
+                blocked.push(pair);
+            }
+        }
+    }
+    blocked
+}
+
+/// Whether a plate and a box that stands still overlap at some angle of the gait.
+fn hits(morphology: &Morphology, plate: &Block, other: &Block) -> bool {
+    let Some(drive) = morphology.modules()[plate.module].drive else {
+        return false;
+    };
+    let rotation = morphology.placements[plate.module].robot_from_module;
+    let normal = rotation.apply(drive.face.normal());
+    let axis = normal.iamax();
+    // Right-handed about the outward normal; the plane's own axes are right-handed about the positive axis.
+    let sense = normal[axis].signum();
+    let apart = other.centre_robot_m - plate.centre_robot_m;
+    let depth = plate.half_robot_m[axis] + other.half_robot_m[axis] - apart[axis].abs();
+    if depth <= OVERLAP_TOLERANCE_M {
+        return false;
+    }
+    let flat = |v: nalgebra::Vector3<f64>| Vector2::new(v[(axis + 1) % 3], v[(axis + 2) % 3]);
+    let (apart, half, other_half) = (
+        flat(apart),
+        flat(plate.half_robot_m),
+        flat(other.half_robot_m),
+    );
+    let gait = drive.gait;
+    (0..=ANGLES).any(|step| {
+        let share = 2.0 * f64::from(step) / f64::from(ANGLES) - 1.0;
+        let angle_rad = gait.offset_rad + gait.amplitude_rad * share;
+        overlap(Rotation2::new(sense * angle_rad), half, other_half, apart)
+    })
+}
+
+/// Separating axes of a turned rectangle and one along the axes, `apart` from centre to centre.
+fn overlap(
+    turn: Rotation2<f64>,
+    half: Vector2<f64>,
+    other_half: Vector2<f64>,
+    apart: Vector2<f64>,
+) -> bool {
+    let matrix = turn.matrix();
+    let own = [matrix.column(0).into_owned(), matrix.column(1).into_owned()];
+    [Vector2::x(), Vector2::y(), own[0], own[1]]
+        .iter()
+        .all(|axis| {
+            let reach = half.x * axis.dot(&own[0]).abs()
+                + half.y * axis.dot(&own[1]).abs()
+                + other_half.dot(&axis.abs());
+            reach - axis.dot(&apart).abs() > OVERLAP_TOLERANCE_M
+        })
+}

@@ -1,0 +1,355 @@
+//! Boxes seen from the side and above: parallel projection, shaded faces, far boxes first.
+
+use plotters::backend::DrawingBackend;
+use plotters::style::RGBColor;
+
+use super::canvas::{Canvas, Point};
+use super::colour::{INK, VERMILLION, tint};
+
+/// What a box stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BlockKind {
+    /// A cube without a servo.
+    Passive,
+    /// A cube with a servo.
+    Active,
+    /// The plate that a servo spins.
+    Plate,
+}
+
+/// How a driven face moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    /// About its own normal.
+    Spin,
+    /// Like a hinge.
+    Bend,
+}
+
+/// The driven face of a box.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DrivenFace {
+    /// 0, 1 or 2: the axis of its normal.
+    pub axis: usize,
+    /// Whether it looks towards larger coordinates.
+    pub positive: bool,
+    /// How it moves.
+    pub motion: Motion,
+}
+
+/// A box along the axes of the robot, metres, z up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Block {
+    /// Lower corner.
+    pub lower_m: [f64; 3],
+    /// Upper corner.
+    pub upper_m: [f64; 3],
+    /// What it stands for.
+    pub kind: BlockKind,
+    /// The driven face, if it has one. Of a plate: the side that it turns on its cube.
+    pub driven: Option<DrivenFace>,
+}
+
+/// Where the viewer stands: this far round from +x, and this high. Not 45 degrees: corners of different cubes would
+/// fall onto each other.
+const AZIMUTH_DEG: f64 = -58.0;
+const ELEVATION_DEG: f64 = 27.0;
+
+pub(super) const PASSIVE: RGBColor = RGBColor(226, 221, 211);
+pub(super) const ACTIVE: RGBColor = RGBColor(120, 178, 216);
+pub(super) const SPIN: RGBColor = VERMILLION;
+pub(super) const BEND: RGBColor = RGBColor(240, 228, 66);
+const FLOOR: RGBColor = RGBColor(243, 243, 241);
+const SHADOW: RGBColor = RGBColor(214, 214, 211);
+
+/// Where a point of a robot is in the picture before scaling: to the right and down, metres.
+pub(super) fn project([x, y, z]: [f64; 3]) -> Point {
+    let (sin_a, cos_a) = AZIMUTH_DEG.to_radians().sin_cos();
+    let (sin_e, cos_e) = ELEVATION_DEG.to_radians().sin_cos();
+    // The viewer is at (cos a cos e, sin a cos e, sin e); right and up are at right angles to that.
+    let right = -sin_a * x + cos_a * y;
+    let up = -cos_a * sin_e * x - sin_a * sin_e * y + cos_e * z;
+    (right, -up)
+}
+
+/// The visible face of each axis: towards +x, −y and +z.
+const VISIBLE_POSITIVE: [bool; 3] = [true, false, true];
+/// How bright a face of each axis is.
+const BRIGHTNESS: [f64; 3] = [0.72, 0.88, 1.0];
+
+impl Block {
+    fn corners(&self) -> impl Iterator<Item = [f64; 3]> {
+        (0..8).map(|corner| {
+            std::array::from_fn(|axis| {
+                if corner >> axis & 1 == 0 {
+                    self.lower_m[axis]
+                } else {
+                    self.upper_m[axis]
+                }
+            })
+        })
+    }
+
+    fn is_finite(&self) -> bool {
+        let mut all = self.lower_m.iter().chain(&self.upper_m);
+        all.all(|value| value.is_finite())
+    }
+
+    /// True if there is a plane between the two with this one on the far side: then it cannot hide `other`.
+    fn is_beyond(&self, other: &Self) -> bool {
+        const TOUCH_M: f64 = 2e-6;
+        (0..3).any(|axis| {
+            if VISIBLE_POSITIVE[axis] {
+                self.upper_m[axis] <= other.lower_m[axis] + TOUCH_M
+            } else {
+                self.lower_m[axis] >= other.upper_m[axis] - TOUCH_M
+            }
+        })
+    }
+
+    /// Corners of a rectangle on the visible face of an axis; shares of the box along the other two axes.
+    fn patch(&self, axis: usize, shares: [(f64, f64); 2]) -> [[f64; 3]; 4] {
+        let level = if VISIBLE_POSITIVE[axis] {
+            self.upper_m[axis]
+        } else {
+            self.lower_m[axis]
+        };
+        let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+        let (first, second) = (shares[0], shares[1]);
+        [
+            (first.0, second.0),
+            (first.1, second.0),
+            (first.1, second.1),
+            (first.0, second.1),
+        ]
+        .map(|(s, t)| {
+            let mut corner = [level; 3];
+            corner[a] = self.lower_m[a] + s * (self.upper_m[a] - self.lower_m[a]);
+            corner[b] = self.lower_m[b] + t * (self.upper_m[b] - self.lower_m[b]);
+            corner
+        })
+    }
+}
+
+/// Corners of the picture of all boxes and of their floor before scaling, metres; `None` without any finite box.
+pub(super) fn extent(blocks: &[Block]) -> Option<(Point, Point)> {
+    let finite = blocks.iter().filter(|block| block.is_finite());
+    let corners = finite.flat_map(Block::corners).chain(floor(blocks)?);
+    corners.map(project).fold(None, |extent, (x, y)| {
+        let (low, high) = extent.unwrap_or(((x, y), (x, y)));
+        Some((
+            (f64::min(low.0, x), f64::min(low.1, y)),
+            (f64::max(high.0, x), f64::max(high.1, y)),
+        ))
+    })
+}
+
+/// Corners of the piece of floor below all boxes, and a bit around; `None` without any finite box.
+fn floor(blocks: &[Block]) -> Option<[[f64; 3]; 4]> {
+    let finite = || blocks.iter().filter(|block| block.is_finite());
+    let lowest = |axis: usize| finite().map(|b| b.lower_m[axis]).reduce(f64::min);
+    let highest = |axis: usize| finite().map(|b| b.upper_m[axis]).reduce(f64::max);
+    let edges = finite().flat_map(|b| (0..3).map(|axis| b.upper_m[axis] - b.lower_m[axis]));
+    let margin_m = FLOOR_MARGIN * edges.reduce(f64::max)?;
+    let (low_x, low_y) = (lowest(0)? - margin_m, lowest(1)? - margin_m);
+    let (high_x, high_y) = (highest(0)? + margin_m, highest(1)? + margin_m);
+    let z = lowest(2)?;
+    Some([
+        [low_x, low_y, z],
+        [high_x, low_y, z],
+        [high_x, high_y, z],
+        [low_x, high_y, z],
+    ])
+}
+
+/// Far boxes first. Boxes that lie apart along an axis have a definite order; where three hide each other in a circle, the
+/// one whose centre is farthest comes first.
+fn far_first(blocks: &[Block]) -> Vec<usize> {
+    let nearness = |block: &Block| {
+        let centre: [f64; 3] =
+            std::array::from_fn(|axis| block.lower_m[axis] + block.upper_m[axis]);
+        let (sin_a, cos_a) = AZIMUTH_DEG.to_radians().sin_cos();
+        centre[0] * cos_a + centre[1] * sin_a + centre[2] * ELEVATION_DEG.to_radians().tan()
+    };
+    let mut left: Vec<usize> = (0..blocks.len())
+        .filter(|&i| blocks[i].is_finite())
+        .collect();
+    left.sort_by(|&a, &b| nearness(&blocks[a]).total_cmp(&nearness(&blocks[b])));
+    let hides = |near: usize, far: usize| {
+        blocks[far].is_beyond(&blocks[near]) && !blocks[near].is_beyond(&blocks[far])
+    };
+    let mut order = Vec::with_capacity(left.len());
+    while !left.is_empty() {
+        let free = left
+            .iter()
+            .position(|&candidate| !left.iter().any(|&other| hides(candidate, other)));
+        order.push(left.remove(free.unwrap_or(0)));
+    }
+    order
+}
+
+/// Draws boxes on a piece of floor; `place` takes projected metres to the picture.
+pub(super) fn draw_blocks<B: DrawingBackend>(
+    canvas: &mut Canvas<B>,
+    blocks: &[Block],
+    place: &impl Fn(Point) -> Point,
+    line: f64,
+) {
+    draw_floor(canvas, blocks, place);
+    for index in far_first(blocks) {
+        draw_block(canvas, &blocks[index], place, line);
+    }
+}
+
+fn draw_floor<B: DrawingBackend>(
+    canvas: &mut Canvas<B>,
+    blocks: &[Block],
+    place: &impl Fn(Point) -> Point,
+) {
+    let Some(corners) = floor(blocks) else { return };
+    let flat = |corners: [[f64; 3]; 4]| corners.map(|corner| place(project(corner)));
+    canvas.polygon(&flat(corners), FLOOR);
+    let floor_m = corners[0][2];
+    for block in blocks.iter().filter(|block| block.is_finite()) {
+        let ([x, y, _], [to_x, to_y, _]) = (block.lower_m, block.upper_m);
+        let shadow = [(x, y), (to_x, y), (to_x, to_y), (x, to_y)];
+        canvas.polygon(&flat(shadow.map(|(x, y)| [x, y, floor_m])), SHADOW);
+    }
+}
+
+/// Width of the piece of floor around a robot, as a share of the longest edge of its boxes.
+const FLOOR_MARGIN: f64 = 0.45;
+
+fn draw_block<B: DrawingBackend>(
+    canvas: &mut Canvas<B>,
+    block: &Block,
+    place: &impl Fn(Point) -> Point,
+    line: f64,
+) {
+    let colour = match block.kind {
+        BlockKind::Passive => PASSIVE,
+        BlockKind::Active => ACTIVE,
+        BlockKind::Plate => SPIN,
+    };
+    for axis in 0..3 {
+        let flat = |corners: [[f64; 3]; 4]| corners.map(|corner| place(project(corner)));
+        let shade = |colour| darken(colour, BRIGHTNESS[axis]);
+        let face = flat(block.patch(axis, [(0.0, 1.0), (0.0, 1.0)]));
+        canvas.polygon(&face, shade(colour));
+        let driven = block.driven.filter(|_| block.kind == BlockKind::Active);
+        if let Some(driven) = driven
+            && let Some(shares) = band(axis, driven)
+        {
+            let colour = shade(motion_colour(driven.motion));
+            canvas.polygon(&flat(block.patch(axis, shares)), colour);
+        }
+        let outline: Vec<Point> = face.iter().chain(&face[..1]).copied().collect();
+        canvas.path(&outline, line, INK, None);
+        if block.kind == BlockKind::Plate
+            && block.driven.is_some_and(|driven| {
+                driven.axis == axis && driven.positive == VISIBLE_POSITIVE[axis]
+            })
+        {
+            draw_turn(canvas, block, axis, place, 1.6 * line);
+        }
+    }
+}
+
+pub(super) fn motion_colour(motion: Motion) -> RGBColor {
+    match motion {
+        Motion::Spin => SPIN,
+        Motion::Bend => BEND,
+    }
+}
+
+/// The strip of a visible face that lies along the driven face, so that it is seen from every side; all of the face if it
+/// is the driven one.
+fn band(axis: usize, driven: DrivenFace) -> Option<[(f64, f64); 2]> {
+    const WIDTH: f64 = 0.16;
+    const WHOLE: (f64, f64) = (0.0, 1.0);
+    let strip = if driven.positive {
+        (1.0 - WIDTH, 1.0)
+    } else {
+        (0.0, WIDTH)
+    };
+    if driven.axis == (axis + 1) % 3 {
+        Some([strip, WHOLE])
+    } else if driven.axis == (axis + 2) % 3 {
+        Some([WHOLE, strip])
+    } else {
+        // The face itself, where a module is glued onto it, shows only if nothing is.
+        (driven.positive == VISIBLE_POSITIVE[axis]).then_some([WHOLE, WHOLE])
+    }
+}
+
+/// An arrow round the middle of a plate, the way of a positive angle.
+fn draw_turn<B: DrawingBackend>(
+    canvas: &mut Canvas<B>,
+    block: &Block,
+    axis: usize,
+    place: &impl Fn(Point) -> Point,
+    line: f64,
+) {
+    let white = tint(SPIN, 0.0);
+    // Right-handed about the outward normal: the other way round where that looks to smaller coordinates.
+    let sense = if VISIBLE_POSITIVE[axis] { 1.0 } else { -1.0 };
+    let at = |degrees: f64, radius: f64| {
+        let (sin, cos) = (sense * degrees).to_radians().sin_cos();
+        let share = |part: f64| 0.5 + radius * part;
+        let (s, t) = (share(cos), share(sin));
+        let [corner, ..] = block.patch(axis, [(s, s), (t, t)]);
+        place(project(corner))
+    };
+    let arc: Vec<Point> = (0..=24)
+        .map(|step| at(40.0 + 10.0 * f64::from(step), 0.27))
+        .collect();
+    canvas.path(&arc, line, white, None);
+    let tip = at(318.0, 0.27);
+    canvas.polygon(&[at(276.0, 0.17), tip, at(276.0, 0.38)], white);
+}
+
+fn darken(colour: RGBColor, share: f64) -> RGBColor {
+    let scale = |channel: u8| (f64::from(channel) * share).round() as u8;
+    RGBColor(scale(colour.0), scale(colour.1), scale(colour.2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cube(cell: [f64; 3]) -> Block {
+        Block {
+            lower_m: cell,
+            upper_m: cell.map(|c| c + 1.0),
+            kind: BlockKind::Passive,
+            driven: None,
+        }
+    }
+
+    #[test]
+    fn nothing_is_drawn_before_what_it_hides() {
+        let mut blocks = Vec::new();
+        for x in 0..3 {
+            for y in 0..3 {
+                for z in 0..3 {
+                    blocks.push(cube([x, y, z].map(f64::from)));
+                }
+            }
+        }
+        let order = far_first(&blocks);
+        assert_eq!(order.len(), 27);
+        for (rank, &near) in order.iter().enumerate() {
+            for &far in &order[rank + 1..] {
+                let (a, b) = (&blocks[near], &blocks[far]);
+                assert!(a.is_beyond(b), "{a:?} hides {b:?} but is drawn before");
+            }
+        }
+    }
+
+    #[test]
+    fn right_is_right_and_up_is_up() {
+        assert!(project([1.0, 0.0, 0.0]).0 > 0.0 && project([1.0, 0.0, 0.0]).1 > 0.0);
+        assert!(project([0.0, 1.0, 0.0]).0 > 0.0 && project([0.0, 1.0, 0.0]).1 < 0.0);
+        assert!(project([0.0, 0.0, 1.0]).0 == 0.0 && project([0.0, 0.0, 1.0]).1 < 0.0);
+    }
+}
