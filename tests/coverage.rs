@@ -8,8 +8,9 @@ use std::sync::atomic::AtomicBool;
 
 use realgap::morphology::Morphology;
 use realgap::simulation::{Camera, Experiment, Noise, run};
-use realgap::study::{INTERVAL_LEVEL, Mode, Overrides, Problem, Study, sweep};
+use realgap::study::{INTERVAL_LEVEL, Mode, Overrides, Problem, Study, TuneOptions, sweep, tune};
 use realgap::trajectory::write;
+use realgap::tuning::optimizer_by_name;
 
 const STUDIES: u64 = 60;
 const RECORDINGS: u64 = 6;
@@ -35,8 +36,15 @@ fn record(folder: &Path, friction: f64, seed: u64) {
     }
 }
 
+/// How the points of a study are chosen.
+#[derive(Clone, Copy)]
+enum Search {
+    Sweep,
+    Tune(&'static str),
+}
+
 /// Whether the interval of one study holds its truth.
-fn covers(seed: u64) -> bool {
+fn covers(seed: u64, search: Search) -> bool {
     let folder = tempfile::tempdir().unwrap();
     // Truths spread evenly over the range, on and between the points of the grid.
     let friction = 0.15 + 0.7 * (seed as f64 * 0.618_033_988_749_895).fract();
@@ -56,14 +64,42 @@ fn covers(seed: u64) -> bool {
     let problem = Problem::new(Study::read(path, &Overrides::default()).unwrap()).unwrap();
     let never = AtomicBool::new(false);
     let results = folder.path().join("results");
-    let answer = sweep(&problem, &results, Mode::Start, 2, &never, |_| ()).unwrap();
+    let answer = match search {
+        Search::Sweep => sweep(&problem, &results, Mode::Start, 2, &never, |_| ()).unwrap(),
+        Search::Tune(optimizer) => {
+            let options = TuneOptions {
+                optimizer: optimizer_by_name(optimizer).unwrap(),
+                budget: 24,
+                patience: None,
+            };
+            tune(
+                &problem,
+                &results,
+                Mode::Start,
+                2,
+                &options,
+                &never,
+                |_, _| (),
+            )
+            .unwrap()
+        }
+    };
     let (low, high) = answer.draws.unwrap().interval(0, INTERVAL_LEVEL);
     low <= friction && friction <= high
 }
 
-#[test]
-fn a_ninety_percent_interval_covers_the_truth_in_about_ninety_percent_of_studies() {
-    let covered = (0..STUDIES).filter(|seed| covers(*seed)).count();
+fn check(search: Search) {
+    let covered = (0..STUDIES).filter(|seed| covers(*seed, search)).count();
     let share = covered as f64 / STUDIES as f64;
     assert!((0.85..=0.95).contains(&share), "{covered} of {STUDIES}");
+}
+
+#[test]
+fn a_ninety_percent_interval_of_a_sweep_covers_the_truth_in_about_ninety_percent_of_studies() {
+    check(Search::Sweep);
+}
+
+#[test]
+fn so_does_the_interval_of_an_optimizer() {
+    check(Search::Tune("cma-es"));
 }

@@ -21,7 +21,9 @@ fn a_sweep_leaves_everything_that_was_promised() {
     let points = read(&out, "points.csv");
     assert_eq!(
         points.lines().next(),
-        Some("floor.friction,floor.restitution,score,unit,status,displacement_error_m")
+        Some(
+            "floor.friction,floor.restitution,score,unit,status,displacement_error_m,indistinguishable"
+        )
     );
     assert_eq!(points.lines().count(), 1 + 9);
     assert_eq!(read(&out, "scores.csv").lines().count(), 1 + 9 * 10);

@@ -12,16 +12,32 @@ pub(super) fn write_points(folder: &Path, problem: &Problem, answer: &Answer) ->
     let header: Vec<&str> = names
         .iter()
         .copied()
-        .chain(["score", "unit", "status", "displacement_error_m"])
+        .chain([
+            "score",
+            "unit",
+            "status",
+            "displacement_error_m",
+            "indistinguishable",
+        ])
         .collect();
-    let rows = answer.scores.points.iter().map(|point| {
-        let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
-        row.push(number(point.score));
-        row.push(answer.scores.unit.label().to_owned());
-        row.push(status(point).to_owned());
-        row.push(number(point.displacement_error_m));
-        row
-    });
+    let is_in = |position: usize| {
+        let uncertainty = answer.uncertainty.as_ref();
+        uncertainty.is_some_and(|u| u.indistinguishable[position])
+    };
+    let rows = answer
+        .scores
+        .points
+        .iter()
+        .enumerate()
+        .map(|(position, point)| {
+            let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
+            row.push(number(point.score));
+            row.push(answer.scores.unit.label().to_owned());
+            row.push(status(point).to_owned());
+            row.push(number(point.displacement_error_m));
+            row.push(is_in(position).to_string());
+            row
+        });
     write(&folder.join("points.csv"), &header, rows)
 }
 

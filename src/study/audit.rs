@@ -86,7 +86,7 @@ fn changes(solver: &Solver) -> Vec<(String, Change)> {
         }
     }
     for substeps in [solver.substeps / 2, solver.substeps * 2] {
-        if substeps >= 1 && substeps <= 256 {
+        if (1..=256).contains(&substeps) {
             changes.push((
                 format!("{substeps} substeps instead of {}", solver.substeps),
                 Box::new(move |solver| solver.substeps = substeps),

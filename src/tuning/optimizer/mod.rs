@@ -164,7 +164,7 @@ mod tests {
     fn reflection_keeps_the_inside_and_never_leaves_the_bounds() {
         assert_eq!([fold(0.0), fold(0.3), fold(1.0)], [0.0, 0.3, 1.0]);
         assert!((fold(1.2) - 0.8).abs() < 1e-15 && (fold(-0.2) - 0.2).abs() < 1e-15);
-        for coordinate in [-1e9, -7.7, 3.14, 1e300, f64::INFINITY, f64::NAN] {
+        for coordinate in [-1e9, -7.7, 3.2, 1e300, f64::INFINITY, f64::NAN] {
             assert!((0.0..=1.0).contains(&fold(coordinate)), "{coordinate}");
         }
     }

@@ -1,0 +1,129 @@
+//! How many simulations does each optimizer need to reach what a whole grid cannot tell from its best?
+//!
+//! ```sh
+//! cargo run --release --example optimizer_race -- sweeps/tripod_floor.ron 5
+//! cargo run --release --example optimizer_race -- sweeps/cube_toss.ron 3 '../shared/data/cube_tosses/*.csv' 100
+//! ```
+//!
+//! Arguments: study, seeds, glob of recordings, number of recordings. The sweep says which points of its grid cannot be told
+//! from the best; an optimizer has arrived with the first point whose nearest point of the grid is one of them.
+
+#![allow(clippy::print_stdout)]
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use realgap::study::{Answer, Mode, Overrides, Problem, Study, TuneOptions, sweep, tune};
+use realgap::tuning::{Grid, OPTIMIZERS};
+use realgap::{Error, Result};
+
+const BUDGET: usize = 100;
+
+fn overrides(seed: u64, arguments: &[String]) -> Overrides {
+    Overrides {
+        recordings: arguments.get(3).cloned().into_iter().collect(),
+        limit_recordings: arguments.get(4).and_then(|text| text.parse().ok()),
+        seed: Some(seed),
+        ..Overrides::default()
+    }
+}
+
+fn cell(grid: &Grid, values: &[f64]) -> usize {
+    let ranges = grid.ranges().iter().zip(values);
+    let coordinates: Vec<usize> = ranges.map(|(range, value)| range.nearest(*value)).collect();
+    grid.index(&coordinates)
+}
+
+/// Cells of the grid that cannot be told from the best.
+fn target(grid: &Grid, answer: &Answer) -> Vec<bool> {
+    let mut cells = vec![false; grid.len()];
+    if let Some(uncertainty) = &answer.uncertainty {
+        for (point, inside) in answer
+            .scores
+            .points
+            .iter()
+            .zip(&uncertainty.indistinguishable)
+        {
+            cells[cell(grid, &point.values)] = *inside;
+        }
+    }
+    cells
+}
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = std::env::args().collect();
+    let usage = || Error::usage("usage: optimizer_race STUDY SEEDS [GLOB [RECORDINGS]]");
+    let study = Path::new(arguments.get(1).ok_or_else(usage)?);
+    let seeds: u64 = arguments
+        .get(2)
+        .and_then(|n| n.parse().ok())
+        .ok_or_else(usage)?;
+    let jobs = std::thread::available_parallelism().map_or(1, usize::from);
+    let never = AtomicBool::new(false);
+    let folder = std::env::temp_dir().join(format!("optimizer_race_{}", std::process::id()));
+    let problem = Problem::new(Study::read(study, &overrides(1, &arguments))?)?;
+    let whole = sweep(
+        &problem,
+        &folder.join("sweep"),
+        Mode::Restart,
+        jobs,
+        &never,
+        |_| (),
+    )?;
+    let grid = &problem.study().grid;
+    let cells = target(grid, &whole);
+    let count = cells.iter().filter(|inside| **inside).count();
+    println!(
+        "{}: {count} of {} points of the grid cannot be told from its best",
+        study.display(),
+        grid.len()
+    );
+    println!(
+        "{:<15} points until there, by seed 1 to {seeds} (budget {BUDGET})",
+        "optimizer"
+    );
+    for optimizer in OPTIMIZERS {
+        let mut arrivals = Vec::new();
+        for seed in 1..=seeds {
+            let problem = Problem::new(Study::read(study, &overrides(seed, &arguments))?)?;
+            let options = TuneOptions {
+                optimizer: *optimizer,
+                budget: BUDGET,
+                patience: None,
+            };
+            let folder = folder.join(optimizer.name());
+            let answer = tune(
+                &problem,
+                &folder,
+                Mode::Restart,
+                jobs,
+                &options,
+                &never,
+                |_, _| (),
+            )?;
+            let arrival = answer
+                .scores
+                .points
+                .iter()
+                .position(|point| cells[cell(grid, &point.values)]);
+            let best = answer
+                .scores
+                .best
+                .map(|best| cell(grid, &answer.scores.points[best].values));
+            arrivals.push(match arrival {
+                Some(index) => format!(
+                    "{}{}",
+                    index + 1,
+                    if best.is_some_and(|best| cells[best]) {
+                        ""
+                    } else {
+                        " (but its best lies outside)"
+                    }
+                ),
+                None => "not".to_owned(),
+            });
+        }
+        println!("{:<15} {}", optimizer.name(), arrivals.join(", "));
+    }
+    std::fs::remove_dir_all(&folder).map_err(|e| Error::io("tidy up", &folder, &e))
+}
