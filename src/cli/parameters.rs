@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::Result;
-use realgap::parameter;
+use realgap::parameter::{self, Nudge, Scale};
 use realgap::report::{Side, TextTable};
 use serde_json::json;
 
@@ -19,13 +19,22 @@ pub struct Parameters {
     format: Format,
 }
 
+/// What `realgap sensitivity` changes a parameter by.
+fn step(nudge: Nudge) -> String {
+    match nudge {
+        Nudge::Share(share) => format!("{:.0} %", 100.0 * share),
+        Nudge::Absolute(step) => step.to_string(),
+    }
+}
+
 impl Parameters {
     pub fn run(self) -> Result<ExitCode> {
         if self.format == Format::Json {
             let rows: Vec<_> = parameter::all()
                 .map(|p| {
                     json!({"name": p.name, "unit": p.unit.label(), "low": p.bounds.0, "high": p.bounds.1,
-                           "default": p.default_value(), "whole": p.whole, "doc": p.doc})
+                           "default": p.default_value(), "whole": p.whole, "small_step": step(p.nudge),
+                           "log": p.scale == Scale::Log, "doc": p.doc})
                 })
                 .collect();
             terminal::print(terminal::json(&rows)?);
@@ -37,6 +46,7 @@ impl Parameters {
             ("low", Side::Right),
             ("high", Side::Right),
             ("default", Side::Right),
+            ("small step", Side::Right),
             ("meaning", Side::Left),
         ]);
         for p in parameter::all() {
@@ -52,6 +62,7 @@ impl Parameters {
                 p.bounds.0.to_string(),
                 p.bounds.1.to_string(),
                 default,
+                step(p.nudge),
                 p.doc.to_owned(),
             ]);
         }
