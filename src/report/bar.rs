@@ -78,12 +78,13 @@ impl Picture for BarChart {
     fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
         let height = f64::from(self.size().1);
         let unit = DisplayUnit::for_values(self.unit, self.values());
-        let reach = self
-            .values()
-            .chain(self.noise)
-            .fold(0.0, |reach: f64, value| reach.max(value.abs()))
-            * unit.factor;
-        let reach = if reach > 0.0 { 1.08 * reach } else { 1.0 };
+        let (mut low, mut high) = (0.0_f64, 0.0_f64);
+        let noise = self.noise.unwrap_or(0.0);
+        for value in self.values().chain([noise, -noise]) {
+            low = low.min(value * unit.factor);
+            high = high.max(value * unit.factor);
+        }
+        let room = 0.05 * (high - low);
         let heading = Heading::new(&self.title, &self.subtitle, WIDTH - 2.0 * MARGIN);
         heading.draw(canvas, MARGIN, 14.0);
         let mut entries = vec![
@@ -102,7 +103,7 @@ impl Picture for BarChart {
         let legend = Legend::new(entries, WIDTH - 2.0 * MARGIN);
         let legend_top = height - 16.0 - legend.height();
         legend.draw(canvas, MARGIN, legend_top);
-        let x = Scale::linear(-reach, reach);
+        let x = Scale::linear(low - room, high + room);
         let x_ticks = x.ticks(7);
         let frame = Frame {
             left: MARGIN + NAMES,
