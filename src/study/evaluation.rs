@@ -14,6 +14,7 @@ use crate::error::{Error, Result};
 use crate::identification::is_at_rest;
 use crate::parameter::ParameterSet;
 use crate::simulation::{self, Experiment, Status};
+use crate::statistic::{mean, median, standard_deviation};
 use crate::trajectory::Trajectory;
 use crate::warning::Warning;
 
@@ -245,24 +246,12 @@ fn resting_faces(rows: &[RecordingErrors]) -> Vec<FaceOdds> {
 
 impl Spread {
     /// Of at least one value.
-    fn of(mut values: Vec<f64>) -> Option<Self> {
-        values.sort_by(f64::total_cmp);
-        let n = values.len();
-        let middle = *values.get(n / 2)?;
-        let mean = values.iter().sum::<f64>() / n as f64;
-        let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-        Some(Self {
-            mean,
-            median: if n % 2 == 1 {
-                middle
-            } else {
-                0.5 * (values[n / 2 - 1] + middle)
-            },
-            standard_error: if n > 1 {
-                (squares / (n as f64 - 1.0) / n as f64).sqrt()
-            } else {
-                0.0
-            },
+    fn of(values: Vec<f64>) -> Option<Self> {
+        let root = (values.len() as f64).sqrt();
+        (!values.is_empty()).then(|| Self {
+            mean: mean(&values),
+            median: median(&values),
+            standard_error: standard_deviation(&values) / root,
         })
     }
 }
