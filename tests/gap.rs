@@ -132,11 +132,11 @@ fn drawn(count: usize, seed: u64, longer: f64) -> Vec<Sample> {
 
 #[test]
 fn a_simulation_of_the_same_distribution_has_ratio_1_and_an_honest_confidence() {
-    let sets = 30;
+    let sets = 100;
     let (mut ratios, mut covered, mut confidences) = (Vec::new(), 0, Vec::new());
     for seed in 0..sets {
-        let real = drawn(10, 1000 + seed, 1.0);
-        let cases = one_case(&real, None, drawn(60, seed, 1.0));
+        let real = drawn(20, 1000 + seed, 1.0);
+        let cases = one_case(&real, None, drawn(200, seed, 1.0));
         let found = distances(&real, &cases, &scoring(&["rms"])).unwrap();
         let ratio = found.metrics[0].repeats.unwrap().ratio.unwrap();
         covered += usize::from(ratio.low.unwrap() <= 1.0 && 1.0 <= ratio.high.unwrap());
@@ -145,12 +145,13 @@ fn a_simulation_of_the_same_distribution_has_ratio_1_and_an_honest_confidence() 
         confidences.push(confidence.over_time);
     }
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    // Single ratios scatter by about 0.1, so their mean over 30 sets by 0.02.
-    assert!((mean(&ratios) - 1.0).abs() < 0.07, "{}", mean(&ratios));
-    // Percentile intervals of 10 recordings are known to be a little short of their 95 %.
-    assert!(covered >= 24, "{covered} of {sets} intervals hold 1");
+    // Single ratios scatter by about 0.1, so their mean over 100 sets by 0.01.
+    assert!((mean(&ratios) - 1.0).abs() < 0.04, "{}", mean(&ratios));
+    // Of 95 % intervals; 89 or fewer of 100 come by chance once in a hundred times.
+    assert!(covered >= 89, "{covered} of {sets} intervals hold 1");
+    // 2000 recordings: a standard error of 0.007.
     assert!(
-        (mean(&confidences) - 0.9).abs() < 0.03,
+        (mean(&confidences) - 0.9).abs() < 0.02,
         "{}",
         mean(&confidences)
     );
@@ -289,7 +290,8 @@ fn stand_ins_of_known_noise_are_one_noise_floor_away_and_a_wrong_floor_is_more()
     assert!(low < 1.0 && 1.0 < high, "{ratio}");
     let confidence = truth["confidence"]["over_time"].as_f64().unwrap();
     assert!(confidence > 0.75, "{confidence}");
-    assert!(truth["confidence"]["below_half_s"].is_null());
+    // One instant of few recordings may dip; nothing is sure.
+    assert!(truth["confidence"]["surely_below_half_s"].is_null());
     for picture in ["confidence.png", "confidence.svg", "rmse.png", "rmse.svg"] {
         assert!(out.join(picture).metadata().unwrap().len() > 1000);
     }
@@ -310,7 +312,9 @@ fn stand_ins_of_known_noise_are_one_noise_floor_away_and_a_wrong_floor_is_more()
         wrong_ratio["low"].as_f64().unwrap() > 1.5,
         "{wrong_ratio} where the truth has {ratio}"
     );
-    assert!(wrong["confidence"]["below_half_s"].as_f64().is_some());
+    let [first_s, surely_s] = ["below_half_s", "surely_below_half_s"]
+        .map(|field| wrong["confidence"][field].as_f64().unwrap());
+    assert!(first_s <= surely_s, "{first_s} {surely_s}");
     assert!(wrong["confidence"]["over_time"].as_f64().unwrap() < confidence);
     // The floor is reality's own, whatever is simulated.
     assert_eq!(wrong["metrics"][0]["floor"], truth["metrics"][0]["floor"]);

@@ -307,10 +307,7 @@ fn print(gap: &StudyGap, folder: &Path) {
         ));
     }
     if let Some(confidence) = &gap.confidence {
-        let dropped = match confidence.below_half_s {
-            Some(at_s) => format!("under 50 % first at {at_s:.2} s"),
-            None => "never under 50 %".to_owned(),
-        };
+        let dropped = confidence.drop_in_words();
         lines.push(format!(
             "  confidence: {:.0} % of real runs inside the {:.0} % region, mean over time; {dropped}",
             100.0 * confidence.over_time,

@@ -47,17 +47,12 @@ fn subtitle(gap: &StudyGap, real_label: &str) -> String {
 
 fn confidence(gap: &StudyGap, real_label: &str) -> Option<LinePlot> {
     let confidence = gap.confidence.as_ref()?;
-    let curve = |of: &dyn Fn(&crate::statistic::Proportion) -> f64| -> Vec<f64> {
-        confidence.inside.iter().map(of).collect()
-    };
+    let [low, share, high] = confidence.curves();
     let over = |values: Vec<f64>| -> Vec<(f64, f64)> {
         confidence.times_s.iter().copied().zip(values).collect()
     };
     let level = |value: f64| over(vec![value; confidence.times_s.len()]);
-    let dropped = match confidence.below_half_s {
-        Some(at_s) => format!("under 50 % first at {at_s:.2} s"),
-        None => "never under 50 %".to_owned(),
-    };
+    let dropped = confidence.drop_in_words();
     Some(LinePlot {
         title: format!("{}: simulation confidence, {dropped}", gap.study),
         subtitle: subtitle(gap, real_label),
@@ -69,8 +64,8 @@ fn confidence(gap: &StudyGap, real_label: &str) -> Option<LinePlot> {
         series: vec![
             Series {
                 label: "95 % interval (Wilson)".to_owned(),
-                points: over(curve(&|p| p.low)),
-                kind: SeriesKind::Band(curve(&|p| p.high)),
+                points: over(low),
+                kind: SeriesKind::Band(high),
                 colour: 0,
             },
             Series {
@@ -90,7 +85,7 @@ fn confidence(gap: &StudyGap, real_label: &str) -> Option<LinePlot> {
             },
             Series {
                 label: "C(t)".to_owned(),
-                points: over(curve(&|p| p.share)),
+                points: over(share),
                 kind: SeriesKind::Line,
                 colour: 0,
             },

@@ -30,11 +30,33 @@ pub struct Confidence {
     pub inside: Vec<Proportion>,
     /// Mean of C(t) over time.
     pub over_time: f64,
-    /// First time at which fewer than half of the recordings lie inside; `None`: never.
+    /// First time at which fewer than half of the recordings lie inside; `None`: never. With few recordings one instant may
+    /// dip by chance.
     pub below_half_s: Option<f64>,
+    /// First time at which the whole interval lies under one half; `None`: never.
+    pub surely_below_half_s: Option<f64>,
 }
 
 impl Confidence {
+    /// Lower ends, C(t) and upper ends over time.
+    pub fn curves(&self) -> [Vec<f64>; 3] {
+        let of = |value: fn(&Proportion) -> f64| self.inside.iter().map(value).collect();
+        [of(|p| p.low), of(|p| p.share), of(|p| p.high)]
+    }
+
+    /// When it drops, in words.
+    pub fn drop_in_words(&self) -> String {
+        match (self.below_half_s, self.surely_below_half_s) {
+            (None, _) => "never under 50 %".to_owned(),
+            (Some(first_s), None) => {
+                format!("under 50 % first at {first_s:.2} s, which may be chance")
+            }
+            (Some(first_s), Some(surely_s)) => {
+                format!("under 50 % first at {first_s:.2} s, surely at {surely_s:.2} s")
+            }
+        }
+    }
+
     /// C(t) of the repeats of `cases`; `None` where a start has no repeats.
     ///
     /// # Errors
@@ -65,16 +87,17 @@ impl Confidence {
             .collect();
         let times_s = times_s(real);
         let shares: Vec<f64> = inside.iter().map(|p| p.share).collect();
-        let below_half_s = shares
-            .iter()
-            .position(|share| *share < HALF)
-            .map(|at| times_s[at]);
+        let first_s = |of: &dyn Fn(&Proportion) -> f64| {
+            let at = inside.iter().position(|p| of(p) < HALF)?;
+            Some(times_s[at])
+        };
         Ok(Some(Self {
             level: LEVELS[LEVEL_INDEX],
+            below_half_s: first_s(&|p| p.share),
+            surely_below_half_s: first_s(&|p| p.high),
             times_s,
             over_time: mean(&shares),
             inside,
-            below_half_s,
         }))
     }
 }
