@@ -40,7 +40,7 @@ pub struct SampleTest {
 ///
 /// As `scipy.stats.mannwhitneyu(x, y, method="auto")`: exact where the smaller sample has at most 8 values and nothing is tied,
 /// else the normal approximation with continuity and tie correction. Not statrs 0.19's own, which lists every combination for
-/// the exact value (8 of 60 values: 7·10⁹) and returns its complement where the first sample is not the larger one.
+/// the exact value (8 of 60 values: 2.6·10⁹).
 ///
 /// ```
 /// let test = realgap::statistic::mann_whitney(&[1.0, 2.0, 3.0], &[4.0, 5.0, 6.0])?;
