@@ -5,6 +5,9 @@ use serde::Serialize;
 use super::sample::{CaseRuns, Sample};
 use crate::trajectory::{POINTS, Prepared};
 
+/// Where a recording should be: its case, its index, and which of the prepared times.
+type Predicted<'a> = dyn Fn(&CaseRuns, usize, usize) -> Option<[f64; 2]> + 'a;
+
 /// Root mean square distance from the recordings at each of the 182 prepared times (paper 000, section on the two-wheel robot,
 /// figure 7 b: the error of ideal and simulated coordinates over time).
 ///
@@ -26,7 +29,7 @@ pub struct OverTime {
 impl OverTime {
     /// Errors over time of the simulations of `cases`.
     pub fn new(real: &[Sample], cases: &[CaseRuns]) -> Self {
-        let rmse = |predicted: &dyn Fn(&CaseRuns, usize, usize) -> Option<[f64; 2]>| {
+        let rmse = |predicted: &Predicted<'_>| {
             (0..POINTS)
                 .map(|at| {
                     let (mut sum, mut count) = (0.0, 0);
