@@ -67,6 +67,7 @@ pub mod error;
 pub mod export;
 pub mod file;
 pub mod folder;
+pub mod gap;
 pub mod genome;
 pub mod identification;
 pub mod morphology;

@@ -69,6 +69,20 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "simulation",
         ],
     ),
+    (
+        "gap",
+        &[
+            "error",
+            "warning",
+            "statistic",
+            "trajectory",
+            "comparison",
+            "simulation",
+            "parameter",
+            "study",
+            "ensemble",
+        ],
+    ),
     ("report", &["error", "warning", "quantity", "file"]),
     ("portrait", &["error", "morphology", "report"]),
     (
@@ -85,6 +99,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "tuning",
             "study",
             "ensemble",
+            "gap",
             "report",
         ],
     ),

@@ -9,6 +9,7 @@ mod ensemble;
 mod evaluate;
 mod export;
 mod forecast;
+mod gap;
 mod genome;
 mod identify;
 mod interrupt;
@@ -63,6 +64,7 @@ enum Command {
     Sensitivity(sensitivity::Sensitivity),
     Evaluate(evaluate::Evaluate),
     Ensemble(ensemble::Ensemble),
+    Gap(gap::Gap),
     Predict(predict::Predict),
     Identify(identify::Identify),
     Record(record::Record),
@@ -102,6 +104,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Sensitivity(sensitivity) => sensitivity.run(),
         Command::Evaluate(evaluate) => evaluate.run(),
         Command::Ensemble(ensemble) => ensemble.run(),
+        Command::Gap(gap) => gap.run(),
         Command::Predict(predict) => predict.run(),
         Command::Identify(identify) => identify.run(),
         Command::Record(record) => record.run(),

@@ -3,6 +3,7 @@
 mod best;
 mod convergence;
 mod ensemble;
+mod gap;
 mod picture;
 mod summary;
 mod table;
@@ -14,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::study::{Answer, Method, Problem};
 
 pub use ensemble::{EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report};
+pub use gap::draw_gap;
 pub use summary::{Best, Correlation, Summary};
 pub use verdict::Verdict;
 

@@ -5,7 +5,10 @@
 mod bootstrap;
 mod describe;
 mod proportion;
+mod rank;
+mod sample_test;
 
 pub use bootstrap::{Resample, resamples};
 pub use describe::{mean, median, quantile, standard_deviation};
 pub use proportion::{Proportion, normal_quantile};
+pub use sample_test::{PValueMethod, SampleTest, kolmogorov_smirnov, mann_whitney, spearman};

@@ -30,6 +30,7 @@ pub use file::{Overrides, Part, StartRule, Study};
 pub use keeping::Mode;
 pub use noise::read_noise;
 pub use problem::Problem;
+pub use recording::{recording_paths, recording_warnings};
 pub use repeat::RepeatCase;
 pub use rest::{FaceOdds, RestingOdds, resting_odds};
 pub use score::{PointScore, Scores};

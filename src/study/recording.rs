@@ -1,5 +1,6 @@
 //! Finding and reading the recordings of a study.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -34,25 +35,7 @@ pub(super) fn find(study: &Study, overrides: &Overrides) -> Result<Found> {
             .field("recordings")
             .hint("name them with --recordings 'FOLDER/*.csv', or in the file: recordings: [\"../runs/*.csv\"]"));
     }
-    let mut paths = Vec::new();
-    for pattern in globs {
-        let whole = base.join(pattern);
-        let found = expand(&whole)?;
-        if found.is_empty() {
-            return Err(Error::invalid("no file matches")
-                .field("recordings")
-                .found(whole.display())
-                .allowed("a glob that matches at least one .csv or .tum file")
-                .hint("in a shell, quote the glob; it is relative to the current folder, in a study file to that file"));
-        }
-        paths.extend(found);
-    }
-    let mut unique: Vec<PathBuf> = Vec::new();
-    for path in paths {
-        if !unique.contains(&path) {
-            unique.push(path);
-        }
-    }
+    let unique = recording_paths(globs, base)?;
     let mut found = Found {
         recordings: Vec::new(),
         sha256: Vec::new(),
@@ -88,6 +71,33 @@ pub(super) fn find(study: &Study, overrides: &Overrides) -> Result<Found> {
     Ok(found)
 }
 
+/// The files that these globs name, relative to `base`, each once; in order of the globs, then of the paths.
+///
+/// # Errors
+/// A glob that is none, or that matches no file that can be read.
+pub fn recording_paths(globs: &[String], base: &Path) -> Result<Vec<PathBuf>> {
+    let mut paths = Vec::new();
+    for pattern in globs {
+        let whole = base.join(pattern);
+        let found = expand(&whole)?;
+        if found.is_empty() {
+            return Err(Error::invalid("no file matches")
+                .field("recordings")
+                .found(whole.display())
+                .allowed("a glob that matches at least one .csv or .tum file")
+                .hint("in a shell, quote the glob; it is relative to the current folder, in a study file to that file"));
+        }
+        paths.extend(found);
+    }
+    let mut unique: Vec<PathBuf> = Vec::new();
+    for path in paths {
+        if !unique.contains(&path) {
+            unique.push(path);
+        }
+    }
+    Ok(unique)
+}
+
 fn expand(pattern: &Path) -> Result<Vec<PathBuf>> {
     let text = pattern.to_string_lossy();
     let entries = glob::glob(&text).map_err(|e| {
@@ -109,21 +119,8 @@ fn expand(pattern: &Path) -> Result<Vec<PathBuf>> {
 
 fn warnings(study: &Study, recordings: &[Recording]) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
-    let robots: std::collections::BTreeSet<&str> = recordings
-        .iter()
-        .filter_map(|r| r.meta.as_ref())
-        .map(|meta| meta.robot.as_str())
-        .collect();
-    if robots.len() > 1 {
-        let names: Vec<_> = robots.iter().copied().collect();
-        warnings.push(Warning::new(
-            "different-robots",
-            format!(
-                "the recordings are of different robots: {}",
-                names.join(", ")
-            ),
-        ));
-    }
+    let robots = robots(recordings);
+    warnings.extend(different_robots(recordings));
     for robot in robots
         .iter()
         .filter(|robot| **robot != study.morphology.name())
@@ -134,16 +131,45 @@ fn warnings(study: &Study, recordings: &[Recording]) -> Vec<Warning> {
         );
         warnings.push(Warning::new("other-robot", message));
     }
-    if recordings.iter().any(|r| {
-        r.meta
-            .as_ref()
-            .is_some_and(|meta| meta.source == Source::StandIn)
-    }) {
-        warnings.push(Warning::new(
+    warnings.extend(stand_in(recordings));
+    warnings.sort();
+    warnings.dedup();
+    warnings
+}
+
+fn robots(recordings: &[Recording]) -> BTreeSet<&str> {
+    let metas = recordings.iter().filter_map(|r| r.meta.as_ref());
+    metas.map(|meta| meta.robot.as_str()).collect()
+}
+
+fn different_robots(recordings: &[Recording]) -> Option<Warning> {
+    let names: Vec<&str> = robots(recordings).into_iter().collect();
+    (names.len() > 1).then(|| {
+        Warning::new(
+            "different-robots",
+            format!(
+                "the recordings are of different robots: {}",
+                names.join(", ")
+            ),
+        )
+    })
+}
+
+fn stand_in(recordings: &[Recording]) -> Option<Warning> {
+    let mut metas = recordings.iter().filter_map(|r| r.meta.as_ref());
+    metas.any(|meta| meta.source == Source::StandIn).then(|| {
+        Warning::new(
             "stand-in",
             "the recordings are stand-ins made by a simulator, not recorded from hardware",
-        ));
-    }
+        )
+    })
+}
+
+/// What the reader of any result from these recordings should know, whatever they are compared with.
+pub fn recording_warnings(recordings: &[Recording]) -> Vec<Warning> {
+    let mut warnings: Vec<Warning> = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
+    warnings.extend(different_robots(recordings));
+    warnings.extend(stand_in(recordings));
     warnings.sort();
     warnings.dedup();
     warnings

@@ -164,16 +164,22 @@ pub(super) fn parse_groups(
 
 /// The names of [`GROUP_COLUMNS`] that the header of `text` has; empty unless one of them is `run`.
 pub(super) fn group_columns_of(text: &str) -> Vec<&'static str> {
+    let columns = columns_of(text);
+    if !columns.contains(&"run") {
+        return Vec::new();
+    }
+    let has = |name: &&str| columns.contains(name);
+    GROUP_COLUMNS.into_iter().filter(has).collect()
+}
+
+/// The names in the header; none where it cannot be read.
+pub(super) fn columns_of(text: &str) -> Vec<&str> {
     let mut cells = Vec::new();
     let header = text.lines().find(|line| !line.trim().is_empty());
     if cut(header.unwrap_or_default(), 1, Separator::Comma, &mut cells).is_err() {
         return Vec::new();
     }
-    let has = |name: &str| cells.iter().any(|cell| cell.text == name);
-    if !has("run") {
-        return Vec::new();
-    }
-    GROUP_COLUMNS.into_iter().filter(|name| has(name)).collect()
+    cells.iter().map(|cell| cell.text).collect()
 }
 
 /// A CSV text whose header has been understood.

@@ -21,7 +21,9 @@ pub use format::{Format, Parsed, Rendered};
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
 pub use prepare::{POINTS, Prepared, prepare};
 pub use recording::{Meta, Recording, Source};
-pub use registry::{FORMATS, format_of, parse_all, read, read_all, read_bytes, read_groups, write};
+pub use registry::{
+    FORMATS, format_of, parse_all, read, read_all, read_bytes, read_groups, read_sets, write,
+};
 pub use resample::{Interpolator, resample};
 pub use state::{State, Trajectory};
 pub use text::{MAX_COLUMNS, MAX_FILE_BYTES, MAX_ROWS};

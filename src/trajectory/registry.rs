@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use super::csv::{Csv, group_columns_of, parse_groups};
+use super::csv::{Csv, GROUP_COLUMNS, columns_of, group_columns_of, parse_groups};
 use super::format::{Format, Parsed};
 use super::meta::read_meta_beside;
 use super::text::{MAX_FILE_BYTES, decode_text, read_text};
@@ -129,6 +129,64 @@ pub fn parse_all(
         .parse(&text, unit)
         .map_err(|error| error.at_file(path))?;
     Ok(vec![recording(path, stem(path), parsed)?])
+}
+
+/// Reads whatever is in the file as repeats in named sets: those of one value of the column `set_column`, told apart by the
+/// column `run`. Without a column named, `condition` makes the sets where the file has it (and `run`); everything
+/// else is one set without a name.
+///
+/// # Errors
+/// As [`read_all`]; a column that the file does not have, or that is `run` itself.
+pub fn read_sets(
+    path: impl AsRef<Path>,
+    unit: LengthUnit,
+    set_column: Option<&str>,
+) -> Result<Vec<(String, Recording)>> {
+    let path = path.as_ref();
+    let [outer, run] = GROUP_COLUMNS;
+    let is_csv = format_of(path)?.name() == Csv.name();
+    let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
+    let columns = if is_csv {
+        columns_of(&text)
+    } else {
+        Vec::new()
+    };
+    let has = |name: &str| columns.contains(&name);
+    let set_column = match set_column {
+        Some(column) if column == run => {
+            return Err(
+                Error::usage("the column `run` tells the repeats of one set apart")
+                    .field("group")
+                    .allowed("a column whose values are shared by several runs, e.g. condition"),
+            );
+        }
+        Some(column) => {
+            for needed in [column, run] {
+                if !has(needed) {
+                    return Err(Error::invalid("there is no such column to group the runs by")
+                        .at_file(path)
+                        .field("group")
+                        .found(needed)
+                        .allowed(columns.join(", "))
+                        .hint("grouped recordings are rows such as condition,run,t_s,x_m,y_m: one column names the set, `run` the repeat"));
+                }
+            }
+            Some(column)
+        }
+        None => Some(outer).filter(|outer| has(outer) && has(run)),
+    };
+    let Some(column) = set_column else {
+        let all = parse_all(path, text.into_bytes(), unit)?;
+        return Ok(all.into_iter().map(|r| (String::new(), r)).collect());
+    };
+    parse_groups(&text, unit, &[column, run])
+        .map_err(|error| error.at_file(path))?
+        .into_iter()
+        .map(|(key, parsed)| {
+            let name = format!("{}/{}", stem(path), key.join("/"));
+            Ok((key[0].clone(), recording(path, name, parsed)?))
+        })
+        .collect()
 }
 
 fn groups(

@@ -1,0 +1,25 @@
+//! How large is the gap, measured in reality's own spread, and until when may the simulation be trusted?
+//!
+//! [`noise_floor`] is the distance between repeats of the same real run; [`distances`] adds the gap, simulation against reality, and
+//! the gap ratio; [`OverTime`] and [`Confidence`] say the same over time. All of them work on any [`Sample`]s; [`study_gap`]
+//! simulates what a study needs, [`read_sets`] reads repeats that have no study.
+
+mod confidence;
+mod distance;
+mod estimate;
+mod fitness;
+mod floor;
+mod over_time;
+mod sample;
+mod set;
+mod study;
+
+pub use confidence::{Confidence, LEVEL_INDEX};
+pub use distance::{Distances, MetricGap, Side, distances};
+pub use estimate::{Estimate, INTERVAL_LEVEL, RESAMPLES};
+pub use fitness::Fitness;
+pub use floor::{MetricFloor, NoiseFloor, noise_floor};
+pub use over_time::OverTime;
+pub use sample::{CaseRuns, Sample, Scoring};
+pub use set::{SetOfRuns, read_sets};
+pub use study::{GapOptions, StudyGap, study_gap};

@@ -1,0 +1,514 @@
+//! Noise floors, gaps, ratios and confidences are exact where they can be worked out by hand, and honest where the truth is known.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+mod common;
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::Vector3;
+use realgap::comparison::{Components, by_name};
+use realgap::ensemble;
+use realgap::gap::{
+    CaseRuns, Confidence, Distances, Fitness, OverTime, Sample, Scoring, distances, noise_floor,
+};
+use realgap::morphology::Morphology;
+use realgap::simulation::{Distribution, Experiment, Noise, Sampling};
+use realgap::trajectory::{Trajectory, write};
+use serde_json::Value;
+
+const BODY_M: f64 = 0.06;
+
+/// A path along x that ends at `far_m`, swung sideways by `bend_m` in its middle.
+fn path(far_m: f64, bend_m: f64) -> Sample {
+    let times: Vec<f64> = (0..182).map(|i| f64::from(i) * 0.1).collect();
+    let positions = (0..182)
+        .map(|i| {
+            let share = f64::from(i) / 181.0;
+            let side = bend_m * (std::f64::consts::PI * share).sin();
+            Vector3::new(far_m * share, side, 0.0)
+        })
+        .collect();
+    Sample::new("path", Trajectory::new(times, positions).unwrap()).unwrap()
+}
+
+fn straight(lengths: &[f64]) -> Vec<Sample> {
+    lengths.iter().map(|far_m| path(*far_m, 0.0)).collect()
+}
+
+fn scoring(metrics: &[&str]) -> Scoring {
+    Scoring {
+        metrics: metrics.iter().map(|name| by_name(name).unwrap()).collect(),
+        components: Components::default(),
+        body_length_m: Some(BODY_M),
+        seed: 1,
+    }
+}
+
+fn one_case(real: &[Sample], ideal: Option<Sample>, repeats: Vec<Sample>) -> Vec<CaseRuns> {
+    vec![CaseRuns {
+        recordings: (0..real.len()).collect(),
+        ideal,
+        repeats,
+    }]
+}
+
+fn codes(found: &Distances) -> Vec<&str> {
+    found.warnings.iter().map(|w| w.code).collect()
+}
+
+#[test]
+fn floor_gap_and_ratio_of_a_hand_made_set_are_those_worked_out_by_hand() {
+    let real = straight(&[1.0, 2.0, 4.0]);
+    let cases = one_case(&real, Some(path(3.0, 0.0)), straight(&[3.0, 5.0]));
+    let found = distances(&real, &cases, &scoring(&["displacement"])).unwrap();
+    let row = found.metrics[0];
+    // Pairs 1, 3, 2. From 3 to the recordings: 2, 1, 1; from 5: 4, 3, 1.
+    let (ideal, repeats) = (row.ideal.unwrap(), row.repeats.unwrap());
+    for (value, expected) in [
+        (row.floor.unwrap().value, 2.0),
+        (ideal.gap.value, 4.0 / 3.0),
+        (ideal.ratio.unwrap().value, 2.0 / 3.0),
+        (repeats.gap.value, 2.0),
+        (repeats.ratio.unwrap().value, 1.0),
+    ] {
+        assert!((value - expected).abs() < 1e-12, "{value} {expected}");
+    }
+    // Resampled gaps are means of 2, 1 and 1; resampled floors lie between the smallest and the largest pair.
+    assert!(ideal.gap.low.unwrap() >= 1.0 && ideal.gap.high.unwrap() <= 2.0);
+    let floor = row.floor.unwrap();
+    assert!(floor.low.unwrap() >= 1.0 && floor.high.unwrap() <= 3.0);
+    assert!(codes(&found).contains(&"few-recordings"));
+}
+
+#[test]
+fn a_recording_drawn_twice_is_no_pair_with_itself() {
+    // Every resample of two recordings that has a pair has the same one: pairs of distance 0 would pull its mean down.
+    let floor = noise_floor(&straight(&[1.0, 1.5]), &scoring(&["displacement"])).unwrap();
+    let found = floor.metrics[0].floor;
+    for value in [found.value, found.low.unwrap(), found.high.unwrap()] {
+        assert!((value - 0.5).abs() < 1e-12, "{found:?}");
+    }
+    assert_eq!((floor.recordings, floor.pairs), (2, 1));
+}
+
+#[test]
+fn an_asymmetric_metric_is_measured_both_ways() {
+    let (a, b) = (path(1.0, 0.0), path(1.0, 0.4));
+    for metric in realgap::comparison::METRICS {
+        let needs = metric.needs();
+        if needs.orientation {
+            continue;
+        }
+        let there = noise_floor(&[a.clone(), b.clone()], &scoring(&[metric.name()])).unwrap();
+        let back = noise_floor(&[b.clone(), a.clone()], &scoring(&[metric.name()])).unwrap();
+        let (there, back) = (there.metrics[0].floor.value, back.metrics[0].floor.value);
+        assert!((there - back).abs() <= 1e-12 * there, "{}", metric.name());
+    }
+}
+
+#[test]
+fn the_floor_does_not_depend_on_the_simulation() {
+    let real = drawn(8, 3, 1.0);
+    let floor = |ideal: Sample| {
+        let cases = one_case(&real, Some(ideal), Vec::new());
+        let found = distances(&real, &cases, &scoring(&["pca", "rms"])).unwrap();
+        [0, 1].map(|index| found.metrics[index].floor.unwrap())
+    };
+    assert_eq!(floor(path(1.1, 0.1)), floor(path(9.0, 3.0)));
+}
+
+/// Independent repeats of a random length and bend.
+fn drawn(count: usize, seed: u64, longer: f64) -> Vec<Sample> {
+    use rand::{RngExt, SeedableRng};
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+    (0..count)
+        .map(|_| {
+            let mut uniform = || rng.random_range(0.0..1.0_f64) + rng.random_range(0.0..1.0_f64);
+            let far_m = longer + 0.2 * uniform();
+            path(far_m, 0.3 * uniform())
+        })
+        .collect()
+}
+
+#[test]
+fn a_simulation_of_the_same_distribution_has_ratio_1_and_an_honest_confidence() {
+    let sets = 100;
+    let (mut ratios, mut covered, mut confidences) = (Vec::new(), 0, Vec::new());
+    for seed in 0..sets {
+        let real = drawn(20, 1000 + seed, 1.0);
+        let cases = one_case(&real, None, drawn(200, seed, 1.0));
+        let found = distances(&real, &cases, &scoring(&["rms"])).unwrap();
+        let ratio = found.metrics[0].repeats.unwrap().ratio.unwrap();
+        covered += usize::from(ratio.low.unwrap() <= 1.0 && 1.0 <= ratio.high.unwrap());
+        ratios.push(ratio.value);
+        let confidence = Confidence::new(&real, &cases, BODY_M).unwrap().unwrap();
+        confidences.push(confidence.over_time);
+    }
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    // Single ratios scatter by about 0.1, so their mean over 100 sets by 0.01.
+    assert!((mean(&ratios) - 1.0).abs() < 0.04, "{}", mean(&ratios));
+    // Of 95 % intervals; 89 or fewer of 100 come by chance once in a hundred times.
+    assert!(covered >= 89, "{covered} of {sets} intervals hold 1");
+    // 2000 recordings: a standard error of 0.007.
+    assert!(
+        (mean(&confidences) - 0.9).abs() < 0.02,
+        "{}",
+        mean(&confidences)
+    );
+}
+
+#[test]
+fn a_shifted_simulation_has_a_large_ratio_and_its_confidence_drops() {
+    let real = drawn(12, 1, 1.0);
+    let cases = one_case(&real, Some(path(2.2, 0.3)), drawn(60, 2, 2.0));
+    let found = distances(&real, &cases, &scoring(&["rms", "pca"])).unwrap();
+    for row in &found.metrics {
+        for side in [row.ideal.unwrap(), row.repeats.unwrap()] {
+            assert!(side.ratio.unwrap().low.unwrap() > 3.0, "{row:?}");
+        }
+    }
+    let confidence = Confidence::new(&real, &cases, BODY_M).unwrap().unwrap();
+    let first_s = confidence.below_half_s.unwrap();
+    assert!(first_s > 0.0 && first_s < 9.0, "{first_s}");
+    assert_eq!(confidence.inside[181].count, 0);
+    assert_eq!(confidence.inside[0].count, 12);
+    let fitness = Fitness::new(&real, &cases).unwrap().unwrap();
+    assert!(fitness.mann_whitney.p_value < 1e-4);
+    assert!(fitness.kolmogorov_smirnov.p_value < 1e-4);
+}
+
+#[test]
+fn errors_over_time_are_those_worked_out_by_hand() {
+    let real = straight(&[1.0, 2.0, 4.0]);
+    let cases = one_case(&real, Some(path(3.0, 0.0)), straight(&[3.0, 5.0]));
+    let over = OverTime::new(&real, &cases);
+    // At the end: 3 against 1, 2, 4; the repeats' mean 4 against them; each against the mean of the others (3, 2.5, 1.5).
+    let at_end = [
+        (over.ideal_m.unwrap(), (4.0 + 1.0 + 1.0_f64) / 3.0),
+        (over.simulated_mean_m.unwrap(), (9.0 + 4.0 + 0.0_f64) / 3.0),
+        (over.real_mean_m.unwrap(), (4.0 + 0.25 + 6.25_f64) / 3.0),
+    ];
+    for (curve, squared) in at_end {
+        assert_eq!(curve.len(), 182);
+        assert_eq!(curve[0], 0.0);
+        assert!((curve[181] - squared.sqrt()).abs() < 1e-12);
+    }
+    assert!((over.times_s[181] - 18.1).abs() < 1e-9);
+    let alone = straight(&[1.0]);
+    let over = OverTime::new(&alone, &one_case(&alone, None, Vec::new()));
+    assert!(over.real_mean_m.is_none() && over.ideal_m.is_none());
+}
+
+#[test]
+fn one_recording_and_starts_of_their_own_give_no_floor_instead_of_a_wrong_one() {
+    let alone = straight(&[1.0]);
+    let cases = one_case(&alone, Some(path(2.0, 0.0)), Vec::new());
+    let found = distances(&alone, &cases, &scoring(&["displacement"])).unwrap();
+    let row = found.metrics[0];
+    assert!(row.floor.is_none() && row.ideal.unwrap().ratio.is_none());
+    assert_eq!(row.ideal.unwrap().gap.value, 1.0);
+    assert_eq!(row.ideal.unwrap().gap.low, None);
+    assert!(codes(&found).contains(&"one-recording"));
+
+    let two = straight(&[1.0, 3.0]);
+    let cases: Vec<CaseRuns> = [(0, 1.5), (1, 2.0)]
+        .into_iter()
+        .map(|(recording, far_m)| CaseRuns {
+            recordings: vec![recording],
+            ideal: Some(path(far_m, 0.0)),
+            repeats: straight(&[far_m]),
+        })
+        .collect();
+    let found = distances(&two, &cases, &scoring(&["displacement"])).unwrap();
+    let row = found.metrics[0];
+    assert!(row.floor.is_none() && row.ideal.unwrap().ratio.is_none());
+    assert!((row.ideal.unwrap().gap.value - 0.75).abs() < 1e-12);
+    assert!(codes(&found).contains(&"no-repeats"));
+    assert!(Fitness::new(&two, &cases).unwrap().is_none());
+    assert!(OverTime::new(&two, &cases).real_mean_m.is_none());
+    assert!(distances(&[], &[], &scoring(&["rms"])).is_err());
+}
+
+/// Ten stand-ins of the tripod made by realgap with this noise, in `folder`.
+fn stand_ins(folder: &Path, noise: &Noise) {
+    let file = common::project().join("morphologies/tripod.ron");
+    let mut experiment = Experiment::new(Morphology::read(file).unwrap().assemble());
+    experiment.duration_s = 3.0;
+    experiment.sampling = Sampling::Rate(60.0);
+    for number in 0..10 {
+        let run = ensemble::repeat(&experiment, noise, 77, number).unwrap();
+        let file = folder.join(format!("run_{number:02}.csv"));
+        write(file, &run.trajectory.unwrap()).unwrap();
+    }
+}
+
+/// A study of these stand-ins with the same noise.
+fn study_of(folder: &Path) -> PathBuf {
+    common::study(
+        folder,
+        &format!(
+            "morphology: \"{}/morphologies/tripod.ron\",
+    recordings: [\"*.csv\"],
+    start: Settled,
+    duration_s: 3.0,
+    parameters: [(name: \"floor.friction\", from: 0.1, to: 0.9, points: 3)],
+    noise: Noise(servo_phase_rad: Normal(0.1), start_tilt_rad: Normal(0.0175)),",
+            common::project().display()
+        ),
+    )
+}
+
+fn gap_json(study: &Path, folder: &Path, more: &[&str]) -> Value {
+    let mut command = common::realgap();
+    command.arg("gap").arg(study).arg("-o").arg(folder);
+    command
+        .args(["--repeats", "30", "--format", "json"])
+        .args(more);
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", common::text(&output.stderr));
+    let printed: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let written: Value = serde_json::from_str(&common::read(folder, "gap.json")).unwrap();
+    assert_eq!(printed, written);
+    printed
+}
+
+#[test]
+fn stand_ins_of_known_noise_are_one_noise_floor_away_and_a_wrong_floor_is_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let noise = Noise {
+        servo_phase_rad: Distribution::Normal(0.1),
+        start_tilt_rad: Distribution::Normal(0.0175),
+        ..Noise::default()
+    };
+    stand_ins(folder.path(), &noise);
+    let study = study_of(folder.path());
+    let out = folder.path().join("truth");
+    let truth = gap_json(&study, &out, &["--jobs", "1"]);
+    let ratio = &truth["metrics"][0]["repeats"]["ratio"];
+    assert_eq!(truth["metrics"][0]["metric"], "pca");
+    let [low, high] = ["low", "high"].map(|end| ratio[end].as_f64().unwrap());
+    assert!(low < 1.0 && 1.0 < high, "{ratio}");
+    let confidence = truth["confidence"]["over_time"].as_f64().unwrap();
+    assert!(confidence > 0.75, "{confidence}");
+    // One instant of few recordings may dip; nothing is sure.
+    assert!(truth["confidence"]["surely_below_half_s"].is_null());
+    for picture in ["confidence.png", "confidence.svg", "rmse.png", "rmse.svg"] {
+        assert!(out.join(picture).metadata().unwrap().len() > 1000);
+    }
+    // The same bits on other threads.
+    let again = folder.path().join("again");
+    gap_json(&study, &again, &["--jobs", "2"]);
+    for file in ["gap.json", "rmse.svg", "confidence.svg"] {
+        assert_eq!(common::read(&out, file), common::read(&again, file));
+    }
+    // Slippery instead of the default floor.
+    let wrong = gap_json(
+        &study,
+        &folder.path().join("wrong"),
+        &["--set", "floor.friction=0.05"],
+    );
+    let wrong_ratio = &wrong["metrics"][0]["repeats"]["ratio"];
+    assert!(
+        wrong_ratio["low"].as_f64().unwrap() > 1.5,
+        "{wrong_ratio} where the truth has {ratio}"
+    );
+    let [first_s, surely_s] = ["below_half_s", "surely_below_half_s"]
+        .map(|field| wrong["confidence"][field].as_f64().unwrap());
+    assert!(first_s <= surely_s, "{first_s} {surely_s}");
+    assert!(wrong["confidence"]["over_time"].as_f64().unwrap() < confidence);
+    // The floor is reality's own, whatever is simulated.
+    assert_eq!(wrong["metrics"][0]["floor"], truth["metrics"][0]["floor"]);
+}
+
+#[test]
+fn a_study_without_noise_has_a_gap_but_no_confidence_and_leaves_no_old_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = common::quick_study(folder.path(), 2);
+    let out = folder.path().join("out");
+    std::fs::create_dir_all(&out).unwrap();
+    std::fs::write(out.join("confidence.png"), "old").unwrap();
+    let zero = folder.path().join("zero.ron");
+    std::fs::write(&zero, "()").unwrap();
+    let zero = zero.display().to_string();
+    for more in [
+        &["--metric", "frechet", "--metric", "rms"][..],
+        &["--metric", "frechet", "--metric", "rms", "--noise", &zero],
+    ] {
+        let found = gap_json(&study, &out, more);
+        assert!(found["confidence"].is_null());
+        assert_eq!(found["repeats"], 0);
+        assert_eq!(found["metrics"].as_array().unwrap().len(), 2);
+        assert!(
+            found["metrics"][0]["ideal"]["ratio"]["value"]
+                .as_f64()
+                .unwrap()
+                > 0.0
+        );
+        assert!(found["metrics"][0]["repeats"].is_null());
+        let codes: Vec<&str> = found["warnings"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|w| w["code"].as_str().unwrap())
+            .collect();
+        assert!(
+            codes.contains(&"no-noise") && codes.contains(&"stand-in"),
+            "{codes:?}"
+        );
+        assert!(!out.join("confidence.png").exists());
+        assert!(out.join("rmse.png").exists());
+    }
+}
+
+#[test]
+fn the_shipped_stand_ins_have_a_noise_floor_without_a_study() {
+    let output = common::realgap()
+        .args([
+            "gap",
+            "--recordings",
+            "real_trajectories/tripod_mujoco/*.csv",
+        ])
+        .output()
+        .unwrap();
+    let (out, err) = (common::text(&output.stdout), common::text(&output.stderr));
+    assert!(output.status.success(), "{err}");
+    assert!(
+        out.contains("all recordings") && out.contains("10"),
+        "{out}"
+    );
+    assert!(err.contains("[stand-in]"), "{err}");
+}
+
+#[test]
+fn bad_input_is_answered_with_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let long = folder.path().join("runs.csv");
+    let rows = "condition,run,t_s,x_m,y_m\na,1,0,0,0\na,1,1,1,0\nb,1,0,0,0\nb,1,1,1,0\n";
+    std::fs::write(&long, rows).unwrap();
+    let long = long.display().to_string();
+    let standin = "real_trajectories/tripod_standin/run_00.csv";
+    for (arguments, code, words) in [
+        (vec![], 2, vec!["recordings must be named"]),
+        (
+            vec!["--recordings", "nowhere/*.csv"],
+            1,
+            vec!["no file matches"],
+        ),
+        (
+            vec!["--recordings", standin],
+            1,
+            vec!["1 recording", "two or more"],
+        ),
+        (
+            vec!["--recordings", &long],
+            1,
+            vec!["2 recordings", "two or more"],
+        ),
+        (
+            vec!["--recordings", &long, "--group", "robot"],
+            1,
+            vec!["no such column", "robot", "condition, run, t_s"],
+        ),
+        (
+            vec!["--recordings", &long, "--group", "run"],
+            2,
+            vec!["tells the repeats"],
+        ),
+        (
+            vec!["--recordings", standin, "--group", "condition"],
+            1,
+            vec!["no such column"],
+        ),
+        (
+            vec!["--recordings", standin, "--metric", "rsm"],
+            2,
+            vec!["unknown metric", "rms"],
+        ),
+        (
+            vec!["sweeps/tripod_floor.ron", "--metric", "rsm"],
+            2,
+            vec!["unknown metric", "rms"],
+        ),
+        (
+            vec![
+                "--recordings",
+                "real_trajectories/tripod_standin/*.csv",
+                "--metric",
+                "pose",
+            ],
+            1,
+            vec!["body length"],
+        ),
+        (
+            vec!["--recordings", standin, "--set", "floor.friction=0.3"],
+            2,
+            vec!["without a study"],
+        ),
+        (
+            vec!["sweeps/tripod_floor.ron", "--repeats", "0"],
+            2,
+            vec!["repeats"],
+        ),
+        (
+            vec!["sweeps/tripod_floor.ron", "--group", "condition"],
+            2,
+            vec!["cannot be used with"],
+        ),
+    ] {
+        let output = common::realgap()
+            .arg("gap")
+            .args(&arguments)
+            .output()
+            .unwrap();
+        let text = common::text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {text}");
+        for word in words {
+            assert!(text.contains(word), "{arguments:?}: {text}");
+        }
+    }
+}
+
+/// Means over all pairs by numpy: 182 points by linear interpolation, first point subtracted, net displacement turned onto +x.
+const TWO_WHEEL: [(&str, usize, f64, f64); 4] = [
+    ("ir", 21, 0.038633621332648874, 0.04012940800228351),
+    ("ir_bayesian", 17, 0.039341011293923485, 0.0414886530117384),
+    ("us1", 18, 0.026071724453999467, 0.011986270239268768),
+    ("us_bayesian", 18, 0.09235565227403321, 0.14266132417489255),
+];
+
+#[test]
+fn the_noise_floor_of_a_real_robot_is_that_of_numpy() {
+    let Some(folder) = common::shared_data("two_wheel_runs") else {
+        return;
+    };
+    let file = folder.join("runs.csv").display().to_string();
+    let run = |more: &[&str]| -> Value {
+        let mut command = common::realgap();
+        command.args(["gap", "--recordings", &file, "--format", "json"]);
+        command
+            .args(["--metric", "rms", "--metric", "displacement"])
+            .args(more);
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", common::text(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let found = run(&["--group", "condition"]);
+    let sets = found["sets"].as_array().unwrap();
+    assert_eq!(sets.len(), TWO_WHEEL.len());
+    for (set, (name, runs, rms_m, displacement_m)) in sets.iter().zip(TWO_WHEEL) {
+        assert_eq!(set["set"], name);
+        assert_eq!(set["recordings"], runs);
+        for (index, expected) in [rms_m, displacement_m].into_iter().enumerate() {
+            let floor = &set["metrics"][index]["floor"];
+            let value = floor["value"].as_f64().unwrap();
+            assert!(
+                (value - expected).abs() < 1e-9,
+                "{name}: {value} {expected}"
+            );
+            assert!(floor["low"].as_f64().unwrap() < value);
+            assert!(value < floor["high"].as_f64().unwrap());
+        }
+    }
+    // `condition` is what is taken where no column is named, and threads change nothing.
+    assert_eq!(run(&["--jobs", "1"]), found);
+}
