@@ -68,6 +68,7 @@ pub mod export;
 pub mod file;
 pub mod folder;
 pub mod genome;
+pub mod hunt;
 pub mod identification;
 pub mod morphology;
 pub mod parameter;
