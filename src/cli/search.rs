@@ -136,9 +136,11 @@ impl Search {
         }
         finalists.map_err(|e| e.at_file(&folder).hint(go_on))?;
         if summary.best.is_empty() {
-            return Err(Error::invalid("every robot failed, so there is no best one")
-                .at_file(&self.search)
-                .hint("history.csv says why: see its columns `status` and `seen`"));
+            return Err(
+                Error::invalid("every robot failed, so there is no best one")
+                    .at_file(&self.search)
+                    .hint("history.csv says why: see its columns `status` and `seen`"),
+            );
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -202,10 +204,12 @@ fn print(summary: &SearchSummary, hunt: &Hunt, head: &str) {
                 robot
                     .success
                     .map_or("-".to_owned(), |p| format!("{:.0} %", 100.0 * p)),
-                match (robot.survives, robot.largest_change) {
-                    (true, _) => "yes".to_owned(),
-                    (false, Some(change)) => format!("NO: changes by {:.0} %", 100.0 * change),
-                    (false, None) => "NO: fails".to_owned(),
+                match (robot.survives, robot.largest_change, robot.worst_rerun) {
+                    (true, ..) => "yes".to_owned(),
+                    (_, Some(change), Some(worst)) => {
+                        format!("NO: changes by {:.0} % at {worst}", 100.0 * change)
+                    }
+                    (_, _, worst) => format!("NO: fails at {}", worst.unwrap_or("reruns")),
                 },
             ]);
         }

@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::export::{Robot, format_named};
 use crate::file::write_atomic;
 use crate::genome::Specimen;
-use crate::hunt::{Body, Finalist, Hunt, Judged, Plan, Quarry};
+use crate::hunt::{Body, Finalist, Hunt, Judged, Plan, Quarry, Rerun};
 use crate::tuning::Ending;
 use crate::warning::Warning;
 
@@ -43,6 +43,8 @@ pub struct BestRobot {
     pub survives: bool,
     /// Largest change under these, as a share; `None` where it failed.
     pub largest_change: Option<f64>,
+    /// The settings of the rerun that failed or changed most.
+    pub worst_rerun: Option<&'static str>,
 }
 
 /// A whole search in short: `summary.json`.
@@ -181,7 +183,11 @@ fn write_archive(folder: &Path, hunt: &Hunt, robots: &[Judged]) -> Result<()> {
     let Plan::MapElites(plan) = &hunt.plan else {
         return Ok(());
     };
-    let cells: Vec<String> = plan.axes.iter().map(|a| format!("{}_cell", a.name)).collect();
+    let cells: Vec<String> = plan
+        .axes
+        .iter()
+        .map(|a| format!("{}_cell", a.name))
+        .collect();
     let header: Vec<&str> = cells
         .iter()
         .map(String::as_str)
@@ -194,18 +200,17 @@ fn write_archive(folder: &Path, hunt: &Hunt, robots: &[Judged]) -> Result<()> {
         let robot = &robots[*elite];
         let mut row: Vec<String> = along.iter().map(usize::to_string).collect();
         row.extend(robot.descriptors.iter().map(f64::to_string));
-        row.extend([robot.index.to_string(), number(robot.fitness), unit.to_owned()]);
+        row.extend([
+            robot.index.to_string(),
+            number(robot.fitness),
+            unit.to_owned(),
+        ]);
         row
     });
     write_table(&folder.join("archive.csv"), &header, rows)
 }
 
-fn write_best(
-    folder: &Path,
-    hunt: &Hunt,
-    rank: usize,
-    finalist: &Finalist,
-) -> Result<BestRobot> {
+fn write_best(folder: &Path, hunt: &Hunt, rank: usize, finalist: &Finalist) -> Result<BestRobot> {
     let best = folder.join("best");
     std::fs::create_dir_all(&best).map_err(|e| Error::io("make the folder", &best, &e))?;
     let robot = &finalist.robot;
@@ -237,6 +242,14 @@ fn write_best(
         displacement_q05_q95_m: displacement.map(|d| [d.q05, d.q95]),
         success: finalist.success.as_ref().map(|s| s.probability.share),
         survives: finalist.survives(),
+        worst_rerun: finalist
+            .reruns
+            .iter()
+            .max_by(|a, b| {
+                let size = |r: &Rerun| r.change.map_or(f64::INFINITY, f64::abs);
+                size(a).total_cmp(&size(b))
+            })
+            .map(|rerun| rerun.settings),
         largest_change: changes.map(|all| all.iter().fold(0.0, |most: f64, c| most.max(c.abs()))),
     })
 }
@@ -278,7 +291,11 @@ fn summarise(hunt: &Hunt, quarry: &Quarry, best: Vec<BestRobot>) -> Result<Searc
         duration_s: hunt.duration_s,
         seed: hunt.seed,
         failures,
-        best_fitness: quarry.robots.iter().filter_map(|r| r.fitness).reduce(f64::max),
+        best_fitness: quarry
+            .robots
+            .iter()
+            .filter_map(|r| r.fitness)
+            .reduce(f64::max),
         archive,
         best,
         engine: crate::simulation::ENGINE_VERSION,
@@ -311,7 +328,9 @@ fn remove_old(folder: &Path) -> Result<()> {
         let name = entry.file_name().to_string_lossy().into_owned();
         // Ours start with a rank.
         let is_ours = name.split_once('_').is_some_and(|(rank, rest)| {
-            rank.len() == 2 && rank.bytes().all(|b| b.is_ascii_digit()) && rest.starts_with("robot_")
+            rank.len() == 2
+                && rank.bytes().all(|b| b.is_ascii_digit())
+                && rest.starts_with("robot_")
         });
         if is_ours {
             std::fs::remove_file(entry.path()).map_err(|e| refuse(&entry.path(), &e))?;

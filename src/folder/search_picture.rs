@@ -10,7 +10,7 @@ use crate::portrait::portrait;
 use crate::quantity::{Unit, counted};
 use crate::report::{
     AxisSpec, Gallery, HeatMap, LinePlot, ScoreScale, Series, SeriesKind, draw_gallery,
-    draw_heat_map, draw_lines, quantity,
+    draw_heat_map, draw_lines, number,
 };
 use crate::statistic::mean;
 
@@ -74,7 +74,10 @@ fn fitness(hunt: &Hunt, robots: &[Judged]) -> Option<LinePlot> {
     if dots.is_empty() {
         return None;
     }
-    let failed = robots.iter().filter(|robot| robot.failure.is_some()).count();
+    let failed = robots
+        .iter()
+        .filter(|robot| robot.failure.is_some())
+        .count();
     let series = |label: &str, points, kind, colour| Series {
         label: label.to_owned(),
         points,
@@ -186,13 +189,8 @@ fn gallery(hunt: &Hunt, finalists: &[Finalist]) -> Gallery {
             let far = finalist.prediction.displacement_m.map_or(
                 "every repeat diverged".to_owned(),
                 |d| {
-                    format!(
-                        "{} (90 %: {} to {}) in {} s",
-                        quantity(d.q50, Unit::Metre),
-                        quantity(d.q05, Unit::Metre),
-                        quantity(d.q95, Unit::Metre),
-                        hunt.duration_s
-                    )
+                    let [q05, q50, q95] = [d.q05, d.q50, d.q95].map(|m| number(100.0 * m));
+                    format!("{q50} cm (90 %: {q05} to {q95} cm)")
                 },
             );
             let success = finalist.success.as_ref().map_or(String::new(), |s| {
@@ -201,7 +199,7 @@ fn gallery(hunt: &Hunt, finalists: &[Finalist]) -> Gallery {
             let survives = if finalist.survives() {
                 ""
             } else {
-                ", does NOT survive other solver settings"
+                ", does NOT survive reruns"
             };
             let mut drawn = portrait(&finalist.robot, format!("{far}{success}{survives}"));
             drawn.title = format!("{}. {}", index + 1, finalist.robot.name());
@@ -211,10 +209,11 @@ fn gallery(hunt: &Hunt, finalists: &[Finalist]) -> Gallery {
     Gallery {
         title: format!("{}: the best robots", hunt.name),
         subtitle: format!(
-            "{} of {}, {}; at zero servo angles",
+            "{} of {}, {}, in {} s; at zero servo angles",
             hunt.plan.name(),
             counted(hunt.plan.budget(), "robot"),
-            hunt.objective.label()
+            hunt.objective.label(),
+            hunt.duration_s
         ),
         columns: finalists.len().min(4),
         robots,

@@ -39,7 +39,9 @@ pub(super) fn write_indistinguishable(
         .study()
         .set
         .iter()
-        .filter(|a| !varied.contains(&a.parameter.name) && !a.parameter.name.starts_with("recording."))
+        .filter(|a| {
+            !varied.contains(&a.parameter.name) && !a.parameter.name.starts_with("recording.")
+        })
         .collect();
     let header: Vec<&str> = varied
         .iter()

@@ -96,7 +96,11 @@ pub(super) fn genome_of(
                     .hint("widen the range in `development`, or search this number, too"));
                 }
                 let span = high - low;
-                let share = if span > 0.0 { (value - low) / span } else { 0.0 };
+                let share = if span > 0.0 {
+                    (value - low) / span
+                } else {
+                    0.0
+                };
                 values[locus.index()] = share;
             }
         }

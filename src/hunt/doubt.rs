@@ -96,25 +96,28 @@ pub fn read_indistinguishable(folder: &Path) -> Result<Vec<ParameterSet>> {
         Error::io("read the indistinguishable points", &path, &e)
             .hint("name a folder that `realgap sweep` or `realgap tune` has written")
     })?;
-    let torn = |e: csv::Error| Error::invalid(format!("cannot read the points: {e}")).at_file(&path);
+    let torn =
+        |e: csv::Error| Error::invalid(format!("cannot read the points: {e}")).at_file(&path);
     let mut reader = csv::Reader::from_reader(bytes.as_slice());
     let header = reader.headers().map_err(torn)?.clone();
     let mut points = Vec::new();
     for row in reader.records() {
         let row = row.map_err(torn)?;
         let values = header.iter().zip(row.iter()).map(|(name, text)| {
-            let value = text.parse().map_err(|_| {
-                Error::invalid("not a number").field(name).found(text)
-            })?;
+            let value = text
+                .parse()
+                .map_err(|_| Error::invalid("not a number").field(name).found(text))?;
             Assignment::new(name, value)
         });
         let point: Result<ParameterSet> = values.collect();
         points.push(point.map_err(|e| e.at_file(&path))?);
     }
     if points.is_empty() {
-        return Err(Error::invalid("no point is indistinguishable from the best")
-            .at_file(&path)
-            .hint("the study found no best point"));
+        return Err(
+            Error::invalid("no point is indistinguishable from the best")
+                .at_file(&path)
+                .hint("the study found no best point"),
+        );
     }
     Ok(points)
 }

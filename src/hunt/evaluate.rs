@@ -176,7 +176,8 @@ impl Hunt {
     /// # Errors
     /// A trial that this search cannot have stored.
     pub fn judge(&self, trial: &Trial) -> Result<Judged> {
-        let torn = || Error::conflict("the store holds something else than robots").found(trial.index);
+        let torn =
+            || Error::conflict("the store holds something else than robots").found(trial.index);
         let genes = trial.values.as_chunks::<{ Gene::LEN }>().0.to_vec();
         let genome = Genome::try_from(genes).map_err(|_| torn())?;
         let mut judged = Judged {
@@ -205,7 +206,10 @@ impl Hunt {
         judged.mean_displacement_m = Some(crate::statistic::mean(&displacements));
         if let Plan::MapElites(archive) = &self.plan {
             let name = self.robot_name(trial.index);
-            let robot = self.body.build(&name, &judged.genome).map_err(Error::from)?;
+            let robot = self
+                .body
+                .build(&name, &judged.genome)
+                .map_err(Error::from)?;
             let turned = trial.outcomes.iter().map(|o| o.scores.get(1).copied());
             let turned: Option<Vec<f64>> = turned.collect();
             let behaviour = Behaviour {

@@ -188,8 +188,8 @@ impl Hunt {
             }
         };
         let seed = wishes.seed.unwrap_or(file.seed);
-        let (plan, body) = Plan::new(file.strategy, &origin, &development, seed)
-            .map_err(|e| at("strategy", e))?;
+        let (plan, body) =
+            Plan::new(file.strategy, &origin, &development, seed).map_err(|e| at("strategy", e))?;
         let stem = source.path().file_stem().unwrap_or_default();
         Ok(Self {
             name: stem.to_string_lossy().into_owned(),
@@ -254,6 +254,16 @@ fn check_numbers(file: &SearchFile) -> Result<()> {
     check("finalists.repeats", finals.repeats as f64, 1.0, most)?;
     check("finalists.tolerance", finals.tolerance, 0.0, 10.0)?;
     let rules = &file.failures;
-    check("failures.flight_body_lengths", rules.flight_body_lengths, 0.0, 1e6)?;
-    check("failures.overlap_body_lengths", rules.overlap_body_lengths, 0.0, 1e6)
+    check(
+        "failures.flight_body_lengths",
+        rules.flight_body_lengths,
+        0.0,
+        1e6,
+    )?;
+    check(
+        "failures.overlap_body_lengths",
+        rules.overlap_body_lengths,
+        0.0,
+        1e6,
+    )
 }

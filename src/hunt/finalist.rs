@@ -163,7 +163,10 @@ impl Hunt {
                 break;
             }
             let name = self.robot_name(judged.index);
-            let robot = self.body.build(&name, &judged.genome).map_err(Error::from)?;
+            let robot = self
+                .body
+                .build(&name, &judged.genome)
+                .map_err(Error::from)?;
             // Other genomes may mean the same robot.
             let is_new = best.iter().all(|(_, known)| {
                 known.modules() != robot.modules() || known.glue() != robot.glue()
@@ -297,8 +300,10 @@ impl Hunt {
 
 fn stopped(stop: &AtomicBool) -> Result<()> {
     if stop.load(Ordering::Relaxed) {
-        return Err(Error::interrupted("interrupted while the best robots were looked at again; all robots are saved")
-            .hint("go on with --resume"));
+        return Err(Error::interrupted(
+            "interrupted while the best robots were looked at again; all robots are saved",
+        )
+        .hint("go on with --resume"));
     }
     Ok(())
 }

@@ -142,8 +142,10 @@ impl Plan {
                 })
             }
             StrategyFile::Grid { genes } => {
-                let named: Vec<Locus> =
-                    genes.iter().filter_map(|g| Locus::named(&g.gene).ok()).collect();
+                let named: Vec<Locus> = genes
+                    .iter()
+                    .filter_map(|g| Locus::named(&g.gene).ok())
+                    .collect();
                 let base = base(origin, development, &named)?;
                 if matches!(origin, Origin::Robot(_)) {
                     gait_only(&named)?;
@@ -163,8 +165,13 @@ impl Plan {
                 if searched.is_empty() || evaluations == 0 {
                     return Err(Error::invalid("there is nothing to search")
                         .field("strategy")
-                        .found(format!("{} numbers, {evaluations} evaluations", searched.len()))
-                        .allowed("a robot with a servo, a number of its gait, 1 or more evaluations"));
+                        .found(format!(
+                            "{} numbers, {evaluations} evaluations",
+                            searched.len()
+                        ))
+                        .allowed(
+                            "a robot with a servo, a number of its gait, 1 or more evaluations",
+                        ));
                 }
                 Self::CmaEs(CmaEs {
                     base,
@@ -174,7 +181,8 @@ impl Plan {
                 })
             }
         };
-        plan.check(development).map_err(|e| within_strategy(e, &plan))?;
+        plan.check(development)
+            .map_err(|e| within_strategy(e, &plan))?;
         Ok((plan, body))
     }
 
@@ -193,11 +201,13 @@ impl Plan {
             Self::Grid(_) | Self::CmaEs(_) => {}
         }
         if variation.max_modules > development.max_modules {
-            return Err(Error::invalid("the strategy makes larger robots than development allows")
-                .field("variation.max_modules")
-                .found(variation.max_modules)
-                .allowed(format!("1 to {}", development.max_modules))
-                .hint("raise `development: (max_modules: ...)`, too"));
+            return Err(
+                Error::invalid("the strategy makes larger robots than development allows")
+                    .field("variation.max_modules")
+                    .found(variation.max_modules)
+                    .allowed(format!("1 to {}", development.max_modules))
+                    .hint("raise `development: (max_modules: ...)`, too"),
+            );
         }
         Ok(())
     }
@@ -264,9 +274,11 @@ fn base(origin: &Origin, development: &Development, searched: &[Locus]) -> Resul
     match origin {
         Origin::Genome(genome) => Ok(genome.clone()),
         Origin::Robot(robot) => genome_of(robot, development, searched),
-        Origin::Anything => Err(Error::invalid("this strategy needs something to start from")
-            .field("start")
-            .allowed("Genome(\"file.ron\") or Morphology(\"file.ron\")")),
+        Origin::Anything => Err(
+            Error::invalid("this strategy needs something to start from")
+                .field("start")
+                .allowed("Genome(\"file.ron\") or Morphology(\"file.ron\")"),
+        ),
     }
 }
 

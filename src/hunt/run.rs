@@ -87,10 +87,12 @@ pub fn search(
         }
         for (judged, proposed) in judged.into_iter().zip(genomes) {
             if judged.genome != proposed {
-                return Err(Error::conflict("the stored robots are not those of this search")
-                    .at_file(outing.folder)
-                    .found(format!("robot {}", judged.index))
-                    .hint("start anew with --restart"));
+                return Err(
+                    Error::conflict("the stored robots are not those of this search")
+                        .at_file(outing.folder)
+                        .found(format!("robot {}", judged.index))
+                        .hint("start anew with --restart"),
+                );
             }
             let evaluated = Evaluated {
                 genome: judged.genome,

@@ -69,7 +69,10 @@ impl<'a> Posture<'a> {
             .collect();
         let mut deepest_m = 0.0_f64;
         for &(a, b) in &self.pairs {
-            let (half_a, half_b) = (self.boxes[a].2.half_extents_m, self.boxes[b].2.half_extents_m);
+            let (half_a, half_b) = (
+                self.boxes[a].2.half_extents_m,
+                self.boxes[b].2.half_extents_m,
+            );
             let apart_m = (placed[a].translation.vector - placed[b].translation.vector).norm();
             if apart_m > half_a.norm() + half_b.norm() {
                 continue;

@@ -56,7 +56,10 @@ impl Grid {
                 return Err(Error::invalid("not usable values of a gene")
                     .field(format!("{at}.values"))
                     .found(bad.map_or("none".to_owned(), f64::to_string))
-                    .allowed(format!("one or more from 0 to 1 (this is `{}`)", locus.name())));
+                    .allowed(format!(
+                        "one or more from 0 to 1 (this is `{}`)",
+                        locus.name()
+                    )));
             }
         }
         self.axes
