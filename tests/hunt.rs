@@ -163,19 +163,25 @@ fn every_reason_to_fail_is_reached_and_has_no_fitness() {
         (Reason::Toppled, of("", &leaning)),
         (Reason::SelfPenetrating, of("", &tangled)),
         (Reason::NotSettled, of("", &restless)),
+        // Too light for its servo, which throws it.
         (
             Reason::Flying,
             of(
-                "failures: (unstable: false, flight_body_lengths: 0.0),",
-                &walker(5.0),
+                "failures: (unstable: false, plate_blocked: false, overlap_body_lengths: 1e6),
+                 development: (active_mass_kg: 0.000001, passive_mass_kg: 0.000001, plate_mass_kg: 0.000001, servo_gain_1_s: 100000,
+                    servo_max_torque_nm: 10000, servo_max_speed_rad_s: 10000, amplitude_rad: (1000, 1000), frequency_hz: (100, 100)),",
+                &walker(0.0),
             ),
         ),
+        // A kilometre down a slope of ice.
         (
             Reason::Diverged,
-            of(
-                "set: {\"solver.substeps\": 1}, failures: (unstable: false, plate_blocked: false, overlap_body_lengths: 1e6, flight_body_lengths: 1e6),
-                 development: (active_mass_kg: 0.000001, passive_mass_kg: 1000, plate_mass_kg: 0.000001, servo_gain_1_s: 100000, servo_max_torque_nm: 10000, servo_max_speed_rad_s: 10000, amplitude_rad: (1000, 1000), frequency_hz: (100, 100)),",
-                &walker(5.0),
+            judge(
+                &hunt(
+                    "strategy: Evolution(), duration_s: 20.0, repeats: 1, failures: (unstable: false),
+                     set: {\"floor.slope_rad\": 0.5, \"floor.friction\": 0.0},",
+                ),
+                &[[0.1; 10]],
             ),
         ),
     ] {
