@@ -16,8 +16,11 @@ use crate::store::Outcome;
 use crate::warning::Warning;
 use crate::{Error, Result};
 
+/// A change of the solver's settings.
+type Change = fn(&mut Solver);
+
 /// Other settings under which a robot must walk the same, with a name each.
-const RERUNS: [(&str, fn(&mut Solver)); 5] = [
+const RERUNS: [(&str, Change); 5] = [
     ("half timestep", |s| s.timestep_s *= 0.5),
     ("double timestep", |s| s.timestep_s *= 2.0),
     ("half substeps", |s| s.substeps = (s.substeps / 2).max(1)),
