@@ -98,6 +98,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "error",
             "warning",
             "quantity",
+            "statistic",
             "file",
             "trajectory",
             "comparison",
