@@ -176,6 +176,11 @@ impl Error {
         self.0.file.as_deref()
     }
 
+    /// The field or column concerned, if known.
+    pub fn field_name(&self) -> Option<&str> {
+        self.0.field.as_deref()
+    }
+
     /// Line and column (from 1), if known.
     pub fn line_column(&self) -> Option<(usize, usize)> {
         self.0.line_column

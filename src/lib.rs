@@ -69,6 +69,7 @@ pub mod file;
 pub mod folder;
 pub mod gap;
 pub mod genome;
+pub mod hunt;
 pub mod identification;
 pub mod morphology;
 pub mod parameter;

@@ -161,7 +161,7 @@ fn a_diverged_point_has_no_score_and_never_wins() {
         .assert()
         .success();
     let points = read(&out, "points.csv");
-    assert!(points.contains("\n0,,m,diverged,\n"), "{points}");
+    assert!(points.contains("\n0,,m,diverged,,false\n"), "{points}");
     assert_eq!(summary(&out)["best"]["parameters"]["floor.friction"], 10.0);
     assert_eq!(summary(&out)["diverged"], 1);
 }

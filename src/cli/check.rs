@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::file::Source;
 use realgap::genome::Specimen;
+use realgap::hunt::{Hunt, Wishes};
 use realgap::morphology::Morphology;
 use realgap::quantity::{LengthUnit, counted};
 use realgap::report::check_picture_path;
@@ -17,7 +18,7 @@ use super::kind::Kind;
 use super::option::{Format, UnitOption};
 use super::terminal;
 
-/// Validate morphologies, genomes, studies, parameter files and trajectories, and print what they hold
+/// Validate morphologies, genomes, studies, searches, parameter files and trajectories, and print what they hold
 #[derive(Debug, Args)]
 pub struct Check {
     /// Files: .ron, .csv or .tum
@@ -143,11 +144,12 @@ fn describe(path: &Path, unit: LengthUnit) -> Result<Contents> {
         Some(Kind::Morphology) => morphology(&source),
         Some(Kind::Genome) => genome(&source),
         Some(Kind::Study) => study(path),
+        Some(Kind::Search) => search(path),
         Some(Kind::Parameters) => parameters(path),
         Some(Kind::Meta) => meta(path),
         _ => Err(Error::invalid("not a file of ours")
             .at_file(path)
-            .allowed("a morphology (modules, glue), a genome (modules, genes), a study (morphology, parameters), a parameter file (parameters) or a meta.ron (robot, source)")),
+            .allowed("a morphology (modules, glue), a genome (modules, genes), a study (morphology, parameters), a search (strategy), a parameter file (parameters) or a meta.ron (robot, source)")),
     }
 }
 
@@ -297,6 +299,34 @@ fn study(path: &Path) -> Result<Contents> {
         lines,
         details,
         warnings,
+    })
+}
+
+fn search(path: &Path) -> Result<Contents> {
+    let hunt = Hunt::read(path, &Wishes::default())?;
+    let robots = hunt.plan.budget();
+    Ok(Contents {
+        kind: Kind::Search,
+        lines: vec![
+            format!(
+                "  search by {}: {}, {} each of {} s",
+                hunt.plan.name(),
+                counted(robots, "robot"),
+                counted(hunt.repeats, "repeat"),
+                hunt.duration_s
+            ),
+            format!("  made large: {}", hunt.objective.label()),
+        ],
+        details: json!({
+            "strategy": hunt.plan.name(),
+            "robots": robots,
+            "repeats": hunt.repeats,
+            "duration_s": hunt.duration_s,
+            "objective": hunt.objective.label(),
+            "unit": hunt.objective.measure.unit(),
+            "seed": hunt.seed,
+        }),
+        warnings: Vec::new(),
     })
 }
 

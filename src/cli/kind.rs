@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use realgap::file::Source;
+use realgap::hunt::{Hunt, Wishes};
 use realgap::morphology::Morphology;
 use realgap::study::{Overrides, Study};
 use realgap::{Error, Result, trajectory};
@@ -13,6 +14,7 @@ pub enum Kind {
     Morphology,
     Genome,
     Study,
+    Search,
     Parameters,
     Meta,
     Trajectory,
@@ -22,8 +24,9 @@ impl Kind {
     /// What a RON text looks like from its outermost fields; `None` for anything else.
     pub fn of_ron(source: &Source) -> Option<Self> {
         let has = |field: &str| source.locate(field).is_some();
-        // A genome has modules and a study parameters too, so they come first.
+        // A genome has modules, a study and a search have parameters too, so they come first.
         [
+            ("strategy", Self::Search),
             ("genes", Self::Genome),
             ("modules", Self::Morphology),
             ("morphology", Self::Study),
@@ -40,6 +43,7 @@ impl Kind {
             Self::Morphology => "morphology",
             Self::Genome => "genome",
             Self::Study => "study",
+            Self::Search => "search",
             Self::Parameters => "parameter file",
             Self::Meta => "meta.ron of recordings",
             Self::Trajectory => "trajectory",
@@ -59,6 +63,7 @@ impl Kind {
             Self::Study => format!(
                 "`realgap sweep {path}` runs a study; the robot is the file that its field `morphology` names"
             ),
+            Self::Search => format!("`realgap search {path}` searches for the best robot"),
             Self::Parameters => {
                 format!("give it as `--parameters {path}`, beside a robot or a study")
             }
@@ -77,6 +82,11 @@ impl Kind {
 /// Reads a robot.
 pub fn read_morphology(path: &Path) -> Result<Morphology> {
     Morphology::read(path).map_err(|error| explain(path, Kind::Morphology, error))
+}
+
+/// Reads a search.
+pub fn read_search(path: &Path, wishes: &Wishes) -> Result<Hunt> {
+    Hunt::read(path, wishes).map_err(|error| explain(path, Kind::Search, error))
 }
 
 /// Reads a study.

@@ -20,6 +20,7 @@ mod predict;
 mod progress;
 mod record;
 mod results;
+mod search;
 mod sensitivity;
 mod simulate;
 mod sweep;
@@ -50,6 +51,7 @@ The usual way through:
   realgap compare real.csv a.csv --plot gap.png     how far apart are the two?
   realgap sweep sweeps/tripod_floor.ron             which friction and restitution fit best?
   realgap tune sweeps/tripod_floor.ron              the same question with a quarter of the simulations
+  realgap search sweeps/best_robot.ron              which robot walks farthest, and how sure is that?
 
 Exit codes: 0 fine, 1 failed, 2 wrong usage, 130 interrupted (the work so far is saved).";
 
@@ -68,6 +70,7 @@ enum Command {
     Predict(predict::Predict),
     Identify(identify::Identify),
     Record(record::Record),
+    Search(search::Search),
     Develop(develop::Develop),
     Genome(genome::GenomeCommand),
     Export(export::Export),
@@ -108,6 +111,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Predict(predict) => predict.run(),
         Command::Identify(identify) => identify.run(),
         Command::Record(record) => record.run(),
+        Command::Search(search) => search.run(),
         Command::Develop(develop) => develop.run(),
         Command::Genome(genome) => genome.run(),
         Command::Export(export) => export.run(),

@@ -119,6 +119,24 @@ pub fn run(
     stop: &AtomicBool,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Ensemble> {
+    let same = |_| experiment.clone();
+    run_each(experiment, same, noise, seed, repeats, stop, progress)
+}
+
+/// As [`run`], with an experiment of its own for every repeat: `vary` gives that of a repeat by its number, e.g. with another draw of
+/// uncertain parameters. `experiment` is the one without noise.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_each(
+    experiment: &Experiment,
+    vary: impl Fn(u64) -> Experiment + Sync,
+    noise: &Noise,
+    seed: u64,
+    repeats: usize,
+    stop: &AtomicBool,
+    progress: impl Fn(usize) + Sync,
+) -> Result<Ensemble> {
     noise.check()?;
     if repeats == 0 {
         return Err(Error::invalid("an ensemble needs repeats")
@@ -140,7 +158,7 @@ pub fn run(
             if stop.load(Ordering::Relaxed) {
                 return Ok(None);
             }
-            let drawn = noise.perturb(experiment, seed, number);
+            let drawn = noise.perturb(&vary(number), seed, number);
             let (outcome, cpu) = outcome(simulation::run(&drawn)?)?;
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
             let repeat = Repeat {

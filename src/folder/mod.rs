@@ -5,6 +5,8 @@ mod convergence;
 mod ensemble;
 mod gap;
 mod picture;
+mod search;
+mod search_picture;
 mod summary;
 mod table;
 mod verdict;
@@ -16,6 +18,7 @@ use crate::study::{Answer, Method, Problem};
 
 pub use ensemble::{EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report};
 pub use gap::draw_gap;
+pub use search::{BestRobot, SearchSummary, write_search};
 pub use summary::{Best, Correlation, Summary};
 pub use verdict::Verdict;
 
@@ -26,6 +29,7 @@ pub use verdict::Verdict;
 pub fn write(folder: &Path, problem: &Problem, answer: &Answer) -> Result<Summary> {
     remove_old(folder)?;
     table::write_points(folder, problem, answer)?;
+    table::write_indistinguishable(folder, problem, answer)?;
     table::write_scores(folder, problem, answer)?;
     table::write_profiles(folder, answer)?;
     if let Method::Tune(tuned) = &answer.method {
@@ -54,6 +58,7 @@ fn remove_old(folder: &Path) -> Result<()> {
         is_picture
             || [
                 "points.csv",
+                "indistinguishable.csv",
                 "scores.csv",
                 "profiles.csv",
                 "trials.csv",

@@ -178,6 +178,7 @@ impl<'a> Map<'a> {
             subtitle += &format!("; slice through the best point at {}", fixed.join(", "));
         }
         let map = HeatMap {
+            missing: "diverged".to_owned(),
             title: self.title.clone(),
             subtitle,
             x: axis(x),

@@ -41,6 +41,43 @@ pub(super) fn write_points(folder: &Path, problem: &Problem, answer: &Answer) ->
     write(&folder.join("points.csv"), &header, rows)
 }
 
+/// One row a point that cannot be told apart from the best, with the study's fixed values: what `realgap search` draws from.
+pub(super) fn write_indistinguishable(
+    folder: &Path,
+    problem: &Problem,
+    answer: &Answer,
+) -> Result<()> {
+    let Some(uncertainty) = &answer.uncertainty else {
+        return Ok(());
+    };
+    let varied = names(problem);
+    let fixed: Vec<_> = problem
+        .study()
+        .set
+        .iter()
+        .filter(|a| {
+            !varied.contains(&a.parameter.name) && !a.parameter.name.starts_with("recording.")
+        })
+        .collect();
+    let header: Vec<&str> = varied
+        .iter()
+        .copied()
+        .chain(fixed.iter().map(|a| a.parameter.name))
+        .collect();
+    let rows = answer
+        .scores
+        .points
+        .iter()
+        .zip(&uncertainty.indistinguishable)
+        .filter(|(_, is_in)| **is_in)
+        .map(|(point, _)| {
+            let values = point.values.iter().copied();
+            let all = values.chain(fixed.iter().map(|a| a.value));
+            all.map(|value| value.to_string()).collect()
+        });
+    write(&folder.join("indistinguishable.csv"), &header, rows)
+}
+
 /// One row a point and recording, where there are several recordings.
 pub(super) fn write_scores(folder: &Path, problem: &Problem, answer: &Answer) -> Result<()> {
     let recordings = &problem.study().recordings;

@@ -1,5 +1,7 @@
 //! What each of the ten numbers of a gene means: the one table.
 
+use crate::{Error, Result};
+
 /// The meaning of one number of a gene. Every number is from 0 to 1, whatever it means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Locus {
@@ -59,6 +61,21 @@ impl Locus {
             Self::Phase => "phase",
             Self::Offset => "offset",
         }
+    }
+
+    /// The number of this name.
+    ///
+    /// # Errors
+    /// An unknown name, with the known ones.
+    pub fn named(name: &str) -> Result<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|locus| locus.name() == name)
+            .ok_or_else(|| {
+                Error::invalid("a gene has no number of this name")
+                    .found(name)
+                    .allowed(Self::ALL.map(Self::name).join(", "))
+            })
     }
 
     /// True where 0 and 1 are neighbours: a mutation that leaves at one end comes back at the other.

@@ -39,8 +39,10 @@ pub struct HeatMap {
     pub x_values: Vec<f64>,
     /// Values of the vertical parameter, strictly increasing.
     pub y_values: Vec<f64>,
-    /// Row by row, `x` fastest; `None` (and anything not finite) is a diverged simulation.
+    /// Row by row, `x` fastest; `None` (and anything not finite) is no score, e.g. a diverged simulation.
     pub scores: Vec<Option<f64>>,
+    /// What points without a score are called, e.g. `diverged`.
+    pub missing: String,
     /// What the score is, e.g. `PCA discrepancy`.
     pub score_label: String,
     /// Unit in which the scores are given; they are shown in one of handy size.
@@ -132,7 +134,7 @@ impl HeatMap {
         }
         let diverged = self.scores.len() - finite.len();
         if diverged > 0 {
-            entries.push((Symbol::Diverged, format!("diverged ({diverged})")));
+            entries.push((Symbol::Diverged, format!("{} ({diverged})", self.missing)));
         }
         if let Some(truth) = &self.truth {
             let place = format!("{}, {}", self.x.at(truth.x), self.y.at(truth.y));

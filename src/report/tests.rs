@@ -90,6 +90,7 @@ fn valley(nx: usize, ny: usize) -> HeatMap {
         }
     }
     HeatMap {
+        missing: "diverged".to_owned(),
         title: "tripod_floor: which floor makes the simulation match reality?".into(),
         subtitle:
             "4 stand-in recordings, not hardware · 441 points · rapier 0.36.1, 1/240 s, 4 substeps"

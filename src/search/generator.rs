@@ -9,7 +9,7 @@ pub fn generator(seed: u64, step: u64) -> ChaCha8Rng {
     let mut key = [0_u8; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
     key[8..16].copy_from_slice(&step.to_le_bytes());
-    // Noise has the same key and the streams 1 and 2 (`simulation`).
+    // Uncertain parameters have the same key and stream 101 (`hunt`). Servo gains share this one, which couples nothing: they do not choose genomes.
     let mut rng = ChaCha8Rng::from_seed(key);
     rng.set_stream(3);
     rng

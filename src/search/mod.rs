@@ -34,7 +34,9 @@ mod strategy;
 pub use generator::generator;
 pub use operator::{Dose, OPERATORS, Operator, operator_named};
 pub use selection::{SELECTIONS, Selection, selection_named};
-pub use strategy::{Archive, Axis, Evaluated, Evolution, MapElites, Strategy, Variation};
+pub use strategy::{
+    Archive, Axis, Evaluated, Evolution, GeneValues, Grid, MapElites, Strategy, Variation,
+};
 
 use crate::{Error, Result};
 

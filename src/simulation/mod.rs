@@ -11,6 +11,7 @@ mod experiment;
 mod friction;
 mod kinematics;
 mod noise;
+mod posture;
 mod run;
 mod servo;
 mod settle;
@@ -25,6 +26,7 @@ pub use experiment::{
     Solver, Start,
 };
 pub use noise::Noise;
+pub use posture::Posture;
 pub use run::{Run, Status, run, watch};
 pub use settle::{Settling, settle};
 pub use watch::{HingeState, PartState, Push, Snapshot};

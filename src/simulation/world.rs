@@ -425,7 +425,7 @@ fn parameters(experiment: &Experiment) -> IntegrationParameters {
     p
 }
 
-fn to_vector(v: &Vector3<f64>) -> Vector {
+pub(super) fn to_vector(v: &Vector3<f64>) -> Vector {
     Vector::new(narrow(v.x), narrow(v.y), narrow(v.z))
 }
 
@@ -441,7 +441,7 @@ fn to_matrix(m: &Matrix3<f64>) -> Matrix {
     )
 }
 
-fn to_pose(pose: &Isometry3<f64>) -> Pose {
+pub(super) fn to_pose(pose: &Isometry3<f64>) -> Pose {
     let q = pose.rotation.quaternion();
     Pose::from_parts(
         to_vector(&pose.translation.vector),

@@ -1,6 +1,7 @@
 //! Strategies: what to try next, as a pure function of what was tried.
 
 mod evolution;
+mod grid;
 mod map_elites;
 mod variation;
 
@@ -10,6 +11,7 @@ use crate::Result;
 use crate::genome::Genome;
 
 pub use evolution::Evolution;
+pub use grid::{GeneValues, Grid};
 pub use map_elites::{Archive, Axis, MapElites};
 pub use variation::Variation;
 

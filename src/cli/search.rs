@@ -1,0 +1,220 @@
+//! `realgap search`: the best robot, and how sure that is.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Args;
+use realgap::folder::{SearchSummary, write_search};
+use realgap::hunt::{self, Hunt, Mode, Outing, Wishes};
+use realgap::quantity::{Unit, counted};
+use realgap::report::{Side, TextTable, quantity};
+use realgap::tuning::{Ending, pool};
+use realgap::{Error, Result};
+
+use super::kind::read_search;
+use super::option::{Format, Values, recording_unused};
+use super::{interrupt, progress, terminal};
+
+/// Search for the robot that walks best, by what will really happen
+///
+/// Every robot is simulated several times under noise, and under what tuning left open (--indistinguishable). The best are looked
+/// at again with new draws, at half and double timestep and substeps and with the other joint kind; one that does not walk the same there
+/// is marked and ranked last. Results reach the folder as they come; Ctrl-C saves, --resume goes on with the same bits.
+///
+/// The folder gets history.csv, fitness.png, best/*.ron with a prediction card each (.json), gallery.png, paths.png,
+/// summary.json, and for map-elites archive.csv and archive.png.
+#[derive(Debug, Args)]
+pub struct Search {
+    /// The search, e.g. sweeps/best_robot.ron
+    search: PathBuf,
+    /// Folder for the results [default: results/<search>]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    values: Values,
+    /// Let every repeat use one of the points that cannot be told from the best of this results folder of sweep or tune
+    #[arg(long, value_name = "DIR")]
+    indistinguishable: Option<PathBuf>,
+    /// Seed in place of the file's own
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// Threads [default: all cores]
+    #[arg(short, long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    /// Go on with an interrupted run
+    #[arg(long, conflicts_with = "restart")]
+    resume: bool,
+    /// Throw old results in the folder away and start anew
+    #[arg(long)]
+    restart: bool,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Search {
+    pub fn run(self) -> Result<ExitCode> {
+        let set = self.values.parameter_set()?;
+        terminal::print_warnings(&recording_unused(&set));
+        let wishes = Wishes {
+            set,
+            indistinguishable: self.indistinguishable.clone(),
+            seed: self.seed,
+        };
+        let hunt = read_search(&self.search, &wishes)?;
+        let folder = match &self.output {
+            Some(folder) => folder.clone(),
+            None => PathBuf::from("results").join(&hunt.name),
+        };
+        let jobs = self
+            .jobs
+            .or_else(|| std::thread::available_parallelism().ok())
+            .map_or(1, NonZeroUsize::get);
+        let stop = interrupt::stop_flag()?;
+        let outing = Outing {
+            folder: &folder,
+            mode: match (self.resume, self.restart) {
+                (true, _) => Mode::Resume,
+                (_, true) => Mode::Restart,
+                _ => Mode::Start,
+            },
+            jobs,
+            stop,
+        };
+        let started = Instant::now();
+        let unit = hunt.objective.measure.unit();
+        let bar = progress::bar(hunt.plan.budget(), "searching");
+        let mut first = true;
+        let quarry = hunt::search(&hunt, &outing, |done, best| {
+            bar.set_position(done as u64);
+            if std::mem::take(&mut first) {
+                // Rate and time left count from here, not from what an earlier run did.
+                bar.reset_eta();
+            }
+            if let Some(best) = best {
+                bar.set_message(format!("searching, best {}", quantity(best, unit)));
+            }
+        });
+        bar.finish_and_clear();
+        let quarry = quarry?;
+        let mut finalists = Ok(Vec::new());
+        if quarry.ending == Ending::Complete {
+            let bar = progress::bar(hunt.finals.count, "looking at the best again");
+            finalists = pool(jobs)?.install(|| {
+                hunt.finalists(&quarry.robots, stop, |done| bar.set_position(done as u64))
+            });
+            bar.finish_and_clear();
+        }
+        let known = finalists.as_ref().map_or(&[][..], Vec::as_slice);
+        let summary = write_search(&folder, &hunt, &quarry, known)?;
+        terminal::print_warnings(&summary.warnings);
+        match self.format {
+            Format::Json => terminal::print(terminal::json(&summary)?),
+            Format::Table => {
+                let wall_s = started.elapsed().as_secs_f64();
+                let head = format!("{wall_s:.1} s on {}", counted(jobs, "thread"));
+                print(&summary, &hunt, &head);
+                terminal::print(format!(
+                    "  results in {}: summary.json, history.csv, best/ and pictures",
+                    folder.display()
+                ));
+            }
+        }
+        let go_on = format!(
+            "go on with: realgap search {} --resume (and the same options)",
+            self.search.display()
+        );
+        if quarry.ending == Ending::Interrupted {
+            return Err(Error::interrupted(format!(
+                "interrupted after {} of {} robots; all of them are saved",
+                summary.robots, summary.robots_total
+            ))
+            .at_file(&folder)
+            .hint(go_on));
+        }
+        finalists.map_err(|e| e.at_file(&folder).hint(go_on))?;
+        if summary.best.is_empty() {
+            return Err(
+                Error::invalid("every robot failed, so there is no best one")
+                    .at_file(&self.search)
+                    .hint("history.csv says why: see its columns `status` and `seen`"),
+            );
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+fn print(summary: &SearchSummary, hunt: &Hunt, head: &str) {
+    let unit = hunt.objective.measure.unit();
+    let failures: Vec<String> = summary
+        .failures
+        .iter()
+        .map(|(reason, count)| format!("{count} {reason}"))
+        .collect();
+    let mut lines = vec![format!(
+        "{}: {} of {} by {}, {} each of {} s, {head}",
+        summary.search,
+        summary.robots,
+        counted(summary.robots_total, "robot"),
+        summary.strategy,
+        counted(summary.repeats, "repeat"),
+        summary.duration_s,
+    )];
+    if !failures.is_empty() {
+        lines.push(format!("  failed: {}", failures.join(", ")));
+    }
+    if let Some([filled, all]) = summary.archive {
+        lines.push(format!("  archive: {filled} of {all} cells"));
+    }
+    if let Some(best) = summary.best_fitness {
+        lines.push(format!(
+            "  best in the search: {} ({})",
+            quantity(best, unit),
+            summary.objective
+        ));
+    }
+    if !summary.best.is_empty() {
+        let mut table = TextTable::new([
+            ("rank", Side::Right),
+            ("robot", Side::Left),
+            ("modules", Side::Right),
+            ("in the search", Side::Right),
+            ("new draws", Side::Right),
+            ("displacement, 90 %", Side::Right),
+            ("P(success)", Side::Right),
+            ("survives", Side::Left),
+        ]);
+        let metres = |value: f64| quantity(value, Unit::Metre);
+        for robot in &summary.best {
+            table.push(vec![
+                robot.rank.to_string(),
+                robot.file.clone(),
+                robot.modules.to_string(),
+                robot
+                    .search_fitness
+                    .map_or("-".to_owned(), |f| quantity(f, unit)),
+                robot.fitness.map_or("-".to_owned(), |f| quantity(f, unit)),
+                robot
+                    .displacement_q05_q95_m
+                    .map_or("-".to_owned(), |[a, b]| {
+                        format!("{} to {}", metres(a), metres(b))
+                    }),
+                robot
+                    .success
+                    .map_or("-".to_owned(), |p| format!("{:.0} %", 100.0 * p)),
+                match (robot.survives, robot.largest_change, robot.worst_rerun) {
+                    (true, ..) => "yes".to_owned(),
+                    (_, Some(change), Some(worst)) => {
+                        format!("NO: changes by {:.0} % at {worst}", 100.0 * change)
+                    }
+                    (_, _, worst) => format!("NO: fails at {}", worst.unwrap_or("reruns")),
+                },
+            ]);
+        }
+        let rendered = table.render(terminal::stdout_wants_colour());
+        lines.push(rendered.trim_end().to_owned());
+    }
+    terminal::print(lines.join("\n"));
+}

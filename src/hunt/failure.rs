@@ -1,0 +1,111 @@
+//! Why a robot has no fitness.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// What went wrong, by kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reason {
+    /// The genome builds no robot.
+    DoesNotDevelop,
+    /// A plate hits its own robot when it follows its gait.
+    PlateBlocked,
+    /// The robot keeps on moving when it is put down.
+    NotSettled,
+    /// The robot falls onto another side when it is put down.
+    Toppled,
+    /// The simulation's state became absurd.
+    Diverged,
+    /// The robot left the floor by more than the rules allow.
+    Flying,
+    /// Parts of the robot went into each other by more than the rules allow.
+    SelfPenetrating,
+}
+
+impl Reason {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::DoesNotDevelop,
+        Self::PlateBlocked,
+        Self::NotSettled,
+        Self::Toppled,
+        Self::Diverged,
+        Self::Flying,
+        Self::SelfPenetrating,
+    ];
+
+    /// A stable short name, for tables and the store.
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::DoesNotDevelop => "does-not-develop",
+            Self::PlateBlocked => "plate-blocked",
+            Self::NotSettled => "not-settled",
+            Self::Toppled => "toppled",
+            Self::Diverged => "diverged",
+            Self::Flying => "flying",
+            Self::SelfPenetrating => "self-penetrating",
+        }
+    }
+}
+
+/// A failure: the kind and what was seen.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Failure {
+    /// The kind.
+    pub reason: Reason,
+    /// What was seen.
+    pub seen: String,
+}
+
+impl Failure {
+    /// A failure.
+    pub fn new(reason: Reason, seen: impl fmt::Display) -> Self {
+        Self {
+            reason,
+            seen: seen.to_string(),
+        }
+    }
+
+    /// Reads back what [`Failure`] is displayed as; anything else is a divergence.
+    pub fn parse(text: &str) -> Self {
+        let known = text.split_once(": ").and_then(|(code, seen)| {
+            let reason = Reason::ALL.into_iter().find(|r| r.code() == code)?;
+            Some(Self::new(reason, seen))
+        });
+        known.unwrap_or_else(|| Self::new(Reason::Diverged, text))
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.reason.code(), self.seen)
+    }
+}
+
+/// What counts as a failure.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Rules {
+    /// Whether a robot fails whose plate would hit itself.
+    pub plate_blocked: bool,
+    /// Whether a robot fails that does not stand as it was put down (still moving, or toppled).
+    pub unstable: bool,
+    /// A robot flies when its lowest point is higher above the floor than this, in body lengths.
+    pub flight_body_lengths: f64,
+    /// Deepest that two parts may be inside each other, in body lengths.
+    pub overlap_body_lengths: f64,
+}
+
+impl Default for Rules {
+    /// Assumed: a walking cube hops by millimetres, and the contact model lets boxes sink into each other by less than one.
+    fn default() -> Self {
+        Self {
+            plate_blocked: true,
+            unstable: true,
+            flight_body_lengths: 1.0,
+            overlap_body_lengths: 0.1,
+        }
+    }
+}

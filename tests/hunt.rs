@@ -1,0 +1,542 @@
+//! The search for robots: failures with reasons, the same bits however it runs, finalists that survive or are marked.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use common::{project, read, realgap, summary, text};
+use realgap::file::Source;
+use realgap::genome::{Gene, Genome};
+use realgap::hunt::{Hunt, Judged, Reason, Wishes};
+use realgap::search::Evaluated;
+
+/// A hunt of this text inside `Search( … )`.
+fn hunt(body: &str) -> Hunt {
+    let source = Source::new(
+        project().join("sweeps/test.ron"),
+        format!("Search(\n{body}\n)"),
+    );
+    Hunt::parse(&source, &Wishes::default()).unwrap()
+}
+
+fn error(body: &str) -> String {
+    let source = Source::new(
+        project().join("sweeps/test.ron"),
+        format!("Search(\n{body}\n)"),
+    );
+    Hunt::parse(&source, &Wishes::default())
+        .unwrap_err()
+        .to_string()
+}
+
+fn judge(hunt: &Hunt, genes: &[[f64; 10]]) -> Judged {
+    let genome = Genome::new(genes.iter().map(|g| Gene::clamped(*g)).collect()).unwrap();
+    let trial = hunt.evaluate(0, &genome).unwrap();
+    hunt.judge(&trial).unwrap()
+}
+
+/// An active cube whose driven face looks along +x (0), −x, +y, −y, +z (4), −z (5), under a passive one.
+fn walker(face: f64) -> [[f64; 10]; 2] {
+    [
+        [
+            0.9,
+            0.0,
+            0.0,
+            face / 6.0 + 0.01,
+            0.0,
+            0.0,
+            1.0,
+            1.0,
+            0.0,
+            0.5,
+        ],
+        [0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    ]
+}
+
+const QUICK: &str =
+    "strategy: Evolution(population: 4, generations: 2), duration_s: 0.5, repeats: 2,
+    finalists: (count: 2, repeats: 3),";
+
+#[test]
+fn every_reason_to_fail_is_reached_and_has_no_fitness() {
+    let of = |extra: &str, genes: &[[f64; 10]]| judge(&hunt(&format!("{QUICK} {extra}")), genes);
+    // A second servo whose plate would be glued onto the first one's.
+    let mut on_servo = walker(4.0);
+    on_servo[1] = [
+        0.9,
+        0.0,
+        0.0,
+        5.0 / 6.0 + 0.01,
+        0.0,
+        0.0,
+        0.5,
+        0.5,
+        0.0,
+        0.5,
+    ];
+    // Found by searches; rounded where that changes nothing.
+    let leaning = [
+        [
+            0.798, 0.388, 0.864, 0.977, 0.978, 0.053, 0.97, 0.927, 0.656, 0.778,
+        ],
+        [
+            0.871, 0.419, 0.962, 0.54, 0.365, 0.26, 0.904, 0.914, 0.188, 0.958,
+        ],
+    ];
+    let blocked = [
+        [
+            0.458, 0.424, 0.934, 0.314, 0.411, 0.247, 0.947, 0.048, 0.942, 0.456,
+        ],
+        [
+            0.789, 0.457, 0.853, 0.014, 0.931, 0.856, 0.174, 0.058, 0.295, 0.976,
+        ],
+        [
+            0.969, 0.464, 0.171, 0.621, 0.727, 0.808, 0.484, 0.447, 0.424, 0.061,
+        ],
+    ];
+    // The plate of one module reaches into the cube that another turns.
+    let tangled = [
+        [
+            0.798, 0.388, 0.731, 0.977, 0.978, 0.053, 0.97, 0.955, 0.975, 0.778,
+        ],
+        [
+            0.798, 0.388, 0.886, 0.977, 0.978, 0.053, 0.97, 0.927, 0.975, 0.778,
+        ],
+    ];
+    let restless = [
+        [
+            0.8708804516736857,
+            0.4186639824465226,
+            0.5637615154959295,
+            0.540339337017669,
+            0.4005760798314717,
+            0.25002588297536865,
+            0.6294502733382665,
+            0.8536996250567298,
+            0.05448183828674272,
+            0.9577515437336251,
+        ],
+        [
+            0.8708804516736857,
+            0.4186639824465226,
+            0.5637615154959295,
+            0.540339337017669,
+            0.36481310312599624,
+            0.25002588297536865,
+            0.6294502733382665,
+            0.8536996250567298,
+            0.05448183828674272,
+            0.9577515437336251,
+        ],
+        [
+            0.24698170147945064,
+            0.31482890183653023,
+            0.2518421917011604,
+            0.7122441258056884,
+            0.9974744743046555,
+            0.6058948031932075,
+            0.757409641608364,
+            0.8842836689747866,
+            0.3296744137946557,
+            0.7964229329277053,
+        ],
+        [
+            0.9646462335961846,
+            0.5811063106886973,
+            0.8414525785086477,
+            0.7984103803708427,
+            0.6342693512026119,
+            0.2405542922825935,
+            0.7198192396461782,
+            0.012503768776205737,
+            0.13005566133227942,
+            0.07634973077337981,
+        ],
+    ];
+    for (expected, judged) in [
+        (Reason::DoesNotDevelop, of("", &on_servo)),
+        (Reason::PlateBlocked, of("", &blocked)),
+        (Reason::Toppled, of("", &leaning)),
+        (Reason::SelfPenetrating, of("", &tangled)),
+        (Reason::NotSettled, of("", &restless)),
+        // Too light for its servo, which throws it.
+        (
+            Reason::Flying,
+            of(
+                "failures: (unstable: false, plate_blocked: false, overlap_body_lengths: 1e6),
+                 development: (active_mass_kg: 0.000001, passive_mass_kg: 0.000001, plate_mass_kg: 0.000001, servo_gain_1_s: 100000,
+                    servo_max_torque_nm: 10000, servo_max_speed_rad_s: 10000, amplitude_rad: (1000, 1000), frequency_hz: (100, 100)),",
+                &walker(0.0),
+            ),
+        ),
+        // A kilometre down a slope of ice.
+        (
+            Reason::Diverged,
+            judge(
+                &hunt(
+                    "strategy: Evolution(), duration_s: 20.0, repeats: 1, failures: (unstable: false),
+                     set: {\"floor.slope_rad\": 0.5, \"floor.friction\": 0.0},",
+                ),
+                &[[0.1; 10]],
+            ),
+        ),
+    ] {
+        assert_eq!(judged.failure.as_ref().map(|f| f.reason), Some(expected), "{judged:?}");
+        assert_eq!(judged.fitness, None);
+    }
+}
+
+#[test]
+fn a_lone_passive_cube_is_legal_and_goes_nowhere() {
+    let judged = judge(&hunt(QUICK), &[[0.1; 10]]);
+    assert!(judged.failure.is_none(), "{judged:?}");
+    assert!(judged.fitness.unwrap() < 1e-3, "{judged:?}");
+}
+
+#[test]
+fn grid_and_cma_es_keep_the_contract_of_strategies() {
+    let start = "start: Morphology(\"../morphologies/tripod.ron\"), duration_s: 1.0,
+        development: (amplitude_rad: (0.0, 1.1), frequency_hz: (0.5, 1.5), offset_rad: (-1.0, 1.0)),";
+    let grid = "strategy: Grid(genes: [(module: 1, gene: \"amplitude\", values: [0.2, 0.8]), (gene: \"phase\", values: [0, 0.5, 1])]),";
+    let brain = "strategy: CmaEs(evaluations: 25, genes: [\"amplitude\", \"phase\"]),";
+    for (strategy, budget) in [(grid, 6), (brain, 25)] {
+        let hunt = hunt(&format!("{strategy} {start}"));
+        let mut history: Vec<Evaluated> = Vec::new();
+        loop {
+            let proposed = hunt.plan.strategy().propose(&history).unwrap();
+            // Pure: asked again, the same; asked in the middle of a batch, the rest of it.
+            assert_eq!(proposed, hunt.plan.strategy().propose(&history).unwrap());
+            if proposed.is_empty() {
+                break;
+            }
+            let evaluated: Vec<Evaluated> = proposed
+                .iter()
+                .map(|genome| Evaluated {
+                    genome: genome.clone(),
+                    fitness: Some(genome.genes()[1].values()[6]).filter(|f| *f > 0.2),
+                    descriptors: Vec::new(),
+                })
+                .collect();
+            let mut partial = history.clone();
+            partial.push(evaluated[0].clone());
+            assert_eq!(
+                hunt.plan.strategy().propose(&partial).unwrap()[..proposed.len() - 1],
+                proposed[1..]
+            );
+            history.extend(evaluated);
+            assert!(history.len() <= budget);
+            // A fixed body: one gene a module.
+            assert!(history.iter().all(|e| e.genome.len() == 4));
+        }
+        assert_eq!((history.len(), hunt.plan.budget()), (budget, budget));
+    }
+}
+
+#[test]
+fn what_cannot_be_searched_is_refused_with_its_place() {
+    let good = "duration_s: 1.0, strategy: Evolution(population: 4),";
+    for (body, words) in [
+        (
+            "duration_s: 0.0, strategy: Evolution(),",
+            vec!["duration_s", "0.01"],
+        ),
+        (
+            "duration_s: 1.0, strategy: Evolution(population: 0),",
+            vec!["test.ron:2", "population"],
+        ),
+        (
+            "duration_s: 1.0, strategy: Evolution(variation: (crossover: \"sawing\")),",
+            vec!["sawing", "one-point"],
+        ),
+        (
+            "duration_s: 1.0, strategy: Evolution(variation: (mutation_rate: NaN)),",
+            vec!["mutation_rate", "NaN"],
+        ),
+        (
+            "duration_s: 1.0, strategy: Annealing(),",
+            vec!["Annealing", "Evolution"],
+        ),
+        (
+            "duration_s: 1.0, strategy: MapElites(),",
+            vec!["archive without descriptors"],
+        ),
+        (
+            "duration_s: 1.0, strategy: MapElites(axes: [(name: \"beauty\", from: 0, to: 1, cells: 2)]),",
+            vec!["beauty", "height_m"],
+        ),
+        (
+            "duration_s: 1.0, strategy: CmaEs(),",
+            vec!["start", "Morphology"],
+        ),
+        (
+            "duration_s: 1.0, strategy: CmaEs(genes: [\"kind\"]), start: Morphology(\"../morphologies/tripod.ron\"),",
+            vec!["body is fixed", "kind"],
+        ),
+        (
+            "duration_s: 1.0, strategy: Evolution(), start: Morphology(\"../morphologies/tripod.ron\"),",
+            vec!["start"],
+        ),
+        (
+            &format!("{good} objective: (measure: SpeedPerEnergy),"),
+            vec!["speed per energy", "work of the servos"],
+        ),
+        (
+            &format!("{good} objective: (aggregate: LowerQuantile(1.5)),"),
+            vec!["1.5", "0 to 1"],
+        ),
+        (
+            &format!("{good} parameters: [(name: \"floor.friction\", low: 0.5, high: 0.3)],"),
+            vec!["wrong order"],
+        ),
+        (
+            &format!("{good} parameters: [(name: \"floor.fricton\", low: 0.5, high: 0.3)],"),
+            vec!["floor.friction"],
+        ),
+        (&format!("{good} repeats: 0,"), vec!["repeats"]),
+        (
+            &format!("{good} finalists: (tolerance: NaN),"),
+            vec!["tolerance"],
+        ),
+        (
+            &format!("{good} development: (side_m: NaN),"),
+            vec!["side_m"],
+        ),
+        (&format!("{good} speling: 1,"), vec!["speling"]),
+    ] {
+        let message = error(body);
+        for word in words {
+            assert!(message.contains(word), "{body}\n{message}");
+        }
+    }
+}
+
+/// A quick search in a file of its own.
+fn quick(folder: &Path, body: &str) -> PathBuf {
+    let path = folder.join("quick.ron");
+    std::fs::write(&path, format!("Search(\n{body}\n)\n")).unwrap();
+    path
+}
+
+const SMALL: &str = "strategy: Evolution(population: 6, generations: 3, variation: (max_modules: 3)), duration_s: 1.0, repeats: 3,
+    parameters: [(name: \"floor.friction\", low: 0.4, high: 0.6)],
+    finalists: (count: 2, repeats: 5),";
+
+/// Everything that must not depend on how a search was run.
+fn results(folder: &Path) -> String {
+    let mut best: Vec<PathBuf> = std::fs::read_dir(folder.join("best"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "ron"))
+        .collect();
+    best.sort();
+    assert!(!best.is_empty());
+    let mut all = read(folder, "history.csv") + &read(folder, "summary.json");
+    for path in best {
+        all += &std::fs::read_to_string(path).unwrap();
+    }
+    all
+}
+
+#[test]
+fn threads_and_kill_9_do_not_change_a_bit_and_everything_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = quick(folder.path(), SMALL);
+    let run = |out: &Path, more: &[&str]| {
+        let mut command = realgap();
+        command
+            .arg("search")
+            .arg(&file)
+            .args(more)
+            .arg("-o")
+            .arg(out);
+        command.assert()
+    };
+    let whole = folder.path().join("whole");
+    run(&whole, &["--jobs", "1"]).success();
+    let threads = folder.path().join("threads");
+    let said = run(&threads, &["--jobs", "3", "--format", "json"]).success();
+    assert_eq!(results(&whole), results(&threads));
+    let said: serde_json::Value = serde_json::from_str(&text(&said.get_output().stdout)).unwrap();
+    assert_eq!(said, summary(&threads));
+    assert_eq!(said["robots"], 14);
+
+    let killed = folder.path().join("killed");
+    let mut process = Command::new(env!("CARGO_BIN_EXE_realgap"))
+        .arg("search")
+        .arg(&file)
+        .args(["--jobs", "1", "-o"])
+        .arg(&killed)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    wait_for_robots(&killed, 3);
+    process.kill().unwrap();
+    process.wait().unwrap();
+    let refused = run(&killed, &[]).code(1);
+    let said = text(&refused.get_output().stderr);
+    assert!(said.contains("--resume"), "{said}");
+    run(&killed, &["--resume"]).success();
+    assert_eq!(results(&whole), results(&killed));
+    // Another seed is another search.
+    let refused = run(&killed, &["--resume", "--seed", "9"]).code(1);
+    assert!(text(&refused.get_output().stderr).contains("seed"));
+
+    for picture in ["fitness", "gallery", "paths"] {
+        for ending in ["png", "svg"] {
+            let path = whole.join(format!("{picture}.{ending}"));
+            assert!(
+                std::fs::metadata(&path).unwrap().len() > 3_000,
+                "{}",
+                path.display()
+            );
+        }
+    }
+    let best = &summary(&whole)["best"][0];
+    let file = best["file"].as_str().unwrap();
+    let card: serde_json::Value =
+        serde_json::from_str(&read(&whole.join("best"), &format!("{file}.json"))).unwrap();
+    assert!(
+        card["prediction"]["displacement_m"]["q05"].is_number(),
+        "{card}"
+    );
+    assert_eq!(card["reruns"].as_array().unwrap().len(), 5);
+    // What was found can be used by every other command.
+    for ending in ["ron", "genome.ron"] {
+        let path = whole.join("best").join(format!("{file}.{ending}"));
+        realgap().arg("check").arg(path).assert().success();
+    }
+}
+
+fn wait_for_robots(folder: &Path, count: usize) {
+    let started = Instant::now();
+    while started.elapsed() < Duration::from_secs(60) {
+        if let Ok(store) = realgap::store::Store::read(folder)
+            && store
+                .finished()
+                .is_ok_and(|finished| finished.len() >= count)
+        {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    panic!("no {count} robots in {} after a minute", folder.display());
+}
+
+#[test]
+fn an_archive_is_written_and_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = quick(
+        folder.path(),
+        "strategy: MapElites(initial: 8, batch: 4, evaluations: 16, variation: (max_modules: 3), axes: [
+            (name: \"modules\", from: 0.5, to: 3.5, cells: 3), (name: \"active_faces\", from: -0.5, to: 3.5, cells: 4)]),
+         duration_s: 0.5, repeats: 2, finalists: (count: 2, repeats: 3),",
+    );
+    let out = folder.path().join("out");
+    realgap()
+        .arg("search")
+        .arg(&file)
+        .arg("-o")
+        .arg(&out)
+        .assert()
+        .success();
+    let archive = read(&out, "archive.csv");
+    assert!(
+        archive
+            .starts_with("modules_cell,active_faces_cell,modules,active_faces,robot,fitness,unit")
+    );
+    let filled = summary(&out)["archive"][0].as_u64().unwrap();
+    assert_eq!(archive.lines().count() as u64, 1 + filled);
+    assert!(std::fs::metadata(out.join("archive.png")).unwrap().len() > 3_000);
+}
+
+#[test]
+fn shipped_searches_are_sound() {
+    for name in ["best_robot", "best_tripod_gait"] {
+        let path = project().join(format!("sweeps/{name}.ron"));
+        let out = realgap().arg("check").arg(path).assert().success();
+        assert!(text(&out.get_output().stdout).contains("search by"));
+    }
+}
+
+#[test]
+fn the_mujoco_tool_reruns_finalists_where_there_is_mujoco() {
+    use std::io::Write as _;
+    let python = std::env::var("REALGAP_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let importable = Command::new(&python)
+        .args(["-c", "import mujoco, numpy"])
+        .output()
+        .is_ok_and(|done| done.status.success());
+    if !importable {
+        // Not `eprintln!`, which the test harness hides where a test passes.
+        let _ = writeln!(
+            std::io::stderr(),
+            "SKIPPED: {python} cannot import mujoco and numpy (tools/requirements.txt, REALGAP_PYTHON)"
+        );
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = quick(folder.path(), SMALL);
+    let out = folder.path().join("out");
+    realgap()
+        .arg("search")
+        .arg(&file)
+        .arg("-o")
+        .arg(&out)
+        .assert()
+        .success();
+    let done = Command::new(&python)
+        .arg(project().join("tools/rerun_finalists.py"))
+        .arg(&out)
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .output()
+        .unwrap();
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    let report: serde_json::Value =
+        serde_json::from_str(&read(&out.join("best"), "mujoco.json")).unwrap();
+    let robots = report["robots"].as_array().unwrap();
+    assert_eq!(robots.len(), 2);
+    assert!(
+        robots.iter().all(|r| r["mujoco_m"].as_f64().unwrap() < 1.0),
+        "{report}"
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_saves_draws_and_exits_with_130() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = quick(
+        folder.path(),
+        "strategy: Evolution(population: 200, generations: 1, variation: (max_modules: 2)), duration_s: 5.0,",
+    );
+    let out = folder.path().join("out");
+    let mut process = Command::new(env!("CARGO_BIN_EXE_realgap"))
+        .arg("search")
+        .arg(&file)
+        .args(["--jobs", "1", "-o"])
+        .arg(&out)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    wait_for_robots(&out, 3);
+    let pid = process.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &pid])
+            .status()
+            .unwrap()
+            .success()
+    );
+    assert_eq!(process.wait().unwrap().code(), Some(130));
+    let summary = summary(&out);
+    assert_eq!(summary["complete"], false);
+    let robots = summary["robots"].as_u64().unwrap();
+    assert!((3..200).contains(&robots), "{robots}");
+    assert_eq!(read(&out, "history.csv").lines().count() as u64, 1 + robots);
+}
