@@ -1,6 +1,5 @@
 //! What `sweep` and `tune` share: their options, and how the answer is printed.
 
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -13,7 +12,7 @@ use realgap::tuning::{Ending, UncertaintySource};
 use realgap::{Error, Result, Warning};
 
 use super::kind::read_study;
-use super::option::{Format, Recordings, Values};
+use super::option::{Format, Jobs, Recordings, Values};
 use super::terminal;
 
 #[derive(Debug, Args)]
@@ -39,9 +38,8 @@ pub struct StudyOptions {
     hold_out: Option<f64>,
     #[command(flatten)]
     values: Values,
-    /// Threads [default: all cores]
-    #[arg(short, long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// Go on with an interrupted run
     #[arg(long, conflicts_with = "restart")]
     resume: bool,
@@ -101,9 +99,7 @@ impl StudyOptions {
     }
 
     pub fn jobs(&self) -> usize {
-        self.jobs
-            .or_else(|| std::thread::available_parallelism().ok())
-            .map_or(1, NonZeroUsize::get)
+        self.jobs.count()
     }
 
     /// Writes the folder and prints the answer of the command called `name`.

@@ -1,7 +1,6 @@
 //! `realgap ensemble`: repeats of a study's experiment under its noise.
 
 use std::collections::BTreeMap;
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
@@ -18,7 +17,7 @@ use realgap::trajectory::{self, Source};
 use realgap::{Error, Result, Warning};
 use serde::Serialize;
 
-use super::option::{Format, Recordings, Values};
+use super::option::{Format, Jobs, Recordings, Values};
 use super::{forecast, interrupt, progress, terminal};
 
 /// Repeat a study's experiment under its noise: what will really happen, and how sure may we be?
@@ -48,9 +47,8 @@ pub struct Ensemble {
     /// Simulate repeat K alone and write its motion to the file named with -o (.csv or .tum)
     #[arg(long, value_name = "K", requires = "output")]
     only: Option<u64>,
-    /// Threads [default: all cores]
-    #[arg(short, long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// Folder for the results [default: results/<study>_ensemble]; with --only, a file
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -105,7 +103,7 @@ impl Ensemble {
             PathBuf::from("results").join(format!("{}_ensemble", ready.study.name))
         });
         let stop = interrupt::stop_flag()?;
-        let pool = forecast::pool(self.jobs)?;
+        let pool = self.jobs.pool()?;
         let total = ready.cases.len() * self.repeats as usize;
         let bar = progress::bar(total, "repeating");
         let mut ensembles: Vec<(&RepeatCase, Repeats)> = Vec::new();

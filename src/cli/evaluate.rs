@@ -1,19 +1,18 @@
 //! `realgap evaluate`: how well one setting predicts recordings.
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
+use realgap::Result;
 use realgap::identification::StartState;
 use realgap::parameter::ParameterSet;
 use realgap::quantity::counted;
 use realgap::report::{Side, TextTable};
 use realgap::study::{Evaluation, Overrides, Problem, Spread, evaluate};
-use realgap::{Error, Result};
 
 use super::kind::read_study;
-use super::option::{Format, Recordings, StartOption, Values};
+use super::option::{Format, Jobs, Recordings, StartOption, Values};
 use super::{progress, terminal};
 
 /// Simulate a study once per recording with given values and report pose errors over the recordings
@@ -34,9 +33,8 @@ pub struct Evaluate {
     /// Add one row per recording
     #[arg(long)]
     rows: bool,
-    /// Threads [default: all cores]
-    #[arg(short, long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -52,18 +50,7 @@ impl Evaluate {
             ..self.recordings.overrides()?
         };
         let problem = Problem::new(read_study(&self.study, &overrides)?)?;
-        // More threads than recordings would only wait; 0 is all cores.
-        let jobs = self
-            .jobs
-            .map_or(0, NonZeroUsize::get)
-            .min(problem.cases().len());
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(jobs)
-            .build()
-            .map_err(|e| {
-                Error::conflict(format!("cannot start {jobs} threads: {e}"))
-                    .hint("use fewer --jobs")
-            })?;
+        let pool = self.jobs.pool()?;
         let bar = progress::bar(problem.cases().len(), "evaluating");
         // Every value is in the study's own set by now.
         let result = pool.install(|| {

@@ -1,23 +1,12 @@
 //! Printing what an ensemble says: shared by `ensemble` and `predict`.
 
-use std::num::NonZeroUsize;
-
 use realgap::ensemble::{Reality, Spread, Summary};
 use realgap::quantity::Unit;
 use realgap::report::{Side, TextTable, quantity};
 use realgap::statistic::Proportion;
-use realgap::{Error, Result};
 
 /// Most repeats: the distances of all pairs are held in memory.
 pub const MOST_REPEATS: i64 = 5000;
-
-/// A pool of this many threads, or of all cores.
-pub fn pool(jobs: Option<NonZeroUsize>) -> Result<rayon::ThreadPool> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(jobs.map_or(0, NonZeroUsize::get))
-        .build()
-        .map_err(|e| Error::conflict(format!("cannot start threads: {e}")).hint("use fewer --jobs"))
-}
 
 /// `62 % (95 %: 55 to 68 %)`.
 pub fn percent(p: &Proportion) -> String {

@@ -1,6 +1,5 @@
 //! `realgap gap`: how many noise floors is the simulation away from reality, and until when may it be trusted?
 
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -19,7 +18,7 @@ use realgap::{Error, Result, Warning};
 use serde::Serialize;
 
 use super::kind::read_study;
-use super::option::{Format, Recordings, Values};
+use super::option::{Format, Jobs, Recordings, Values};
 use super::{forecast, interrupt, progress, terminal};
 
 /// How many noise floors is the simulation away from reality, and until when may it be trusted?
@@ -52,9 +51,8 @@ pub struct Gap {
     /// Seed of noise and resamples [default: the study's, or 1]
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
-    /// Threads [default: all cores]
-    #[arg(short, long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// Folder for the results [default: results/<study>_gap; without a study nothing is written unless named]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -128,7 +126,7 @@ impl Gap {
             .unwrap_or_else(|| PathBuf::from("results").join(format!("{}_gap", study.name)));
         let stop = interrupt::stop_flag()?;
         let bar = progress::bar(0, "simulating");
-        let found = forecast::pool(self.jobs)?.install(|| {
+        let found = self.jobs.pool()?.install(|| {
             study_gap(&problem, &options, stop, |done, total| {
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);
@@ -170,7 +168,7 @@ impl Gap {
             seed,
         };
         let sets = read_sets(&self.recordings.overrides()?, self.group.as_deref())?;
-        let pool = forecast::pool(self.jobs)?;
+        let pool = self.jobs.pool()?;
         let mut reports = Vec::new();
         for set in sets {
             let mut floor = pool.install(|| noise_floor(&set.runs, &scoring))?;

@@ -51,6 +51,9 @@ The usual way through:
   realgap compare real.csv a.csv --plot gap.png     how far apart are the two?
   realgap sweep sweeps/tripod_floor.ron             which friction and restitution fit best?
   realgap tune sweeps/tripod_floor.ron              the same question with a quarter of the simulations
+  realgap gap sweeps/tripod_floor.ron               how many noise floors between the two?
+  realgap predict morphologies/tripod.ron           how far will the robot go, how likely, in which ways?
+  realgap search sweeps/best_tripod_gait.ron        which gait takes it farthest, whatever the floor turns out to be?
   realgap search sweeps/best_robot.ron              which robot walks farthest, and how sure is that?
 
 Exit codes: 0 fine, 1 failed, 2 wrong usage, 130 interrupted (the work so far is saved).";

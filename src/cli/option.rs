@@ -9,7 +9,7 @@ use realgap::parameter::{Assignment, ParameterSet};
 use realgap::quantity::LengthUnit;
 use realgap::simulation::{JointKind, Solver};
 use realgap::study::{Overrides, Part, read_parameters};
-use realgap::{Result, Warning};
+use realgap::{Result, Warning, tuning};
 
 /// How results are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -138,6 +138,28 @@ impl Recordings {
             unit: LengthUnit::from(self.unit),
             ..Overrides::default()
         })
+    }
+}
+
+/// How many threads work in parallel.
+#[derive(Debug, Clone, Args)]
+pub struct Jobs {
+    /// Threads [default: all cores]
+    #[arg(short, long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+}
+
+impl Jobs {
+    /// As asked for, or one a core.
+    pub fn count(&self) -> usize {
+        self.jobs
+            .or_else(|| std::thread::available_parallelism().ok())
+            .map_or(1, NonZeroUsize::get)
+    }
+
+    /// That many threads.
+    pub fn pool(&self) -> Result<rayon::ThreadPool> {
+        tuning::pool(self.count())
     }
 }
 

@@ -1,7 +1,6 @@
 //! `realgap predict`: the prediction card of any robot.
 
 use std::collections::BTreeMap;
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -17,7 +16,7 @@ use realgap::study::read_noise;
 use realgap::{Error, Result, Warning};
 use serde::Serialize;
 
-use super::option::{Format, Values, recording_unused};
+use super::option::{Format, Jobs, Values, recording_unused};
 use super::{forecast, interrupt, progress, terminal};
 
 /// A robot that gets less far than this share of its body length without noise goes nowhere.
@@ -49,9 +48,8 @@ pub struct Predict {
     /// Net displacement that counts as success, metres [default: half of the run without noise]
     #[arg(long, value_name = "M")]
     success_m: Option<f64>,
-    /// Threads [default: all cores]
-    #[arg(short, long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// Folder for the results
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -112,7 +110,7 @@ impl Predict {
             }
         };
         let stop = interrupt::stop_flag()?;
-        let pool = forecast::pool(self.jobs)?;
+        let pool = self.jobs.pool()?;
         let bar = progress::bar(self.repeats as usize, "repeating");
         let repeats = pool.install(|| {
             ensemble::run(

@@ -1,6 +1,5 @@
 //! `realgap search`: the best robot, and how sure that is.
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -10,11 +9,11 @@ use realgap::folder::{SearchSummary, write_search};
 use realgap::hunt::{self, Hunt, Mode, Outing, Wishes};
 use realgap::quantity::{Unit, counted};
 use realgap::report::{Side, TextTable, quantity};
-use realgap::tuning::{Ending, pool};
+use realgap::tuning::Ending;
 use realgap::{Error, Result};
 
 use super::kind::read_search;
-use super::option::{Format, Values, recording_unused};
+use super::option::{Format, Jobs, Values, recording_unused};
 use super::{interrupt, progress, terminal};
 
 /// Search for the robot that walks best, by what will really happen
@@ -40,9 +39,8 @@ pub struct Search {
     /// Seed in place of the file's own
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
-    /// Threads [default: all cores]
-    #[arg(short, long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// Go on with an interrupted run
     #[arg(long, conflicts_with = "restart")]
     resume: bool,
@@ -68,10 +66,7 @@ impl Search {
             Some(folder) => folder.clone(),
             None => PathBuf::from("results").join(&hunt.name),
         };
-        let jobs = self
-            .jobs
-            .or_else(|| std::thread::available_parallelism().ok())
-            .map_or(1, NonZeroUsize::get);
+        let jobs = self.jobs.count();
         let stop = interrupt::stop_flag()?;
         let outing = Outing {
             folder: &folder,
@@ -102,7 +97,7 @@ impl Search {
         let mut finalists = Ok(Vec::new());
         if quarry.ending == Ending::Complete {
             let bar = progress::bar(hunt.finals.count, "looking at the best again");
-            finalists = pool(jobs)?.install(|| {
+            finalists = self.jobs.pool()?.install(|| {
                 hunt.finalists(&quarry.robots, stop, |done| bar.set_position(done as u64))
             });
             bar.finish_and_clear();

@@ -1,6 +1,5 @@
 //! `realgap sensitivity`: which parameters matter at all?
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -11,10 +10,9 @@ use realgap::report::{
     Bar, BarChart, Side, TextTable, check_picture_path, draw_bars, number, quantity,
 };
 use realgap::study::{Overrides, Problem, Sensitivity as Effects, sensitivity};
-use realgap::tuning::pool;
 
 use super::kind::read_study;
-use super::option::{Format, Recordings, Values};
+use super::option::{Format, Jobs, Recordings, Values};
 use super::{progress, terminal};
 
 /// Change every parameter a little, one at a time, and see what it does to the score
@@ -35,9 +33,8 @@ pub struct Sensitivity {
     /// Draw a bar chart into this .png or .svg
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Threads [default: all cores]
-    #[arg(short, long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -54,12 +51,8 @@ impl Sensitivity {
             ..self.recordings.overrides()?
         };
         let problem = Problem::new(read_study(&self.study, &overrides)?)?;
-        let jobs = self
-            .jobs
-            .or_else(|| std::thread::available_parallelism().ok())
-            .map_or(1, NonZeroUsize::get);
         let bar = progress::bar(0, "nudging");
-        let result = pool(jobs)?.install(|| {
+        let result = self.jobs.pool()?.install(|| {
             sensitivity(&problem, |done, total| {
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);
