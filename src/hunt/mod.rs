@@ -49,6 +49,7 @@ mod objective;
 mod plan;
 mod run;
 
+pub use crate::store::Mode;
 pub use body::Body;
 pub use brain::CmaEs;
 pub use descriptor::{Behaviour, DESCRIPTORS, Descriptor, descriptor_named};
@@ -59,4 +60,4 @@ pub use file::{Finals, Hunt, Wishes};
 pub use finalist::{Card, Finalist, Rerun, Success};
 pub use objective::{Aggregate, Distance, Measure, Objective};
 pub use plan::Plan;
-pub use run::{Mode, Outing, Quarry, search};
+pub use run::{Outing, Quarry, search};

@@ -6,21 +6,9 @@ use std::sync::atomic::AtomicBool;
 use super::evaluate::Judged;
 use super::file::Hunt;
 use crate::search::Evaluated;
-use crate::store::{STORE_FILE, Store, TrialScore};
+use crate::store::{Mode, Store, TrialScore};
 use crate::tuning::{Ending, Evaluation, drive};
 use crate::{Error, Result};
-
-/// What to do with results that are already in the folder.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Mode {
-    /// Start; a complete search of the same file is made again, an unfinished one is refused.
-    #[default]
-    Start,
-    /// Go on where an interrupted run of the same search stopped.
-    Resume,
-    /// Remove old results first.
-    Restart,
-}
 
 /// All robots of a search.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,37 +95,21 @@ pub fn search(
         progress(history.len(), best);
     };
     if ending == Ending::Complete {
-        store.describe([(ENDING, COMPLETE.to_owned())])?;
+        store.complete()?;
     }
     Ok(Quarry { robots, ending })
 }
 
-const ENDING: &str = "ending";
-const COMPLETE: &str = "complete";
-
 fn open(hunt: &Hunt, outing: &Outing<'_>) -> Result<Store> {
-    let (folder, fingerprint) = (outing.folder, hunt.fingerprint());
-    let mut store = match outing.mode {
-        Mode::Resume => Store::resume(folder, &fingerprint)?,
-        Mode::Restart => {
-            Store::remove(folder)?;
-            Store::create(folder, &fingerprint)?
-        }
-        Mode::Start => {
-            if folder.join(STORE_FILE).exists() {
-                let old = Store::resume(folder, &fingerprint)?;
-                if old.description()?.get(ENDING).is_none_or(|e| e != COMPLETE) {
-                    return Err(Error::conflict("the folder holds an unfinished search")
-                        .at_file(folder)
-                        .found(format!("{} of {} robots", old.finished()?.len(), hunt.plan.budget()))
-                        .hint("go on with --resume, start anew with --restart, or choose another folder with -o"));
-                }
-                drop(old);
-                Store::remove(folder)?;
-            }
-            Store::create(folder, &fingerprint)?
-        }
-    };
+    let expected = format!("{} robots", hunt.plan.budget());
+    let fingerprint = hunt.fingerprint();
+    let mut store = Store::open(
+        outing.folder,
+        &fingerprint,
+        outing.mode,
+        "search",
+        &expected,
+    )?;
     store.describe([
         ("kind", "search".to_owned()),
         ("search", hunt.name.clone()),
@@ -148,7 +120,6 @@ fn open(hunt: &Hunt, outing: &Outing<'_>) -> Result<Store> {
             "trial",
             "parameters: the genome, ten numbers a module; outcomes: repeats, scores: path length (m), turned (rad); score: fitness, recordings: the archive's descriptors".to_owned(),
         ),
-        (ENDING, "unfinished".to_owned()),
     ])?;
     Ok(store)
 }

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use super::database::Store;
-use super::trial::{OutcomeStatus, Trial};
 use crate::error::{Error, Result};
 
 /// One trial of a [`Listing`].
@@ -67,7 +66,7 @@ impl Listing {
             .map(|score| (score.index, score))
             .collect();
         let trials = store.trials()?.into_iter().map(|trial| {
-            let diverged = diverged(&trial);
+            let diverged = trial.diverged().map(str::to_owned);
             let scored = scores.remove(&trial.index);
             ListedTrial {
                 trial: trial.index,
@@ -81,7 +80,7 @@ impl Listing {
         Ok(Self {
             study: text("study"),
             kind: text("kind"),
-            complete: text("ending") == "complete",
+            complete: store.is_complete()?,
             metric: text("metric"),
             unit: text("unit"),
             parameters: list("parameters")?,
@@ -179,14 +178,4 @@ impl Cell {
             Self::Text(text) => serde_json::json!(text),
         }
     }
-}
-
-fn diverged(trial: &Trial) -> Option<String> {
-    trial
-        .outcomes
-        .iter()
-        .find_map(|outcome| match &outcome.status {
-            OutcomeStatus::Completed => None,
-            OutcomeStatus::Diverged(why) => Some(why.clone()),
-        })
 }

@@ -8,6 +8,7 @@ mod database;
 mod fingerprint;
 mod listing;
 mod lock;
+mod opening;
 mod parquet;
 #[cfg(test)]
 mod tests;
@@ -16,5 +17,6 @@ mod trial;
 pub use database::{STORE_FILE, Store};
 pub use fingerprint::Fingerprint;
 pub use listing::{Cell, ListedTrial, Listing};
+pub use opening::Mode;
 pub use parquet::to_parquet;
 pub use trial::{Outcome, OutcomeStatus, Trial, TrialScore};

@@ -36,6 +36,16 @@ pub struct Trial {
 }
 
 impl Trial {
+    /// Why a case diverged, the first that did; `None` where every case was simulated to its end.
+    pub fn diverged(&self) -> Option<&str> {
+        self.outcomes
+            .iter()
+            .find_map(|outcome| match &outcome.status {
+                OutcomeStatus::Completed => None,
+                OutcomeStatus::Diverged(why) => Some(why.as_str()),
+            })
+    }
+
     /// True where every case was simulated to its end.
     pub fn completed(&self) -> bool {
         self.outcomes

@@ -104,18 +104,14 @@ impl Answer {
 
 /// Per point the scores of the recordings that are fitted.
 fn fitted_scores(problem: &Problem, scores: &Scores) -> Vec<Option<Vec<f64>>> {
-    let kept = |recordings: &[f64]| {
-        recordings
-            .iter()
-            .enumerate()
-            .filter(|(recording, _)| !problem.is_held_out(*recording))
-            .map(|(_, score)| *score)
-            .collect()
-    };
     scores
         .points
         .iter()
-        .map(|point| point.score.map(|_| kept(&point.recordings)))
+        .map(|point| {
+            point
+                .score
+                .map(|_| problem.part_of(&point.recordings, false))
+        })
         .collect()
 }
 

@@ -4,21 +4,9 @@ use std::path::Path;
 
 use super::problem::Problem;
 use super::score::PointScore;
-use crate::error::{Error, Result};
-use crate::store::{Fingerprint, STORE_FILE, Store, TrialScore};
+use crate::error::Result;
+use crate::store::{Fingerprint, Mode, Store, TrialScore};
 use crate::tuning::Ending;
-
-/// What to do with results that are already in the folder.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Mode {
-    /// Start; results of the same study that are complete are made again, any others are refused.
-    #[default]
-    Start,
-    /// Go on where an interrupted run of the same study stopped.
-    Resume,
-    /// Remove old results first.
-    Restart,
-}
 
 /// One run that keeps its results.
 pub(super) struct Keeping<'a> {
@@ -30,52 +18,14 @@ pub(super) struct Keeping<'a> {
     pub expected: usize,
 }
 
-/// What a finished store says of itself.
-const ENDING: &str = "ending";
-const COMPLETE: &str = "complete";
-
 impl Keeping<'_> {
     /// The store in `folder`, described.
     pub fn open(&self, folder: &Path, mode: Mode) -> Result<Store> {
-        let mut store = match mode {
-            Mode::Resume => Store::resume(folder, &self.fingerprint)?,
-            Mode::Restart => {
-                Store::remove(folder)?;
-                Store::create(folder, &self.fingerprint)?
-            }
-            Mode::Start => {
-                if folder.join(STORE_FILE).exists() {
-                    self.must_be_complete(folder)?;
-                    // Complete and of the same study: made again, the same bits will come out.
-                    Store::remove(folder)?;
-                }
-                Store::create(folder, &self.fingerprint)?
-            }
-        };
+        let what = format!("{} of this study", self.kind);
+        let expected = format!("{} points", self.expected);
+        let mut store = Store::open(folder, &self.fingerprint, mode, &what, &expected)?;
         self.describe(&mut store)?;
         Ok(store)
-    }
-
-    fn must_be_complete(&self, folder: &Path) -> Result<()> {
-        let old = Store::resume(folder, &self.fingerprint)?;
-        if old
-            .description()?
-            .get(ENDING)
-            .is_some_and(|e| e == COMPLETE)
-        {
-            return Ok(());
-        }
-        Err(Error::conflict(format!(
-            "the folder holds an unfinished {} of this study",
-            self.kind
-        ))
-        .at_file(folder)
-        .found(format!(
-            "{} of {} points",
-            old.finished()?.len(),
-            self.expected
-        ))
-        .hint("go on with --resume, start anew with --restart, or choose another folder with -o"))
     }
 
     /// What somebody with nothing but the store needs to read it.
@@ -101,7 +51,6 @@ impl Keeping<'_> {
                 "recordings",
                 list(study.recordings.iter().map(|r| r.name.as_str()).collect()),
             ),
-            (ENDING, "unfinished".to_owned()),
         ])
     }
 
@@ -122,7 +71,7 @@ impl Keeping<'_> {
     /// Notes how the run ended.
     pub fn end(&self, store: &mut Store, ending: Ending) -> Result<()> {
         if ending == Ending::Complete {
-            store.describe([(ENDING, COMPLETE.to_owned())])?;
+            store.complete()?;
         }
         Ok(())
     }

@@ -22,12 +22,12 @@ mod tune;
 mod validation;
 mod values;
 
+pub use crate::store::Mode;
 pub use answer::{Answer, INTERVAL_LEVEL, LEVEL, Method};
 pub use audit::{Audit, AuditRow};
 pub use case::{Case, Target};
 pub use evaluation::{Evaluation, RecordingErrors, Spread, evaluate};
 pub use file::{Overrides, Part, StartRule, Study};
-pub use keeping::Mode;
 pub use noise::read_noise;
 pub use problem::Problem;
 pub use recording::{recording_paths, recording_warnings};

@@ -226,6 +226,16 @@ impl Problem {
         self.held_out[recording]
     }
 
+    /// The values, one a recording, of those that the fit sees, or of those that are kept from it.
+    pub(super) fn part_of(&self, recordings: &[f64], held_out: bool) -> Vec<f64> {
+        recordings
+            .iter()
+            .zip(&self.held_out)
+            .filter(|(_, is_held_out)| **is_held_out == held_out)
+            .map(|(value, _)| *value)
+            .collect()
+    }
+
     /// Number of recordings that the fit sees.
     pub fn fitted_recordings(&self) -> usize {
         self.held_out.iter().filter(|held_out| !**held_out).count()

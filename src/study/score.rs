@@ -4,6 +4,7 @@ use super::problem::Problem;
 use crate::comparison::Basis;
 use crate::error::Result;
 use crate::quantity::Unit;
+use crate::statistic::mean;
 use crate::store::{Outcome, OutcomeStatus, Trial};
 use crate::trajectory::Prepared;
 
@@ -47,7 +48,7 @@ impl Scores {
     /// # Errors
     /// Paths from which no basis can be built.
     pub fn new(problem: &Problem, trials: &[Trial]) -> Result<Self> {
-        let basis = basis(problem, trials)?;
+        let basis = basis(problem, trials.iter().flat_map(|trial| &trial.outcomes))?;
         Self::with_basis(problem, trials, basis)
     }
 
@@ -96,14 +97,16 @@ impl Scores {
 ///
 /// # Errors
 /// Paths from which no basis can be built.
-pub(super) fn basis(problem: &Problem, trials: &[Trial]) -> Result<Option<Basis>> {
+pub(super) fn basis<'a>(
+    problem: &Problem,
+    outcomes: impl IntoIterator<Item = &'a Outcome>,
+) -> Result<Option<Basis>> {
     if !problem.study().metric.needs().basis {
         return Ok(None);
     }
     let real = problem.real_paths();
-    let simulated: Vec<Prepared> = trials
-        .iter()
-        .flat_map(|trial| &trial.outcomes)
+    let simulated: Vec<Prepared> = outcomes
+        .into_iter()
         .filter(|outcome| outcome.status == OutcomeStatus::Completed)
         .map(|outcome| Prepared::from_xy_m(outcome.path_xy_m.clone()))
         .collect::<Result<_>>()?;
@@ -117,17 +120,10 @@ fn score(
     basis: Option<&Basis>,
     trial: &Trial,
 ) -> Result<PointScore> {
-    let diverged = trial
-        .outcomes
-        .iter()
-        .find_map(|outcome| match &outcome.status {
-            OutcomeStatus::Completed => None,
-            OutcomeStatus::Diverged(why) => Some(why.clone()),
-        });
     let mut point = PointScore {
         index: trial.index,
         values: trial.values.clone(),
-        diverged,
+        diverged: trial.diverged().map(str::to_owned),
         recordings: Vec::new(),
         score: None,
         held_out: None,
@@ -155,14 +151,8 @@ fn score(
         }
     }
     let mean_of = |held_out: bool| {
-        let chosen: Vec<f64> = point
-            .recordings
-            .iter()
-            .enumerate()
-            .filter(|(recording, _)| problem.is_held_out(*recording) == held_out)
-            .map(|(_, score)| *score)
-            .collect();
-        (!chosen.is_empty()).then(|| chosen.iter().sum::<f64>() / chosen.len() as f64)
+        let chosen = problem.part_of(&point.recordings, held_out);
+        (!chosen.is_empty()).then(|| mean(&chosen))
     };
     (point.score, point.held_out) = (mean_of(false), mean_of(true));
     point.displacement_error_m = Some(displacement_error_m / count as f64);

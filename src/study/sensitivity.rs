@@ -7,14 +7,12 @@ use serde::Serialize;
 
 use super::file::StartRule;
 use super::problem::Problem;
-use super::score::outcome_scores;
-use crate::comparison::Basis;
+use super::score::{basis, outcome_scores};
 use crate::error::{Error, Result};
 use crate::parameter::{self, Assignment, Parameter, ParameterSet};
 use crate::simulation::Noise;
 use crate::statistic::{mean, standard_deviation};
 use crate::store::{Outcome, OutcomeStatus};
-use crate::trajectory::Prepared;
 use crate::warning::Warning;
 
 /// One parameter, made a little smaller and a little larger.
@@ -187,20 +185,4 @@ pub fn sensitivity(
         effects,
         warnings: problem.warnings().to_vec(),
     })
-}
-
-/// Basis of the recordings and everything simulated here.
-fn basis<'a>(
-    problem: &Problem,
-    outcomes: impl Iterator<Item = &'a Outcome>,
-) -> Result<Option<Basis>> {
-    if !problem.study().metric.needs().basis {
-        return Ok(None);
-    }
-    let simulated: Vec<Prepared> = outcomes
-        .filter(|outcome| outcome.status == OutcomeStatus::Completed)
-        .map(|outcome| Prepared::from_xy_m(outcome.path_xy_m.clone()))
-        .collect::<Result<_>>()?;
-    let all: Vec<&Prepared> = problem.real_paths().into_iter().chain(&simulated).collect();
-    Basis::fit(&all, problem.study().components).map(Some)
 }

@@ -4,10 +4,11 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use super::answer::{Answer, Method};
-use super::keeping::{Keeping, Mode};
+use super::keeping::Keeping;
 use super::problem::Problem;
 use super::score::Scores;
 use crate::error::Result;
+use crate::store::Mode;
 use crate::tuning::{Evaluation, drive, pool};
 
 /// Evaluates every point of the problem's grid into the store in `folder`.

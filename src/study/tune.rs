@@ -6,12 +6,12 @@ use std::sync::atomic::AtomicBool;
 use serde::Serialize;
 
 use super::answer::{Answer, Method};
-use super::keeping::{Keeping, Mode};
+use super::keeping::Keeping;
 use super::problem::Problem;
 use super::score::{PointScore, Scores, basis};
 use crate::comparison::Basis;
 use crate::error::{Error, Result};
-use crate::store::Store;
+use crate::store::{Mode, Store};
 use crate::tuning::{
     Brief, Ending, Evaluation, History, Optimizer, Proposal, Told, UnitPoint, drive, pool,
     space_filling,
@@ -189,7 +189,11 @@ impl<'a, P: FnMut(usize, Option<f64>)> Walk<'a, P> {
         if self.evaluate(&design)? == Ending::Interrupted {
             return Ok(Termination::Interrupted);
         }
-        self.basis = basis(self.problem, &self.store.trials_within(0..design.len())?)?;
+        let trials = self.store.trials_within(0..design.len())?;
+        self.basis = basis(
+            self.problem,
+            trials.iter().flat_map(|trial| &trial.outcomes),
+        )?;
         self.tell(&design)?;
         loop {
             if self.told.len() >= self.options.budget {

@@ -123,15 +123,8 @@ impl Validation {
     }
 
     fn hold_out(problem: &Problem, best: &PointScore, split: Split) -> Self {
-        let of = |held_out: bool| -> Vec<f64> {
-            best.recordings
-                .iter()
-                .enumerate()
-                .filter(|(recording, _)| problem.is_held_out(*recording) == held_out)
-                .map(|(_, score)| *score)
-                .collect()
-        };
-        let (fitted, held_out) = (of(false), of(true));
+        let [fitted, held_out] =
+            [false, true].map(|held_out| problem.part_of(&best.recordings, held_out));
         let variance = |values: &[f64]| standard_deviation(values).powi(2) / values.len() as f64;
         Self {
             split: split.to_string(),
