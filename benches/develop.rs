@@ -8,10 +8,10 @@
 )]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use realgap::genome::{Development, Genome};
-use realgap::morphology::Morphology;
-use realgap::portrait::portrait;
-use realgap::report::{Gallery, draw_gallery};
+use realgap::plot::portrait::portrait;
+use realgap::plot::{Gallery, draw_gallery};
+use realgap::robot::genome::{Development, Genome};
+use realgap::robot::morphology::Morphology;
 use realgap::search::{Evaluated, Evolution, Strategy, generator};
 
 fn genomes(modules: usize) -> Vec<Genome> {

@@ -8,7 +8,7 @@
 )]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use realgap::morphology::Morphology;
+use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, JointKind, Sampling, run};
 
 fn experiment(robot: &str) -> Experiment {

@@ -10,7 +10,7 @@
 use std::sync::atomic::AtomicBool;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use realgap::study::{Mode, Overrides, Problem, Study, sweep};
+use realgap::calibration::{Mode, Overrides, Problem, Study, sweep};
 
 fn sweeps(criterion: &mut Criterion) {
     let overrides = Overrides {

@@ -14,10 +14,10 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use realgap::calibration::identification::{LengthReading, StartState, identify};
+use realgap::calibration::{BestFile, Evaluation, Overrides, Part, Problem, Study, evaluate};
 use realgap::file::{write_atomic, write_ron};
-use realgap::identification::{LengthReading, StartState, identify};
-use realgap::parameter::{Assignment, ParameterSet};
-use realgap::study::{BestFile, Evaluation, Overrides, Part, Problem, Study, evaluate};
+use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::{Error, Result};
 
 const FOLDS: usize = 2;

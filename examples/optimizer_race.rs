@@ -13,8 +13,8 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use realgap::study::{Answer, Mode, Overrides, Problem, Study, TuneOptions, sweep, tune};
-use realgap::tuning::{Grid, OPTIMIZERS};
+use realgap::calibration::{Answer, Mode, Overrides, Problem, Study, TuneOptions, sweep, tune};
+use realgap::optimization::{Grid, OPTIMIZERS};
 use realgap::{Error, Result};
 
 const BUDGET: usize = 100;

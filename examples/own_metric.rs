@@ -4,8 +4,8 @@
 //! `cargo run --example own_metric`
 
 use realgap::comparison::{Context, Measurement, Metric, Needs, Pair};
-use realgap::quantity::Unit;
 use realgap::trajectory::{Trajectory, prepare};
+use realgap::unit::Unit;
 use realgap::{Error, Result};
 
 /// Difference of the highest points of the two paths above the straight line from start to end.

@@ -5,7 +5,7 @@
 
 use realgap::Result;
 use realgap::file::Source;
-use realgap::morphology::Morphology;
+use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, run};
 
 const ROBOT: &str = r#"(

@@ -9,7 +9,7 @@
 //!
 //! Data flows one way, and every room is a step that can be used alone:
 //!
-//! [`morphology`] → [`simulation`] → [`trajectory`] → [`comparison`] → [`tuning`] → [`study`] → [`folder`]
+//! [`robot`] → [`simulation`] → [`trajectory`] → [`comparison`] → [`calibration`] → [`prediction`] → [`search`] → [`results`]
 //!
 //! A robot is a text; a simulation is plain data that [`simulation::run`] turns into a trajectory; two
 //! trajectories, prepared, have a distance:
@@ -17,7 +17,7 @@
 //! ```
 //! use realgap::comparison::{Context, Pair, by_name};
 //! use realgap::file::Source;
-//! use realgap::morphology::Morphology;
+//! use realgap::robot::morphology::Morphology;
 //! use realgap::simulation::{Experiment, run};
 //! use realgap::trajectory::prepare;
 //!
@@ -54,36 +54,29 @@
 //! # Ok::<(), realgap::Error>(())
 //! ```
 //!
-//! A whole sweep is [`study::Study::read`], [`study::Problem::new`], [`study::sweep`] and [`folder::write`]; the
+//! A whole sweep is [`calibration::Study::read`], [`calibration::Problem::new`], [`calibration::sweep`] and [`results::write`]; the
 //! command `realgap sweep` does nothing else. Errors are one type, [`Error`]; warnings are values that travel with
 //! results; the library never prints.
 //!
 //! Units are SI and stand in the names, frames too: [`guide::conventions`]. Why things are as they are:
 //! [`guide::design`]. What was measured: [`guide::fidelity`].
 
+pub mod calibration;
 pub mod comparison;
-pub mod ensemble;
 pub mod error;
 pub mod export;
 pub mod file;
-pub mod folder;
-pub mod gap;
-pub mod genome;
-pub mod hunt;
-pub mod identification;
-pub mod morphology;
-pub mod parameter;
-pub mod portrait;
-pub mod quantity;
-pub mod report;
+pub mod optimization;
+pub mod plot;
+pub mod prediction;
+pub mod results;
+pub mod robot;
 pub mod search;
 pub mod simulation;
-pub mod statistic;
+pub mod statistics;
 pub mod store;
-pub mod study;
 pub mod trajectory;
-pub mod tuning;
-pub mod verification;
+pub mod unit;
 pub mod warning;
 
 pub use error::{Error, ErrorKind, Result};

@@ -7,11 +7,13 @@ mod common;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use realgap::morphology::Morphology;
+use realgap::calibration::{
+    INTERVAL_LEVEL, Mode, Overrides, Problem, Study, TuneOptions, sweep, tune,
+};
+use realgap::optimization::optimizer_by_name;
+use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Camera, Experiment, Noise, run};
-use realgap::study::{INTERVAL_LEVEL, Mode, Overrides, Problem, Study, TuneOptions, sweep, tune};
 use realgap::trajectory::write;
-use realgap::tuning::optimizer_by_name;
 
 const STUDIES: u64 = 60;
 const RECORDINGS: u64 = 6;

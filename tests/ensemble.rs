@@ -7,11 +7,11 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use nalgebra::Vector3;
-use realgap::ensemble::{
+use realgap::prediction::ensemble::{
     BEHAVIOURS, Ensemble, Envelope, Kind, LEVELS, Motion, Outcome, Reality, Repeat, Spread,
     Summary, behaviours, cut_m, repeat, rms_m, run,
 };
-use realgap::morphology::Morphology;
+use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Noise, Perturbation};
 use realgap::trajectory::{Prepared, Trajectory, prepare};
 

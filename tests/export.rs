@@ -11,9 +11,9 @@ use std::process::Command;
 
 use realgap::export::{FORMATS, Robot, format_named};
 use realgap::file::Source;
-use realgap::morphology::Morphology;
-use realgap::parameter::ParameterSet;
+use realgap::robot::morphology::Morphology;
 use realgap::simulation::Experiment;
+use realgap::simulation::parameter::ParameterSet;
 use roxmltree::{Document, Node};
 
 fn folder() -> PathBuf {

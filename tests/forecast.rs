@@ -98,7 +98,7 @@ fn a_repeat_replayed_alone_goes_as_far_as_in_the_ensemble() {
         .arg(&alone)
         .assert()
         .success();
-    let motion = realgap::trajectory::read(&alone, realgap::quantity::LengthUnit::Metre).unwrap();
+    let motion = realgap::trajectory::read(&alone, realgap::unit::LengthUnit::Metre).unwrap();
     let net_m = realgap::trajectory::prepare(&motion.trajectory)
         .unwrap()
         .net_displacement_m();

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use realgap::quantity::LengthUnit;
 use realgap::trajectory::{FORMATS, Trajectory, read, read_all, read_groups, write};
+use realgap::unit::LengthUnit;
 
 fn refuse(name: &str, text: &str) -> String {
     let folder = tempfile::tempdir().unwrap();

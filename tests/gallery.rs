@@ -5,10 +5,10 @@ mod common;
 
 use std::path::PathBuf;
 
-use realgap::genome::{Development, Genome};
-use realgap::morphology::Morphology;
-use realgap::portrait::portrait;
-use realgap::report::{BlockKind, Gallery, GalleryRobot, draw_gallery};
+use realgap::plot::portrait::portrait;
+use realgap::plot::{BlockKind, Gallery, GalleryRobot, draw_gallery};
+use realgap::robot::genome::{Development, Genome};
+use realgap::robot::morphology::Morphology;
 use realgap::search::generator;
 
 fn shipped(name: &str) -> Morphology {

@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 use realgap::comparison::{Components, by_name};
-use realgap::ensemble;
-use realgap::gap::{
+use realgap::prediction::ensemble;
+use realgap::prediction::gap::{
     CaseRuns, Confidence, Distances, Fitness, OverTime, Sample, Scoring, distances, noise_floor,
 };
-use realgap::morphology::Morphology;
+use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Distribution, Experiment, Noise, Sampling};
 use realgap::trajectory::{Trajectory, write};
 use serde_json::Value;

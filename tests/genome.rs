@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 
 use proptest::prelude::*;
 use realgap::file::Source;
-use realgap::genome::{Development, Gene, Genome, Locus, Misfit, Specimen};
-use realgap::morphology::Morphology;
+use realgap::robot::genome::{Development, Gene, Genome, Locus, Misfit, Specimen};
+use realgap::robot::morphology::Morphology;
 use realgap::search::generator;
 use realgap::simulation::{Experiment, settle};
 

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{UnitQuaternion, Vector3};
 use realgap::comparison::{Components, Row, compare_all};
-use realgap::quantity::LengthUnit;
 use realgap::trajectory::{Recording, Trajectory, read, read_groups};
+use realgap::unit::LengthUnit;
 use serde_json::Value;
 
 const RELATIVE: f64 = 1e-6;

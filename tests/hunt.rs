@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 
 use common::{project, read, realgap, summary, text};
 use realgap::file::Source;
-use realgap::genome::{Gene, Genome};
-use realgap::hunt::{Hunt, Judged, Reason, Wishes};
+use realgap::robot::genome::{Gene, Genome};
 use realgap::search::Evaluated;
+use realgap::search::{Hunt, Judged, Reason, Wishes};
 
 /// A hunt of this text inside `Search( … )`.
 fn hunt(body: &str) -> Hunt {

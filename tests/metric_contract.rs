@@ -8,8 +8,8 @@ use proptest::prelude::*;
 use realgap::comparison::{
     Basis, Components, Context, DEFAULT_METRIC, METRICS, Metric, Pair, by_name, pose_errors,
 };
-use realgap::quantity::Unit;
 use realgap::trajectory::{Trajectory, prepare};
+use realgap::unit::Unit;
 
 /// A smooth path in space with orientation, chosen by five numbers.
 fn path(shape: [f64; 5], points: usize) -> Trajectory {

@@ -5,10 +5,10 @@
 
 mod common;
 
+use realgap::calibration::{Overrides, Study};
 use realgap::file::{Source, parse_ron};
-use realgap::morphology::Morphology;
+use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Distribution, Experiment, Noise, Perturbation, Status, run};
-use realgap::study::{Overrides, Study};
 
 /// Less than this is no demonstration, metres.
 const VISIBLE_M: f64 = 1e-4;

@@ -1,7 +1,7 @@
 //! What every optimizer promises, whichever library is behind it.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use realgap::tuning::{
+use realgap::optimization::{
     Brief, History, OPTIMIZERS, Optimizer, Proposal, Told, UnitPoint, space_filling,
 };
 

@@ -8,8 +8,8 @@
 use std::path::Path;
 
 use nalgebra::{UnitQuaternion, Vector3};
-use realgap::morphology::Morphology;
-use realgap::parameter::{self, Parameter};
+use realgap::robot::morphology::Morphology;
+use realgap::simulation::parameter::{self, Parameter};
 use realgap::simulation::{Experiment, Start, Status, run};
 use realgap::trajectory::{State, Trajectory};
 

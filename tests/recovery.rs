@@ -5,8 +5,8 @@ mod common;
 
 use std::sync::atomic::AtomicBool;
 
-use realgap::folder;
-use realgap::study::{Mode, Overrides, Problem, Study, sweep};
+use realgap::calibration::{Mode, Overrides, Problem, Study, sweep};
+use realgap::results;
 
 const FRICTION: f64 = 0.43;
 const RESTITUTION: f64 = 0.36;
@@ -51,7 +51,7 @@ fn the_hidden_floor_lies_in_the_indistinguishable_set() {
         "{:?}",
         best.values
     );
-    let summary = folder::write(results.path(), &problem, &result).unwrap();
+    let summary = results::write(results.path(), &problem, &result).unwrap();
     assert!(
         summary.verdicts[0].identified,
         "{}",

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use proptest::prelude::*;
-use realgap::genome::{Genome, Locus};
+use realgap::robot::genome::{Genome, Locus};
 use realgap::search::{
     Axis, Dose, Evaluated, Evolution, MapElites, OPERATORS, SELECTIONS, Strategy, Variation,
     generator, operator_named, selection_named,

@@ -4,7 +4,7 @@
 mod common;
 
 use nalgebra::{UnitQuaternion, Vector3};
-use realgap::morphology::Morphology;
+use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Camera, Experiment, JointKind, Noise, Sampling, Start, Status, run};
 use realgap::trajectory::State;
 

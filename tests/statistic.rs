@@ -3,7 +3,7 @@
 
 mod common;
 
-use realgap::statistic::{
+use realgap::statistics::{
     PValueMethod, Proportion, SampleTest, kolmogorov_smirnov, mann_whitney, median, quantile,
     spearman,
 };

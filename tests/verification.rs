@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used)] // a test may fail loudly
 
+use realgap::simulation::verification::{Check, Settings, Tolerance, Verdict, run};
 use realgap::simulation::{JointKind, Solver};
-use realgap::verification::{Check, Settings, Tolerance, Verdict, run};
 
 /// Checks that the default settings do not pass, with the reason in docs/fidelity.md. A check that starts to
 /// pass must leave this list, one that starts to fail must be mended.

@@ -1,4 +1,4 @@
-"""Writes tests/golden/statistics.csv: reference values for src/statistic, from scipy, numpy and statsmodels.
+"""Writes tests/golden/statistics.csv: reference values for src/statistics, from scipy, numpy and statsmodels.
 
 pip install numpy==2.4.6 scipy==1.17.1 statsmodels && python3 tools/golden_statistics.py > tests/golden/statistics.csv
 """

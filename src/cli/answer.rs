@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::folder::{self, Summary};
-use realgap::quantity::counted;
-use realgap::report::quantity;
-use realgap::study::{Answer, Mode, Overrides, Problem, Split};
-use realgap::tuning::{Ending, UncertaintySource};
+use realgap::calibration::UncertaintySource;
+use realgap::calibration::{Answer, Mode, Overrides, Problem, Split};
+use realgap::optimization::Ending;
+use realgap::plot::quantity;
+use realgap::results::{self, Summary};
+use realgap::unit::counted;
 use realgap::{Error, Result, Warning};
 
 use super::kind::read_study;
@@ -111,7 +112,7 @@ impl StudyOptions {
         folder: &Path,
         wall_s: f64,
     ) -> Result<ExitCode> {
-        let summary = folder::write(folder, problem, answer)?;
+        let summary = results::write(folder, problem, answer)?;
         terminal::print_warnings(
             summary
                 .warnings

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use realgap::calibration::{Overrides, StartRule, Study, read_parameters};
 use realgap::file::Source;
-use realgap::genome::Specimen;
-use realgap::hunt::{Hunt, Wishes};
-use realgap::morphology::Morphology;
-use realgap::quantity::{LengthUnit, counted};
-use realgap::report::check_picture_path;
-use realgap::study::{Overrides, StartRule, Study, read_parameters};
-use realgap::{Error, Result, Warning, portrait, trajectory};
+use realgap::plot::check_picture_path;
+use realgap::robot::genome::Specimen;
+use realgap::robot::morphology::Morphology;
+use realgap::search::{Hunt, Wishes};
+use realgap::unit::{LengthUnit, counted};
+use realgap::{Error, Result, Warning, plot::portrait, trajectory};
 use serde_json::{Value, json};
 
 use super::kind::Kind;
@@ -268,7 +268,7 @@ fn study(path: &Path) -> Result<Contents> {
                 StartRule::Settled => points,
                 StartRule::FromRecording => points * recordings,
             };
-            let problem = realgap::study::Problem::new(whole)?;
+            let problem = realgap::calibration::Problem::new(whole)?;
             let one = time_one(&problem)?;
             let cpu_s = one * points as f64;
             lines.push(format!(
@@ -331,7 +331,7 @@ fn search(path: &Path) -> Result<Contents> {
 }
 
 /// CPU seconds of one point in the middle of the grid.
-fn time_one(problem: &realgap::study::Problem) -> Result<f64> {
+fn time_one(problem: &realgap::calibration::Problem) -> Result<f64> {
     let values = problem.study().grid.values(problem.study().grid.len() / 2);
     let run = realgap::simulation::run(&problem.experiment(0, &values)?)?;
     let share = problem.simulated_s() / problem.cases()[0].experiment.duration_s;

@@ -5,9 +5,9 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::comparison::{self, Comparison, Components, Context, Metric, Row};
-use realgap::quantity::{LengthUnit, Unit};
-use realgap::report::{Overlay, OverlayPath, Side, TextTable, draw_overlay, quantity};
+use realgap::plot::{Overlay, OverlayPath, Side, TextTable, draw_overlay, quantity};
 use realgap::trajectory::{self, Recording};
+use realgap::unit::{LengthUnit, Unit};
 use realgap::{Error, Result, Warning};
 use serde_json::{Map, Value, json};
 
@@ -56,7 +56,7 @@ impl Compare {
             name => Some(comparison::by_name(name).map_err(|e| e.field("--metric").into_usage())?),
         };
         if let Some(plot) = &self.plot {
-            realgap::report::check_picture_path(plot)?;
+            realgap::plot::check_picture_path(plot)?;
         }
         let components = match (self.components, self.variance) {
             (Some(count), _) => Components::Count(count),

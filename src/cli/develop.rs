@@ -5,10 +5,10 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::file::write_atomic;
-use realgap::genome::{Locus, Specimen};
-use realgap::morphology::Morphology;
+use realgap::robot::genome::{Locus, Specimen};
+use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Settling, settle};
-use realgap::{Error, Result, Warning, portrait, report};
+use realgap::{Error, Result, Warning, plot, plot::portrait};
 use serde_json::json;
 
 use super::option::Format;
@@ -37,7 +37,7 @@ pub struct Develop {
 impl Develop {
     pub fn run(self) -> Result<ExitCode> {
         if let Some(plot) = &self.plot {
-            report::check_picture_path(plot)?;
+            plot::check_picture_path(plot)?;
         }
         let specimen = Specimen::read(&self.genome)?;
         let robot = match specimen.develop() {
@@ -97,15 +97,15 @@ impl Develop {
             terminal::print(terminal::json(&report)?);
             return Ok(());
         }
-        let mut table = report::TextTable::new([
-            ("module", report::Side::Left),
-            ("kind", report::Side::Left),
-            ("driven face", report::Side::Left),
-            ("on", report::Side::Left),
-            ("amplitude", report::Side::Right),
-            ("frequency", report::Side::Right),
-            ("phase", report::Side::Right),
-            ("offset", report::Side::Right),
+        let mut table = plot::TextTable::new([
+            ("module", plot::Side::Left),
+            ("kind", plot::Side::Left),
+            ("driven face", plot::Side::Left),
+            ("on", plot::Side::Left),
+            ("amplitude", plot::Side::Right),
+            ("frequency", plot::Side::Right),
+            ("phase", plot::Side::Right),
+            ("offset", plot::Side::Right),
         ]);
         for (index, module) in robot.modules().iter().enumerate() {
             let on = robot.glue().iter().find(|glue| glue.child == index);

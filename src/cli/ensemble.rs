@@ -6,14 +6,16 @@ use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 
 use clap::Args;
-use realgap::ensemble::{self, Coverage, Ensemble as Repeats, Reality, Summary};
-use realgap::folder::{EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report};
-use realgap::parameter::ParameterSet;
-use realgap::quantity::Unit;
-use realgap::report::{Side, TextTable, quantity};
+use realgap::calibration::{Overrides, Problem, RepeatCase, StartRule, Study, read_noise};
+use realgap::plot::{Side, TextTable, quantity};
+use realgap::prediction::ensemble::{self, Coverage, Ensemble as Repeats, Reality, Summary};
+use realgap::results::{
+    EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report,
+};
+use realgap::simulation::parameter::ParameterSet;
 use realgap::simulation::{ENGINE_VERSION, Noise, Sampling, Status};
-use realgap::study::{Overrides, Problem, RepeatCase, StartRule, Study, read_noise};
 use realgap::trajectory::{self, Source};
+use realgap::unit::Unit;
 use realgap::{Error, Result, Warning};
 use serde::Serialize;
 

@@ -5,11 +5,11 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::Result;
-use realgap::identification::StartState;
-use realgap::parameter::ParameterSet;
-use realgap::quantity::counted;
-use realgap::report::{Side, TextTable};
-use realgap::study::{Evaluation, Overrides, Problem, Spread, evaluate};
+use realgap::calibration::identification::StartState;
+use realgap::calibration::{Evaluation, Overrides, Problem, Spread, evaluate};
+use realgap::plot::{Side, TextTable};
+use realgap::simulation::parameter::ParameterSet;
+use realgap::unit::counted;
 
 use super::kind::read_study;
 use super::option::{Format, Jobs, Recordings, StartOption, Values};

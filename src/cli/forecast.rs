@@ -1,9 +1,9 @@
 //! Printing what an ensemble says: shared by `ensemble` and `predict`.
 
-use realgap::ensemble::{Reality, Spread, Summary};
-use realgap::quantity::Unit;
-use realgap::report::{Side, TextTable, quantity};
-use realgap::statistic::Proportion;
+use realgap::plot::{Side, TextTable, quantity};
+use realgap::prediction::ensemble::{Reality, Spread, Summary};
+use realgap::statistics::Proportion;
+use realgap::unit::Unit;
 
 /// Most repeats: the distances of all pairs are held in memory.
 pub const MOST_REPEATS: i64 = 5000;

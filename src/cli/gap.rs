@@ -4,16 +4,16 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use realgap::calibration::{Overrides, Problem, read_noise};
 use realgap::comparison::{Components, DEFAULT_METRIC, Metric, by_name};
-use realgap::folder::{draw_gap, write_report};
-use realgap::gap::{
+use realgap::plot::{Side, TextTable, number, quantity};
+use realgap::prediction::gap::{
     Estimate, GapOptions, NoiseFloor, Scoring, Side as GapSide, StudyGap, noise_floor, read_sets,
     study_gap,
 };
-use realgap::quantity::{Unit, counted};
-use realgap::report::{Side, TextTable, number, quantity};
-use realgap::study::{Overrides, Problem, read_noise};
+use realgap::results::{draw_gap, write_report};
 use realgap::trajectory::Source;
+use realgap::unit::{Unit, counted};
 use realgap::{Error, Result, Warning};
 use serde::Serialize;
 

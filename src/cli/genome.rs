@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Subcommand};
 use realgap::file::write_atomic;
-use realgap::genome::{Genome, Specimen};
+use realgap::robot::genome::{Genome, Specimen};
 use realgap::search::generator;
 use realgap::{Error, Result};
 

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
+use realgap::calibration::identification::{Identification, Interval, LengthReading, identify};
+use realgap::calibration::{BestFile, Overrides, RestingOdds, StartRule, Study, resting_odds};
 use realgap::file::{check_writable, write_atomic, write_ron};
-use realgap::identification::{Identification, Interval, LengthReading, identify};
-use realgap::parameter::{Assignment, ParameterSet};
-use realgap::quantity::counted;
-use realgap::report::{Side, TextTable};
-use realgap::study::{BestFile, Overrides, RestingOdds, StartRule, Study, resting_odds};
+use realgap::plot::{Side, TextTable};
+use realgap::simulation::parameter::{Assignment, ParameterSet};
+use realgap::unit::counted;
 use realgap::{Result, Warning};
 use serde::Serialize;
 

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use realgap::calibration::{Overrides, Study};
 use realgap::file::Source;
-use realgap::hunt::{Hunt, Wishes};
-use realgap::morphology::Morphology;
-use realgap::study::{Overrides, Study};
+use realgap::robot::morphology::Morphology;
+use realgap::search::{Hunt, Wishes};
 use realgap::{Error, Result, trajectory};
 
 /// The kinds of files that people name on the command line.

@@ -4,12 +4,12 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use realgap::identification::StartState;
-use realgap::parameter::{Assignment, ParameterSet};
-use realgap::quantity::LengthUnit;
+use realgap::calibration::identification::StartState;
+use realgap::calibration::{Overrides, Part, read_parameters};
+use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{JointKind, Solver};
-use realgap::study::{Overrides, Part, read_parameters};
-use realgap::{Result, Warning, tuning};
+use realgap::unit::LengthUnit;
+use realgap::{Result, Warning, optimization};
 
 /// How results are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -159,7 +159,7 @@ impl Jobs {
 
     /// That many threads.
     pub fn pool(&self) -> Result<rayon::ThreadPool> {
-        tuning::pool(self.count())
+        optimization::pool(self.count())
     }
 }
 

@@ -4,8 +4,8 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::Result;
-use realgap::parameter::{self, Nudge, Scale};
-use realgap::report::{Side, TextTable};
+use realgap::plot::{Side, TextTable};
+use realgap::simulation::parameter::{self, Nudge, Scale};
 use serde_json::json;
 
 use super::option::Format;

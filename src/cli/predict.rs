@@ -5,14 +5,16 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::ensemble::{self, Ensemble, Summary};
-use realgap::folder::{EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report};
-use realgap::morphology::Morphology;
-use realgap::quantity::Unit;
-use realgap::report::quantity;
+use realgap::calibration::read_noise;
+use realgap::plot::quantity;
+use realgap::prediction::ensemble::{self, Ensemble, Summary};
+use realgap::results::{
+    EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report,
+};
+use realgap::robot::morphology::Morphology;
 use realgap::simulation::{ENGINE_VERSION, Experiment, Noise, Sampling};
-use realgap::statistic::Proportion;
-use realgap::study::read_noise;
+use realgap::statistics::Proportion;
+use realgap::unit::Unit;
 use realgap::{Error, Result, Warning};
 use serde::Serialize;
 

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::quantity::counted;
 use realgap::simulation::{self, Camera, Distribution, Experiment, Noise, Sampling, Status};
 use realgap::trajectory::{self, Meta, Source};
+use realgap::unit::counted;
 use realgap::{Error, Result};
 use serde_json::json;
 

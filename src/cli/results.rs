@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use realgap::file::write_atomic;
-use realgap::report::{Side, TextTable, number};
+use realgap::plot::{Side, TextTable, number};
 use realgap::store::{Cell, Listing, to_parquet};
 use realgap::{Error, Result};
 

@@ -5,11 +5,11 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
-use realgap::folder::{SearchSummary, write_search};
-use realgap::hunt::{self, Hunt, Mode, Outing, Wishes};
-use realgap::quantity::{Unit, counted};
-use realgap::report::{Side, TextTable, quantity};
-use realgap::tuning::Ending;
+use realgap::optimization::Ending;
+use realgap::plot::{Side, TextTable, quantity};
+use realgap::results::{SearchSummary, write_search};
+use realgap::search::{self, Hunt, Mode, Outing, Wishes};
+use realgap::unit::{Unit, counted};
 use realgap::{Error, Result};
 
 use super::kind::read_search;
@@ -82,7 +82,7 @@ impl Search {
         let unit = hunt.objective.measure.unit();
         let bar = progress::bar(hunt.plan.budget(), "searching");
         let mut first = true;
-        let quarry = hunt::search(&hunt, &outing, |done, best| {
+        let quarry = search::search(&hunt, &outing, |done, best| {
             bar.set_position(done as u64);
             if std::mem::take(&mut first) {
                 // Rate and time left count from here, not from what an earlier run did.

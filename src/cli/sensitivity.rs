@@ -5,11 +5,11 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::Result;
-use realgap::quantity::counted;
-use realgap::report::{
+use realgap::calibration::{Overrides, Problem, Sensitivity as Effects, sensitivity};
+use realgap::plot::{
     Bar, BarChart, Side, TextTable, check_picture_path, draw_bars, number, quantity,
 };
-use realgap::study::{Overrides, Problem, Sensitivity as Effects, sensitivity};
+use realgap::unit::counted;
 
 use super::kind::read_study;
 use super::option::{Format, Jobs, Recordings, Values};

@@ -5,11 +5,11 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::file::check_writable;
-use realgap::morphology::Morphology;
-use realgap::quantity::Unit;
-use realgap::report::quantity;
+use realgap::plot::quantity;
+use realgap::robot::morphology::Morphology;
 use realgap::simulation::{self, Experiment, JointKind, Run, Sampling, Status};
 use realgap::trajectory;
+use realgap::unit::Unit;
 use realgap::{Error, Result};
 use serde_json::json;
 

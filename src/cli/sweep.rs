@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 use realgap::Result;
-use realgap::study::sweep;
+use realgap::calibration::sweep;
 
 use super::answer::StudyOptions;
 use super::{interrupt, progress};

@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use clap::Args;
 use realgap::Result;
-use realgap::report::quantity;
-use realgap::study::{TuneOptions, tune};
-use realgap::tuning::{OPTIMIZERS, optimizer_by_name};
+use realgap::calibration::{TuneOptions, tune};
+use realgap::optimization::{OPTIMIZERS, optimizer_by_name};
+use realgap::plot::quantity;
 
 use super::answer::StudyOptions;
 use super::{interrupt, progress};

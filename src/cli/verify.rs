@@ -3,10 +3,10 @@
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::morphology::Assembly;
-use realgap::report::{Side, TextTable};
+use realgap::plot::{Side, TextTable};
+use realgap::robot::morphology::Assembly;
+use realgap::simulation::verification::{self, Check, Settings, Tolerance, Verdict};
 use realgap::simulation::{self, Experiment, JointKind};
-use realgap::verification::{self, Check, Settings, Tolerance, Verdict};
 use realgap::{Error, Result};
 use serde_json::json;
 

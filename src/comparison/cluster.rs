@@ -2,7 +2,7 @@
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::error::Result;
-use crate::quantity::Unit;
+use crate::unit::Unit;
 
 /// Distance of the clouds' spreads, metres: ‖C_a^½ − C_b^½‖_F, C the 2×2 population covariance of the prepared
 /// points (paper 003, section 2.2: "a trajectory as a cluster of data points").

@@ -6,8 +6,8 @@ use nalgebra::{Matrix3, Matrix4, Quaternion, SymmetricEigen, UnitQuaternion, Vec
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::error::Result;
-use crate::quantity::Unit;
 use crate::trajectory::Prepared;
+use crate::unit::Unit;
 
 /// Absolute pose error (RMSE) of the prepared trajectories, metres. In the plane it equals `rms`.
 #[derive(Debug, Clone, Copy)]

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::basis::Basis;
 use crate::error::{Error, Result};
-use crate::quantity::Unit;
 use crate::trajectory::{Prepared, Trajectory};
+use crate::unit::Unit;
 use crate::warning::Warning;
 
 /// Two trajectories to be compared, raw and prepared.

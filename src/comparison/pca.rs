@@ -2,8 +2,8 @@
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::error::{Error, Result};
-use crate::quantity::Unit;
 use crate::trajectory::POINTS;
+use crate::unit::Unit;
 
 /// ‖c_real − c_sim‖₂ / √N, metres, with the coefficients of [`Context::basis`] (paper 003, section 2.2, step 4).
 #[derive(Debug, Clone, Copy)]

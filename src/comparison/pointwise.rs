@@ -2,7 +2,7 @@
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::error::Result;
-use crate::quantity::Unit;
+use crate::unit::Unit;
 
 /// Difference of the net displacements, metres: the error of the distance travelled (paper 003's fitness).
 #[derive(Debug, Clone, Copy)]

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::error::{Error, Result};
-use crate::quantity::Unit;
 use crate::trajectory::{Interpolator, Trajectory};
+use crate::unit::Unit;
 use crate::warning::Warning;
 
 /// Mean angle of R_real⁻¹ R_sim over the prepared (resampled and turned) orientations, degrees.

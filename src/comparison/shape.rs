@@ -3,7 +3,7 @@
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use super::pointwise::squared;
 use crate::error::Result;
-use crate::quantity::Unit;
+use crate::unit::Unit;
 
 /// Symmetric Hausdorff distance of the prepared points, metres: the farthest that any point of one path is from
 /// the other path.

@@ -3,7 +3,7 @@
 use super::format::{Exported, Format};
 use super::robot::{Robot, origin_robot_m, quaternion, seen_from};
 use super::xml::{Element, numbers, vector};
-use crate::morphology::{Hinge, Servo, ServoLaw, Solid};
+use crate::robot::morphology::{Hinge, Servo, ServoLaw, Solid};
 use crate::warning::Warning;
 
 /// MuJoCo's XML.
@@ -178,7 +178,7 @@ fn track_module(robot: &Robot<'_>) -> usize {
     robot.assembly.parts[robot.assembly.track_part]
         .solids
         .iter()
-        .filter(|solid| solid.role == crate::morphology::Role::Cube)
+        .filter(|solid| solid.role == crate::robot::morphology::Role::Cube)
         .min_by(|a, b| {
             let away = |s: &Solid| (s.robot_from_solid.translation.vector - track_m).norm();
             away(a).total_cmp(&away(b))

@@ -5,7 +5,7 @@
 //!
 //! ```
 //! use realgap::export::{Robot, format_named};
-//! use realgap::morphology::Morphology;
+//! use realgap::robot::morphology::Morphology;
 //! use realgap::simulation::Experiment;
 //!
 //! let morphology = Morphology::read("morphologies/tripod.ron")?;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use crate::morphology::{Assembly, Hinge, Morphology, Part, Role, Solid};
+use crate::robot::morphology::{Assembly, Hinge, Morphology, Part, Role, Solid};
 use crate::simulation::{Experiment, Floor};
 use crate::warning::Warning;
 

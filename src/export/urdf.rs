@@ -5,7 +5,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::format::{Exported, Format};
 use super::robot::{Robot, origin_robot_m};
 use super::xml::{Element, numbers, vector};
-use crate::morphology::{Hinge, Solid};
+use crate::robot::morphology::{Hinge, Solid};
 use crate::warning::Warning;
 
 /// The Unified Robot Description Format.

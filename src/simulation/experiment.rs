@@ -5,9 +5,9 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use crate::error::{Error, Result};
-use crate::morphology::{Assembly, Role};
-use crate::quantity::GRAVITY_M_S2;
+use crate::robot::morphology::{Assembly, Role};
 use crate::trajectory::State;
+use crate::unit::GRAVITY_M_S2;
 
 /// The ground: a half-space.
 #[derive(Debug, Clone, Copy, PartialEq)]

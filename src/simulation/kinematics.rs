@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
-use crate::morphology::{Assembly, Hinge};
+use crate::robot::morphology::{Assembly, Hinge};
 
 /// Robot-frame pose of a part's own frame at zero angles: the centre of its first solid, axes of the robot.
 pub(super) fn robot_from_part_at_zero(assembly: &Assembly, part: usize) -> Isometry3<f64> {

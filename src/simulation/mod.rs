@@ -4,6 +4,9 @@
 //! it into a [`Run`] and never changes it. Same experiment → same bits, on any thread.
 //! `engine` is the only file of the crate that names `rapier3d`, in f64 or (feature `f32`) in f32.
 
+pub mod parameter;
+pub mod verification;
+
 mod camera;
 mod distribution;
 mod engine;

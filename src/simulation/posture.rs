@@ -9,7 +9,7 @@ use super::experiment::Floor;
 use super::kinematics::{lowest_m, robot_from_part_at_zero};
 use super::watch::Snapshot;
 use super::world::{to_pose, to_vector};
-use crate::morphology::{Assembly, Solid};
+use crate::robot::morphology::{Assembly, Solid};
 
 /// The boxes of a robot, ready to be looked at in many snapshots.
 #[derive(Debug)]

@@ -11,7 +11,7 @@ use super::servo::command;
 use super::watch::{Push, Snapshot};
 use super::world::{Motion, World};
 use crate::error::Result;
-use crate::morphology::Assembly;
+use crate::robot::morphology::Assembly;
 use crate::trajectory::{State, Trajectory};
 use crate::warning::Warning;
 

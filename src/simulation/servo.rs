@@ -1,6 +1,6 @@
 //! The servo law: from commanded and measured angle to what the joint's motor is asked to do.
 
-use crate::morphology::{Servo, ServoLaw};
+use crate::robot::morphology::{Servo, ServoLaw};
 
 /// What a joint motor is asked to do during one step, within its torque limit.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use super::kinematics::robot_from_part_at_zero;
 use super::world::World;
 use crate::error::{Error, Result};
-use crate::morphology::Assembly;
+use crate::robot::morphology::Assembly;
 
 /// A velocity added to one loose part at time 0.
 #[derive(Debug, Clone, Copy, PartialEq)]

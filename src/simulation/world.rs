@@ -18,7 +18,7 @@ use super::friction::Friction;
 use super::kinematics::robot_from_part_at_zero;
 use super::servo::Command;
 use super::watch::PartState;
-use crate::morphology::{Assembly, Part, Role};
+use crate::robot::morphology::{Assembly, Part, Role};
 
 /// Rigid motion of the whole robot at the start.
 #[derive(Debug, Clone, Copy, PartialEq)]

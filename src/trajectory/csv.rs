@@ -7,7 +7,7 @@ use super::format::{Format, Parsed, Rendered};
 use super::sample::{Layout, Samples};
 use super::text::{Cell, Separator, cut, excerpt, push_number};
 use crate::error::{Error, Result};
-use crate::quantity::LengthUnit;
+use crate::unit::LengthUnit;
 use crate::warning::Warning;
 
 /// Columns by which recordings in one file are told apart, from the outermost to the innermost.

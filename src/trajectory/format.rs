@@ -2,7 +2,7 @@
 
 use super::Trajectory;
 use crate::error::Result;
-use crate::quantity::LengthUnit;
+use crate::unit::LengthUnit;
 use crate::warning::Warning;
 
 /// What a format found in a text.

@@ -13,7 +13,7 @@ use super::tum::Tum;
 use super::{Recording, Trajectory};
 use crate::error::{Error, Result};
 use crate::file::{read_limited, write_atomic};
-use crate::quantity::LengthUnit;
+use crate::unit::LengthUnit;
 use crate::warning::Warning;
 
 /// Every known format.

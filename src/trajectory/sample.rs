@@ -5,7 +5,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use super::Trajectory;
 use super::text::{Cell, check_rows};
 use crate::error::{Error, Result};
-use crate::quantity::LengthUnit;
+use crate::unit::LengthUnit;
 use crate::warning::Warning;
 
 /// Largest | |q| − 1 | that is kept bit for bit, so that writing and reading back changes nothing.

@@ -7,7 +7,7 @@ use super::format::{Format, Parsed, Rendered};
 use super::sample::{Layout, Samples};
 use super::text::{Separator, cut, push_number};
 use crate::error::Result;
-use crate::quantity::LengthUnit;
+use crate::unit::LengthUnit;
 use crate::warning::Warning;
 
 /// The text format of the TUM RGB-D benchmark, which evo and many SLAM programs read.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Unit, UnitQuaternion, Vector3};
 use realgap::file::Source;
-use realgap::morphology::{Assembly, Morphology, Role};
+use realgap::robot::morphology::{Assembly, Morphology, Role};
 
 fn assemble(modules: &str, glue: &str) -> Assembly {
     let text = format!(

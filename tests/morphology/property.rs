@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use realgap::file::Source;
-use realgap::morphology::{
+use realgap::robot::morphology::{
     Assembly, Blueprint, Drive, DriveAxis, Face, Gait, Glue, Module, Morphology, Plate, Role,
     Servo, ServoLaw,
 };

@@ -1,7 +1,7 @@
 //! Every robot that cannot be built is refused with file, line, column and reason.
 
 use realgap::file::Source;
-use realgap::morphology::Morphology;
+use realgap::robot::morphology::Morphology;
 
 fn refusal(text: &str) -> String {
     match Morphology::parse(&Source::new("robot.ron", text)) {

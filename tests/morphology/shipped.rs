@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nalgebra::Vector3;
-use realgap::morphology::{Assembly, Morphology, Role, ServoLaw};
+use realgap::robot::morphology::{Assembly, Morphology, Role, ServoLaw};
 
 fn shipped(name: &str) -> Morphology {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("morphologies/{name}.ron"));

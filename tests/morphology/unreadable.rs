@@ -2,7 +2,7 @@
 
 use realgap::ErrorKind;
 use realgap::file::{MAX_FILE_BYTES, Source};
-use realgap::morphology::Morphology;
+use realgap::robot::morphology::Morphology;
 
 #[test]
 fn a_missing_file_is_named() {

@@ -1,8 +1,10 @@
 //! What was hidden in stand-in tosses is found again in their flight.
 
 use nalgebra::Vector3;
-use realgap::identification::{Body, LengthReading, StartState, fit_flight, identify, refine};
-use realgap::morphology::Morphology;
+use realgap::calibration::identification::{
+    Body, LengthReading, StartState, fit_flight, identify, refine,
+};
+use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Start};
 use realgap::trajectory::Trajectory;
 

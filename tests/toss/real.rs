@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use realgap::identification::{LengthReading, StartState, identify};
-use realgap::parameter::ParameterSet;
-use realgap::study::{Overrides, Part, Problem, Study, evaluate, read_parameters};
+use realgap::calibration::identification::{LengthReading, StartState, identify};
+use realgap::calibration::{Overrides, Part, Problem, Study, evaluate, read_parameters};
+use realgap::simulation::parameter::ParameterSet;
 
 use super::standin::study;
 

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use realgap::identification::StartState;
-use realgap::parameter::ParameterSet;
-use realgap::study::{Overrides, Problem, Scores, Study, evaluate};
+use realgap::calibration::identification::StartState;
+use realgap::calibration::{Overrides, Problem, Scores, Study, evaluate};
+use realgap::simulation::parameter::ParameterSet;
 
 use super::standin::{EXACT, Tracker, cube, tosses, write};
 

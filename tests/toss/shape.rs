@@ -1,6 +1,6 @@
 //! Round edges: they change how a cube rolls, and a cube cannot be rounder than a ball.
 
-use realgap::parameter::by_name;
+use realgap::simulation::parameter::by_name;
 use realgap::simulation::{Experiment, Start, run};
 
 use super::standin::{EXACT, cube, tosses};

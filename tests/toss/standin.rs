@@ -7,7 +7,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use realgap::morphology::Morphology;
+use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Sampling, Start, run};
 use realgap::trajectory::{Recording, State, Trajectory};
 

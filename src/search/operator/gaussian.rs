@@ -4,7 +4,7 @@ use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
 use super::{Dose, Operator, child_or};
-use crate::genome::{Gene, Genome, Locus};
+use crate::robot::genome::{Gene, Genome, Locus};
 
 /// Adds a normal change to each number with the rate's probability.
 pub(super) struct Gaussian;

@@ -3,7 +3,7 @@
 use rand::{Rng, RngExt};
 
 use super::{Dose, Operator, child_or};
-use crate::genome::{Gene, Genome};
+use crate::robot::genome::{Gene, Genome};
 
 /// One module more or fewer.
 pub(super) enum Length {

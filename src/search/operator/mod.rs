@@ -9,7 +9,7 @@ mod uniform;
 
 use rand::Rng;
 
-use crate::genome::{Gene, Genome};
+use crate::robot::genome::{Gene, Genome};
 use crate::{Error, Result};
 
 /// How much an operator may change.

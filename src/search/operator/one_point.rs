@@ -3,7 +3,7 @@
 use rand::{Rng, RngExt};
 
 use super::{Dose, Operator, child_or};
-use crate::genome::Genome;
+use crate::robot::genome::Genome;
 
 /// Cuts both parents behind the same module.
 pub(super) struct OnePoint;

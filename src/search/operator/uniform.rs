@@ -3,7 +3,7 @@
 use rand::{Rng, RngExt};
 
 use super::{Dose, Operator, child_or};
-use crate::genome::{Gene, Genome};
+use crate::robot::genome::{Gene, Genome};
 
 /// Tosses a coin for the length and for every number that both parents have.
 pub(super) struct Uniform;

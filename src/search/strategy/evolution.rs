@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Evaluated, Strategy, Variation};
-use crate::genome::Genome;
+use crate::robot::genome::Genome;
 use crate::search::{generator, selection_named};
 use crate::{Error, Result};
 

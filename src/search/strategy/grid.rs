@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Evaluated, Strategy};
-use crate::genome::{Gene, Genome, Locus};
+use crate::robot::genome::{Gene, Genome, Locus};
 use crate::{Error, Result};
 
 /// Values of one number of a gene, of one module or of all alike.

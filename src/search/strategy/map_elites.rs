@@ -6,7 +6,7 @@ use rand::RngExt as _;
 use serde::{Deserialize, Serialize};
 
 use super::{Evaluated, Strategy, Variation};
-use crate::genome::Genome;
+use crate::robot::genome::Genome;
 use crate::search::generator;
 use crate::{Error, Result};
 

@@ -8,7 +8,7 @@ mod variation;
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
-use crate::genome::Genome;
+use crate::robot::genome::Genome;
 
 pub use evolution::Evolution;
 pub use grid::{GeneValues, Grid};

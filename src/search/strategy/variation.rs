@@ -3,7 +3,7 @@
 use rand::Rng;
 use serde::{Deserialize, Serialize};
 
-use crate::genome::Genome;
+use crate::robot::genome::Genome;
 use crate::search::{Dose, operator_named};
 use crate::{Error, Result};
 

@@ -1,0 +1,182 @@
+//! The answer of a study: the best point, and how sure it is.
+
+use rayon::prelude::*;
+
+use super::audit::Audit;
+use super::file::StartRule;
+use super::problem::Problem;
+use super::score::Scores;
+use super::tune::Tuned;
+use super::validation::Validation;
+use crate::calibration::{
+    BestDraws, Profile, ScoredPoint, Uncertainty, bootstrap_indistinguishable,
+    spread_indistinguishable,
+};
+use crate::error::Result;
+use crate::optimization::Ending;
+use crate::simulation::Noise;
+use crate::statistics::standard_deviation;
+use crate::store::OutcomeStatus;
+
+/// How the points of an answer were chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Method {
+    /// Every point of the study's grid.
+    Sweep,
+    /// An optimizer chose them.
+    Tune(Tuned),
+}
+
+/// Result of a sweep or of tuning.
+#[derive(Debug, Clone)]
+pub struct Answer {
+    /// How the points were chosen.
+    pub method: Method,
+    /// Complete, or stopped early.
+    pub ending: Ending,
+    /// Scores of the points evaluated so far.
+    pub scores: Scores,
+    /// What cannot be told apart from the best; `None` where nothing has a score.
+    pub uncertainty: Option<Uncertainty>,
+    /// Where the best lies when reality is sampled again; `None` where nothing has a score.
+    pub draws: Option<BestDraws>,
+    /// The best score along each parameter.
+    pub profiles: Vec<Profile>,
+    /// What the numerical settings change; `None` where nothing has a score.
+    pub audit: Option<Audit>,
+    /// How the fit does on recordings it has not seen; `None` where none are held out.
+    pub validation: Option<Validation>,
+}
+
+/// Confidence level of the indistinguishable set.
+pub const LEVEL: f64 = 0.95;
+/// Confidence level of the interval of each parameter.
+pub const INTERVAL_LEVEL: f64 = 0.90;
+/// Perturbed repeats of the best point: how much a score depends on the very start.
+const REPEATS: u64 = 16;
+
+impl Answer {
+    /// Works out how sure the best of these scores is; simulations run on the current rayon pool.
+    pub(super) fn new(
+        problem: &Problem,
+        method: Method,
+        ending: Ending,
+        scores: Scores,
+    ) -> Result<Self> {
+        let fitted = fitted_scores(problem, &scores);
+        let uncertainty = match scores.best {
+            Some(best) => Some(uncertainty(problem, &scores, &fitted, best)?),
+            None => None,
+        };
+        let draws = uncertainty.as_ref().and_then(|uncertainty| {
+            let points: Vec<ScoredPoint<'_>> = scores
+                .points
+                .iter()
+                .zip(&fitted)
+                .filter_map(|(point, fitted)| {
+                    Some(ScoredPoint {
+                        values: &point.values,
+                        recordings: fitted.as_deref()?,
+                    })
+                })
+                .collect();
+            let study = problem.study();
+            BestDraws::new(&study.grid, &points, uncertainty.simulation_sd, study.seed)
+        });
+        let profiles = profiles(problem, &scores, uncertainty.as_ref());
+        let audit = match ending {
+            Ending::Complete => Audit::new(problem, &scores, &profiles)?,
+            // Whoever interrupts does not want to wait for more simulations.
+            Ending::Interrupted => None,
+        };
+        let validation = Validation::new(problem, &scores)?;
+        Ok(Self {
+            method,
+            ending,
+            scores,
+            uncertainty,
+            draws,
+            profiles,
+            audit,
+            validation,
+        })
+    }
+}
+
+/// Per point the scores of the recordings that are fitted.
+fn fitted_scores(problem: &Problem, scores: &Scores) -> Vec<Option<Vec<f64>>> {
+    scores
+        .points
+        .iter()
+        .map(|point| {
+            point
+                .score
+                .map(|_| problem.part_of(&point.recordings, false))
+        })
+        .collect()
+}
+
+fn profiles(problem: &Problem, scores: &Scores, uncertainty: Option<&Uncertainty>) -> Vec<Profile> {
+    let ranges = problem.study().grid.ranges().iter().enumerate();
+    ranges
+        .map(|(dimension, range)| {
+            let points = scores.points.iter().enumerate().map(|(position, point)| {
+                let inside = uncertainty.is_some_and(|u| u.indistinguishable[position]);
+                (point.values[dimension], point.score, inside)
+            });
+            Profile::new(range, points)
+        })
+        .collect()
+}
+
+fn uncertainty(
+    problem: &Problem,
+    scores: &Scores,
+    fitted: &[Option<Vec<f64>>],
+    best: usize,
+) -> Result<Uncertainty> {
+    let study = problem.study();
+    let values = &scores.points[best].values;
+    if problem.fitted_recordings() >= 2 {
+        // Where every recording has its own start, each score is a draw of its own and the bootstrap sees the
+        // noise of single simulations; one simulation for all recordings hides it.
+        let simulation_sd = match study.start {
+            StartRule::Settled => {
+                standard_deviation(&repeats(problem, scores, values, &Noise::careful_start())?)
+            }
+            StartRule::FromRecording => 0.0,
+        };
+        return Ok(bootstrap_indistinguishable(
+            fitted,
+            best,
+            simulation_sd,
+            LEVEL,
+            study.seed,
+        ));
+    }
+    let repeats = repeats(problem, scores, values, &Noise::careful_repeat())?;
+    let all: Vec<Option<f64>> = scores.points.iter().map(|point| point.score).collect();
+    Ok(spread_indistinguishable(&all, best, &repeats, LEVEL))
+}
+
+/// Scores of repeats of the best point; diverged ones are left out.
+///
+/// Every repeat starts a little differently and takes another timestep, from the study's down to half of it:
+/// for a walking robot the timestep does not converge (docs/fidelity.md), so a finer one is as good a choice,
+/// and what it changes belongs to the uncertainty.
+fn repeats(problem: &Problem, scores: &Scores, values: &[f64], noise: &Noise) -> Result<Vec<f64>> {
+    let set = problem.parameter_set(values);
+    let repeats: Vec<Option<f64>> = (0..REPEATS)
+        .into_par_iter()
+        .map(|repeat| {
+            let timestep_factor = 0.5_f64.powf(repeat as f64 / (REPEATS - 1) as f64);
+            let outcome = problem.evaluate_perturbed(&set, noise, repeat, timestep_factor)?;
+            if outcome.status != OutcomeStatus::Completed {
+                return Ok(None);
+            }
+            let scores = scores.outcome_scores(problem, values, 0, &outcome)?;
+            Ok(Some(scores.iter().sum::<f64>() / scores.len() as f64))
+        })
+        .collect::<Result<_>>()?;
+    Ok(repeats.into_iter().flatten().collect())
+}

@@ -1,0 +1,97 @@
+//! The numerical audit: does the answer depend on the step?
+
+use serde::Serialize;
+
+use super::problem::Problem;
+use super::score::Scores;
+use crate::calibration::Profile;
+use crate::error::Result;
+use crate::simulation::Solver;
+
+/// The best point again, with one numerical setting changed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AuditRow {
+    /// What was changed, and to what.
+    pub setting: String,
+    /// The score then; `None` where it diverged.
+    pub score: Option<f64>,
+    /// `score` minus the best score.
+    pub change: Option<f64>,
+}
+
+/// How much the best score depends on timestep and substeps, which no recording can tell.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Audit {
+    /// Half and double timestep, half and double substeps.
+    pub rows: Vec<AuditRow>,
+    /// Largest absolute change.
+    pub largest_change: f64,
+    /// Parameters whose whole searched range changes the best score by less than that.
+    pub unresolved: Vec<String>,
+}
+
+/// Longest timestep that an experiment may have, seconds.
+const LONGEST_S: f64 = 0.1;
+
+type Change = Box<dyn Fn(&mut Solver) + Sync>;
+
+impl Audit {
+    /// Re-runs the best point; `None` where nothing has a score.
+    ///
+    /// # Errors
+    /// As [`Problem::evaluate`].
+    pub fn new(problem: &Problem, scores: &Scores, profiles: &[Profile]) -> Result<Option<Self>> {
+        let Some(best) = scores.best else {
+            return Ok(None);
+        };
+        let point = &scores.points[best];
+        let solver = problem.experiment(0, &point.values)?.solver;
+        let mut rows = Vec::new();
+        for (setting, change) in changes(&solver) {
+            let trial = problem.evaluate_with_solver(&point.values, change)?;
+            let score =
+                Scores::with_basis(problem, &[trial], scores.basis.clone())?.points[0].score;
+            rows.push(AuditRow {
+                setting,
+                score,
+                change: score.zip(point.score).map(|(now, best)| now - best),
+            });
+        }
+        let largest_change = rows
+            .iter()
+            .filter_map(|row| row.change)
+            .fold(0.0, |largest: f64, change| largest.max(change.abs()));
+        let unresolved = profiles
+            .iter()
+            .filter(|profile| profile.spread() < largest_change)
+            .map(|profile| profile.parameter.name.to_owned())
+            .collect();
+        Ok(Some(Self {
+            rows,
+            largest_change,
+            unresolved,
+        }))
+    }
+}
+
+fn changes(solver: &Solver) -> Vec<(String, Change)> {
+    let mut changes: Vec<(String, Change)> = Vec::new();
+    for factor in [0.5, 2.0] {
+        let timestep_s = solver.timestep_s * factor;
+        if timestep_s <= LONGEST_S {
+            changes.push((
+                format!("timestep {factor} times: {timestep_s:.3e} s"),
+                Box::new(move |solver| solver.timestep_s = timestep_s),
+            ));
+        }
+    }
+    for substeps in [solver.substeps / 2, solver.substeps * 2] {
+        if (1..=256).contains(&substeps) {
+            changes.push((
+                format!("{substeps} substeps instead of {}", solver.substeps),
+                Box::new(move |solver| solver.substeps = substeps),
+            ));
+        }
+    }
+    changes
+}

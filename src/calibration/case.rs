@@ -1,0 +1,219 @@
+//! One simulation of a study and the recordings it is compared with.
+
+use std::borrow::Cow;
+
+use nalgebra::Vector3;
+
+use super::clip::clip;
+use super::file::{StartRule, Study};
+use crate::calibration::identification::{Body, EQUAL_MOMENTS, Refined, StartState, refine};
+use crate::error::{Error, Result};
+use crate::simulation::{Experiment, Sampling, Start};
+use crate::trajectory::{Prepared, Recording, State, Trajectory, prepare};
+use crate::warning::Warning;
+
+/// One recording as it is compared: cut to the simulated duration, and prepared.
+#[derive(Debug, Clone)]
+pub struct Target {
+    /// Index of the recording in the study.
+    pub recording: usize,
+    /// The motion, cut to the simulated duration.
+    pub motion: Trajectory,
+    /// The prepared motion.
+    pub prepared: Prepared,
+}
+
+impl Target {
+    /// The target in true lengths, where recorded ones are `length_scale` times those.
+    ///
+    /// # Errors
+    /// Lengths that are no longer finite.
+    pub fn in_true_lengths(&self, length_scale: f64) -> Result<Cow<'_, Self>> {
+        if length_scale == 1.0 {
+            return Ok(Cow::Borrowed(self));
+        }
+        let motion = self.motion.scaled(1.0 / length_scale)?;
+        let prepared = prepare(&motion)?;
+        Ok(Cow::Owned(Self {
+            recording: self.recording,
+            motion,
+            prepared,
+        }))
+    }
+}
+
+/// One simulation of a study: a start, and the recordings that share it.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// The experiment before the study's parameters are set.
+    pub experiment: Experiment,
+    /// The recordings it is compared with, at least one.
+    pub targets: Vec<Target>,
+}
+
+/// Samples per second of a simulation that starts settled; the comparison resamples to 182 points anyway.
+const SETTLED_RATE_HZ: f64 = 60.0;
+
+/// The cases of a study: one for all recordings when the start is settled, else one a recording.
+pub(super) fn cases(study: &Study) -> Result<(Vec<Case>, Vec<Warning>)> {
+    if study.recordings.is_empty() {
+        return Err(Error::invalid("no recordings to compare with")
+            .at_file(&study.path)
+            .field("recordings"));
+    }
+    let base = study.experiment();
+    match study.start {
+        StartRule::Settled => settled(study, &base),
+        StartRule::FromRecording => from_recordings(study, &base),
+    }
+}
+
+fn settled(study: &Study, base: &Experiment) -> Result<(Vec<Case>, Vec<Warning>)> {
+    let mut warnings = Vec::new();
+    let shortest_s = study
+        .recordings
+        .iter()
+        .map(|r| r.trajectory.duration_s())
+        .fold(f64::INFINITY, f64::min);
+    let mut duration_s = study.duration_s.unwrap_or(shortest_s);
+    if duration_s > shortest_s + 1e-6 {
+        warnings.push(Warning::new(
+            "short-recording",
+            format!("a recording lasts only {shortest_s:.3} s; {shortest_s:.3} s are simulated and compared instead of {duration_s} s"),
+        ));
+        duration_s = shortest_s;
+    }
+    let mut experiment = base.clone();
+    experiment.duration_s = duration_s;
+    experiment.sampling = Sampling::Rate(SETTLED_RATE_HZ);
+    experiment.check().map_err(|e| e.at_file(&study.path))?;
+    let targets = study
+        .recordings
+        .iter()
+        .enumerate()
+        .map(|(index, recording)| target(index, recording, duration_s, &mut warnings))
+        .collect::<Result<_>>()?;
+    Ok((
+        vec![Case {
+            experiment,
+            targets,
+        }],
+        warnings,
+    ))
+}
+
+fn from_recordings(study: &Study, base: &Experiment) -> Result<(Vec<Case>, Vec<Warning>)> {
+    let mut warnings = Vec::new();
+    let mut cases = Vec::with_capacity(study.recordings.len());
+    for (index, recording) in study.recordings.iter().enumerate() {
+        let length_s = recording.trajectory.duration_s();
+        let target = target(
+            index,
+            recording,
+            study.duration_s.unwrap_or(length_s).min(length_s),
+            &mut warnings,
+        )?;
+        let times_s = target.motion.times_s();
+        let mut experiment = base.clone();
+        experiment.start = Start::State(first_state(recording, &mut warnings)?);
+        experiment.duration_s = target.motion.duration_s();
+        experiment.sampling = Sampling::Times(times_s.iter().map(|t| t - times_s[0]).collect());
+        experiment.check().map_err(|e| e.at_file(&recording.path))?;
+        cases.push(Case {
+            experiment,
+            targets: vec![target],
+        });
+    }
+    warnings.extend(start_state_warnings(study, &cases)?);
+    Ok((cases, warnings))
+}
+
+/// A start that has seen more than the first sample is no prediction from it: every report has to say so.
+fn start_state_warnings(study: &Study, cases: &[Case]) -> Result<Vec<Warning>> {
+    let rule = study.start_state;
+    if rule == StartState::FirstSample {
+        return Ok(Vec::new());
+    }
+    let mut warnings = vec![Warning::new(
+        "refined-start",
+        format!("start states: {}", rule.label()),
+    )];
+    if rule == StartState::Flight
+        && Body::new(&cases[0].experiment).is_ok_and(|body| body.moment_ratio > EQUAL_MOMENTS)
+    {
+        warnings.push(Warning::new(
+            "unequal-moments",
+            "start states are fitted with a constant angular velocity, but the robot's moments of inertia differ",
+        ));
+    }
+    let mut without = 0;
+    for case in cases {
+        let recorded = &study.recordings[case.targets[0].recording].trajectory;
+        let (_, refined) = refine(rule, case.experiment.clone(), recorded)
+            .map_err(|e| e.at_file(&study.path).field("start_state"))?;
+        without += usize::from(refined == Refined::NoFlight);
+    }
+    if without > 0 {
+        warnings.push(Warning::new(
+            "no-flight",
+            format!(
+                "{without} of {} recordings have no flight to fit; their start is corrected by half a sample instead",
+                cases.len()
+            ),
+        ));
+    }
+    Ok(warnings)
+}
+
+fn target(
+    index: usize,
+    recording: &Recording,
+    duration_s: f64,
+    warnings: &mut Vec<Warning>,
+) -> Result<Target> {
+    let motion = clip(&recording.trajectory, duration_s)?;
+    let prepared = prepare(&motion).map_err(|e| e.at_file(&recording.path))?;
+    warnings.extend(prepared.warnings().iter().cloned());
+    Ok(Target {
+        recording: index,
+        motion,
+        prepared,
+    })
+}
+
+/// The first recorded state; velocities not recorded are differences of the first two samples.
+fn first_state(recording: &Recording, warnings: &mut Vec<Warning>) -> Result<State> {
+    let motion = &recording.trajectory;
+    let Some(orientations) = motion.orientations_world_from_body() else {
+        return Err(
+            Error::invalid("a run cannot start from a recording without orientations")
+                .at_file(&recording.path)
+                .found("no columns qw, qx, qy, qz")
+                .hint("record orientations, or use `start: Settled` in the study"),
+        );
+    };
+    let dt_s = motion.times_s()[1] - motion.times_s()[0];
+    let mut differences = || {
+        warnings.push(Warning::new(
+            "estimated-velocity",
+            "some recordings have no velocities; their start velocity is the difference of the first two samples",
+        ));
+        let linear: Vector3<f64> =
+            (motion.positions_world_m()[1] - motion.positions_world_m()[0]) / dt_s;
+        let angular = (orientations[0].inverse() * orientations[1]).scaled_axis() / dt_s;
+        (linear, angular)
+    };
+    let (linear, angular) = match (
+        motion.velocities_world_m_s(),
+        motion.angular_velocities_body_rad_s(),
+    ) {
+        (Some(linear), Some(angular)) => (linear[0], angular[0]),
+        _ => differences(),
+    };
+    Ok(State {
+        position_world_m: motion.positions_world_m()[0],
+        orientation_world_from_body: orientations[0],
+        velocity_world_m_s: linear,
+        angular_velocity_body_rad_s: angular,
+    })
+}

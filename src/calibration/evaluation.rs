@@ -1,0 +1,257 @@
+//! How well one setting predicts recordings it may never have seen: pose errors, flips and resting faces.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use super::problem::Problem;
+use super::rest::{FaceOdds, face_at_end};
+use crate::calibration::identification::is_at_rest;
+use crate::comparison::pose_errors;
+use crate::error::{Error, Result};
+use crate::simulation::parameter::ParameterSet;
+use crate::simulation::{self, Experiment, Status};
+use crate::statistics::{mean, median, standard_deviation};
+use crate::trajectory::Trajectory;
+use crate::warning::Warning;
+
+/// A final orientation further off than this is another face: a flip.
+const FLIP_DEG: f64 = 45.0;
+
+/// Mean, median and standard error over recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// Median (mean of the middle two).
+    pub median: f64,
+    /// Standard deviation / √n; 0 for a single recording, which does not know it.
+    pub standard_error: f64,
+}
+
+/// Pose errors of one recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RecordingErrors {
+    /// Name of the recording.
+    pub recording: String,
+    /// Mean position error, percent of the body length; `None` where the simulation diverged.
+    pub position_percent: Option<f64>,
+    /// Mean rotation error, degrees.
+    pub rotation_deg: Option<f64>,
+    /// Position error at the end, percent of the body length.
+    pub final_position_percent: Option<f64>,
+    /// Rotation error at the end, degrees.
+    pub final_rotation_deg: Option<f64>,
+    /// Face that ended down, where the recording ends at rest.
+    pub real_face_down: Option<&'static str>,
+    /// Face that points down at the end of the simulation.
+    pub simulated_face_down: Option<&'static str>,
+    /// Simulated seconds.
+    pub simulated_s: f64,
+    /// CPU seconds.
+    pub cpu_s: f64,
+}
+
+/// Pose errors over recordings. Lengths are true ones ([`Experiment::recording_length_scale`]).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// Recordings compared with.
+    pub recordings: usize,
+    /// Mean position error of each recording, percent of the body length.
+    pub position_percent: Spread,
+    /// Mean rotation error of each recording, degrees.
+    pub rotation_deg: Spread,
+    /// Position error at the end, percent of the body length.
+    pub final_position_percent: Spread,
+    /// Rotation error at the end, degrees.
+    pub final_rotation_deg: Spread,
+    /// Recordings that end more than 45° off; diverged simulations count.
+    pub over_45_deg: usize,
+    /// Which face ends down.
+    pub resting_faces: Vec<FaceOdds>,
+    /// CPU milliseconds per simulated second.
+    pub cpu_ms_per_s: f64,
+    /// Which start state the runs have.
+    pub start: &'static str,
+    /// Parameter values that the study, files and command line fix.
+    pub parameters: BTreeMap<String, f64>,
+    /// Versions, settings and input hashes.
+    pub provenance: BTreeMap<String, String>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+    /// One row a recording, in order; empty unless asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rows: Vec<RecordingErrors>,
+}
+
+/// Simulates every case with the study's fixed values and `set`, in parallel on the current rayon pool, and measures pose
+/// errors. `progress` hears how many cases are done, from any thread. The result does not depend on the threads.
+///
+/// # Errors
+/// Recordings without orientations, or not a single simulation that ends.
+pub fn evaluate(
+    problem: &Problem,
+    set: &ParameterSet,
+    progress: impl Fn(usize) + Sync,
+) -> Result<Evaluation> {
+    let done = AtomicUsize::new(0);
+    let cases: Vec<Vec<(usize, RecordingErrors)>> = (0..problem.cases().len())
+        .into_par_iter()
+        .map(|case| {
+            let rows = evaluate_case(problem, case, &problem.experiment_with(case, set)?);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
+            rows
+        })
+        .collect::<Result<_>>()?;
+    let mut rows: Vec<(usize, RecordingErrors)> = cases.into_iter().flatten().collect();
+    rows.sort_by_key(|(recording, _)| *recording);
+    let rows: Vec<RecordingErrors> = rows.into_iter().map(|(_, row)| row).collect();
+    summarise(problem, set, rows)
+}
+
+fn evaluate_case(
+    problem: &Problem,
+    case: usize,
+    experiment: &Experiment,
+) -> Result<Vec<(usize, RecordingErrors)>> {
+    let run = simulation::run(experiment)?;
+    let face_at_end = |motion: &Trajectory| face_at_end(motion, experiment);
+    let simulated = match (&run.status, &run.trajectory) {
+        (Status::Completed, Some(motion)) => Some(motion),
+        _ => None,
+    };
+    problem.cases()[case]
+        .targets
+        .iter()
+        .map(|target| {
+            let target = target.in_true_lengths(experiment.recording_length_scale)?;
+            let recording = &problem.study().recordings[target.recording];
+            let errors = simulated
+                .map(|motion| {
+                    pose_errors(&target.motion, motion, experiment.assembly.body_length_m)
+                        .map_err(|e| e.at_file(&recording.path))
+                })
+                .transpose()?;
+            let row = RecordingErrors {
+                recording: recording.name.clone(),
+                position_percent: errors.as_ref().map(|e| 100.0 * e.position_fraction_mean),
+                rotation_deg: errors.as_ref().map(|e| e.rotation_rad_mean.to_degrees()),
+                final_position_percent: errors.as_ref().map(|e| 100.0 * e.position_fraction_final),
+                final_rotation_deg: errors.as_ref().map(|e| e.rotation_rad_final.to_degrees()),
+                real_face_down: is_at_rest(&target.motion)
+                    .then(|| face_at_end(&target.motion))
+                    .flatten(),
+                simulated_face_down: simulated.and_then(face_at_end),
+                simulated_s: experiment.duration_s,
+                cpu_s: run.cpu.as_secs_f64(),
+            };
+            Ok((target.recording, row))
+        })
+        .collect()
+}
+
+fn summarise(
+    problem: &Problem,
+    set: &ParameterSet,
+    rows: Vec<RecordingErrors>,
+) -> Result<Evaluation> {
+    let study = problem.study();
+    let spread = |value: fn(&RecordingErrors) -> Option<f64>| {
+        Spread::of(rows.iter().filter_map(value).collect()).ok_or_else(|| {
+            Error::invalid("every simulation diverged, so there are no errors to report")
+                .at_file(&study.path)
+                .hint("try a shorter timestep or more substeps")
+        })
+    };
+    let mut warnings = problem.warnings().to_vec();
+    let diverged = rows.iter().filter(|r| r.rotation_deg.is_none()).count();
+    if diverged > 0 {
+        warnings.push(Warning::new(
+            "diverged",
+            format!("{diverged} of {} simulations diverged: they are missing from the means and count as over 45 degrees", rows.len()),
+        ));
+    }
+    let fixed = study.set.clone().with_all(set);
+    for range in study.grid.ranges() {
+        let name = range.parameter.name;
+        if fixed.value(name).is_none() {
+            warnings.push(Warning::new(
+                "free-parameter",
+                format!("{name} is free in the study and no value is given: its default is used (--parameters best.ron, or --set {name}=...)"),
+            ));
+        }
+    }
+    if rows.len() == 1 {
+        warnings.push(Warning::new(
+            "one-recording",
+            "one recording does not know its standard error; 0 is written",
+        ));
+    }
+    let over = rows
+        .iter()
+        .filter(|row| row.final_rotation_deg.is_none_or(|deg| deg > FLIP_DEG))
+        .count();
+    let cpu_s: f64 = rows.iter().map(|row| row.cpu_s).sum();
+    let simulated_s: f64 = rows.iter().map(|row| row.simulated_s).sum();
+    Ok(Evaluation {
+        recordings: rows.len(),
+        position_percent: spread(|row| row.position_percent)?,
+        rotation_deg: spread(|row| row.rotation_deg)?,
+        final_position_percent: spread(|row| row.final_position_percent)?,
+        final_rotation_deg: spread(|row| row.final_rotation_deg)?,
+        over_45_deg: over,
+        resting_faces: resting_faces(&rows),
+        cpu_ms_per_s: 1e3 * cpu_s / simulated_s,
+        start: match study.start {
+            super::StartRule::Settled => "settled on the floor",
+            super::StartRule::FromRecording => study.start_state.label(),
+        },
+        parameters: fixed
+            .iter()
+            .map(|a| (a.parameter.name.to_owned(), a.value))
+            .collect(),
+        provenance: provenance(problem),
+        warnings,
+        rows,
+    })
+}
+
+/// The study's fingerprint with the hashes of hundreds of recordings folded into one.
+fn provenance(problem: &Problem) -> BTreeMap<String, String> {
+    let mut all = Sha256::new();
+    for sha256 in &problem.study().recordings_sha256 {
+        all.update(sha256.as_bytes());
+    }
+    let digest: String = all.finalize().iter().map(|b| format!("{b:02x}")).collect();
+    problem
+        .fingerprint()
+        .entries()
+        .iter()
+        .filter(|(name, _)| !name.starts_with("recording ") && !name.starts_with("parameter "))
+        .cloned()
+        .chain([("recordings sha256".to_owned(), digest)])
+        .collect()
+}
+
+fn resting_faces(rows: &[RecordingErrors]) -> Vec<FaceOdds> {
+    let ends: Vec<_> = rows
+        .iter()
+        .filter_map(|row| Some((row.real_face_down?, row.simulated_face_down)))
+        .collect();
+    FaceOdds::count(&ends)
+}
+
+impl Spread {
+    /// Of at least one value.
+    fn of(values: Vec<f64>) -> Option<Self> {
+        let root = (values.len() as f64).sqrt();
+        (!values.is_empty()).then(|| Self {
+            mean: mean(&values),
+            median: median(&values),
+            standard_error: standard_deviation(&values) / root,
+        })
+    }
+}

@@ -1,0 +1,352 @@
+//! A study made ready: its cases, and what it takes to evaluate one point.
+
+use rayon::prelude::*;
+
+use super::case::{Case, cases};
+use super::file::Study;
+use crate::calibration::identification::{StartState, refine};
+use crate::comparison::{Context, Pair};
+use crate::error::Result;
+use crate::simulation::parameter::{Assignment, ParameterSet};
+use crate::simulation::{self, ENGINE_VERSION, Experiment, Noise, Solver, Status};
+use crate::store::{Fingerprint, Outcome, OutcomeStatus, Trial};
+use crate::trajectory::{Prepared, prepare};
+use crate::warning::Warning;
+
+/// A study with its cases.
+#[derive(Debug)]
+pub struct Problem {
+    study: Study,
+    cases: Vec<Case>,
+    warnings: Vec<Warning>,
+    held_out: Vec<bool>,
+    body_length_m: f64,
+}
+
+impl Problem {
+    /// Builds the cases of a study.
+    ///
+    /// # Errors
+    /// Recordings from which no run can start, or settings that cannot be simulated.
+    pub fn new(study: Study) -> Result<Self> {
+        let (cases, mut warnings) = cases(&study)?;
+        warnings.extend(study.warnings.iter().cloned());
+        warnings.extend(study.set.without_effect(&cases[0].experiment));
+        warnings.sort();
+        warnings.dedup();
+        let body_length_m = study.morphology.assemble().body_length_m;
+        let held_out = match study.split {
+            Some(split) => split.held_out(study.recordings.len(), study.seed)?,
+            None => vec![false; study.recordings.len()],
+        };
+        let problem = Self {
+            study,
+            cases,
+            warnings,
+            held_out,
+            body_length_m,
+        };
+        problem.check_recordings()?;
+        Ok(problem)
+    }
+
+    /// Compares each recording with itself, so that one the metric cannot use is refused before any work.
+    fn check_recordings(&self) -> Result<()> {
+        if self.study.metric.needs().basis {
+            return Ok(());
+        }
+        for target in self.cases.iter().flat_map(|case| &case.targets) {
+            let pair = Pair {
+                real: &target.motion,
+                simulated: &target.motion,
+                real_prepared: &target.prepared,
+                simulated_prepared: &target.prepared,
+            };
+            self.study
+                .metric
+                .compare(&pair, &self.context())
+                .map_err(|e| e.at_file(&self.study.recordings[target.recording].path))?;
+        }
+        Ok(())
+    }
+
+    /// The study.
+    pub fn study(&self) -> &Study {
+        &self.study
+    }
+
+    /// The study, where its cases are not needed any more.
+    pub fn into_study(self) -> Study {
+        self.study
+    }
+
+    /// The simulations of one point.
+    pub fn cases(&self) -> &[Case] {
+        &self.cases
+    }
+
+    /// What the reader should know.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
+    /// Simulated seconds of one point, settling apart.
+    pub fn simulated_s(&self) -> f64 {
+        self.cases
+            .iter()
+            .map(|case| case.experiment.duration_s)
+            .sum()
+    }
+
+    pub(super) fn context(&self) -> Context<'_> {
+        Context {
+            basis: None,
+            body_length_m: Some(self.body_length_m),
+        }
+    }
+
+    /// The study's parameters with these values, in the study's order.
+    pub fn parameter_set(&self, values: &[f64]) -> ParameterSet {
+        self.study
+            .grid
+            .ranges()
+            .iter()
+            .zip(values)
+            .map(|(range, &value)| Assignment {
+                parameter: range.parameter,
+                value,
+            })
+            .collect()
+    }
+
+    /// Simulates every case of grid point `index` and keeps what the comparison needs.
+    ///
+    /// # Errors
+    /// A metric that cannot compare; a diverged simulation is an outcome, not an error.
+    pub fn evaluate(&self, index: usize) -> Result<Trial> {
+        self.evaluate_values(index, self.study.grid.values(index))
+    }
+
+    /// Simulates every case at these values, as trial number `index`; cases run in parallel on the current rayon pool.
+    ///
+    /// # Errors
+    /// As [`Problem::evaluate`].
+    pub fn evaluate_values(&self, index: usize, values: Vec<f64>) -> Result<Trial> {
+        let outcomes = self.evaluate_set(&self.parameter_set(&values))?;
+        Ok(Trial {
+            index,
+            values,
+            outcomes,
+        })
+    }
+
+    /// The experiment of a case with these parameter values.
+    ///
+    /// # Errors
+    /// A start state that cannot be refined as the study asks.
+    pub fn experiment(&self, case: usize, values: &[f64]) -> Result<Experiment> {
+        self.experiment_with(case, &self.parameter_set(values))
+    }
+
+    /// The experiment of a case with these parameters, its start refined as the study asks.
+    ///
+    /// # Errors
+    /// As [`Problem::experiment`].
+    pub fn experiment_with(&self, case: usize, set: &ParameterSet) -> Result<Experiment> {
+        let experiment = set.apply(&self.cases[case].experiment);
+        if self.study.start_state == StartState::FirstSample {
+            return Ok(experiment);
+        }
+        // Centre of mass, gravity and length scale decide the start, so it comes after the parameters.
+        let recording = self.cases[case].targets[0].recording;
+        let recorded = &self.study.recordings[recording].trajectory;
+        Ok(refine(self.study.start_state, experiment, recorded)?.0)
+    }
+
+    /// Recorded lengths over true ones at these values.
+    pub(super) fn recording_length_scale(&self, values: &[f64]) -> f64 {
+        self.parameter_set(values)
+            .apply(&self.cases[0].experiment)
+            .recording_length_scale
+    }
+
+    /// Simulates case 0 with these parameters under `noise`, repeat number `repeat`, at `timestep_factor` times the timestep.
+    ///
+    /// # Errors
+    /// As [`Problem::evaluate`].
+    pub fn evaluate_perturbed(
+        &self,
+        set: &ParameterSet,
+        noise: &Noise,
+        repeat: u64,
+        timestep_factor: f64,
+    ) -> Result<Outcome> {
+        let mut experiment = self.experiment_with(0, set)?;
+        experiment.solver.timestep_s *= timestep_factor;
+        self.evaluate_case(0, &noise.perturb(&experiment, self.study.seed, repeat))
+    }
+
+    /// Simulates every case with these parameters; cases run in parallel on the current rayon pool.
+    ///
+    /// # Errors
+    /// As [`Problem::evaluate`].
+    pub fn evaluate_set(&self, set: &ParameterSet) -> Result<Vec<Outcome>> {
+        (0..self.cases.len())
+            .into_par_iter()
+            .map(|case| self.evaluate_case(case, &self.experiment_with(case, set)?))
+            .collect()
+    }
+
+    /// Simulates every case at these values with other numerical settings.
+    ///
+    /// # Errors
+    /// As [`Problem::evaluate`], and settings that cannot be simulated.
+    pub(super) fn evaluate_with_solver(
+        &self,
+        values: &[f64],
+        change: impl Fn(&mut Solver) + Sync,
+    ) -> Result<Trial> {
+        let outcomes = (0..self.cases.len())
+            .into_par_iter()
+            .map(|case| {
+                let mut experiment = self.experiment(case, values)?;
+                change(&mut experiment.solver);
+                self.evaluate_case(case, &experiment)
+            })
+            .collect::<Result<_>>()?;
+        Ok(Trial {
+            index: 0,
+            values: values.to_vec(),
+            outcomes,
+        })
+    }
+
+    /// Whether a recording is kept from the fit.
+    pub fn is_held_out(&self, recording: usize) -> bool {
+        self.held_out[recording]
+    }
+
+    /// The values, one a recording, of those that the fit sees, or of those that are kept from it.
+    pub(super) fn part_of(&self, recordings: &[f64], held_out: bool) -> Vec<f64> {
+        recordings
+            .iter()
+            .zip(&self.held_out)
+            .filter(|(_, is_held_out)| **is_held_out == held_out)
+            .map(|(value, _)| *value)
+            .collect()
+    }
+
+    /// Number of recordings that the fit sees.
+    pub fn fitted_recordings(&self) -> usize {
+        self.held_out.iter().filter(|held_out| !**held_out).count()
+    }
+
+    fn evaluate_case(&self, case: usize, experiment: &Experiment) -> Result<Outcome> {
+        let run = simulation::run(experiment)?;
+        let Some(motion) = run.trajectory else {
+            let why = match run.status {
+                Status::Diverged { at_s, why } => format!("at {at_s:.3} s: {why}"),
+                Status::Completed => "no motion".to_owned(),
+            };
+            return Ok(Outcome {
+                status: OutcomeStatus::Diverged(why),
+                steps: run.steps,
+                net_displacement_m: f64::NAN,
+                scores: Vec::new(),
+                path_xy_m: Vec::new(),
+            });
+        };
+        let prepared = prepare(&motion)?;
+        let needs_basis = self.study.metric.needs().basis;
+        let mut scores = Vec::new();
+        if !needs_basis {
+            for target in &self.cases[case].targets {
+                let target = target.in_true_lengths(experiment.recording_length_scale)?;
+                let pair = Pair {
+                    real: &target.motion,
+                    simulated: &motion,
+                    real_prepared: &target.prepared,
+                    simulated_prepared: &prepared,
+                };
+                scores.push(self.study.metric.compare(&pair, &self.context())?.value);
+            }
+        }
+        // Scores with a basis exist only once all paths are known; the pictures need the first case's.
+        let path_xy_m = if needs_basis || case == 0 {
+            // In recorded lengths, as the recordings that share a basis and a picture with it.
+            let scale = experiment.recording_length_scale;
+            prepared
+                .xy_m()
+                .iter()
+                .map(|point| point.map(|m| m * scale))
+                .collect()
+        } else {
+            Vec::new()
+        };
+        Ok(Outcome {
+            status: OutcomeStatus::Completed,
+            steps: run.steps,
+            net_displacement_m: prepared.net_displacement_m(),
+            scores,
+            path_xy_m,
+        })
+    }
+
+    /// Reality's prepared paths, by recording.
+    pub fn real_paths(&self) -> Vec<&Prepared> {
+        let mut paths: Vec<(usize, &Prepared)> = self
+            .cases
+            .iter()
+            .flat_map(|case| &case.targets)
+            .map(|target| (target.recording, &target.prepared))
+            .collect();
+        paths.sort_by_key(|(recording, _)| *recording);
+        paths.into_iter().map(|(_, prepared)| prepared).collect()
+    }
+
+    /// Everything that decides the results.
+    pub fn fingerprint(&self) -> Fingerprint {
+        let study = &self.study;
+        let experiment = &self.cases[0].experiment;
+        let mut print = Fingerprint::new()
+            .with("realgap", env!("CARGO_PKG_VERSION"))
+            .with("engine", ENGINE_VERSION)
+            .with("study", &study.name)
+            .with("morphology sha256", &study.morphology_sha256)
+            .with("metric", study.metric.name())
+            .with("components", format!("{:?}", study.components))
+            .with("start", format!("{:?}", study.start))
+            .with(
+                "duration_s",
+                study
+                    .duration_s
+                    .map_or("recording".to_owned(), |d| d.to_string()),
+            )
+            .with("solver", format!("{:?}", experiment.solver))
+            .with("contact", format!("{:?}", experiment.contact))
+            .with("set", &study.set)
+            .with("seed", study.seed)
+            .with("unit of the recordings", format!("{:?}", study.unit));
+        if study.start_state != StartState::FirstSample {
+            print = print.with("start state", study.start_state.label());
+        }
+        if let Some(split) = study.split {
+            print = print.with("split", split);
+        }
+        for range in study.grid.ranges() {
+            print = print.with(
+                format!("parameter {}", range.parameter.name),
+                format!("{} to {}, {} points", range.from, range.to, range.points),
+            );
+        }
+        for (index, (recording, sha256)) in study
+            .recordings
+            .iter()
+            .zip(&study.recordings_sha256)
+            .enumerate()
+        {
+            print = print.with(format!("recording {index} {}", recording.name), sha256);
+        }
+        print
+    }
+}

@@ -1,0 +1,176 @@
+//! Finding and reading the recordings of a study.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::file::{Overrides, Study};
+use crate::error::{Error, Result};
+use crate::trajectory::{self, Recording, Source};
+use crate::unit::counted;
+use crate::warning::Warning;
+
+/// Recordings with the hashes of their files.
+pub(super) struct Found {
+    pub recordings: Vec<Recording>,
+    pub sha256: Vec<String>,
+    pub warnings: Vec<Warning>,
+}
+
+/// Reads every recording that the overrides' globs (relative to the current folder) or the study's own
+/// (relative to its file) name, in order of their paths.
+pub(super) fn find(study: &Study, overrides: &Overrides) -> Result<Found> {
+    let (globs, base) = if overrides.recordings.is_empty() {
+        (
+            &study.recording_globs,
+            study.path.parent().unwrap_or(Path::new("")),
+        )
+    } else {
+        (&overrides.recordings, Path::new(""))
+    };
+    if globs.is_empty() {
+        return Err(Error::invalid("the study names no recordings")
+            .at_file(&study.path)
+            .field("recordings")
+            .hint("name them with --recordings 'FOLDER/*.csv', or in the file: recordings: [\"../runs/*.csv\"]"));
+    }
+    let unique = recording_paths(globs, base)?;
+    let mut found = Found {
+        recordings: Vec::new(),
+        sha256: Vec::new(),
+        warnings: Vec::new(),
+    };
+    let limit = overrides.limit_recordings.unwrap_or(usize::MAX).max(1);
+    let mut index = 0;
+    for path in &unique {
+        if found.recordings.len() >= limit {
+            break;
+        }
+        let bytes = trajectory::read_bytes(path)?;
+        let sha256: String = Sha256::digest(&bytes)
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
+        for recording in trajectory::parse_all(path, bytes, overrides.unit)? {
+            if overrides.part.is_none_or(|part| part.contains(index)) {
+                found.sha256.push(sha256.clone());
+                found.recordings.push(recording);
+            }
+            index += 1;
+        }
+    }
+    found.recordings.truncate(limit);
+    found.sha256.truncate(limit);
+    if found.recordings.is_empty() {
+        return Err(Error::invalid("this part of the recordings is empty")
+            .at_file(&study.path)
+            .found(format!("{} in all", counted(index, "recording"))));
+    }
+    found.warnings = warnings(study, &found.recordings);
+    Ok(found)
+}
+
+/// The files that these globs name, relative to `base`, each once; in order of the globs, then of the paths.
+///
+/// # Errors
+/// A glob that is none, or that matches no file that can be read.
+pub fn recording_paths(globs: &[String], base: &Path) -> Result<Vec<PathBuf>> {
+    let mut paths = Vec::new();
+    for pattern in globs {
+        let whole = base.join(pattern);
+        let found = expand(&whole)?;
+        if found.is_empty() {
+            return Err(Error::invalid("no file matches")
+                .field("recordings")
+                .found(whole.display())
+                .allowed("a glob that matches at least one .csv or .tum file")
+                .hint("in a shell, quote the glob; it is relative to the current folder, in a study file to that file"));
+        }
+        paths.extend(found);
+    }
+    let mut unique: Vec<PathBuf> = Vec::new();
+    for path in paths {
+        if !unique.contains(&path) {
+            unique.push(path);
+        }
+    }
+    Ok(unique)
+}
+
+fn expand(pattern: &Path) -> Result<Vec<PathBuf>> {
+    let text = pattern.to_string_lossy();
+    let entries = glob::glob(&text).map_err(|e| {
+        Error::invalid(format!("not a glob: {}", e.msg))
+            .field("recordings")
+            .found(&text)
+    })?;
+    let mut paths = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(|e| Error::io("look for recordings", e.path(), e.error()))?;
+        // A folder's README and meta.ron lie beside the recordings; only what can be read is taken.
+        if path.is_file() && trajectory::format_of(&path).is_ok() {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    Ok(paths)
+}
+
+fn warnings(study: &Study, recordings: &[Recording]) -> Vec<Warning> {
+    let mut warnings: Vec<Warning> = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
+    let robots = robots(recordings);
+    warnings.extend(different_robots(recordings));
+    for robot in robots
+        .iter()
+        .filter(|robot| **robot != study.morphology.name())
+    {
+        let message = format!(
+            "recordings of the robot \"{robot}\" are matched with a simulation of \"{}\"",
+            study.morphology.name()
+        );
+        warnings.push(Warning::new("other-robot", message));
+    }
+    warnings.extend(stand_in(recordings));
+    warnings.sort();
+    warnings.dedup();
+    warnings
+}
+
+fn robots(recordings: &[Recording]) -> BTreeSet<&str> {
+    let metas = recordings.iter().filter_map(|r| r.meta.as_ref());
+    metas.map(|meta| meta.robot.as_str()).collect()
+}
+
+fn different_robots(recordings: &[Recording]) -> Option<Warning> {
+    let names: Vec<&str> = robots(recordings).into_iter().collect();
+    (names.len() > 1).then(|| {
+        Warning::new(
+            "different-robots",
+            format!(
+                "the recordings are of different robots: {}",
+                names.join(", ")
+            ),
+        )
+    })
+}
+
+fn stand_in(recordings: &[Recording]) -> Option<Warning> {
+    let mut metas = recordings.iter().filter_map(|r| r.meta.as_ref());
+    metas.any(|meta| meta.source == Source::StandIn).then(|| {
+        Warning::new(
+            "stand-in",
+            "the recordings are stand-ins made by a simulator, not recorded from hardware",
+        )
+    })
+}
+
+/// What the reader of any result from these recordings should know, whatever they are compared with.
+pub fn recording_warnings(recordings: &[Recording]) -> Vec<Warning> {
+    let mut warnings: Vec<Warning> = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
+    warnings.extend(different_robots(recordings));
+    warnings.extend(stand_in(recordings));
+    warnings.sort();
+    warnings.dedup();
+    warnings
+}

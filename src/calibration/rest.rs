@@ -1,0 +1,205 @@
+//! Which face ends down: how often in reality, and how often when every recording is simulated once.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::file::{StartRule, Study};
+use super::problem::Problem;
+use crate::calibration::identification::{face_down, is_at_rest};
+use crate::error::{Error, Result};
+use crate::robot::morphology::Face;
+use crate::simulation::parameter::ParameterSet;
+use crate::simulation::{self, Experiment, Status};
+use crate::trajectory::Trajectory;
+use crate::warning::Warning;
+
+/// How often a face ended down, in reality and in simulation, over the recordings that end at rest.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct FaceOdds {
+    /// Name of the face in the tracked module's frame.
+    pub face: &'static str,
+    /// In reality.
+    pub real: usize,
+    /// In simulation.
+    pub simulated: usize,
+    /// In both, of the same recording.
+    pub both: usize,
+}
+
+impl FaceOdds {
+    /// Counts over (real, simulated) faces of recordings that end at rest, one entry a face in the order of
+    /// [`Face::ALL`]. A simulation that diverged has no face.
+    pub fn count(ends: &[(&'static str, Option<&'static str>)]) -> Vec<Self> {
+        Face::ALL
+            .iter()
+            .map(|face| {
+                let name = face.name();
+                let real = ends.iter().filter(|(real, _)| *real == name);
+                Self {
+                    face: name,
+                    real: real.clone().count(),
+                    simulated: ends.iter().filter(|(_, s)| *s == Some(name)).count(),
+                    both: real.filter(|(_, s)| *s == Some(name)).count(),
+                }
+            })
+            .collect()
+    }
+}
+
+/// Resting faces of recordings beside those of their simulations.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RestingOdds {
+    /// Recordings that end at rest: each was simulated once, to its end.
+    pub simulations: usize,
+    /// Simulations that diverged; they have no face.
+    pub diverged: usize,
+    /// Recordings that end on the same face as their simulation.
+    pub same_face: usize,
+    /// Counts, in the order of the faces' names in files.
+    pub faces: Vec<FaceOdds>,
+    /// What was simulated: every value that was identified, that the study, files or command line fix, or that the
+    /// study leaves free (at its default).
+    pub values: BTreeMap<String, f64>,
+    /// Which of the values were identified.
+    pub identified: Vec<String>,
+    /// Which of the values are defaults because the study leaves them free and none was given.
+    pub at_default: Vec<String>,
+    /// Which start state the runs have.
+    pub start: &'static str,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// The face that points down in the last sample; `None` without orientations.
+pub(super) fn face_at_end(motion: &Trajectory, experiment: &Experiment) -> Option<&'static str> {
+    let last = motion.orientations_world_from_body()?.last()?;
+    Some(face_down(last, &experiment.floor.normal_world()).name())
+}
+
+/// Simulates every recording that ends at rest once, from its start to its end, with the study's fixed values and then
+/// `identified`, in parallel on the current rayon pool. `progress` hears how many are done, from any thread. The result
+/// does not depend on the threads.
+///
+/// # Errors
+/// A study whose runs do not start from recordings, no recording that ends at rest, or settings that cannot be simulated.
+pub fn resting_odds(
+    mut study: Study,
+    identified: &ParameterSet,
+    progress: impl Fn(usize) + Sync,
+) -> Result<RestingOdds> {
+    if study.start == StartRule::Settled {
+        return Err(
+            Error::invalid("a settled start says nothing about how tosses come to rest")
+                .at_file(&study.path)
+                .field("start")
+                .hint("use `start: FromRecording`"),
+        );
+    }
+    // As the real counts: over whole recordings, whatever part of them the study compares.
+    study.duration_s = None;
+    let (recordings, sha256) = std::mem::take(&mut study.recordings)
+        .into_iter()
+        .zip(std::mem::take(&mut study.recordings_sha256))
+        .filter(|(recording, _)| is_at_rest(&recording.trajectory))
+        .unzip();
+    (study.recordings, study.recordings_sha256) = (recordings, sha256);
+    if study.recordings.is_empty() {
+        return Err(Error::invalid("no recording ends at rest").at_file(&study.path));
+    }
+    let fixed = study.set.clone().with_all(identified);
+    let problem = Problem::new(study)?;
+    let done = AtomicUsize::new(0);
+    let ends = (0..problem.cases().len())
+        .into_par_iter()
+        .map(|case| {
+            let end = ends_of(&problem, case, &fixed);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
+            end
+        })
+        .collect::<Result<Vec<_>>>()?;
+    let free = problem
+        .study()
+        .grid
+        .ranges()
+        .iter()
+        .map(|range| range.parameter)
+        .filter(|parameter| fixed.value(parameter.name).is_none());
+    let (mut values, mut at_default) = (BTreeMap::new(), Vec::new());
+    for parameter in free {
+        if let Some(value) = (parameter.get)(&problem.cases()[0].experiment) {
+            values.insert(parameter.name.to_owned(), value);
+            at_default.push(parameter.name.to_owned());
+        }
+    }
+    values.extend(fixed.iter().map(|a| (a.parameter.name.to_owned(), a.value)));
+    let mut warnings = problem.warnings().to_vec();
+    if !at_default.is_empty() {
+        warnings.push(Warning::new(
+            "free-parameter",
+            format!(
+                "simulated resting faces: no value is given for {}; the defaults are used (--parameters best.ron, or --set NAME=VALUE)",
+                at_default.join(", ")
+            ),
+        ));
+    }
+    Ok(RestingOdds {
+        simulations: ends.len(),
+        diverged: ends.iter().filter(|(_, s)| s.is_none()).count(),
+        same_face: ends.iter().filter(|(real, s)| *s == Some(*real)).count(),
+        faces: FaceOdds::count(&ends),
+        values,
+        identified: identified
+            .iter()
+            .map(|a| a.parameter.name.to_owned())
+            .collect(),
+        at_default,
+        start: problem.study().start_state.label(),
+        warnings,
+    })
+}
+
+/// The real and the simulated face of a case with a recording of its own.
+fn ends_of(
+    problem: &Problem,
+    case: usize,
+    set: &ParameterSet,
+) -> Result<(&'static str, Option<&'static str>)> {
+    let experiment = problem.experiment_with(case, set)?;
+    let target = &problem.cases()[case].targets[0];
+    let real = face_at_end(&target.motion, &experiment).ok_or_else(|| {
+        Error::invalid("a recording without orientations has no face that is down")
+            .at_file(&problem.study().recordings[target.recording].path)
+    })?;
+    let run = simulation::run(&experiment)?;
+    let simulated = match (&run.status, &run.trajectory) {
+        (Status::Completed, Some(motion)) => face_at_end(motion, &experiment),
+        _ => None,
+    };
+    Ok((real, simulated))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_face_counts_where_it_is_down_and_agreement_only_within_a_recording() {
+        let ends = [
+            ("PosX", Some("PosX")),
+            ("PosX", Some("NegZ")),
+            ("NegZ", Some("PosX")),
+            ("NegZ", None),
+        ];
+        let odds = FaceOdds::count(&ends);
+        let of = |name: &str| {
+            let found = odds.iter().find(|o| o.face == name).unwrap();
+            [found.real, found.simulated, found.both]
+        };
+        assert_eq!(of("PosX"), [2, 2, 1]);
+        assert_eq!(of("NegZ"), [2, 1, 0]);
+        assert_eq!(of("PosY"), [0, 0, 0]);
+    }
+}

@@ -1,0 +1,180 @@
+//! From simulated outcomes to scores: build the basis where the metric needs one, average over recordings, find the best.
+
+use super::problem::Problem;
+use crate::comparison::Basis;
+use crate::error::Result;
+use crate::statistics::mean;
+use crate::store::{Outcome, OutcomeStatus, Trial};
+use crate::trajectory::Prepared;
+use crate::unit::Unit;
+
+/// Score of one point of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointScore {
+    /// Index of the point.
+    pub index: usize,
+    /// Parameter values, in the study's order.
+    pub values: Vec<f64>,
+    /// Why it has no score, where a case diverged.
+    pub diverged: Option<String>,
+    /// Score against each recording, in order; empty when diverged.
+    pub recordings: Vec<f64>,
+    /// Mean score over the recordings that are fitted; `None` when diverged.
+    pub score: Option<f64>,
+    /// Mean score over the recordings that are held out; `None` when diverged or none are.
+    pub held_out: Option<f64>,
+    /// Mean absolute difference of the net displacements, metres; `None` when diverged.
+    pub displacement_error_m: Option<f64>,
+    /// Prepared path of the first case, metres; empty when diverged.
+    pub path_xy_m: Vec<[f64; 2]>,
+}
+
+/// Scores of all points evaluated so far.
+#[derive(Debug, Clone)]
+pub struct Scores {
+    /// By point index; a point not evaluated yet is missing.
+    pub points: Vec<PointScore>,
+    /// Position in `points` of the lowest score, ties by order; `None` when every point diverged.
+    pub best: Option<usize>,
+    /// Unit of the scores.
+    pub unit: Unit,
+    /// The basis, where the metric needs one.
+    pub basis: Option<Basis>,
+}
+
+impl Scores {
+    /// Scores all trials.
+    ///
+    /// # Errors
+    /// Paths from which no basis can be built.
+    pub fn new(problem: &Problem, trials: &[Trial]) -> Result<Self> {
+        let basis = basis(problem, trials.iter().flat_map(|trial| &trial.outcomes))?;
+        Self::with_basis(problem, trials, basis)
+    }
+
+    /// Scores all trials with a basis that was fitted before; one that the metric does not need is ignored.
+    ///
+    /// # Errors
+    /// Paths that do not fit the basis.
+    pub fn with_basis(problem: &Problem, trials: &[Trial], basis: Option<Basis>) -> Result<Self> {
+        let metric = problem.study().metric;
+        let real = problem.real_paths();
+        let points = trials
+            .iter()
+            .map(|trial| score(problem, &real, basis.as_ref(), trial))
+            .collect::<Result<Vec<_>>>()?;
+        let best = points
+            .iter()
+            .enumerate()
+            .filter_map(|(position, point)| point.score.map(|score| (position, score)))
+            .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
+            .map(|(position, _)| position);
+        Ok(Self {
+            points,
+            best,
+            unit: metric.unit(),
+            basis,
+        })
+    }
+
+    /// Scores of one case's outcome at these parameter values against the recordings of that case.
+    ///
+    /// # Errors
+    /// A path that does not fit the basis.
+    pub fn outcome_scores(
+        &self,
+        problem: &Problem,
+        values: &[f64],
+        case: usize,
+        outcome: &Outcome,
+    ) -> Result<Vec<f64>> {
+        let length_scale = problem.recording_length_scale(values);
+        outcome_scores(problem, self.basis.as_ref(), length_scale, case, outcome)
+    }
+}
+
+/// Basis of all recordings and all completed simulations, diverged ones left out; `None` where the metric needs none.
+///
+/// # Errors
+/// Paths from which no basis can be built.
+pub(super) fn basis<'a>(
+    problem: &Problem,
+    outcomes: impl IntoIterator<Item = &'a Outcome>,
+) -> Result<Option<Basis>> {
+    if !problem.study().metric.needs().basis {
+        return Ok(None);
+    }
+    let real = problem.real_paths();
+    let simulated: Vec<Prepared> = outcomes
+        .into_iter()
+        .filter(|outcome| outcome.status == OutcomeStatus::Completed)
+        .map(|outcome| Prepared::from_xy_m(outcome.path_xy_m.clone()))
+        .collect::<Result<_>>()?;
+    let all: Vec<&Prepared> = real.iter().copied().chain(&simulated).collect();
+    Basis::fit(&all, problem.study().components).map(Some)
+}
+
+fn score(
+    problem: &Problem,
+    real: &[&Prepared],
+    basis: Option<&Basis>,
+    trial: &Trial,
+) -> Result<PointScore> {
+    let mut point = PointScore {
+        index: trial.index,
+        values: trial.values.clone(),
+        diverged: trial.diverged().map(str::to_owned),
+        recordings: Vec::new(),
+        score: None,
+        held_out: None,
+        displacement_error_m: None,
+        path_xy_m: trial
+            .outcomes
+            .first()
+            .map(|outcome| outcome.path_xy_m.clone())
+            .unwrap_or_default(),
+    };
+    if point.diverged.is_some() {
+        return Ok(point);
+    }
+    let count = real.len();
+    let length_scale = problem.recording_length_scale(&trial.values);
+    point.recordings = vec![f64::NAN; count];
+    let mut displacement_error_m = 0.0;
+    for (case, outcome) in trial.outcomes.iter().enumerate() {
+        let scores = outcome_scores(problem, basis, length_scale, case, outcome)?;
+        for (target, score) in problem.cases()[case].targets.iter().zip(scores) {
+            point.recordings[target.recording] = score;
+            displacement_error_m += (outcome.net_displacement_m
+                - target.prepared.net_displacement_m() / length_scale)
+                .abs();
+        }
+    }
+    let mean_of = |held_out: bool| {
+        let chosen = problem.part_of(&point.recordings, held_out);
+        (!chosen.is_empty()).then(|| mean(&chosen))
+    };
+    (point.score, point.held_out) = (mean_of(false), mean_of(true));
+    point.displacement_error_m = Some(displacement_error_m / count as f64);
+    Ok(point)
+}
+
+/// Scores of one outcome against the recordings of its case; `length_scale` is recorded lengths over true ones.
+pub(super) fn outcome_scores(
+    problem: &Problem,
+    basis: Option<&Basis>,
+    length_scale: f64,
+    case: usize,
+    outcome: &Outcome,
+) -> Result<Vec<f64>> {
+    let Some(basis) = basis else {
+        return Ok(outcome.scores.clone());
+    };
+    let simulated = Prepared::from_xy_m(outcome.path_xy_m.clone())?;
+    // Both paths are in recorded lengths, the score in true ones.
+    Ok(problem.cases()[case]
+        .targets
+        .iter()
+        .map(|target| basis.discrepancy_m(&target.prepared, &simulated) / length_scale)
+        .collect())
+}

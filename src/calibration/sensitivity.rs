@@ -1,0 +1,188 @@
+//! What a small change of every parameter does to the score: one at a time around a point.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::file::StartRule;
+use super::problem::Problem;
+use super::score::{basis, outcome_scores};
+use crate::error::{Error, Result};
+use crate::simulation::Noise;
+use crate::simulation::parameter::{self, Assignment, Parameter, ParameterSet};
+use crate::statistics::{mean, standard_deviation};
+use crate::store::{Outcome, OutcomeStatus};
+use crate::warning::Warning;
+
+/// One parameter, made a little smaller and a little larger.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Effect {
+    /// Name of the parameter.
+    pub parameter: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its value at the point.
+    pub value: f64,
+    /// The smaller value; `None` at its lower bound.
+    pub lower: Option<f64>,
+    /// Score there minus the point's; `None` where it diverged or cannot be simulated.
+    pub lower_change: Option<f64>,
+    /// The larger value; `None` at its upper bound.
+    pub higher: Option<f64>,
+    /// Score there minus the point's.
+    pub higher_change: Option<f64>,
+}
+
+impl Effect {
+    /// Larger of the two changes without their signs; 0 where neither is known.
+    pub fn size(&self) -> f64 {
+        let changes = [self.lower_change, self.higher_change];
+        changes
+            .iter()
+            .flatten()
+            .fold(0.0, |size: f64, change| size.max(change.abs()))
+    }
+}
+
+/// One-at-a-time sensitivity of the score around a point (the "nominal range" method of Saltelli et al. 2004, section 2).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sensitivity {
+    /// The metric.
+    pub metric: &'static str,
+    /// Unit of the scores.
+    pub unit: &'static str,
+    /// Score of the point itself.
+    pub score: f64,
+    /// Standard deviation of that score when the simulated start varies by 1 mm and 1°: smaller changes are chance; `None` where
+    /// every recording has its own start.
+    pub start_sd: Option<f64>,
+    /// Every parameter that acts on this robot, largest effect first.
+    pub effects: Vec<Effect>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Perturbed repeats of the point.
+const REPEATS: u64 = 16;
+
+/// Tries a small change of every registered parameter around the study's fixed values, in parallel on the current rayon
+/// pool. `progress` hears how many simulations are done, from any thread.
+///
+/// # Errors
+/// A point that itself diverges, or a metric that cannot compare.
+pub fn sensitivity(
+    problem: &Problem,
+    progress: impl Fn(usize, usize) + Sync,
+) -> Result<Sensitivity> {
+    let base = ParameterSet::new();
+    let experiment = problem.experiment_with(0, &base)?;
+    let nudged: Vec<(&'static Parameter, f64, [Option<f64>; 2])> = parameter::all()
+        .filter_map(|parameter| {
+            let value = (parameter.get)(&experiment)?;
+            let one = Assignment { parameter, value };
+            let acts = ParameterSet::new()
+                .with(one)
+                .without_effect(&experiment)
+                .is_empty();
+            acts.then(|| (parameter, value, parameter.nudged(value)))
+        })
+        .collect();
+    let mut tasks = vec![base];
+    for (parameter, _, values) in &nudged {
+        let one = |&value: &f64| ParameterSet::new().with(Assignment { parameter, value });
+        tasks.extend(values.iter().flatten().map(one));
+    }
+    let repeats = match problem.study().start {
+        StartRule::Settled => REPEATS,
+        StartRule::FromRecording => 0,
+    };
+    let total = tasks.len() + repeats as usize;
+    let done = AtomicUsize::new(0);
+    let report = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+    // A value that cannot be simulated (a radius wider than the cube) has no effect to tell, but is no failure.
+    let outcomes: Vec<Option<Vec<Outcome>>> = tasks
+        .par_iter()
+        .map(|task| {
+            let outcomes = problem.evaluate_set(task).ok();
+            report();
+            outcomes
+        })
+        .collect();
+    let starts: Vec<Outcome> = (0..repeats)
+        .into_par_iter()
+        .map(|repeat| {
+            let noise = Noise::careful_start();
+            let outcome = problem.evaluate_perturbed(&tasks[0], &noise, repeat, 1.0);
+            report();
+            outcome
+        })
+        .collect::<Result<_>>()?;
+    let basis = basis(problem, outcomes.iter().flatten().flatten().chain(&starts))?;
+    let score = |set: &ParameterSet, outcomes: &[Outcome]| -> Result<Option<f64>> {
+        let length_scale = set.apply(&experiment).recording_length_scale;
+        let mut all = Vec::new();
+        for (case, outcome) in outcomes.iter().enumerate() {
+            if outcome.status != OutcomeStatus::Completed {
+                return Ok(None);
+            }
+            all.extend(outcome_scores(
+                problem,
+                basis.as_ref(),
+                length_scale,
+                case,
+                outcome,
+            )?);
+        }
+        Ok(Some(mean(&all)))
+    };
+    let scores: Vec<Option<f64>> = tasks
+        .iter()
+        .zip(&outcomes)
+        .map(|(task, outcomes)| match outcomes {
+            Some(outcomes) => score(task, outcomes),
+            None => Ok(None),
+        })
+        .collect::<Result<_>>()?;
+    let Some(at_point) = scores[0] else {
+        return Err(Error::invalid(
+            "the point itself diverges, so nothing can be said about changes of it",
+        )
+        .at_file(&problem.study().path)
+        .hint("try --parameters best.ron of a sweep, a shorter timestep or more substeps"));
+    };
+    let starts: Vec<f64> = starts
+        .iter()
+        .filter_map(|outcome| score(&tasks[0], std::slice::from_ref(outcome)).transpose())
+        .collect::<Result<_>>()?;
+    let mut next = scores[1..].iter();
+    let mut effects: Vec<Effect> = nudged
+        .iter()
+        .map(|(parameter, value, [lower, higher])| {
+            let mut change = |tried: &Option<f64>| {
+                tried
+                    .and_then(|_| next.next().copied().flatten())
+                    .map(|score| score - at_point)
+            };
+            Effect {
+                parameter: parameter.name,
+                unit: parameter.unit.label(),
+                value: *value,
+                lower: *lower,
+                lower_change: change(lower),
+                higher: *higher,
+                higher_change: change(higher),
+            }
+        })
+        .collect();
+    effects.sort_by(|a, b| b.size().total_cmp(&a.size()));
+    let metric = problem.study().metric;
+    Ok(Sensitivity {
+        metric: metric.name(),
+        unit: metric.unit().label(),
+        score: at_point,
+        start_sd: (repeats > 0).then(|| standard_deviation(&starts)),
+        effects,
+        warnings: problem.warnings().to_vec(),
+    })
+}

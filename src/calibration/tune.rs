@@ -1,0 +1,284 @@
+//! Tuning: an optimizer chooses the points, stored as they come.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use serde::Serialize;
+
+use super::answer::{Answer, Method};
+use super::keeping::Keeping;
+use super::problem::Problem;
+use super::score::{PointScore, Scores, basis};
+use crate::comparison::Basis;
+use crate::error::{Error, Result};
+use crate::optimization::{
+    Brief, Ending, Evaluation, History, Optimizer, Proposal, Told, UnitPoint, drive, pool,
+    space_filling,
+};
+use crate::store::{Mode, Store};
+
+/// How to tune.
+#[derive(Debug, Clone, Copy)]
+pub struct TuneOptions {
+    /// Who chooses the points.
+    pub optimizer: &'static dyn Optimizer,
+    /// Most simulations of the whole study, the first design included.
+    pub budget: usize,
+    /// Stop after so many points in a row without a better one.
+    pub patience: Option<usize>,
+}
+
+/// Why tuning ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Termination {
+    /// The budget is spent.
+    Budget,
+    /// The optimizer has nothing more to try.
+    Exhausted,
+    /// `patience` points in a row were no better.
+    NoImprovement,
+    /// Stopped from outside; everything finished is stored.
+    Interrupted,
+}
+
+/// How the points of a tuned study were chosen.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Tuned {
+    /// Name of the optimizer.
+    pub optimizer: &'static str,
+    /// Most points.
+    pub budget: usize,
+    /// Points of the space-filling first design.
+    pub design: usize,
+    /// Why it ended.
+    pub termination: Termination,
+}
+
+/// Runs of the first design from which the basis of the `pca` metric is fitted (DESIGN, section 4).
+const BASIS_DESIGN: usize = 64;
+
+/// Evaluates the points that an optimizer asks for into the store in `folder`.
+///
+/// A metric with a basis gets it from the recordings and a space-filling first design, frozen before the optimizer
+/// begins. The result depends on the study, the optimizer, its seed and the budget, not on `jobs` nor on how often it was
+/// interrupted and resumed; a larger budget goes on where a smaller one ended. `progress` hears the points finished
+/// and the best score so far.
+///
+/// # Errors
+/// As [`sweep`](super::sweep); a budget that does not hold the first design and one batch.
+pub fn tune(
+    problem: &Problem,
+    folder: &Path,
+    mode: Mode,
+    jobs: usize,
+    options: &TuneOptions,
+    stop: &AtomicBool,
+    progress: impl FnMut(usize, Option<f64>),
+) -> Result<Answer> {
+    let mut walk = Walk::open(problem, folder, mode, jobs, options, stop, progress)?;
+    let termination = walk.run()?;
+    let ending = match termination {
+        Termination::Interrupted => Ending::Interrupted,
+        _ => Ending::Complete,
+    };
+    let scores = walk.scores()?;
+    walk.keeping.score(&mut walk.store, &scores.points)?;
+    walk.keeping.end(&mut walk.store, ending)?;
+    let method = Method::Tune(Tuned {
+        optimizer: options.optimizer.name(),
+        budget: options.budget,
+        design: walk.design.len(),
+        termination,
+    });
+    pool(jobs)?.install(|| Answer::new(problem, method, ending, scores))
+}
+
+struct Walk<'a, P> {
+    problem: &'a Problem,
+    options: &'a TuneOptions,
+    brief: Brief,
+    keeping: Keeping<'a>,
+    store: Store,
+    jobs: usize,
+    stop: &'a AtomicBool,
+    progress: P,
+    design: Vec<UnitPoint>,
+    basis: Option<Basis>,
+    told: Vec<Told>,
+    best: Option<f64>,
+    since_best: usize,
+}
+
+impl<'a, P: FnMut(usize, Option<f64>)> Walk<'a, P> {
+    fn open(
+        problem: &'a Problem,
+        folder: &Path,
+        mode: Mode,
+        jobs: usize,
+        options: &'a TuneOptions,
+        stop: &'a AtomicBool,
+        progress: P,
+    ) -> Result<Self> {
+        let study = problem.study();
+        let points: Vec<usize> = study
+            .grid
+            .ranges()
+            .iter()
+            .map(|range| range.points)
+            .collect();
+        let needs_basis = study.metric.needs().basis;
+        let design =
+            options
+                .optimizer
+                .design(points.len())
+                .max(if needs_basis { BASIS_DESIGN } else { 0 });
+        let brief = Brief {
+            points,
+            budget: options.budget.saturating_sub(design),
+            seed: study.seed,
+        };
+        let batch = options.optimizer.batch(&brief).max(1);
+        if brief.budget < batch {
+            let error = Error::usage("the budget is too small")
+                .field("--budget")
+                .found(options.budget)
+                .allowed(format!(
+                    "at least {}: a first design of {design} and one batch of {batch}",
+                    design + batch
+                ));
+            return Err(if needs_basis {
+                error.hint("a metric without a basis, e.g. --metric rms, needs no design of 64")
+            } else {
+                error
+            });
+        }
+        let mut fingerprint = problem
+            .fingerprint()
+            .with("optimizer", options.optimizer.name())
+            .with("first design", design);
+        if options.optimizer.depends_on_budget() {
+            fingerprint = fingerprint.with("budget", options.budget);
+        }
+        let keeping = Keeping {
+            problem,
+            fingerprint,
+            kind: "tune",
+            expected: options.budget,
+        };
+        let store = keeping.open(folder, mode)?;
+        Ok(Self {
+            problem,
+            options,
+            design: space_filling(brief.dimensions(), 0, design, brief.seed),
+            brief,
+            keeping,
+            store,
+            jobs,
+            stop,
+            progress,
+            basis: None,
+            told: Vec::new(),
+            best: None,
+            since_best: 0,
+        })
+    }
+
+    fn run(&mut self) -> Result<Termination> {
+        let design = self.design.clone();
+        if self.evaluate(&design)? == Ending::Interrupted {
+            return Ok(Termination::Interrupted);
+        }
+        let trials = self.store.trials_within(0..design.len())?;
+        self.basis = basis(
+            self.problem,
+            trials.iter().flat_map(|trial| &trial.outcomes),
+        )?;
+        self.tell(&design)?;
+        loop {
+            if self.told.len() >= self.options.budget {
+                return Ok(Termination::Budget);
+            }
+            if self
+                .options
+                .patience
+                .is_some_and(|patience| self.since_best >= patience)
+            {
+                return Ok(Termination::NoImprovement);
+            }
+            let (design, told) = self.told.split_at(design.len());
+            let history = History { design, told };
+            let mut candidates = match self.options.optimizer.propose(&self.brief, &history)? {
+                Proposal::Evaluate(candidates) => candidates,
+                Proposal::Exhausted => return Ok(Termination::Exhausted),
+            };
+            candidates.truncate(self.options.budget - self.told.len());
+            if self.evaluate(&candidates)? == Ending::Interrupted {
+                return Ok(Termination::Interrupted);
+            }
+            self.tell(&candidates)?;
+        }
+    }
+
+    /// Evaluates the candidates that follow what has been told; stored ones are not simulated again.
+    fn evaluate(&mut self, candidates: &[UnitPoint]) -> Result<Ending> {
+        let offset = self.told.len();
+        let ranges = self.problem.study().grid.ranges();
+        let evaluation = Evaluation {
+            points: offset + candidates.len(),
+            jobs: self.jobs,
+            stop: self.stop,
+        };
+        let (progress, best) = (&mut self.progress, self.best);
+        drive(
+            &evaluation,
+            &mut self.store,
+            |index| {
+                let point = candidates[index - offset].iter().zip(ranges);
+                let values = point
+                    .map(|(coordinate, range)| range.at(*coordinate))
+                    .collect();
+                self.problem.evaluate_values(index, values)
+            },
+            |done| progress(done, best),
+        )
+    }
+
+    /// Scores what was just evaluated and adds it to the history.
+    fn tell(&mut self, candidates: &[UnitPoint]) -> Result<()> {
+        let offset = self.told.len();
+        let trials = self
+            .store
+            .trials_within(offset..offset + candidates.len())?;
+        let scores = Scores::with_basis(self.problem, &trials, self.basis.clone())?;
+        for (point, scored) in candidates.iter().zip(&scores.points) {
+            self.notice(scored);
+            self.told.push(Told {
+                point: point.clone(),
+                score: scored.score,
+            });
+        }
+        self.keeping.score(&mut self.store, &scores.points)?;
+        (self.progress)(self.told.len(), self.best);
+        Ok(())
+    }
+
+    fn notice(&mut self, scored: &PointScore) {
+        match scored.score {
+            Some(score) if self.best.is_none_or(|best| score < best) => {
+                self.best = Some(score);
+                self.since_best = 0;
+            }
+            _ => self.since_best += 1,
+        }
+    }
+
+    /// Scores of everything evaluated, also of a batch that was interrupted.
+    fn scores(&self) -> Result<Scores> {
+        let trials = self.store.trials()?;
+        match &self.basis {
+            Some(basis) => Scores::with_basis(self.problem, &trials, Some(basis.clone())),
+            None => Scores::new(self.problem, &trials),
+        }
+    }
+}

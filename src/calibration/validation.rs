@@ -1,0 +1,205 @@
+//! Scoring on recordings that the fit has not seen.
+
+use std::fmt;
+
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+
+use super::problem::Problem;
+use super::score::{PointScore, Scores};
+use crate::error::{Error, Result};
+use crate::statistics::{mean, standard_deviation};
+use crate::warning::Warning;
+
+/// Which recordings are kept from the fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Split {
+    /// Every recording is held out once: so many parts, each checked with the best of the others.
+    Folds(usize),
+    /// This share of the recordings is held out, more than 0 and less than 1.
+    HoldOut(f64),
+}
+
+impl fmt::Display for Split {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Folds(folds) => write!(f, "{folds} folds"),
+            Self::HoldOut(share) => write!(f, "{share} held out"),
+        }
+    }
+}
+
+/// Shuffled order of the recordings; the same for the same seed.
+fn shuffled(recordings: usize, seed: u64) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..recordings).collect();
+    order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+    order
+}
+
+impl Split {
+    /// One flag a recording: kept from the fit of the whole study. Folds keep none from it.
+    ///
+    /// # Errors
+    /// More folds than recordings, a share out of range, or nothing left on one side.
+    pub fn held_out(self, recordings: usize, seed: u64) -> Result<Vec<bool>> {
+        let mut flags = vec![false; recordings];
+        match self {
+            Self::Folds(folds) => {
+                if !(2..=recordings).contains(&folds) {
+                    return Err(Error::usage("the recordings cannot be parted like this")
+                        .field("--folds")
+                        .found(format!("{folds} folds of {recordings} recordings"))
+                        .allowed("2 up to the number of recordings")
+                        .hint(
+                            "record more repeats; one recording cannot be held out from itself",
+                        ));
+                }
+            }
+            Self::HoldOut(share) => {
+                let count = (share * recordings as f64).round();
+                if !(share > 0.0 && share < 1.0) || count < 1.0 || count >= recordings as f64 {
+                    return Err(Error::usage("the recordings cannot be parted like this")
+                        .field("--hold-out")
+                        .found(format!("a share of {share} of {recordings} recordings"))
+                        .allowed("a share between 0 and 1 that leaves at least one recording on either side"));
+                }
+                for index in shuffled(recordings, seed).into_iter().take(count as usize) {
+                    flags[index] = true;
+                }
+            }
+        }
+        Ok(flags)
+    }
+}
+
+/// How well the fit does on recordings that it has not seen.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Validation {
+    /// How the recordings were parted.
+    pub split: String,
+    /// Mean score of the recordings that were fitted, at the best point.
+    pub fit_score: f64,
+    /// Mean score of held-out recordings.
+    pub held_out_score: f64,
+    /// Standard error of `held_out_score − fit_score`.
+    pub difference_standard_error: f64,
+    /// Held-out recordings, each counted once.
+    pub held_out_recordings: usize,
+    /// The best values of each fold; empty for a single hold-out.
+    pub folds: Vec<Fold>,
+}
+
+/// One fold: fitted without some recordings, checked with them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fold {
+    /// Best values of the study's parameters without the held-out recordings, in order.
+    pub values: Vec<f64>,
+    /// Mean score of the others.
+    pub fit_score: f64,
+    /// Mean score of the held-out recordings at those values.
+    pub held_out_score: f64,
+    /// Names of the held-out recordings.
+    pub held_out: Vec<String>,
+}
+
+/// Above so many standard errors fit and held-out score are said to part.
+const PARTED: f64 = 2.0;
+
+impl Validation {
+    /// `None` where nothing is held out or nothing has a score.
+    ///
+    /// # Errors
+    /// None beyond those of [`Split::held_out`].
+    pub fn new(problem: &Problem, scores: &Scores) -> Result<Option<Self>> {
+        let (Some(split), Some(best)) = (problem.study().split, scores.best) else {
+            return Ok(None);
+        };
+        match split {
+            Split::HoldOut(_) => Ok(Some(Self::hold_out(problem, &scores.points[best], split))),
+            Split::Folds(folds) => Ok(Self::folds(problem, scores, &scores.points[best], folds)),
+        }
+    }
+
+    fn hold_out(problem: &Problem, best: &PointScore, split: Split) -> Self {
+        let [fitted, held_out] =
+            [false, true].map(|held_out| problem.part_of(&best.recordings, held_out));
+        let variance = |values: &[f64]| standard_deviation(values).powi(2) / values.len() as f64;
+        Self {
+            split: split.to_string(),
+            fit_score: mean(&fitted),
+            held_out_score: mean(&held_out),
+            difference_standard_error: (variance(&fitted) + variance(&held_out)).sqrt(),
+            held_out_recordings: held_out.len(),
+            folds: Vec::new(),
+        }
+    }
+
+    fn folds(problem: &Problem, scores: &Scores, best: &PointScore, folds: usize) -> Option<Self> {
+        let recordings = &problem.study().recordings;
+        let order = shuffled(recordings.len(), problem.study().seed);
+        let scored: Vec<&PointScore> = scores
+            .points
+            .iter()
+            .filter(|point| point.score.is_some())
+            .collect();
+        let mut differences = Vec::new();
+        let mut rows = Vec::new();
+        for fold in 0..folds {
+            let held_out: Vec<usize> = order.iter().skip(fold).step_by(folds).copied().collect();
+            let over = |point: &PointScore, keep: bool| {
+                let chosen: Vec<f64> = point
+                    .recordings
+                    .iter()
+                    .enumerate()
+                    .filter(|(recording, _)| held_out.contains(recording) != keep)
+                    .map(|(_, score)| *score)
+                    .collect();
+                mean(&chosen)
+            };
+            let winner = scored
+                .iter()
+                .min_by(|a, b| over(a, true).total_cmp(&over(b, true)))?;
+            differences.extend(
+                held_out
+                    .iter()
+                    .map(|recording| winner.recordings[*recording] - best.recordings[*recording]),
+            );
+            rows.push(Fold {
+                values: winner.values.clone(),
+                fit_score: over(winner, true),
+                held_out_score: over(winner, false),
+                held_out: held_out
+                    .iter()
+                    .map(|r| recordings[*r].name.clone())
+                    .collect(),
+            });
+        }
+        let fit_score = mean(&best.recordings);
+        Some(Self {
+            split: Split::Folds(folds).to_string(),
+            fit_score,
+            held_out_score: fit_score + mean(&differences),
+            difference_standard_error: standard_deviation(&differences)
+                / (differences.len() as f64).sqrt(),
+            held_out_recordings: differences.len(),
+            folds: rows,
+        })
+    }
+
+    /// A warning where the fit does clearly worse on what it has not seen.
+    pub fn warning(&self) -> Option<Warning> {
+        let difference = self.held_out_score - self.fit_score;
+        (difference > PARTED * self.difference_standard_error && difference > 0.0).then(|| {
+            Warning::new(
+                "overfitted",
+                format!(
+                    "the score on recordings not fitted is {:.3} times that on the fitted ones, more than chance explains: \
+                     the fit does not carry over",
+                    self.held_out_score / self.fit_score
+                ),
+            )
+        })
+    }
+}

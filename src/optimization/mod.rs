@@ -1,0 +1,14 @@
+//! Optimization: grids, optimizers that are pure functions of the history, and the parallel driver.
+//!
+//! What is evaluated comes in as a closure: this room knows neither simulator nor metric.
+
+mod driver;
+mod grid;
+mod optimizer;
+
+pub use driver::{Ending, Evaluation, drive, pool};
+pub use grid::{Grid, MAX_POINTS, Range};
+pub use optimizer::{
+    Brief, History, OPTIMIZERS, Optimizer, Proposal, Told, UnitPoint, optimizer_by_name,
+    space_filling,
+};

@@ -1,0 +1,59 @@
+//! Pictures and tables: plain data in, a file or a text out.
+//!
+//! | what | function | shows |
+//! |---|---|---|
+//! | [`HeatMap`] | [`draw_heat_map`] | the score over two parameters |
+//! | [`Curve`] | [`draw_curve`] | the score over one parameter |
+//! | [`PanelGrid`] | [`draw_panels`] | simulated paths at several parameter values, over the real ones |
+//! | [`LinePlot`] | [`draw_lines`] | lines, dots and bands over time or number of simulations |
+//! | [`BarChart`] | [`draw_bars`] | what each of many causes changes |
+//! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
+//! | [`EnsemblePlot`] | [`draw_ensemble`] | repeats by behaviour, their envelope over time, the real runs |
+//! | [`Gallery`] | [`draw_gallery`] | robots as shaded boxes |
+//! | [`TextTable`] | [`TextTable::render`] | a table for the terminal |
+//!
+//! Every `draw_…` function writes PNG or SVG by the extension of the path. The file is complete or
+//! it is not there, and the same data give the same bytes. Nothing here knows where the data come
+//! from: callers fill the structs. This is the only room that names `plotters`.
+
+pub mod portrait;
+
+mod axis;
+mod bar;
+mod block;
+mod canvas;
+mod colour;
+mod curve;
+mod ensemble;
+mod font;
+mod frame;
+mod gallery;
+mod heading;
+mod heatmap;
+mod legend;
+mod line;
+mod number;
+mod overlay;
+mod panel;
+mod path;
+mod picture;
+mod scale;
+mod table;
+#[cfg(test)]
+mod tests;
+
+pub use axis::{AxisSpec, Truth};
+pub use bar::{Bar, BarChart, draw_bars};
+pub use block::{Block, BlockKind, DrivenFace, Motion};
+pub use curve::{Curve, draw_curve};
+pub use ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
+pub use gallery::{Gallery, GalleryRobot, draw_gallery};
+pub use heatmap::{HeatMap, draw_heat_map};
+pub use line::{LinePlot, Series, SeriesKind, draw_lines};
+pub use number::{DisplayUnit, number, quantity};
+pub use overlay::{Overlay, OverlayPath, draw_overlay};
+pub use panel::{Panel, PanelGrid, draw_panels};
+pub use path::PathPoint;
+pub use picture::check_picture_path;
+pub use scale::ScoreScale;
+pub use table::{Side, TextTable};

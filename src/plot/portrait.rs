@@ -1,0 +1,80 @@
+//! Portraits: what a robot looks like, for the pictures of [`report`](crate::plot).
+
+use std::path::Path;
+
+use crate::Result;
+use crate::plot::{
+    Block, BlockKind, DrivenFace, Gallery, GalleryRobot, Motion, draw_gallery, number,
+};
+use crate::robot::morphology::{DriveAxis, Morphology, Role};
+
+/// The boxes of a robot at zero servo angles, robot frame, with a title and a note to stand above them.
+pub fn portrait(robot: &Morphology, note: impl Into<String>) -> GalleryRobot {
+    let modules = robot.modules();
+    let mut blocks = Vec::new();
+    for solid in robot.assemble().parts.iter().flat_map(|part| &part.solids) {
+        // A plate with a module glued onto it is inside of that module; the band of its cube shows it.
+        if !solid.collides {
+            continue;
+        }
+        let turn = solid.robot_from_solid.rotation;
+        let half_m = (turn.to_rotation_matrix().matrix().abs()) * solid.half_extents_m;
+        let centre_m = solid.robot_from_solid.translation.vector;
+        let driven = modules[solid.module].drive.map(|drive| {
+            let normal = turn * drive.face.normal();
+            DrivenFace {
+                axis: normal.iamax(),
+                positive: normal[normal.iamax()] > 0.0,
+                motion: match drive.axis {
+                    DriveAxis::Normal { .. } => Motion::Spin,
+                    DriveAxis::Tangent { .. } => Motion::Bend,
+                },
+            }
+        });
+        blocks.push(Block {
+            lower_m: (centre_m - half_m).into(),
+            upper_m: (centre_m + half_m).into(),
+            kind: match (solid.role, driven) {
+                (Role::Plate, _) => BlockKind::Plate,
+                (Role::Cube, Some(_)) => BlockKind::Active,
+                (Role::Cube, None) => BlockKind::Passive,
+            },
+            driven,
+        });
+    }
+    GalleryRobot {
+        title: robot.name().to_owned(),
+        note: note.into(),
+        blocks,
+    }
+}
+
+/// Draws one robot into a PNG or SVG file, with its size and mass.
+///
+/// # Errors
+/// As [`draw_gallery`].
+pub fn draw(robot: &Morphology, path: impl AsRef<Path>) -> Result<()> {
+    let summary = robot.summary();
+    let size_m = summary.size_m();
+    let count =
+        |count: usize, one: &str| format!("{count} {one}{}", if count == 1 { "" } else { "s" });
+    let note = format!(
+        "{}, {}, {} g, {} × {} × {} cm, at zero servo angles",
+        count(summary.modules, "module"),
+        count(summary.hinges, "servo"),
+        number(1e3 * summary.mass_kg),
+        number(1e2 * size_m.x),
+        number(1e2 * size_m.y),
+        number(1e2 * size_m.z),
+    );
+    let gallery = Gallery {
+        title: robot.name().to_owned(),
+        subtitle: robot.description().to_owned(),
+        columns: 1,
+        robots: vec![GalleryRobot {
+            title: note,
+            ..portrait(robot, "")
+        }],
+    };
+    draw_gallery(&gallery, path)
+}

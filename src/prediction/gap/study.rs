@@ -1,0 +1,228 @@
+//! The gap of a study: its simulations, with and without noise, against its recordings.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::confidence::Confidence;
+use super::distance::{MetricGap, distances};
+use super::fitness::Fitness;
+use super::over_time::OverTime;
+use super::sample::{CaseRuns, Sample, Scoring};
+use crate::calibration::Problem;
+use crate::comparison::Metric;
+use crate::error::{Error, Result};
+use crate::prediction::ensemble;
+use crate::simulation::parameter::ParameterSet;
+use crate::simulation::{self, ENGINE_VERSION, Noise, Run, Status};
+use crate::warning::Warning;
+
+/// What to simulate and how to compare.
+#[derive(Debug, Clone)]
+pub struct GapOptions {
+    /// The metrics.
+    pub metrics: Vec<&'static dyn Metric>,
+    /// How repeats differ; `None` or zero: no ensemble, so no confidence.
+    pub noise: Option<Noise>,
+    /// Repeats under noise of each start.
+    pub repeats: usize,
+    /// Seed of noise and resamples.
+    pub seed: u64,
+}
+
+/// How far a study's simulation is from its recordings.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StudyGap {
+    /// Name of the study.
+    pub study: String,
+    /// Name of the robot.
+    pub morphology: String,
+    /// Fixed values of the simulation.
+    pub parameters: BTreeMap<String, f64>,
+    /// Number of recordings.
+    pub recordings: usize,
+    /// Starts that were simulated: 1 where the recordings share it.
+    pub starts: usize,
+    /// Repeats under noise of each start; 0 without an ensemble.
+    pub repeats: usize,
+    /// Seed of noise and resamples.
+    pub seed: u64,
+    /// Noise floor, gap and ratio by metric.
+    pub metrics: Vec<MetricGap>,
+    /// How far the robot gets, real against simulated.
+    pub displacement: Option<Fitness>,
+    /// Errors over time.
+    pub over_time: OverTime,
+    /// Simulation confidence over time; `None` without an ensemble.
+    pub confidence: Option<Confidence>,
+    /// How repeats differ.
+    pub noise: Option<Noise>,
+    /// Engine and its version.
+    pub engine: &'static str,
+    /// Version of this crate.
+    pub version: &'static str,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Simulates a study's starts, without noise and under it, in parallel on the current rayon pool, and compares them with its
+/// recordings.
+///
+/// `progress` hears how many simulations of how many are done, from any thread. Repeat k is repeat k of `realgap ensemble`.
+///
+/// # Errors
+/// Every run diverged, a metric that cannot compare, no repeats asked for, or `stop` was set.
+pub fn study_gap(
+    problem: &Problem,
+    options: &GapOptions,
+    stop: &AtomicBool,
+    progress: impl Fn(usize, usize) + Sync,
+) -> Result<StudyGap> {
+    let study = problem.study();
+    if options.repeats == 0 {
+        return Err(Error::invalid("an ensemble needs repeats")
+            .field("repeats")
+            .found(0)
+            .allowed("1 or more"));
+    }
+    let mut warnings = problem.warnings().to_vec();
+    let noise = usable_noise(options.noise, &mut warnings)?;
+    let repeats = noise.map_or(0, |_| options.repeats);
+    let mut real: Vec<Option<Sample>> = vec![None; study.recordings.len()];
+    let mut cases = Vec::new();
+    let total = problem.cases().len() * (repeats + 1);
+    let done = AtomicUsize::new(0);
+    let mut diverged = 0;
+    for (index, case) in problem.cases().iter().enumerate() {
+        let experiment = problem.experiment_with(index, &ParameterSet::new())?;
+        for target in &case.targets {
+            let there = target.in_true_lengths(experiment.recording_length_scale)?;
+            real[target.recording] = Some(Sample {
+                name: study.recordings[target.recording].name.clone(),
+                motion: there.motion.clone(),
+                prepared: there.prepared.clone(),
+            });
+        }
+        // Number 0 is the run without noise.
+        let runs: Vec<Option<Sample>> = (0..=repeats as u64)
+            .into_par_iter()
+            .map(|number| {
+                if stop.load(Ordering::Relaxed) {
+                    return Err(Error::interrupted("interrupted before the comparison")
+                        .hint("run the command again; the same repeats come out the same"));
+                }
+                let run = match (number.checked_sub(1), &noise) {
+                    (Some(repeat), Some(noise)) => {
+                        ensemble::repeat(&experiment, noise, options.seed, repeat)?
+                    }
+                    _ => simulation::run(&experiment)?,
+                };
+                progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+                completed(run, number)
+            })
+            .collect::<Result<_>>()?;
+        let mut runs = runs.into_iter();
+        let ideal = runs.next().flatten();
+        let ended: Vec<Sample> = runs.flatten().collect();
+        diverged += repeats - ended.len() + usize::from(ideal.is_none());
+        cases.push(CaseRuns {
+            recordings: case.targets.iter().map(|t| t.recording).collect(),
+            ideal,
+            repeats: ended,
+        });
+    }
+    if diverged == total {
+        return Err(Error::invalid("every run diverged")
+            .at_file(&study.path)
+            .hint(
+                "check the robot with `realgap simulate`, then a shorter timestep or more substeps",
+            ));
+    }
+    if diverged > 0 {
+        warnings.push(Warning::new(
+            "diverged",
+            format!("{diverged} of {total} runs diverged; they are in no number here"),
+        ));
+    }
+    let real: Vec<Sample> = real.into_iter().flatten().collect();
+    warnings.extend(different_durations(&real));
+    let body_length_m = study.morphology.assemble().body_length_m;
+    let scoring = Scoring {
+        metrics: options.metrics.clone(),
+        components: study.components,
+        body_length_m: Some(body_length_m),
+        seed: options.seed,
+    };
+    let found = distances(&real, &cases, &scoring)?;
+    warnings.extend(found.warnings);
+    warnings.sort();
+    warnings.dedup();
+    Ok(StudyGap {
+        study: study.name.clone(),
+        morphology: study.morphology.name().to_owned(),
+        parameters: study
+            .set
+            .iter()
+            .map(|a| (a.parameter.name.to_owned(), a.value))
+            .collect(),
+        recordings: real.len(),
+        starts: cases.len(),
+        repeats,
+        seed: options.seed,
+        metrics: found.metrics,
+        displacement: Fitness::new(&real, &cases)?,
+        over_time: OverTime::new(&real, &cases),
+        confidence: Confidence::new(&real, &cases, body_length_m)?,
+        noise,
+        engine: ENGINE_VERSION,
+        version: env!("CARGO_PKG_VERSION"),
+        warnings,
+    })
+}
+
+fn usable_noise(noise: Option<Noise>, warnings: &mut Vec<Warning>) -> Result<Option<Noise>> {
+    let message = match noise {
+        None => {
+            "the study does not say how repeats differ: there is no ensemble, and no simulation confidence"
+        }
+        Some(noise) if noise.is_zero() => {
+            "the noise is zero, so that all repeats are the same run: there is no ensemble, and no simulation confidence"
+        }
+        Some(noise) => {
+            noise.check()?;
+            return Ok(Some(noise));
+        }
+    };
+    warnings.push(Warning::new("no-noise", message));
+    Ok(None)
+}
+
+fn completed(run: Run, number: u64) -> Result<Option<Sample>> {
+    match (run.status, run.trajectory) {
+        (Status::Completed, Some(motion)) => {
+            let name = match number.checked_sub(1) {
+                Some(repeat) => format!("repeat {repeat}"),
+                None => "without noise".to_owned(),
+            };
+            Sample::new(name, motion).map(Some)
+        }
+        _ => Ok(None),
+    }
+}
+
+/// A time axis of seconds means little where runs differ in length.
+fn different_durations(real: &[Sample]) -> Option<Warning> {
+    let durations = real.iter().map(|run| run.motion.duration_s());
+    let shortest_s = durations.clone().fold(f64::INFINITY, f64::min);
+    let longest_s = durations.fold(0.0, f64::max);
+    (longest_s > 1.01 * shortest_s).then(|| {
+        Warning::new(
+            "different-durations",
+            format!(
+                "recordings last {shortest_s:.2} to {longest_s:.2} s: curves over time are over the share of each run, drawn in seconds of the mean one"
+            ),
+        )
+    })
+}

@@ -1,0 +1,45 @@
+//! `best.ron`: the best values, readable wherever `--parameters` is.
+
+use std::path::Path;
+
+use super::summary::Summary;
+use crate::calibration::{Answer, BestFile, Problem};
+use crate::error::Result;
+use crate::file::{write_atomic, write_ron};
+use crate::unit::counted;
+
+pub(super) fn write(
+    folder: &Path,
+    problem: &Problem,
+    answer: &Answer,
+    summary: &Summary,
+) -> Result<()> {
+    let Some(best) = &summary.best else {
+        return Ok(());
+    };
+    let verdicts: Vec<&str> = summary
+        .verdicts
+        .iter()
+        .map(|verdict| verdict.text.as_str())
+        .collect();
+    // The study's fixed values belong to the answer: the best of the rest holds only with them.
+    let fixed = problem
+        .study()
+        .set
+        .iter()
+        .map(|a| (a.parameter.name.to_owned(), a.value));
+    let file = BestFile {
+        description: format!(
+            "Best of {} of the study {} ({}, {} = {} {}). {}.",
+            counted(answer.scores.points.len(), "point"),
+            summary.study,
+            counted(summary.recordings, "recording"),
+            summary.metric,
+            best.score,
+            summary.unit,
+            verdicts.join(". "),
+        ),
+        parameters: fixed.chain(best.parameters.clone()).collect(),
+    };
+    write_atomic(folder.join("best.ron"), write_ron(&file)?.as_bytes())
+}

@@ -1,0 +1,125 @@
+//! `convergence.png` and `trials.csv`: how an optimizer found its answer.
+
+use std::path::Path;
+
+use super::table::{number, write};
+use crate::calibration::{Answer, PointScore, Problem, Tuned};
+use crate::error::Result;
+use crate::plot::{AxisSpec, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
+use crate::unit::Unit;
+
+/// Best score after each point; `None` until one has a score.
+fn best_so_far(points: &[PointScore]) -> Vec<Option<f64>> {
+    let mut best: Option<f64> = None;
+    points
+        .iter()
+        .map(|point| {
+            best = match (best, point.score) {
+                (Some(best), Some(score)) => Some(best.min(score)),
+                (best, score) => best.or(score),
+            };
+            best
+        })
+        .collect()
+}
+
+/// The score of every trial and the best so far, over the number of simulations.
+pub(super) fn draw(
+    folder: &Path,
+    problem: &Problem,
+    answer: &Answer,
+    tuned: &Tuned,
+    subtitle: &str,
+) -> Result<()> {
+    let points = &answer.scores.points;
+    let numbered = |values: Vec<Option<f64>>| -> Vec<(f64, f64)> {
+        let count = 1..=values.len();
+        count
+            .zip(values)
+            .filter_map(|(n, value)| Some((n as f64, value?)))
+            .collect()
+    };
+    let trials = numbered(points.iter().map(|point| point.score).collect());
+    if trials.is_empty() {
+        return Ok(());
+    }
+    let highest = trials.iter().map(|(_, score)| *score).fold(0.0, f64::max);
+    let lowest = trials
+        .iter()
+        .map(|(_, score)| *score)
+        .fold(f64::INFINITY, f64::min);
+    let mut series = vec![
+        Series {
+            label: "each point".to_owned(),
+            points: trials,
+            kind: SeriesKind::Dots,
+            colour: 4,
+        },
+        Series {
+            label: "best so far".to_owned(),
+            points: numbered(best_so_far(points)),
+            kind: SeriesKind::Line,
+            colour: 1,
+        },
+    ];
+    if tuned.design > 0 {
+        let x = tuned.design as f64 + 0.5;
+        series.push(Series {
+            label: "end of the space-filling first design".to_owned(),
+            points: vec![(x, lowest), (x, highest)],
+            kind: SeriesKind::Level,
+            colour: 0,
+        });
+    }
+    let plot = LinePlot {
+        title: format!(
+            "{}: what {} found, point by point",
+            problem.study().name,
+            tuned.optimizer
+        ),
+        subtitle: subtitle.to_owned(),
+        x: AxisSpec::new("points evaluated", Unit::One),
+        y_label: format!("{} discrepancy", problem.study().metric.name()),
+        y_unit: answer.scores.unit,
+        scale: ScoreScale::Auto,
+        y_range: None,
+        series,
+    };
+    draw_lines(&plot, folder.join("convergence.png"))?;
+    draw_lines(&plot, folder.join("convergence.svg"))
+}
+
+/// One row a trial in the order of evaluation.
+pub(super) fn write_trials(
+    folder: &Path,
+    problem: &Problem,
+    answer: &Answer,
+    tuned: &Tuned,
+) -> Result<()> {
+    let names = problem
+        .study()
+        .grid
+        .ranges()
+        .iter()
+        .map(|range| range.parameter.name);
+    let header: Vec<&str> = ["trial", "phase"]
+        .into_iter()
+        .chain(names)
+        .chain(["score", "unit", "best_so_far"])
+        .collect();
+    let points = &answer.scores.points;
+    let rows = points.iter().zip(best_so_far(points)).map(|(point, best)| {
+        let phase = if point.index < tuned.design {
+            "design"
+        } else {
+            "search"
+        };
+        let mut row = vec![point.index.to_string(), phase.to_owned()];
+        row.extend(point.values.iter().map(f64::to_string));
+        row.push(number(point.score));
+        row.push(answer.scores.unit.label().to_owned());
+        row.push(number(best));
+        row
+    });
+    write(&folder.join("trials.csv"), &header, rows)
+}

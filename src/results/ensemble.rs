@@ -1,0 +1,244 @@
+//! What an ensemble leaves in a folder: `NAME.json`, `repeats.csv`, `ensemble.png` and `.svg`.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::error::{Error, Result};
+use crate::file::write_atomic;
+use crate::plot::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
+use crate::prediction::ensemble::{Behaviours, Ensemble, LEVELS, Outcome, Reality, Summary};
+
+/// More paths of one behaviour than this are not told apart in a picture.
+const PATHS_DRAWN: usize = 120;
+
+/// An ensemble with what is said about it.
+#[derive(Debug)]
+pub struct EnsembleResult<'a> {
+    /// The repeats.
+    pub ensemble: &'a Ensemble,
+    /// What they have in common.
+    pub summary: &'a Summary,
+    /// How they compare with recordings, where there are any.
+    pub reality: Option<&'a Reality>,
+    /// Prepared paths of the recordings, true lengths, metres.
+    pub real_paths_m: Vec<Vec<[f64; 2]>>,
+    /// What the recordings are called, e.g. `stand-in for reality`.
+    pub real_label: &'a str,
+    /// Title of the picture.
+    pub title: String,
+}
+
+/// Makes the folder and writes `report` as JSON under `name`.
+///
+/// # Errors
+/// A full disk or an unwritable folder.
+pub fn write_report(folder: &Path, name: &str, report: &impl Serialize) -> Result<()> {
+    std::fs::create_dir_all(folder).map_err(|e| Error::io("make the folder", folder, &e))?;
+    let json = serde_json::to_string_pretty(report)
+        .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))?;
+    write_atomic(folder.join(name), format!("{json}\n").as_bytes())
+}
+
+/// Writes one row a repeat: what was drawn and what came of it. `cases` are ensembles with a name each.
+///
+/// # Errors
+/// A full disk or an unwritable folder.
+pub fn write_repeats(folder: &Path, cases: &[(&str, EnsembleResult<'_>)]) -> Result<()> {
+    let path = folder.join("repeats.csv");
+    let csv_error = |e: csv::Error| Error::invalid(format!("cannot write {}: {e}", path.display()));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for (index, (name, case)) in cases.iter().enumerate() {
+        for repeat in &case.ensemble.repeats {
+            let row = row(name, case, repeat);
+            if index == 0 && Some(repeat.number) == case.ensemble.repeats.first().map(|r| r.number)
+            {
+                writer
+                    .write_record(row.iter().map(|(column, _)| column))
+                    .map_err(csv_error)?;
+            }
+            writer
+                .write_record(row.iter().map(|(_, value)| value))
+                .map_err(csv_error)?;
+        }
+    }
+    let bytes = writer
+        .into_inner()
+        .map_err(|e| Error::invalid(format!("cannot write {}: {e}", path.display())))?;
+    write_atomic(&path, &bytes)
+}
+
+fn row(
+    case_name: &str,
+    case: &EnsembleResult<'_>,
+    repeat: &crate::prediction::ensemble::Repeat,
+) -> Vec<(String, String)> {
+    let mut row = Vec::new();
+    let mut push = |column: String, value: String| row.push((column, value));
+    push("case".to_owned(), case_name.to_owned());
+    push("repeat".to_owned(), repeat.number.to_string());
+    push("seed".to_owned(), case.ensemble.seed.to_string());
+    let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
+    let motion = repeat.outcome.motion();
+    let status = match &repeat.outcome {
+        Outcome::Completed(_) => "completed".to_owned(),
+        Outcome::Diverged { at_s, why } => format!("diverged at {at_s:.3} s: {why}"),
+    };
+    push("status".to_owned(), status);
+    push(
+        "behaviour".to_owned(),
+        behaviour(&case.summary.behaviours, repeat.number),
+    );
+    push(
+        "net_displacement_m".to_owned(),
+        number(motion.map(|m| m.net_displacement_m())),
+    );
+    push(
+        "path_length_m".to_owned(),
+        number(motion.map(|m| m.path.path_length_m())),
+    );
+    push(
+        "turned_rad".to_owned(),
+        number(motion.map(|m| m.turned_rad)),
+    );
+    let drawn = &repeat.perturbation;
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        push(
+            format!("shift_{name}_m"),
+            drawn.shift_world_m[axis].to_string(),
+        );
+    }
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        push(
+            format!("turn_{name}_rad"),
+            drawn.turn_world_rad[axis].to_string(),
+        );
+    }
+    for (name, values) in [
+        ("servo_zero_rad", &drawn.servo_zero_rad),
+        ("servo_gain_factor", &drawn.servo_gain_factor),
+        ("servo_phase_rad", &drawn.servo_phase_rad),
+        ("servo_latency_s", &drawn.servo_latency_s),
+        ("mass_factor", &drawn.mass_factor),
+        ("friction_factor", &drawn.friction_factor),
+    ] {
+        for (index, value) in values.iter().enumerate() {
+            push(format!("{name}_{index}"), value.to_string());
+        }
+    }
+    push(
+        "run_friction_factor".to_owned(),
+        drawn.run_friction_factor.to_string(),
+    );
+    row
+}
+
+fn behaviour(behaviours: &Behaviours, number: u64) -> String {
+    behaviours
+        .of_repeat(number)
+        .map_or("diverged".to_owned(), |index| {
+            behaviours.list[index].name.clone()
+        })
+}
+
+/// Removes the pictures `STEM.png`, `STEM_….png` and `.svg` of an earlier ensemble, which may have had more of them.
+///
+/// # Errors
+/// A folder that cannot be read or changed.
+pub fn remove_pictures(folder: &Path, stem: &str) -> Result<()> {
+    let entries = std::fs::read_dir(folder)
+        .map_err(|e| Error::io("look into the results folder", folder, &e))?;
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let base = name.strip_suffix(".png").or(name.strip_suffix(".svg"));
+        let number = base.and_then(|base| base.strip_prefix(stem));
+        let is_ours = number.is_some_and(|rest| {
+            rest.strip_prefix('_')
+                .map_or(rest.is_empty(), |n| n.bytes().all(|b| b.is_ascii_digit()))
+        });
+        if is_ours {
+            std::fs::remove_file(entry.path())
+                .map_err(|e| Error::io("remove an old picture", entry.path(), &e))?;
+        }
+    }
+    Ok(())
+}
+
+/// Draws an ensemble as `STEM.png` and `STEM.svg`; nothing where every repeat diverged.
+///
+/// # Errors
+/// A full disk or an unwritable folder.
+pub fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>) -> Result<()> {
+    let Some(envelope) = &case.summary.envelope else {
+        return Ok(());
+    };
+    let summary = case.summary;
+    let incomplete = if summary.complete { "" } else { "INCOMPLETE: " };
+    let mut subtitle = format!(
+        "{incomplete}{} of {} repeats of {} s, seed {}",
+        summary.repeats, summary.repeats_asked, summary.duration_s, summary.seed
+    );
+    if summary.diverged.count > 0 {
+        subtitle += &format!(", {} diverged", summary.diverged.count);
+    }
+    let groups = summary
+        .behaviours
+        .list
+        .iter()
+        .map(|behaviour| EnsembleGroup {
+            label: format!(
+                "{}: {:.0} %",
+                behaviour.name,
+                100.0 * behaviour.probability.share
+            ),
+            paths_m: case
+                .ensemble
+                .motions()
+                .filter(|(repeat, _)| behaviour.repeats.contains(&repeat.number))
+                .take(PATHS_DRAWN)
+                .map(|(_, motion)| motion.path.xy_m().to_vec())
+                .collect(),
+            representative_m: behaviour
+                .representative
+                .map_or(Vec::new(), |_| behaviour.path_xy_m.clone()),
+        })
+        .collect();
+    let bands = (0..LEVELS.len())
+        .rev()
+        .map(|level| {
+            let ends = |sign: f64| {
+                envelope
+                    .regions
+                    .iter()
+                    .map(|region| {
+                        let half_m = region.half_widths_m(level);
+                        [0, 1].map(|axis| region.centre_m[axis] + sign * half_m[axis])
+                    })
+                    .collect()
+            };
+            EnsembleBand {
+                level: LEVELS[level],
+                low_m: ends(-1.0),
+                high_m: ends(1.0),
+            }
+        })
+        .collect();
+    let plot = EnsemblePlot {
+        title: case.title.clone(),
+        subtitle,
+        groups,
+        noise_free_m: case
+            .ensemble
+            .noise_free
+            .motion()
+            .map_or(Vec::new(), |motion| motion.path.xy_m().to_vec()),
+        real_m: case.real_paths_m.clone(),
+        real_label: case.real_label.to_owned(),
+        times_s: envelope.times_s.clone(),
+        bands,
+    };
+    for extension in ["png", "svg"] {
+        draw_ensemble(&plot, folder.join(format!("{stem}.{extension}")))?;
+    }
+    Ok(())
+}

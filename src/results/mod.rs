@@ -1,0 +1,79 @@
+//! What a results folder holds for people: tables, pictures, a summary, the best values.
+
+mod best;
+mod convergence;
+mod ensemble;
+mod gap;
+mod picture;
+mod search;
+mod search_picture;
+mod summary;
+mod table;
+mod verdict;
+
+use std::path::Path;
+
+use crate::calibration::{Answer, Method, Problem};
+use crate::error::{Error, Result};
+
+pub use ensemble::{EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report};
+pub use gap::draw_gap;
+pub use search::{BestRobot, SearchSummary, write_search};
+pub use summary::{Best, Correlation, Summary};
+pub use verdict::Verdict;
+
+/// Writes everything into `folder`, next to the store, and returns the summary.
+///
+/// # Errors
+/// A full disk or an unwritable folder.
+pub fn write(folder: &Path, problem: &Problem, answer: &Answer) -> Result<Summary> {
+    remove_old(folder)?;
+    table::write_points(folder, problem, answer)?;
+    table::write_indistinguishable(folder, problem, answer)?;
+    table::write_scores(folder, problem, answer)?;
+    table::write_profiles(folder, answer)?;
+    if let Method::Tune(tuned) = &answer.method {
+        convergence::write_trials(folder, problem, answer, tuned)?;
+    }
+    let summary = Summary::new(problem, answer)?;
+    summary.write(folder)?;
+    best::write(folder, problem, answer, &summary)?;
+    picture::draw(folder, problem, answer, &summary)?;
+    Ok(summary)
+}
+
+/// Removes what an earlier run wrote for people: a heat map must not outlive its study.
+fn remove_old(folder: &Path) -> Result<()> {
+    let ours = |name: &str| {
+        let is_picture = [".png", ".svg"].iter().any(|end| name.ends_with(end))
+            && [
+                "heatmap",
+                "curve",
+                "trajectories",
+                "profile_",
+                "convergence",
+            ]
+            .iter()
+            .any(|start| name.starts_with(start));
+        is_picture
+            || [
+                "points.csv",
+                "indistinguishable.csv",
+                "scores.csv",
+                "profiles.csv",
+                "trials.csv",
+                "summary.json",
+                "best.ron",
+            ]
+            .contains(&name)
+    };
+    let entries = std::fs::read_dir(folder)
+        .map_err(|e| Error::io("look into the results folder", folder, &e))?;
+    for entry in entries.flatten() {
+        if ours(&entry.file_name().to_string_lossy()) {
+            std::fs::remove_file(entry.path())
+                .map_err(|e| Error::io("remove an old result", entry.path(), &e))?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,462 @@
+//! The pictures of a results folder: heat map or curve, and paths across the grid.
+
+use std::path::Path;
+
+use crate::calibration::{Answer, Method, PointScore, Problem};
+use crate::error::Result;
+use crate::optimization::{Grid, Range};
+use crate::plot::{
+    AxisSpec, Curve, HeatMap, Panel, PanelGrid, ScoreScale, Truth, draw_curve, draw_heat_map,
+    draw_panels,
+};
+use crate::trajectory::{Prepared, Source};
+use crate::unit::counted;
+
+use super::convergence;
+use super::summary::Summary;
+
+/// Draws everything that the points evaluated so far allow.
+pub(super) fn draw(
+    folder: &Path,
+    problem: &Problem,
+    answer: &Answer,
+    summary: &Summary,
+) -> Result<()> {
+    if answer.scores.points.is_empty() {
+        return Ok(());
+    }
+    let map = Map::new(problem, answer, summary);
+    let ranges = problem.study().grid.ranges();
+    if ranges.len() > 1 {
+        map.draw_profiles(folder)?;
+    }
+    if let Method::Tune(tuned) = &answer.method {
+        convergence::draw(folder, problem, answer, tuned, &map.subtitle)?;
+    }
+    match ranges {
+        [x] => map.draw_curve(x, folder)?,
+        [_, _] => map.draw_slice(0, 1, &folder.join("heatmap"))?,
+        _ if map.cells.is_empty() => return map.draw_best_panels(&folder.join("trajectories.png")),
+        ranges => {
+            for first in 0..ranges.len() {
+                for second in first + 1..ranges.len() {
+                    let pair = [first, second].map(|i| ranges[i].parameter.name.replace('.', "_"));
+                    map.draw_slice(
+                        first,
+                        second,
+                        &folder.join(format!("heatmap_{}_{}", pair[0], pair[1])),
+                    )?;
+                }
+            }
+        }
+    }
+    map.draw_panels(&folder.join("trajectories.png"))
+}
+
+/// Scores by grid index, with what the captions need.
+struct Map<'a> {
+    problem: &'a Problem,
+    answer: &'a Answer,
+    title: String,
+    subtitle: String,
+    score_label: String,
+    /// What stands for each point of the grid; empty where there are too many parameters to show an optimizer's points so.
+    cells: Vec<Option<(&'a PointScore, bool)>>,
+}
+
+impl<'a> Map<'a> {
+    fn new(problem: &'a Problem, answer: &'a Answer, summary: &Summary) -> Self {
+        let study = problem.study();
+        let cells = cells(problem, answer);
+        let stand_in = study
+            .recordings
+            .iter()
+            .any(|r| r.meta.as_ref().is_some_and(|m| m.source == Source::StandIn));
+        let kind = if stand_in {
+            "stand-in recordings, not hardware"
+        } else {
+            "recordings"
+        };
+        let mut subtitle = format!(
+            "{}: {} {kind}",
+            study.morphology.name(),
+            study.recordings.len()
+        );
+        if let Method::Tune(tuned) = &answer.method {
+            subtitle += &format!("; {} points chosen by {}", summary.points, tuned.optimizer);
+        }
+        if !summary.complete {
+            subtitle += &format!(
+                " - INCOMPLETE: {} of {} points",
+                summary.points, summary.points_total
+            );
+        }
+        Self {
+            problem,
+            answer,
+            title: format!("{}: distance between simulation and recordings", study.name),
+            subtitle,
+            score_label: format!("{} discrepancy", study.metric.name()),
+            cells,
+        }
+    }
+
+    /// Subtitle of a picture in which cells stand for points.
+    fn cell_subtitle(&self) -> String {
+        match self.answer.method {
+            Method::Sweep => self.subtitle.clone(),
+            Method::Tune(_) => format!("{}, each cell shows the nearest", self.subtitle),
+        }
+    }
+
+    fn grid(&self) -> &Grid {
+        &self.problem.study().grid
+    }
+
+    fn score(&self, index: usize) -> Option<f64> {
+        self.cells[index].and_then(|(point, _)| point.score)
+    }
+
+    fn is_indistinguishable(&self, index: usize) -> bool {
+        self.cells[index].is_some_and(|(_, is_in)| is_in)
+    }
+
+    fn best_coordinates(&self) -> Option<Vec<usize>> {
+        let best = &self.answer.scores.points[self.answer.scores.best?];
+        let ranges = self.grid().ranges().iter();
+        Some(
+            ranges
+                .zip(&best.values)
+                .map(|(range, value)| range.nearest(*value))
+                .collect(),
+        )
+    }
+
+    fn truth(&self, x: &Range, y: Option<&Range>) -> Option<Truth> {
+        let known = &self.problem.study().truth;
+        let x = known.value(x.parameter.name)?;
+        let y = match y {
+            Some(y) => known.value(y.parameter.name)?,
+            None => 0.0,
+        };
+        Some(Truth {
+            x,
+            y,
+            label: "hidden value of the stand-in".to_owned(),
+        })
+    }
+
+    /// The 2-D slice through the best point along two parameters.
+    fn draw_slice(&self, first: usize, second: usize, stem: &Path) -> Result<()> {
+        let ranges = self.grid().ranges();
+        let (x, y) = (&ranges[first], &ranges[second]);
+        let best = self.best_coordinates();
+        let mut coordinates = best.clone().unwrap_or_else(|| vec![0; ranges.len()]);
+        let mut scores = Vec::new();
+        let mut indistinguishable = Vec::new();
+        for iy in 0..y.points {
+            for ix in 0..x.points {
+                coordinates[first] = ix;
+                coordinates[second] = iy;
+                let index = self.grid().index(&coordinates);
+                scores.push(self.score(index));
+                indistinguishable.push(self.is_indistinguishable(index));
+            }
+        }
+        let mut subtitle = self.cell_subtitle();
+        if let (Some(best), true) = (&best, ranges.len() > 2) {
+            let others = (0..ranges.len()).filter(|i| *i != first && *i != second);
+            let fixed: Vec<String> = others
+                .map(|i| {
+                    format!(
+                        "{} = {}",
+                        ranges[i].parameter.name,
+                        short(ranges[i].value(best[i]))
+                    )
+                })
+                .collect();
+            subtitle += &format!("; slice through the best point at {}", fixed.join(", "));
+        }
+        let map = HeatMap {
+            missing: "diverged".to_owned(),
+            title: self.title.clone(),
+            subtitle,
+            x: axis(x),
+            y: axis(y),
+            x_values: x.values(),
+            y_values: y.values(),
+            scores,
+            score_label: self.score_label.clone(),
+            score_unit: self.answer.scores.unit,
+            scale: ScoreScale::Auto,
+            best: best.map(|best| (best[first], best[second])),
+            indistinguishable,
+            truth: self.truth(x, Some(y)),
+        };
+        draw_heat_map(&map, stem.with_extension("png"))?;
+        draw_heat_map(&map, stem.with_extension("svg"))
+    }
+
+    fn draw_curve(&self, x: &Range, folder: &Path) -> Result<()> {
+        let curve = Curve {
+            title: self.title.clone(),
+            subtitle: self.cell_subtitle(),
+            x: axis(x),
+            x_values: x.values(),
+            scores: (0..x.points).map(|index| self.score(index)).collect(),
+            score_label: self.score_label.clone(),
+            score_unit: self.answer.scores.unit,
+            scale: ScoreScale::Auto,
+            best: self.best_coordinates().map(|best| best[0]),
+            indistinguishable: (0..x.points)
+                .map(|index| self.is_indistinguishable(index))
+                .collect(),
+            truth: self.truth(x, None),
+        };
+        draw_curve(&curve, folder.join("curve.png"))?;
+        draw_curve(&curve, folder.join("curve.svg"))
+    }
+
+    /// The best score that each value of a parameter allows, whatever the others.
+    fn draw_profiles(&self, folder: &Path) -> Result<()> {
+        for (range, profile) in self.grid().ranges().iter().zip(&self.answer.profiles) {
+            // Values that nobody tried are left out; a hole in the line would say that they diverged.
+            let tried: Vec<usize> = (0..profile.values.len())
+                .filter(|index| profile.scores[*index].is_some())
+                .collect();
+            if tried.len() < 2 {
+                continue;
+            }
+            let best = tried.iter().enumerate().min_by(|(_, a), (_, b)| {
+                let score = |index: &usize| profile.scores[*index].unwrap_or(f64::INFINITY);
+                score(a).total_cmp(&score(b))
+            });
+            let curve = Curve {
+                title: format!(
+                    "{}: lowest score at each {}",
+                    self.problem.study().name,
+                    range.parameter.name
+                ),
+                subtitle: format!("{}; every other parameter at its best", self.subtitle),
+                x: axis(range),
+                x_values: tried.iter().map(|index| profile.values[*index]).collect(),
+                scores: tried.iter().map(|index| profile.scores[*index]).collect(),
+                score_label: self.score_label.clone(),
+                score_unit: self.answer.scores.unit,
+                scale: ScoreScale::Auto,
+                best: best.map(|(position, _)| position),
+                indistinguishable: tried
+                    .iter()
+                    .map(|index| profile.indistinguishable[*index])
+                    .collect(),
+                truth: self.truth(range, None),
+            };
+            let stem = format!("profile_{}", range.parameter.name.replace('.', "_"));
+            draw_curve(&curve, folder.join(format!("{stem}.png")))?;
+            draw_curve(&curve, folder.join(format!("{stem}.svg")))?;
+        }
+        Ok(())
+    }
+
+    /// The nine best points' paths: an optimizer's points lie on no grid.
+    fn draw_best_panels(&self, path: &Path) -> Result<()> {
+        let mut points: Vec<&PointScore> = self.answer.scores.points.iter().collect();
+        points.retain(|point| point.score.is_some());
+        points.sort_by(|a, b| {
+            let score = |point: &PointScore| point.score.unwrap_or(f64::INFINITY);
+            score(a).total_cmp(&score(b))
+        });
+        let panels: Vec<Panel> = points
+            .iter()
+            .take(9)
+            .enumerate()
+            .map(|(position, point)| self.panel(point, position == 0))
+            .collect();
+        self.draw_panel_grid(path, "the nine best simulated paths", 3, panels)
+    }
+
+    /// Nine panels across the first two parameters, the others at their best, reality behind; the first
+    /// recording's where every recording has its own start. As figure 3 of paper 003.
+    fn draw_panels(&self, path: &Path) -> Result<()> {
+        let ranges = self.grid().ranges();
+        let best = self.best_coordinates();
+        let mut coordinates = best.clone().unwrap_or_else(|| vec![0; ranges.len()]);
+        let mut panels = Vec::new();
+        let rows = if ranges.len() > 1 {
+            picks(ranges[1].points, best.as_ref().map(|b| b[1]))
+        } else {
+            vec![0]
+        };
+        let columns = picks(ranges[0].points, best.as_ref().map(|b| b[0]));
+        for row in rows.iter().rev() {
+            for column in &columns {
+                coordinates[0] = *column;
+                if ranges.len() > 1 {
+                    coordinates[1] = *row;
+                }
+                let index = self.grid().index(&coordinates);
+                let Some((point, _)) = self.cells[index] else {
+                    continue;
+                };
+                panels.push(self.panel(point, best.as_deref() == Some(&coordinates[..])));
+            }
+        }
+        self.draw_panel_grid(
+            path,
+            "simulated paths across the grid",
+            columns.len(),
+            panels,
+        )
+    }
+
+    fn draw_panel_grid(
+        &self,
+        path: &Path,
+        what: &str,
+        columns: usize,
+        panels: Vec<Panel>,
+    ) -> Result<()> {
+        if panels.is_empty() {
+            return Ok(());
+        }
+        let study = self.problem.study();
+        let settled = self.problem.cases().len() == 1;
+        let real: Vec<&Prepared> = if settled {
+            self.problem.real_paths()
+        } else {
+            self.problem.real_paths().into_iter().take(1).collect()
+        };
+        let shown = if settled {
+            self.subtitle.clone()
+        } else {
+            format!(
+                "paths of recording {}; scores are means over {}",
+                study.recordings[0].name,
+                counted(study.recordings.len(), "recording")
+            )
+        };
+        let stand_in = self.subtitle.contains("stand-in");
+        let grid = PanelGrid {
+            title: format!("{}: {what}, {} above each", study.name, self.score_label),
+            subtitle: shown,
+            columns,
+            panels,
+            reality_m: real
+                .iter()
+                .map(|prepared| prepared.xy_m().to_vec())
+                .collect(),
+            reality_label: if stand_in {
+                "stand-in for reality".to_owned()
+            } else {
+                "reality".to_owned()
+            },
+            unit: self.answer.scores.unit,
+        };
+        draw_panels(&grid, path)
+    }
+
+    fn panel(&self, point: &PointScore, is_best: bool) -> Panel {
+        let shown = self.grid().ranges().iter().zip(&point.values).take(2);
+        let note: Vec<String> = shown
+            .map(|(range, value)| {
+                let name = range.parameter.name.rsplit('.').next().unwrap_or_default();
+                format!("{name} {}", short(*value))
+            })
+            .collect();
+        let path = (!point.path_xy_m.is_empty()).then(|| point.path_xy_m.clone());
+        Panel {
+            score: point.score,
+            note: note.join(", "),
+            simulated_m: path.into_iter().collect(),
+            is_best,
+        }
+    }
+}
+
+/// What stands for each point of the grid: the point itself, or the nearest one that an optimizer chose.
+fn cells<'a>(problem: &Problem, answer: &'a Answer) -> Vec<Option<(&'a PointScore, bool)>> {
+    let grid = &problem.study().grid;
+    let is_in = |position: usize| {
+        answer
+            .uncertainty
+            .as_ref()
+            .is_some_and(|u| u.indistinguishable[position])
+    };
+    let points = || answer.scores.points.iter().enumerate();
+    if answer.method == Method::Sweep {
+        let mut cells = vec![None; grid.len()];
+        for (position, point) in points() {
+            cells[point.index] = Some((point, is_in(position)));
+        }
+        return cells;
+    }
+    if grid.ranges().len() > 2 {
+        return Vec::new();
+    }
+    let nearest = |values: &[f64]| {
+        let distance = |point: &PointScore| -> f64 {
+            let ranges = grid.ranges().iter();
+            ranges
+                .zip(values.iter().zip(&point.values))
+                .map(|(range, (a, b))| ((a - b) / range.step()).powi(2))
+                .sum()
+        };
+        points()
+            .min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)))
+            .map(|(position, point)| (point, is_in(position)))
+    };
+    (0..grid.len())
+        .map(|index| nearest(&grid.values(index)))
+        .collect()
+}
+
+fn axis(range: &Range) -> AxisSpec {
+    AxisSpec::new(range.parameter.name, range.parameter.unit)
+}
+
+/// Three indices spread over `0..points`, the middle of each third, one of them moved onto the best.
+fn picks(points: usize, best: Option<usize>) -> Vec<usize> {
+    let mut picks: Vec<usize> = if points < 3 {
+        (0..points).collect()
+    } else {
+        [1, 3, 5]
+            .map(|sixth| (sixth * (points - 1) + 3) / 6)
+            .to_vec()
+    };
+    if let Some(best) = best
+        && let Some(nearest) = picks.iter_mut().min_by_key(|pick| pick.abs_diff(best))
+    {
+        *nearest = best;
+    }
+    picks
+}
+
+/// A number as short as it can be said without losing the grid: up to four decimals.
+fn short(value: f64) -> String {
+    let text = format!("{value:.4}");
+    if !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panels_spread_over_the_grid_and_one_of_them_is_the_best() {
+        assert_eq!(picks(21, Some(8)), [3, 8, 17]);
+        assert_eq!(picks(21, None), [3, 10, 17]);
+        assert_eq!(picks(2, Some(1)), [0, 1]);
+        assert_eq!(picks(3, Some(2)), [0, 1, 2]);
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(
+            [short(0.43), short(1.0), short(0.05 + 0.1)],
+            ["0.43", "1", "0.15"]
+        );
+    }
+}

@@ -1,0 +1,169 @@
+//! `points.csv` and `scores.csv`: the same bytes for the same study, however it was run.
+
+use std::path::Path;
+
+use crate::calibration::{Answer, PointScore, Problem};
+use crate::error::{Error, Result};
+use crate::file::write_atomic;
+
+/// One row a point: parameters as columns, then score, unit, status and displacement error.
+pub(super) fn write_points(folder: &Path, problem: &Problem, answer: &Answer) -> Result<()> {
+    let names = names(problem);
+    let header: Vec<&str> = names
+        .iter()
+        .copied()
+        .chain([
+            "score",
+            "unit",
+            "status",
+            "displacement_error_m",
+            "indistinguishable",
+        ])
+        .collect();
+    let is_in = |position: usize| {
+        let uncertainty = answer.uncertainty.as_ref();
+        uncertainty.is_some_and(|u| u.indistinguishable[position])
+    };
+    let rows = answer
+        .scores
+        .points
+        .iter()
+        .enumerate()
+        .map(|(position, point)| {
+            let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
+            row.push(number(point.score));
+            row.push(answer.scores.unit.label().to_owned());
+            row.push(status(point).to_owned());
+            row.push(number(point.displacement_error_m));
+            row.push(is_in(position).to_string());
+            row
+        });
+    write(&folder.join("points.csv"), &header, rows)
+}
+
+/// One row a point that cannot be told apart from the best, with the study's fixed values: what `realgap search` draws from.
+pub(super) fn write_indistinguishable(
+    folder: &Path,
+    problem: &Problem,
+    answer: &Answer,
+) -> Result<()> {
+    let Some(uncertainty) = &answer.uncertainty else {
+        return Ok(());
+    };
+    let varied = names(problem);
+    let fixed: Vec<_> = problem
+        .study()
+        .set
+        .iter()
+        .filter(|a| {
+            !varied.contains(&a.parameter.name) && !a.parameter.name.starts_with("recording.")
+        })
+        .collect();
+    let header: Vec<&str> = varied
+        .iter()
+        .copied()
+        .chain(fixed.iter().map(|a| a.parameter.name))
+        .collect();
+    let rows = answer
+        .scores
+        .points
+        .iter()
+        .zip(&uncertainty.indistinguishable)
+        .filter(|(_, is_in)| **is_in)
+        .map(|(point, _)| {
+            let values = point.values.iter().copied();
+            let all = values.chain(fixed.iter().map(|a| a.value));
+            all.map(|value| value.to_string()).collect()
+        });
+    write(&folder.join("indistinguishable.csv"), &header, rows)
+}
+
+/// One row a point and recording, where there are several recordings.
+pub(super) fn write_scores(folder: &Path, problem: &Problem, answer: &Answer) -> Result<()> {
+    let recordings = &problem.study().recordings;
+    if recordings.len() < 2 {
+        return Ok(());
+    }
+    let names = names(problem);
+    let header: Vec<&str> = names
+        .iter()
+        .copied()
+        .chain(["recording", "score", "unit"])
+        .collect();
+    let rows = answer.scores.points.iter().flat_map(|point| {
+        recordings
+            .iter()
+            .zip(&point.recordings)
+            .map(|(recording, score)| {
+                let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
+                row.push(recording.name.clone());
+                row.push(score.to_string());
+                row.push(answer.scores.unit.label().to_owned());
+                row
+            })
+    });
+    write(&folder.join("scores.csv"), &header, rows)
+}
+
+/// One row a parameter and value: the lowest score that it allows.
+pub(super) fn write_profiles(folder: &Path, answer: &Answer) -> Result<()> {
+    let header = [
+        "parameter",
+        "value",
+        "lowest_score",
+        "unit",
+        "indistinguishable",
+    ];
+    let rows = answer.profiles.iter().flat_map(|profile| {
+        profile.values.iter().enumerate().map(|(index, value)| {
+            vec![
+                profile.parameter.name.to_owned(),
+                value.to_string(),
+                number(profile.scores[index]),
+                answer.scores.unit.label().to_owned(),
+                profile.indistinguishable[index].to_string(),
+            ]
+        })
+    });
+    write(&folder.join("profiles.csv"), &header, rows)
+}
+
+fn names(problem: &Problem) -> Vec<&'static str> {
+    problem
+        .study()
+        .grid
+        .ranges()
+        .iter()
+        .map(|range| range.parameter.name)
+        .collect()
+}
+
+fn status(point: &PointScore) -> &'static str {
+    if point.diverged.is_some() {
+        "diverged"
+    } else {
+        "ok"
+    }
+}
+
+/// Shortest text that reads back to the same bits; empty where there is no number.
+pub(super) fn number(value: Option<f64>) -> String {
+    value.map_or(String::new(), |value| value.to_string())
+}
+
+pub(super) fn write(
+    path: &Path,
+    header: &[&str],
+    rows: impl Iterator<Item = Vec<String>>,
+) -> Result<()> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let fail = |e: csv::Error| Error::invalid(format!("cannot write the table: {e}")).at_file(path);
+    writer.write_record(header).map_err(fail)?;
+    for row in rows {
+        writer.write_record(&row).map_err(fail)?;
+    }
+    let bytes = writer
+        .into_inner()
+        .map_err(|e| Error::invalid(format!("cannot write the table: {e}")).at_file(path))?;
+    write_atomic(path, &bytes)
+}

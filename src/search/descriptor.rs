@@ -1,0 +1,116 @@
+//! What tells robots apart in an archive: one line in [`DESCRIPTORS`] adds another.
+
+use crate::robot::morphology::Morphology;
+use crate::statistics::mean;
+use crate::unit::Unit;
+use crate::{Error, Result};
+
+use super::objective::Distance;
+
+/// A robot and what its repeats did.
+#[derive(Debug, Clone, Copy)]
+pub struct Behaviour<'a> {
+    /// The robot.
+    pub robot: &'a Morphology,
+    /// How far each repeat got.
+    pub distances: &'a [Distance],
+    /// How far each repeat's heading turned, radians.
+    pub turned_rad: &'a [f64],
+    /// Edge length of the tracked module, metres.
+    pub body_length_m: f64,
+}
+
+/// One number about a robot and its behaviour.
+pub struct Descriptor {
+    /// Name in files.
+    pub name: &'static str,
+    /// Unit of the number.
+    pub unit: Unit,
+    /// What it is, in one line.
+    pub doc: &'static str,
+    value: fn(&Behaviour<'_>) -> f64,
+}
+
+impl Descriptor {
+    /// The number.
+    pub fn of(&self, behaviour: &Behaviour<'_>) -> f64 {
+        (self.value)(behaviour)
+    }
+}
+
+impl std::fmt::Debug for Descriptor {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Descriptor({})", self.name)
+    }
+}
+
+/// Every descriptor.
+pub const DESCRIPTORS: &[Descriptor] = &[
+    Descriptor {
+        name: "modules",
+        unit: Unit::One,
+        doc: "number of modules",
+        value: |b| b.robot.modules().len() as f64,
+    },
+    Descriptor {
+        name: "active_faces",
+        unit: Unit::One,
+        doc: "number of driven faces",
+        value: |b| {
+            let driven = b.robot.modules().iter().filter(|m| m.drive.is_some());
+            driven.count() as f64
+        },
+    },
+    Descriptor {
+        name: "mass_kg",
+        unit: Unit::Kilogram,
+        doc: "mass of the whole robot",
+        value: |b| b.robot.summary().mass_kg,
+    },
+    Descriptor {
+        name: "height_m",
+        unit: Unit::Metre,
+        doc: "height at zero servo angles",
+        value: |b| b.robot.summary().size_m().z,
+    },
+    Descriptor {
+        name: "footprint_m",
+        unit: Unit::Metre,
+        doc: "side of the square with the area of the bounding box seen from above",
+        value: |b| {
+            let size_m = b.robot.summary().size_m();
+            (size_m.x * size_m.y).sqrt()
+        },
+    },
+    Descriptor {
+        name: "straightness",
+        unit: Unit::One,
+        doc: "net displacement per path length, mean over the repeats",
+        value: |b| {
+            let all = b.distances.iter().map(|d| d.straightness(b.body_length_m));
+            mean(&all.collect::<Vec<_>>())
+        },
+    },
+    Descriptor {
+        name: "turned_rad",
+        unit: Unit::Radian,
+        doc: "change of heading over the run, mean over the repeats, left positive",
+        value: |b| mean(b.turned_rad),
+    },
+];
+
+/// The descriptor of this name.
+///
+/// # Errors
+/// An unknown name, with the known ones.
+pub fn descriptor_named(name: &str) -> Result<&'static Descriptor> {
+    DESCRIPTORS
+        .iter()
+        .find(|descriptor| descriptor.name == name)
+        .ok_or_else(|| {
+            let known: Vec<&str> = DESCRIPTORS.iter().map(|d| d.name).collect();
+            Error::invalid("unknown descriptor")
+                .found(name)
+                .allowed(known.join(", "))
+        })
+}

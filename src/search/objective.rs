@@ -1,0 +1,149 @@
+//! What is wanted of a robot: a measure of each repeat, and one number of all of them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::statistics::{mean, quantile, standard_deviation};
+use crate::unit::Unit;
+use crate::{Error, Result};
+
+/// What is measured in one repeat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Measure {
+    /// Distance from start to end in the plane, metres: the papers' fitness.
+    Displacement,
+    /// Displacement per length of the path, 0 to 1; 0 for a robot that gets less than one body length far.
+    Straightness,
+    /// Displacement per time, m/s.
+    Speed,
+    /// Not available: the simulation reports no work of the servos. Refused when a file asks for it.
+    SpeedPerEnergy,
+}
+
+/// One number for all repeats.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Aggregate {
+    /// Their mean.
+    Mean,
+    /// A quantile, level from 0 to 1; low ones prefer robots that rarely fail.
+    LowerQuantile(f64),
+    /// Mean minus so many standard deviations.
+    MeanMinusSd(f64),
+}
+
+/// What is to be made large.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Objective {
+    /// Of each repeat.
+    pub measure: Measure,
+    /// Of all of them.
+    pub aggregate: Aggregate,
+}
+
+impl Default for Objective {
+    /// Displacement, its 20 % quantile.
+    fn default() -> Self {
+        Self {
+            measure: Measure::Displacement,
+            aggregate: Aggregate::LowerQuantile(0.2),
+        }
+    }
+}
+
+/// How far one repeat got.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Distance {
+    /// From start to end, metres.
+    pub displacement_m: f64,
+    /// Along the path, metres.
+    pub path_length_m: f64,
+}
+
+impl Distance {
+    /// Displacement per path length; 0 below one body length of displacement, where there is no direction to speak of.
+    pub fn straightness(&self, body_length_m: f64) -> f64 {
+        if self.displacement_m < body_length_m {
+            return 0.0;
+        }
+        (self.displacement_m / self.path_length_m).min(1.0)
+    }
+}
+
+impl Measure {
+    /// Its value for one repeat, in [`Measure::unit`].
+    pub fn of(self, distance: &Distance, body_length_m: f64, duration_s: f64) -> f64 {
+        match self {
+            Self::Displacement => distance.displacement_m,
+            Self::Straightness => distance.straightness(body_length_m),
+            Self::Speed | Self::SpeedPerEnergy => distance.displacement_m / duration_s,
+        }
+    }
+
+    /// Its unit.
+    pub fn unit(self) -> Unit {
+        match self {
+            Self::Displacement => Unit::Metre,
+            Self::Straightness => Unit::One,
+            Self::Speed | Self::SpeedPerEnergy => Unit::MetrePerSecond,
+        }
+    }
+
+    /// For people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Displacement => "displacement",
+            Self::Straightness => "straightness",
+            Self::Speed => "speed",
+            Self::SpeedPerEnergy => "speed per energy",
+        }
+    }
+}
+
+impl Aggregate {
+    /// The number of some repeats; at least one.
+    pub fn of(self, values: &[f64]) -> f64 {
+        match self {
+            Self::Mean => mean(values),
+            Self::LowerQuantile(level) => quantile(values, level),
+            Self::MeanMinusSd(k) => mean(values) - k * standard_deviation(values),
+        }
+    }
+}
+
+impl Objective {
+    /// Checks that it can be computed.
+    ///
+    /// # Errors
+    /// Speed per energy; a quantile's level or a factor out of range.
+    pub fn check(&self) -> Result<()> {
+        if self.measure == Measure::SpeedPerEnergy {
+            return Err(Error::invalid("speed per energy cannot be told")
+                .field("measure")
+                .found("SpeedPerEnergy")
+                .allowed("Displacement, Straightness, Speed")
+                .hint("the simulation does not report the work of the servos"));
+        }
+        let (value, highest) = match self.aggregate {
+            Aggregate::Mean => return Ok(()),
+            Aggregate::LowerQuantile(level) => (level, 1.0),
+            Aggregate::MeanMinusSd(k) => (k, 100.0),
+        };
+        if (0.0..=highest).contains(&value) {
+            return Ok(());
+        }
+        Err(Error::invalid("out of range")
+            .field("aggregate")
+            .found(value)
+            .allowed(format!("0 to {highest}")))
+    }
+
+    /// For people, e.g. `displacement, 20 % quantile`.
+    pub fn label(&self) -> String {
+        let aggregate = match self.aggregate {
+            Aggregate::Mean => "mean".to_owned(),
+            Aggregate::LowerQuantile(level) => format!("{} % quantile", 100.0 * level),
+            Aggregate::MeanMinusSd(k) => format!("mean - {k} sd"),
+        };
+        format!("{}, {aggregate}", self.measure.label())
+    }
+}

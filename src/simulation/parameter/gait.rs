@@ -1,0 +1,29 @@
+//! The open-loop command.
+
+use super::{Nudge, Parameter, Scale};
+use crate::unit::Unit;
+
+pub(super) static PARAMETERS: &[Parameter] = &[
+    Parameter {
+        name: "gait.frequency_scale",
+        unit: Unit::One,
+        bounds: (0.0, 100.0),
+        whole: false,
+        scale: Scale::Log,
+        nudge: Nudge::Share(0.02),
+        doc: "Factor on every gait frequency.",
+        get: |e| Some(e.adjustment.frequency_scale),
+        set: |e, value| e.adjustment.frequency_scale = value,
+    },
+    Parameter {
+        name: "gait.amplitude_scale",
+        unit: Unit::One,
+        bounds: (0.0, 100.0),
+        whole: false,
+        scale: Scale::Linear,
+        nudge: Nudge::Share(0.05),
+        doc: "Factor on every gait amplitude.",
+        get: |e| Some(e.adjustment.amplitude_scale),
+        set: |e, value| e.adjustment.amplitude_scale = value,
+    },
+];

@@ -1,0 +1,208 @@
+//! Named numbers of an experiment that may be set, swept and tuned.
+//!
+//! One registry, [`PARAMETERS`], holds name, unit, bounds, default, meaning, and how to read and
+//! write the number. Adding a parameter is one entry in the file of its group.
+
+mod assignment;
+mod body;
+mod contact;
+mod floor;
+mod gait;
+mod recording;
+mod servo;
+mod solver;
+
+pub use assignment::{Assignment, ParameterSet};
+
+use crate::error::{Error, Result};
+use crate::robot::morphology::Assembly;
+use crate::simulation::Experiment;
+use crate::unit::Unit;
+
+/// A named number of an experiment.
+#[derive(Debug, Clone, Copy)]
+pub struct Parameter {
+    /// Name, `group.quantity_unit`.
+    pub name: &'static str,
+    /// Unit of the value.
+    pub unit: Unit,
+    /// Smallest and largest allowed value, both allowed.
+    pub bounds: (f64, f64),
+    /// True where only whole numbers make sense.
+    pub whole: bool,
+    /// How a search walks along it.
+    pub scale: Scale,
+    /// A change of the size that a user would call small: what a sensitivity study tries.
+    pub nudge: Nudge,
+    /// What it means, one sentence.
+    pub doc: &'static str,
+    /// Reads the value; `None` where the robot's own file decides (a limit that is not overridden).
+    pub get: fn(&Experiment) -> Option<f64>,
+    set: fn(&mut Experiment, f64),
+}
+
+/// How a search walks along a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// Equal steps are equal differences.
+    Linear,
+    /// Equal steps are equal ratios, where the searched range lies above 0.
+    Log,
+}
+
+/// A small change of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Nudge {
+    /// This share of the value.
+    Share(f64),
+    /// This much, in the parameter's unit.
+    Absolute(f64),
+}
+
+impl PartialEq for Parameter {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+/// Every parameter, by group.
+pub fn all() -> impl Iterator<Item = &'static Parameter> {
+    PARAMETERS.iter().flat_map(|group| group.iter())
+}
+
+/// The registry: one slice per group.
+pub static PARAMETERS: &[&[Parameter]] = &[
+    floor::PARAMETERS,
+    contact::PARAMETERS,
+    solver::PARAMETERS,
+    body::PARAMETERS,
+    servo::PARAMETERS,
+    gait::PARAMETERS,
+    recording::PARAMETERS,
+];
+
+/// Looks a parameter up by name.
+///
+/// # Errors
+/// An unknown name; the error lists the nearest known ones.
+pub fn by_name(name: &str) -> Result<&'static Parameter> {
+    all()
+        .find(|parameter| parameter.name == name)
+        .ok_or_else(|| {
+            let group = name.split('.').next().unwrap_or(name);
+            let mut near: Vec<&str> = all()
+                .map(|p| p.name)
+                .filter(|known| known.starts_with(group))
+                .collect();
+            if near.is_empty() {
+                near = all().map(|p| p.name).collect();
+            }
+            Error::invalid("there is no such parameter")
+                .found(format!("\"{name}\""))
+                .allowed(near.join(", "))
+                .hint("`realgap parameters` lists all of them")
+        })
+}
+
+impl Parameter {
+    /// Checks that `value` is allowed.
+    ///
+    /// # Errors
+    /// A value out of bounds, not finite, or not whole where it must be.
+    pub fn check(&self, value: f64) -> Result<()> {
+        let (low, high) = self.bounds;
+        let in_bounds = value >= low && value <= high;
+        if in_bounds && (!self.whole || value.fract() == 0.0) {
+            return Ok(());
+        }
+        let kind = if self.whole {
+            "whole numbers from "
+        } else {
+            ""
+        };
+        Err(Error::invalid("out of bounds")
+            .field(self.name)
+            .found(value)
+            .allowed(format!("{kind}{low} to {high} {}", self.unit.symbol()).trim_end()))
+    }
+
+    /// A new experiment with this parameter set to `value`.
+    ///
+    /// # Errors
+    /// As [`Parameter::check`].
+    pub fn apply(&self, experiment: &Experiment, value: f64) -> Result<Experiment> {
+        self.check(value)?;
+        let mut changed = experiment.clone();
+        (self.set)(&mut changed, value);
+        Ok(changed)
+    }
+
+    /// The value where nothing is set; `None` where the robot's file decides.
+    pub fn default_value(&self) -> Option<f64> {
+        let nobody = Assembly {
+            module_names: Vec::new(),
+            parts: Vec::new(),
+            hinges: Vec::new(),
+            track_part: 0,
+            robot_from_track: nalgebra::Isometry3::identity(),
+            body_length_m: 1.0,
+        };
+        (self.get)(&Experiment::new(nobody))
+    }
+
+    /// `value` made a little smaller and a little larger (see [`Nudge`]); `None` at a bound.
+    pub fn nudged(&self, value: f64) -> [Option<f64>; 2] {
+        let step = match self.nudge {
+            Nudge::Share(share) => share * value.abs(),
+            Nudge::Absolute(step) => step,
+        };
+        [-step, step].map(|step| {
+            let moved = value + step;
+            (step != 0.0 && self.check(moved).is_ok()).then_some(moved)
+        })
+    }
+
+    /// Name and unit for an axis or table: `floor.friction` or `floor.height_m (m)`.
+    pub fn label(&self) -> String {
+        match self.unit {
+            Unit::One => self.name.to_owned(),
+            unit => format!("{} ({})", self.name, unit.symbol()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_bounds_are_ordered() {
+        let mut seen = std::collections::BTreeSet::new();
+        for parameter in all() {
+            assert!(
+                seen.insert(parameter.name),
+                "{} stands twice",
+                parameter.name
+            );
+            assert!(
+                parameter.bounds.0 < parameter.bounds.1,
+                "{}",
+                parameter.name
+            );
+            assert!(
+                !parameter.doc.is_empty() && parameter.doc.ends_with('.'),
+                "{}",
+                parameter.name
+            );
+        }
+    }
+
+    #[test]
+    fn an_unknown_name_is_answered_with_its_neighbours() {
+        let error = by_name("floor.frictoin").unwrap_err().to_string();
+        assert!(
+            error.contains("floor.friction, floor.restitution"),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,14 @@
+//! Numbers about samples: what a spread is, how sure a share is, and resampling.
+//!
+//! Checked against scipy and statsmodels where they have the same quantity (tests/statistic.rs).
+
+mod bootstrap;
+mod describe;
+mod proportion;
+mod rank;
+mod significance;
+
+pub use bootstrap::{Resample, resamples};
+pub use describe::{mean, median, quantile, standard_deviation};
+pub use proportion::{Proportion, normal_quantile};
+pub use significance::{PValueMethod, SampleTest, kolmogorov_smirnov, mann_whitney, spearman};
