@@ -2,18 +2,105 @@
 
 use std::fmt;
 
+/// Writes the enum of codes, their stable names and the list of all.
+macro_rules! codes {
+    ($($variant:ident $name:literal $doc:literal;)*) => {
+        /// What a [`Warning`] is about; its name (`undefined-heading`) is stable and stands in every output.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[non_exhaustive]
+        pub enum Code {
+            $(#[doc = $doc] $variant,)*
+        }
+
+        impl Code {
+            /// All codes, by name.
+            pub const ALL: &[Self] = &[$(Self::$variant),*];
+
+            /// The stable name.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)*
+                }
+            }
+        }
+    };
+}
+
+codes! {
+    AtypicalPrediction "atypical-prediction" "The run without noise is unlike its own repeats.";
+    CentreOfMassContradicted "centre-of-mass-contradicted" "Flight puts the centre of mass elsewhere than the robot's file.";
+    ColumnsIgnored "columns-ignored" "A recording has columns that nothing uses.";
+    ComponentsMissDifference "components-miss-difference" "The kept principal components hardly see how two runs differ.";
+    DifferentDurations "different-durations" "Recordings of one comparison last differently long.";
+    DifferentRobots "different-robots" "Recordings of one comparison name different robots.";
+    Diverged "diverged" "Simulations blew up and are left out.";
+    EstimatedNoise "estimated-noise" "Nobody stated the noise; an estimate is used.";
+    EstimatedVelocity "estimated-velocity" "Velocities are differences of positions.";
+    ExclusionNotExported "exclusion-not-exported" "A format cannot say which parts never touch.";
+    FewRecordings "few-recordings" "Too few recordings for what is asked of them.";
+    FewRepeats "few-repeats" "Too few repeats for what is asked of them.";
+    FloorNotExported "floor-not-exported" "A format has no floor.";
+    FreeParameter "free-parameter" "A free parameter was given no value.";
+    GaitNeedsProgram "gait-needs-program" "A format holds servos, but not what commands them.";
+    GaitNotExported "gait-not-exported" "A format has no gait.";
+    GravityContradicted "gravity-contradicted" "Flight falls otherwise than gravity says.";
+    Incomplete "incomplete" "The work was interrupted; this is what there is.";
+    NoEffect "no-effect" "Something that was set changes nothing.";
+    NoFlight "no-flight" "No free flight was found.";
+    NoNoise "no-noise" "Repeats that differ by nothing.";
+    NoRecordings "no-recordings" "Nothing real to compare with.";
+    NoRepeats "no-repeats" "No repeat of a simulation ended well.";
+    NoSimulatedOdds "no-simulated-odds" "The simulated resting faces could not be counted.";
+    NoSuccessRule "no-success-rule" "Nobody said what success is.";
+    NoSurvivor "no-survivor" "No finalist holds under other numerics.";
+    NotSettled "not-settled" "A robot did not come to rest before its run.";
+    NotWritten "not-written" "A result could not be written.";
+    OneRecording "one-recording" "One recording does not know its own spread.";
+    OtherRobot "other-robot" "A recording names another robot.";
+    Overfitted "overfitted" "Recordings that were held out are fitted worse.";
+    PlateBlocked "plate-blocked" "A plate hits its own robot.";
+    QuaternionsRenormalised "quaternions-renormalised" "Orientations had lengths other than 1.";
+    RefinedStart "refined-start" "Start states have seen more than the first sample.";
+    RestitutionNotExported "restitution-not-exported" "A format has no restitution.";
+    ServoTooSlow "servo-too-slow" "A gait asks for more speed than its servo has.";
+    ShortRecording "short-recording" "A recording ends before the study.";
+    ShorterSimulation "shorter-simulation" "A simulation ends before its recording.";
+    SolverNotExported "solver-not-exported" "A format does not hold the solver's settings.";
+    SpeedLimitInvented "speed-limit-invented" "A format asks for a speed limit that the robot does not have.";
+    StandIn "stand-in" "A simulator made the recordings.";
+    Toppled "toppled" "A robot fell over before its run.";
+    TrackNotExported "track-not-exported" "A format cannot say which module is tracked.";
+    UncertainParameters "uncertain-parameters" "Parameters that tuning left open were drawn.";
+    UndefinedHeading "undefined-heading" "A path that goes nowhere has no heading.";
+    UnequalMoments "unequal-moments" "Moments of inertia differ where a method takes them as equal.";
+    Unresolved "unresolved" "Numerical settings change a score as much as a parameter does.";
+    VelocitiesLate "velocities-late" "Recorded velocities belong to an earlier moment.";
+}
+
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl serde::Serialize for Code {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
 /// Something the reader of a result should know; `code` is stable, `message` is for people.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 pub struct Warning {
-    /// Stable identifier, e.g. `undefined-heading`.
-    pub code: &'static str,
+    /// What it is about.
+    pub code: Code,
     /// One sentence for people.
     pub message: String,
 }
 
 impl Warning {
-    /// A warning with a stable `code` and one sentence for people.
-    pub fn new(code: &'static str, message: impl Into<String>) -> Self {
+    /// A warning about `code`, with one sentence for people.
+    pub fn new(code: Code, message: impl Into<String>) -> Self {
         Self {
             code,
             message: message.into(),
@@ -24,5 +111,18 @@ impl Warning {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} [{}]", self.message, self.code)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_named_once_in_kebab_case_and_sorted() {
+        let names: Vec<&str> = Code::ALL.iter().map(|code| code.name()).collect();
+        assert!(names.windows(2).all(|pair| pair[0] < pair[1]), "{names:?}");
+        let kebab = |name: &str| name.bytes().all(|b| b.is_ascii_lowercase() || b == b'-');
+        assert!(names.iter().all(|name| kebab(name)), "{names:?}");
     }
 }

@@ -340,13 +340,18 @@ fn a_stopped_ensemble_says_that_it_is_incomplete() {
     assert!(!found.is_complete() && found.repeats.is_empty());
     let summary = Summary::new(&found).unwrap();
     assert!(!summary.complete && summary.displacement_m.is_none());
-    assert!(summary.warnings.iter().any(|w| w.code == "incomplete"));
+    assert!(
+        summary
+            .warnings
+            .iter()
+            .any(|w| w.code.name() == "incomplete")
+    );
 }
 
 #[test]
 fn an_ensemble_without_noise_says_so() {
     let found = simulate(&tripod(0.5), &Noise::default(), 3, 2);
-    assert!(found.warnings.iter().any(|w| w.code == "no-noise"));
+    assert!(found.warnings.iter().any(|w| w.code.name() == "no-noise"));
     assert_eq!(found.repeats[0].outcome, found.noise_free);
     let spread = Summary::new(&found).unwrap().displacement_m.unwrap();
     // The mean of equal numbers is rounded.
@@ -377,7 +382,7 @@ fn a_run_without_noise_that_no_repeat_comes_near_is_called_atypical() {
         let warned = summary
             .warnings
             .iter()
-            .any(|w| w.code == "atypical-prediction");
+            .any(|w| w.code.name() == "atypical-prediction");
         assert_eq!(warned, !is_typical, "{far_m}");
     }
 }

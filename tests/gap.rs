@@ -53,7 +53,7 @@ fn one_case(real: &[Sample], ideal: Option<Sample>, repeats: Vec<Sample>) -> Vec
 }
 
 fn codes(found: &Distances) -> Vec<&str> {
-    found.warnings.iter().map(|w| w.code).collect()
+    found.warnings.iter().map(|w| w.code.name()).collect()
 }
 
 #[test]

@@ -247,5 +247,5 @@ fn pose_compares_at_the_recorded_times() {
     let short = along(&[0.0, 1.0], 1.1, 0.7);
     let errors = pose_errors(&real, &short, 0.1).unwrap();
     assert_eq!(errors.samples, 2);
-    assert_eq!(errors.warnings[0].code, "shorter-simulation");
+    assert_eq!(errors.warnings[0].code.name(), "shorter-simulation");
 }

@@ -10,7 +10,7 @@ use crate::calibration::identification::{Body, EQUAL_MOMENTS, Refined, StartStat
 use crate::error::{Error, Result};
 use crate::simulation::{Experiment, Sampling, Start};
 use crate::trajectory::{Prepared, Recording, State, Trajectory, prepare};
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// One recording as it is compared: cut to the simulated duration, and prepared.
 #[derive(Debug, Clone)]
@@ -78,7 +78,7 @@ fn settled(study: &Study, base: &Experiment) -> Result<(Vec<Case>, Vec<Warning>)
     let mut duration_s = study.duration_s.unwrap_or(shortest_s);
     if duration_s > shortest_s + 1e-6 {
         warnings.push(Warning::new(
-            "short-recording",
+            Code::ShortRecording,
             format!("a recording lasts only {shortest_s:.3} s; {shortest_s:.3} s are simulated and compared instead of {duration_s} s"),
         ));
         duration_s = shortest_s;
@@ -135,14 +135,14 @@ fn start_state_warnings(study: &Study, cases: &[Case]) -> Result<Vec<Warning>> {
         return Ok(Vec::new());
     }
     let mut warnings = vec![Warning::new(
-        "refined-start",
+        Code::RefinedStart,
         format!("start states: {}", rule.label()),
     )];
     if rule == StartState::Flight
         && Body::new(&cases[0].experiment).is_ok_and(|body| body.moment_ratio > EQUAL_MOMENTS)
     {
         warnings.push(Warning::new(
-            "unequal-moments",
+            Code::UnequalMoments,
             "start states are fitted with a constant angular velocity, but the robot's moments of inertia differ",
         ));
     }
@@ -155,7 +155,7 @@ fn start_state_warnings(study: &Study, cases: &[Case]) -> Result<Vec<Warning>> {
     }
     if without > 0 {
         warnings.push(Warning::new(
-            "no-flight",
+            Code::NoFlight,
             format!(
                 "{without} of {} recordings have no flight to fit; their start is corrected by half a sample instead",
                 cases.len()
@@ -195,7 +195,7 @@ fn first_state(recording: &Recording, warnings: &mut Vec<Warning>) -> Result<Sta
     let dt_s = motion.times_s()[1] - motion.times_s()[0];
     let mut differences = || {
         warnings.push(Warning::new(
-            "estimated-velocity",
+            Code::EstimatedVelocity,
             "some recordings have no velocities; their start velocity is the difference of the first two samples",
         ));
         let linear: Vector3<f64> =

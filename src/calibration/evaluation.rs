@@ -16,7 +16,7 @@ use crate::simulation::parameter::ParameterSet;
 use crate::simulation::{self, Experiment, Status};
 use crate::statistics::{mean, median, standard_deviation};
 use crate::trajectory::Trajectory;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// A final orientation further off than this is another face: a flip.
 const FLIP_DEG: f64 = 45.0;
@@ -170,7 +170,7 @@ fn summarise(
     let diverged = rows.iter().filter(|r| r.rotation_deg.is_none()).count();
     if diverged > 0 {
         warnings.push(Warning::new(
-            "diverged",
+            Code::Diverged,
             format!("{diverged} of {} simulations diverged: they are missing from the means and count as over 45 degrees", rows.len()),
         ));
     }
@@ -179,14 +179,14 @@ fn summarise(
         let name = range.parameter.name;
         if fixed.value(name).is_none() {
             warnings.push(Warning::new(
-                "free-parameter",
+                Code::FreeParameter,
                 format!("{name} is free in the study and no value is given: its default is used (--parameters best.ron, or --set {name}=...)"),
             ));
         }
     }
     if rows.len() == 1 {
         warnings.push(Warning::new(
-            "one-recording",
+            Code::OneRecording,
             "one recording does not know its standard error; 0 is written",
         ));
     }

@@ -9,7 +9,7 @@ use super::file::{Overrides, Study};
 use crate::error::{Error, Result};
 use crate::trajectory::{self, Recording, Source};
 use crate::unit::counted;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// Recordings with the hashes of their files.
 pub(super) struct Found {
@@ -129,7 +129,7 @@ fn warnings(study: &Study, recordings: &[Recording]) -> Vec<Warning> {
             "recordings of the robot \"{robot}\" are matched with a simulation of \"{}\"",
             study.morphology.name()
         );
-        warnings.push(Warning::new("other-robot", message));
+        warnings.push(Warning::new(Code::OtherRobot, message));
     }
     warnings.extend(stand_in(recordings));
     warnings.sort();
@@ -146,7 +146,7 @@ fn different_robots(recordings: &[Recording]) -> Option<Warning> {
     let names: Vec<&str> = robots(recordings).into_iter().collect();
     (names.len() > 1).then(|| {
         Warning::new(
-            "different-robots",
+            Code::DifferentRobots,
             format!(
                 "the recordings are of different robots: {}",
                 names.join(", ")
@@ -159,7 +159,7 @@ fn stand_in(recordings: &[Recording]) -> Option<Warning> {
     let mut metas = recordings.iter().filter_map(|r| r.meta.as_ref());
     metas.any(|meta| meta.source == Source::StandIn).then(|| {
         Warning::new(
-            "stand-in",
+            Code::StandIn,
             "the recordings are stand-ins made by a simulator, not recorded from hardware",
         )
     })

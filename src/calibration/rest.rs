@@ -14,7 +14,7 @@ use crate::robot::morphology::Face;
 use crate::simulation::parameter::ParameterSet;
 use crate::simulation::{self, Experiment, Status};
 use crate::trajectory::Trajectory;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// How often a face ended down, in reality and in simulation, over the recordings that end at rest.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -138,7 +138,7 @@ pub fn resting_odds(
     let mut warnings = problem.warnings().to_vec();
     if !at_default.is_empty() {
         warnings.push(Warning::new(
-            "free-parameter",
+            Code::FreeParameter,
             format!(
                 "simulated resting faces: no value is given for {}; the defaults are used (--parameters best.ron, or --set NAME=VALUE)",
                 at_default.join(", ")

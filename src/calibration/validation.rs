@@ -11,7 +11,7 @@ use super::problem::Problem;
 use super::score::{PointScore, Scores};
 use crate::error::{Error, Result};
 use crate::statistics::{mean, standard_deviation};
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// Which recordings are kept from the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -193,7 +193,7 @@ impl Validation {
         let difference = self.held_out_score - self.fit_score;
         (difference > PARTED * self.difference_standard_error && difference > 0.0).then(|| {
             Warning::new(
-                "overfitted",
+                Code::Overfitted,
                 format!(
                     "the score on recordings not fitted is {:.3} times that on the fitted ones, more than chance explains: \
                      the fit does not carry over",

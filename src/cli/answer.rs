@@ -10,6 +10,7 @@ use realgap::optimization::Ending;
 use realgap::plot::quantity;
 use realgap::results::{self, Summary};
 use realgap::unit::counted;
+use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 
 use super::kind::read_study;
@@ -75,7 +76,7 @@ impl StudyOptions {
             .filter(|name| overrides.set.value(name).is_some())
             .map(|name| {
                 Warning::new(
-                    "no-effect",
+                    Code::NoEffect,
                     format!("{name} was set, but the study varies it: the study's range counts"),
                 )
             });

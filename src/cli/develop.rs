@@ -8,6 +8,7 @@ use realgap::file::write_atomic;
 use realgap::robot::genome::{Locus, Specimen};
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Settling, settle};
+use realgap::warning::Code;
 use realgap::{Error, Result, Warning, plot, plot::portrait};
 use serde_json::json;
 
@@ -161,7 +162,7 @@ fn flags(robot: &Morphology, settling: &Settling) -> Vec<Warning> {
     let name = |index: usize| &robot.modules()[index].name;
     let blocked = robot.blocked_plates().into_iter().map(|(plate, other)| {
         Warning::new(
-            "plate-blocked",
+            Code::PlateBlocked,
             format!(
                 "the plate of `{}` hits `{}` when it follows its gait",
                 name(plate),

@@ -16,6 +16,7 @@ use realgap::simulation::parameter::ParameterSet;
 use realgap::simulation::{ENGINE_VERSION, Noise, Sampling, Status};
 use realgap::trajectory::{self, Source};
 use realgap::unit::Unit;
+use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 use serde::Serialize;
 
@@ -199,7 +200,7 @@ impl Ensemble {
                 real: Vec::new(),
             }],
             warnings: vec![Warning::new(
-                "no-recordings",
+                Code::NoRecordings,
                 "the study names no recordings: nothing says whether these confidences are honest",
             )],
             study: alone,

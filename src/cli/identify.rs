@@ -10,6 +10,7 @@ use realgap::file::{check_writable, write_atomic, write_ron};
 use realgap::plot::{Side, TextTable};
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::unit::counted;
+use realgap::warning::Code;
 use realgap::{Result, Warning};
 use serde::Serialize;
 
@@ -129,7 +130,7 @@ fn simulate_rest(
     };
     if let Some(why) = why_not {
         let warning = Warning::new(
-            "no-simulated-odds",
+            Code::NoSimulatedOdds,
             format!("resting faces were not simulated: {why}"),
         );
         return Ok((None, [study.warnings, vec![warning]].concat()));

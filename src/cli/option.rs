@@ -9,6 +9,7 @@ use realgap::calibration::{Overrides, Part, read_parameters};
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{JointKind, Solver};
 use realgap::unit::LengthUnit;
+use realgap::warning::Code;
 use realgap::{Result, Warning, optimization};
 
 /// How results are printed.
@@ -201,7 +202,7 @@ pub fn recording_unused(values: &ParameterSet) -> Vec<Warning> {
         .filter(|a| a.parameter.name.starts_with("recording."));
     idle.map(|a| {
         Warning::new(
-            "no-effect",
+            Code::NoEffect,
             format!(
                 "{} has no effect: no recording is read here",
                 a.parameter.name

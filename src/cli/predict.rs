@@ -15,6 +15,7 @@ use realgap::robot::morphology::Morphology;
 use realgap::simulation::{ENGINE_VERSION, Experiment, Noise, Sampling};
 use realgap::statistics::Proportion;
 use realgap::unit::Unit;
+use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 use serde::Serialize;
 
@@ -105,7 +106,7 @@ impl Predict {
             Some(file) => (read_noise(file)?, file.display().to_string()),
             None => {
                 warnings.push(Warning::new(
-                    "estimated-noise",
+                    Code::EstimatedNoise,
                     "the noise is an estimate for a robot that nobody has measured; name your own with --noise",
                 ));
                 (Noise::unmeasured_robot(), "estimate".to_owned())
@@ -187,7 +188,7 @@ impl Predict {
                     .filter(|m| *m >= NOWHERE_BODY_LENGTHS * repeats.body_length_m);
                 let Some(far_m) = far_m else {
                     warnings.push(Warning::new(
-                        "no-success-rule",
+                        Code::NoSuccessRule,
                         "without noise the robot goes nowhere (or diverges), so half of that is no success; say what is with --success-m",
                     ));
                     return None;

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::saved_basis::SavedBasis;
 use crate::error::{Error, Result};
 use crate::trajectory::{POINTS, Prepared};
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// Length of the vector (x1..xN, y1..yN) of a prepared trajectory.
 pub(super) const VECTOR: usize = 2 * POINTS;
@@ -202,7 +202,7 @@ impl Basis {
         // Below a nanometre nothing is missed.
         (total_m2 > 1e-18 && seen_m2 < 0.5 * total_m2).then(|| {
             Warning::new(
-                "components-miss-difference",
+                Code::ComponentsMissDifference,
                 format!(
                     "the {} kept components see {:.0} % of the squared distance: the discrepancy understates it",
                     self.kept,

@@ -6,7 +6,7 @@ use super::basis::Basis;
 use crate::error::{Error, Result};
 use crate::trajectory::{Prepared, Trajectory};
 use crate::unit::Unit;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// Two trajectories to be compared, raw and prepared.
 #[derive(Debug, Clone, Copy)]
@@ -148,7 +148,7 @@ fn different_durations(pair: &Pair<'_>) -> Option<Warning> {
     let differ = (real_s - simulated_s).abs() > 0.01 * real_s.max(simulated_s);
     differ.then(|| {
         Warning::new(
-            "different-durations",
+            Code::DifferentDurations,
             format!("a trajectory of {real_s:.2} s is compared with one of {simulated_s:.2} s, point by point in relative time"),
         )
     })

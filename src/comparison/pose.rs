@@ -6,7 +6,7 @@ use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::error::{Error, Result};
 use crate::trajectory::{Interpolator, Trajectory};
 use crate::unit::Unit;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// Mean angle of R_real⁻¹ R_sim over the prepared (resampled and turned) orientations, degrees.
 #[derive(Debug, Clone, Copy)]
@@ -173,7 +173,7 @@ pub fn pose_errors(
     let mut warnings = Vec::new();
     if samples < real.len() {
         warnings.push(Warning::new(
-            "shorter-simulation",
+            Code::ShorterSimulation,
             format!(
                 "the trajectory ends after {:.6} s: {} of {} recorded samples were not compared",
                 simulated.duration_s(),

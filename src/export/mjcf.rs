@@ -4,7 +4,7 @@ use super::format::{Exported, Format};
 use super::robot::{Robot, origin_robot_m, quaternion, seen_from};
 use super::xml::{Element, numbers, vector};
 use crate::robot::morphology::{Hinge, Servo, ServoLaw, Solid};
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// MuJoCo's XML.
 pub(super) struct Mjcf;
@@ -91,20 +91,20 @@ impl Format for Mjcf {
 fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
     let mut warnings = vec![
         Warning::new(
-            "restitution-not-exported",
+            Code::RestitutionNotExported,
             format!(
                 "restitution {} (MuJoCo has no such coefficient; its contacts hardly bounce)",
                 robot.floor.restitution
             ),
         ),
         Warning::new(
-            "solver-not-exported",
+            Code::SolverNotExported,
             "realgap's timestep, substeps and contact settings (the file has hardened MuJoCo settings of its own)",
         ),
     ];
     if !robot.assembly.hinges.is_empty() {
         warnings.push(Warning::new(
-            "gait-needs-program",
+            Code::GaitNeedsProgram,
             "the gait as motion (it is in <custom>; tools/record_standin.py reads it and drives the servos)",
         ));
     }

@@ -6,7 +6,7 @@ use super::format::{Exported, Format};
 use super::robot::{Robot, origin_robot_m};
 use super::xml::{Element, numbers, vector};
 use crate::robot::morphology::{Hinge, Solid};
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// The Unified Robot Description Format.
 pub(super) struct Urdf;
@@ -48,14 +48,14 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
         - link_origin_robot_m(robot, robot.assembly.track_part);
     let mut warnings = vec![
         Warning::new(
-            "floor-not-exported",
+            Code::FloorNotExported,
             format!(
                 "the floor, its friction {} and restitution {}, and gravity",
                 robot.floor.friction, robot.floor.restitution
             ),
         ),
         Warning::new(
-            "track-not-exported",
+            Code::TrackNotExported,
             format!(
                 "the tracked point (link {}, at {} m in its frame)",
                 robot.part_name(robot.assembly.track_part),
@@ -65,11 +65,11 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
     ];
     if !robot.assembly.hinges.is_empty() {
         warnings.push(Warning::new(
-            "gait-not-exported",
+            Code::GaitNotExported,
             "gait and servo law (only the limits of torque and speed are here)",
         ));
         warnings.push(Warning::new(
-            "exclusion-not-exported",
+            Code::ExclusionNotExported,
             "that parts joined by a hinge do not collide (most readers assume it, URDF cannot say it)",
         ));
         if robot
@@ -79,7 +79,7 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
             .any(|hinge| hinge.servo.max_speed_rad_s.is_infinite())
         {
             warnings.push(Warning::new(
-                "speed-limit-invented",
+                Code::SpeedLimitInvented,
                 format!("servos without speed limit (URDF demands one: {UNLIMITED_RAD_S} rad/s stands in)"),
             ));
         }

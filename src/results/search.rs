@@ -14,7 +14,7 @@ use crate::file::write_atomic;
 use crate::optimization::Ending;
 use crate::robot::genome::Specimen;
 use crate::search::{Body, Finalist, Hunt, Judged, Plan, Quarry, Rerun};
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// One of the best robots, in short.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -269,13 +269,13 @@ fn summarise(hunt: &Hunt, quarry: &Quarry, best: Vec<BestRobot>) -> Result<Searc
     let mut warnings = Vec::new();
     if hunt.noise.is_zero() && hunt.doubt.is_none() {
         warnings.push(Warning::new(
-            "no-noise",
+            Code::NoNoise,
             "all repeats are the same run: the best robot is the best at one point, and nothing says how sure that is",
         ));
     }
     if !best.is_empty() && best.iter().all(|robot| !robot.survives) {
         warnings.push(Warning::new(
-            "no-survivor",
+            Code::NoSurvivor,
             "no finalist walks the same under other solver settings: what was found may be an artefact of the simulation",
         ));
     }

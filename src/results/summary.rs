@@ -14,7 +14,7 @@ use crate::file::write_atomic;
 use crate::optimization::Ending;
 use crate::plot::quantity;
 use crate::simulation;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// The answer of a answer.
 #[derive(Debug, Clone, Serialize)]
@@ -135,7 +135,7 @@ impl Summary {
             .count();
         if diverged > 0 {
             warnings.push(Warning::new(
-                "diverged",
+                Code::Diverged,
                 format!(
                     "{diverged} of {} points diverged and have no score",
                     scores.points.len()
@@ -144,7 +144,7 @@ impl Summary {
         }
         if answer.ending == Ending::Interrupted {
             warnings.push(Warning::new(
-                "incomplete",
+                Code::Incomplete,
                 format!("only {} of {points_total} points were evaluated: the best of these may not be the best of all", scores.points.len()),
             ));
         }
@@ -152,7 +152,7 @@ impl Summary {
             && !audit.unresolved.is_empty()
         {
             warnings.push(Warning::new(
-                "unresolved",
+                Code::Unresolved,
                 format!(
                     "timestep or substeps change the best score by {}, more than the whole range of {}: these scores cannot tell",
                     quantity(audit.largest_change, scores.unit),
@@ -168,7 +168,7 @@ impl Summary {
         );
         if problem.fitted_recordings() == 1 {
             warnings.push(Warning::new(
-                "one-recording",
+                Code::OneRecording,
                 "one recording says nothing about how repeatable reality is; the uncertainty is that of perturbed simulated starts",
             ));
         }

@@ -14,6 +14,7 @@ use crate::robot::morphology::Morphology;
 use crate::simulation::{Experiment, Floor, Posture, Solver, Status, settle, watch};
 use crate::store::{Outcome, OutcomeStatus, Trial};
 use crate::trajectory::prepare;
+use crate::warning::Code;
 use crate::{Error, Result};
 
 /// A robot with what it is worth.
@@ -89,8 +90,8 @@ impl Hunt {
         let settling = settle(&self.experiment(&robot))?;
         for warning in settling.warnings() {
             let reason = match warning.code {
-                "diverged" => Reason::Diverged,
-                "toppled" => Reason::Toppled,
+                Code::Diverged => Reason::Diverged,
+                Code::Toppled => Reason::Toppled,
                 _ => Reason::NotSettled,
             };
             if self.rules.unstable || reason == Reason::Diverged {

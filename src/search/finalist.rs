@@ -13,7 +13,7 @@ use crate::simulation::parameter::ParameterSet;
 use crate::simulation::{JointKind, Solver};
 use crate::statistics::{Proportion, mean};
 use crate::store::Outcome;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 use crate::{Error, Result};
 
 /// A change of the solver's settings.
@@ -263,7 +263,7 @@ impl Hunt {
         )?;
         if !self.doubt.is_none() {
             ensemble.warnings.push(Warning::new(
-                "uncertain-parameters",
+                Code::UncertainParameters,
                 "repeats differ in the parameters that tuning left open, too; the run without noise has the fixed values",
             ));
         }

@@ -13,7 +13,7 @@ use super::world::{Motion, World};
 use crate::error::Result;
 use crate::robot::morphology::Assembly;
 use crate::trajectory::{State, Trajectory};
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -272,7 +272,7 @@ impl<'a> Walk<'a> {
             }
         }
         let warning = Warning::new(
-            "not-settled",
+            Code::NotSettled,
             format!(
                 "the robot was still moving after {SETTLE_LIMIT_S} s of settling; the run starts from there"
             ),

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::experiment::{Experiment, Start};
 use super::run::{Status, run};
 use crate::error::Result;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// What a robot did while it settled on the floor with its servos held at their first command.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -47,20 +47,20 @@ impl Settling {
         match &self.outcome {
             Outcome::AtRest => {}
             Outcome::Moving => warnings.push(Warning::new(
-                "not-settled",
+                Code::NotSettled,
                 format!(
                     "the robot was still moving after {:.1} s on the floor",
                     self.taken_s
                 ),
             )),
             Outcome::Diverged { why } => warnings.push(Warning::new(
-                "diverged",
+                Code::Diverged,
                 format!("the simulation diverged while the robot settled: {why}"),
             )),
         }
         if let Some(tilt_rad) = self.tilt_rad.filter(|_| self.is_toppled()) {
             warnings.push(Warning::new(
-                "toppled",
+                Code::Toppled,
                 format!(
                     "the robot fell over when it was put down: its tracked module tilted by {:.0} degrees",
                     tilt_rad.to_degrees()
@@ -84,7 +84,7 @@ pub fn settle(experiment: &Experiment) -> Result<Settling> {
     let run = run(&short)?;
     let outcome = match run.status {
         Status::Diverged { why, .. } => Outcome::Diverged { why },
-        Status::Completed if run.warnings.iter().any(|w| w.code == "not-settled") => {
+        Status::Completed if run.warnings.iter().any(|w| w.code == Code::NotSettled) => {
             Outcome::Moving
         }
         Status::Completed => Outcome::AtRest,

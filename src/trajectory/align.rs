@@ -1,6 +1,6 @@
 //! The direction of a path in the plane: its net displacement, or its principal axis where that is undefined.
 
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// Below this fraction of the path length the net displacement has no meaningful direction.
 const MIN_NET_FRACTION: f64 = 0.01;
@@ -60,7 +60,7 @@ pub(super) fn direction(points_m: &[[f64; 2]], path_length_m: f64) -> (Direction
         return (Direction::of(net), None);
     }
     let warning = Warning::new(
-        "undefined-heading",
+        Code::UndefinedHeading,
         format!(
             "net displacement {net_m:.3e} m is below 1 mm or 1 % of the path length {path_length_m:.3e} m: \
              the major principal axis was aligned instead"

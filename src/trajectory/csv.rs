@@ -8,7 +8,7 @@ use super::sample::{Layout, Samples};
 use super::text::{Cell, Separator, cut, excerpt, push_number};
 use crate::error::{Error, Result};
 use crate::unit::LengthUnit;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// Columns by which recordings in one file are told apart, from the outermost to the innermost.
 pub const GROUP_COLUMNS: [&str; 2] = ["condition", "run"];
@@ -386,7 +386,7 @@ impl<'c, 'a> Header<'c, 'a> {
             .collect();
         (!ignored.is_empty()).then(|| {
             Warning::new(
-                "columns-ignored",
+                Code::ColumnsIgnored,
                 format!("columns not used: {}", excerpt_list(&ignored)),
             )
         })

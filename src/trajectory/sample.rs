@@ -6,7 +6,7 @@ use super::Trajectory;
 use super::text::{Cell, check_rows};
 use crate::error::{Error, Result};
 use crate::unit::LengthUnit;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// Largest | |q| − 1 | that is kept bit for bit, so that writing and reading back changes nothing.
 const UNIT_EXACT: f64 = 1e-9;
@@ -136,7 +136,7 @@ impl Samples {
         let mut warnings = Vec::new();
         if self.renormalised > 0 {
             warnings.push(Warning::new(
-                "quaternions-renormalised",
+                Code::QuaternionsRenormalised,
                 format!(
                     "{} quaternions were up to {:.4} off length 1 and have been renormalised",
                     self.renormalised, self.largest_deviation

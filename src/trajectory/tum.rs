@@ -8,7 +8,7 @@ use super::sample::{Layout, Samples};
 use super::text::{Separator, cut, push_number};
 use crate::error::Result;
 use crate::unit::LengthUnit;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// The text format of the TUM RGB-D benchmark, which evo and many SLAM programs read.
 ///
@@ -65,7 +65,7 @@ impl Format for Tum {
         let mut lost = |yes: bool, what: &str| {
             if yes {
                 warnings.push(Warning::new(
-                    "not-written",
+                    Code::NotWritten,
                     format!("TUM files cannot say {what}"),
                 ));
             }

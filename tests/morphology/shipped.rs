@@ -147,7 +147,7 @@ fn the_tripod_is_one_body_with_three_spinning_plates() {
     // 1.0447 rad at 1.25 Hz is a little more than 8 rad/s.
     let warnings = morphology.warnings();
     assert_eq!(warnings.len(), 1);
-    assert_eq!(warnings[0].code, "servo-too-slow");
+    assert_eq!(warnings[0].code.name(), "servo-too-slow");
     assert!(warnings[0].message.contains("leg_c"), "{}", warnings[0]);
 }
 

@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 use crate::simulation::Experiment;
 use crate::trajectory::{Recording, Trajectory};
 use crate::unit::counted;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// How an apparent gravity other than the stated one is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -300,7 +300,7 @@ fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
     ) {
         if !interval.contains(*stated_m) {
             warnings.push(Warning::new(
-                "centre-of-mass-contradicted",
+                Code::CentreOfMassContradicted,
                 format!("the stated centre of mass is at {axis} = {:.2} mm, the flights say {:.2} mm ({:.2} to {:.2})",
                     1e3 * stated_m, 1e3 * interval.value, 1e3 * interval.low, 1e3 * interval.high),
             ));
@@ -319,7 +319,7 @@ fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
                 )
             });
         warnings.push(Warning::new(
-            "gravity-contradicted",
+            Code::GravityContradicted,
             format!(
                 "the flights fall at {:.3} m/s^2 ({:.3} to {:.3}) instead of {:.3}: if gravity is right, recorded lengths are {} of true ones{rest}",
                 gravity.value, gravity.low, gravity.high, stated.gravity_m_s2, ratio(&found.length_scale)
@@ -330,7 +330,7 @@ fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
         && !lag.contains(0.0)
     {
         warnings.push(Warning::new(
-            "velocities-late",
+            Code::VelocitiesLate,
             format!(
                 "recorded velocities are {:.2} ms late ({:.2} to {:.2}); half a sample is {:.2} ms, which is what a backward difference gives",
                 1e3 * lag.value, 1e3 * lag.low, 1e3 * lag.high, 1e3 * found.half_sample_s
@@ -339,13 +339,13 @@ fn warnings(stated: &Body, found: &Identification) -> Vec<Warning> {
     }
     if stated.moment_ratio > EQUAL_MOMENTS {
         warnings.push(Warning::new(
-            "unequal-moments",
+            Code::UnequalMoments,
             format!("the moments of inertia differ by a factor of {:.2}: the fitted start states assume a constant angular velocity", stated.moment_ratio),
         ));
     }
     if !found.grounded.is_empty() {
         warnings.push(Warning::new(
-            "no-flight",
+            Code::NoFlight,
             format!(
                 "{} of {} recordings have no flight and say nothing here",
                 found.grounded.len(),

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::simulation::{self, Experiment, Noise, Perturbation, Run, Status};
 use crate::trajectory::{Prepared, prepare};
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// Below this many repeats, tails and rare behaviours are guesses.
 const FEW_REPEATS: usize = 20;
@@ -220,31 +220,31 @@ fn warnings(ensemble: &Ensemble) -> Vec<Warning> {
     let count = ensemble.repeats.len();
     if ensemble.noise.is_zero() {
         warnings.push(Warning::new(
-            "no-noise",
+            Code::NoNoise,
             "the noise is zero, so all repeats are the same run: nothing follows from this about how sure the prediction is",
         ));
     }
     if !ensemble.is_complete() {
         warnings.push(Warning::new(
-            "incomplete",
+            Code::Incomplete,
             format!("stopped after {count} of {} repeats", ensemble.asked),
         ));
     } else if count < FEW_REPEATS {
         warnings.push(Warning::new(
-            "few-repeats",
+            Code::FewRepeats,
             format!("{count} repeats say little about tails and rare behaviours; {FEW_REPEATS} are the least, 200 are usual"),
         ));
     }
     let diverged = count - ensemble.motions().count();
     if diverged > 0 {
         warnings.push(Warning::new(
-            "diverged",
+            Code::Diverged,
             format!("{diverged} of {count} repeats diverged; they count as failures and are in no other number"),
         ));
     }
     if let Outcome::Diverged { at_s, why } = &ensemble.noise_free {
         warnings.push(Warning::new(
-            "diverged",
+            Code::Diverged,
             format!("the run without noise diverged at {at_s:.3} s: {why}"),
         ));
     }

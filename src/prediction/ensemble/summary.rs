@@ -9,7 +9,7 @@ use super::spread::Spread;
 use crate::error::Result;
 use crate::simulation::Noise;
 use crate::statistics::Proportion;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// Confidence level of the intervals.
 const LEVEL: f64 = 0.95;
@@ -82,7 +82,7 @@ impl Summary {
             && !(spread.q05..=spread.q95).contains(&alone_m)
         {
             warnings.push(Warning::new(
-                "atypical-prediction",
+                Code::AtypicalPrediction,
                 format!(
                     "without noise the robot gets {alone_m:.3} m far, outside what 90 % of its repeats do ({:.3} to {:.3} m): \
                      the one run without noise does not predict them",

@@ -8,7 +8,7 @@ use super::floor::{self, NoiseFloor, Pairs};
 use super::sample::{CaseRuns, Heard, Sample, Scoring, distance};
 use crate::error::{Error, Result};
 use crate::statistics::{Resample, mean, resamples};
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// A gap and how many noise floors it is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -114,7 +114,7 @@ fn no_common_start(recordings: usize) -> NoiseFloor {
         pairs: 0,
         metrics: Vec::new(),
         warnings: vec![Warning::new(
-            "no-repeats",
+            Code::NoRepeats,
             "every recording has a start of its own, so that none repeats another: a noise floor (and a gap ratio) needs several \
              recordings of the same start",
         )],

@@ -8,7 +8,7 @@ use super::sample::{Heard, Sample, Scoring, distance};
 use crate::comparison::{Context, Metric};
 use crate::error::Result;
 use crate::statistics::{Resample, resamples};
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// Below this many recordings an interval over them is a guess.
 const FEW_RECORDINGS: usize = 5;
@@ -121,12 +121,12 @@ pub(super) fn measure(
     let count = recordings.len();
     if count < 2 {
         warnings.push(Warning::new(
-            "one-recording",
+            Code::OneRecording,
             "one recording has no repeat to be compared with: there is no noise floor, and no gap ratio",
         ));
     } else if count < FEW_RECORDINGS {
         warnings.push(Warning::new(
-            "few-recordings",
+            Code::FewRecordings,
             format!("intervals over {count} recordings are guesses; {FEW_RECORDINGS} are the least, 20 are better"),
         ));
     }

@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::prediction::ensemble;
 use crate::simulation::parameter::ParameterSet;
 use crate::simulation::{self, ENGINE_VERSION, Noise, Run, Status};
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// What to simulate and how to compare.
 #[derive(Debug, Clone)]
@@ -142,7 +142,7 @@ pub fn study_gap(
     }
     if diverged > 0 {
         warnings.push(Warning::new(
-            "diverged",
+            Code::Diverged,
             format!("{diverged} of {total} runs diverged; they are in no number here"),
         ));
     }
@@ -195,7 +195,7 @@ fn usable_noise(noise: Option<Noise>, warnings: &mut Vec<Warning>) -> Result<Opt
             return Ok(Some(noise));
         }
     };
-    warnings.push(Warning::new("no-noise", message));
+    warnings.push(Warning::new(Code::NoNoise, message));
     Ok(None)
 }
 
@@ -219,7 +219,7 @@ fn different_durations(real: &[Sample]) -> Option<Warning> {
     let longest_s = durations.fold(0.0, f64::max);
     (longest_s > 1.01 * shortest_s).then(|| {
         Warning::new(
-            "different-durations",
+            Code::DifferentDurations,
             format!(
                 "recordings last {shortest_s:.2} to {longest_s:.2} s: curves over time are over the share of each run, drawn in seconds of the mean one"
             ),

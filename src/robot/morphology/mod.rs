@@ -94,6 +94,7 @@ pub use module::{Drive, DriveAxis, Module, Plate};
 pub use summary::Summary;
 
 use crate::file::{Source, parse_ron, write_ron};
+use crate::warning::Code;
 use crate::{Error, Result, Warning};
 use file::MorphologyFile;
 use flaw::{Checked, Flaw};
@@ -273,7 +274,7 @@ impl Morphology {
                 let limit_rad_s = drive.servo.max_speed_rad_s;
                 (peak_rad_s > limit_rad_s).then(|| {
                     Warning::new(
-                        "servo-too-slow",
+                        Code::ServoTooSlow,
                         format!(
                             "the gait of `{}` asks for {peak_rad_s:.2} rad/s, its servo turns at {limit_rad_s} rad/s at most",
                             module.name

@@ -5,7 +5,7 @@ use std::fmt;
 use super::{Parameter, by_name};
 use crate::error::{Error, Result};
 use crate::simulation::Experiment;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// One parameter with a checked value.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,7 +109,7 @@ impl ParameterSet {
         });
         idle.map(|a| {
             Warning::new(
-                "no-effect",
+                Code::NoEffect,
                 format!(
                     "{} has no effect: the robot has no servos",
                     a.parameter.name
