@@ -59,7 +59,7 @@
 //! results; the library never prints.
 //!
 //! Units are SI and stand in the names, frames too: [`guide::conventions`]. Why things are as they are:
-//! [`guide::design`]. What was measured: [`guide::fidelity`].
+//! [`guide::design`]. What was measured: [`guide::fidelity`]. Words: [`guide::glossary`].
 
 pub mod calibration;
 pub mod comparison;
@@ -84,12 +84,122 @@ pub use warning::Warning;
 
 /// The pages of `docs/`, shipped with the code they describe.
 pub mod guide {
-    #[doc = include_str!("../docs/conventions.md")]
-    pub mod conventions {}
-    #[doc = include_str!("../docs/design.md")]
-    pub mod design {}
-    #[doc = include_str!("../docs/fidelity.md")]
-    pub mod fidelity {}
+    /// Where the links of the pages lead in these pages. A page defines the same names once more, at its end, for
+    /// those who read it as a file: the first definition wins.
+    macro_rules! links {
+        () => {
+            "
+[docs/cli.md]: crate::guide::cli
+[docs/conventions.md]: crate::guide::conventions
+[docs/glossary.md]: crate::guide::glossary
+[docs/design.md]: crate::guide::design
+[docs/fidelity.md]: crate::guide::fidelity
+[docs/compare.md]: crate::guide::compare
+[docs/limits.md]: crate::guide::limits
+[docs/bibliography.md]: crate::guide::bibliography
+[docs/fidelity/verification.md]: crate::guide::fidelity::verification
+[docs/fidelity/settings.md]: crate::guide::fidelity::settings
+[docs/fidelity/precision.md]: crate::guide::fidelity::precision
+[docs/fidelity/joints.md]: crate::guide::fidelity::joints
+[docs/fidelity/tosses.md]: crate::guide::fidelity::tosses
+[docs/fidelity/engines.md]: crate::guide::fidelity::engines
+[docs/fidelity/stand_ins.md]: crate::guide::fidelity::stand_ins
+[docs/fidelity/tuning.md]: crate::guide::fidelity::tuning
+[docs/fidelity/intervals.md]: crate::guide::fidelity::intervals
+[docs/fidelity/sensitivity.md]: crate::guide::fidelity::sensitivity
+[docs/fidelity/ensembles.md]: crate::guide::fidelity::ensembles
+[docs/fidelity/gap.md]: crate::guide::fidelity::gap
+[docs/fidelity/genomes.md]: crate::guide::fidelity::genomes
+[docs/fidelity/search.md]: crate::guide::fidelity::search
+"
+        };
+    }
+
+    #[doc = links!()]
     #[doc = include_str!("../docs/cli.md")]
     pub mod cli {}
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/conventions.md")]
+    pub mod conventions {}
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/glossary.md")]
+    pub mod glossary {}
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/design.md")]
+    pub mod design {}
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/fidelity.md")]
+    pub mod fidelity {
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/verification.md")]
+        pub mod verification {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/settings.md")]
+        pub mod settings {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/precision.md")]
+        pub mod precision {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/joints.md")]
+        pub mod joints {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/tosses.md")]
+        pub mod tosses {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/engines.md")]
+        pub mod engines {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/stand_ins.md")]
+        pub mod stand_ins {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/tuning.md")]
+        pub mod tuning {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/intervals.md")]
+        pub mod intervals {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/sensitivity.md")]
+        pub mod sensitivity {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/ensembles.md")]
+        pub mod ensembles {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/gap.md")]
+        pub mod gap {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/genomes.md")]
+        pub mod genomes {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/search.md")]
+        pub mod search {}
+    }
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/compare.md")]
+    pub mod compare {}
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/limits.md")]
+    pub mod limits {}
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/bibliography.md")]
+    pub mod bibliography {}
 }

@@ -101,7 +101,7 @@ pub struct Solver {
     /// Solver substeps per step.
     pub substeps: usize,
     /// Passes without bias at the end of every substep (Rapier's "internal stabilization iterations"): 0 keeps
-    /// the energy of hinges, which such a pass drains (docs/fidelity.md).
+    /// the energy of hinges, which such a pass drains (docs/fidelity/joints.md).
     pub relaxations: usize,
     /// How parts are jointed.
     pub joint: JointKind,
