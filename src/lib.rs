@@ -89,6 +89,7 @@ pub mod guide {
     macro_rules! links {
         () => {
             "
+[docs/tutorial.md]: crate::guide::tutorial
 [docs/cli.md]: crate::guide::cli
 [docs/conventions.md]: crate::guide::conventions
 [docs/glossary.md]: crate::guide::glossary
@@ -114,6 +115,10 @@ pub mod guide {
 "
         };
     }
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/tutorial.md")]
+    pub mod tutorial {}
 
     #[doc = links!()]
     #[doc = include_str!("../docs/cli.md")]
