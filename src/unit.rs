@@ -4,7 +4,11 @@
 //! the edges, through the types of this module. World frame: z up. Quaternions: real part first
 //! in files (`qw, qx, qy, qz`), world from body.
 
+mod number;
+
 use std::fmt;
+
+pub use number::{DisplayUnit, number, quantity};
 
 /// Standard magnitude of gravity used by default, in m/s², along −z of the world.
 pub const GRAVITY_M_S2: f64 = 9.81;

@@ -105,6 +105,17 @@ const PERMITTED: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "prediction::card",
+        &[
+            "error",
+            "warning",
+            "unit",
+            "statistics",
+            "simulation",
+            "prediction::ensemble",
+        ],
+    ),
+    (
         "prediction::gap",
         &[
             "error",
@@ -144,7 +155,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "export",
             "store",
             "optimization",
-            "prediction::ensemble",
+            "prediction",
         ],
     ),
     ("plot", &["error", "warning", "unit", "file"]),

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 
 use crate::error::{Error, Result};
-use crate::store::{Store, Trial};
+use crate::store::Storage;
 
 /// How a drive ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,7 +16,7 @@ pub enum Ending {
     Interrupted,
 }
 
-/// A batch of points to be evaluated into a store.
+/// A batch of points to be evaluated into a storage.
 pub struct Evaluation<'a> {
     /// Number of points of the study.
     pub points: usize,
@@ -39,17 +39,17 @@ pub fn pool(jobs: usize) -> Result<rayon::ThreadPool> {
         })
 }
 
-/// Evaluates all points that the store does not have yet, in parallel, and stores each as it comes.
+/// Evaluates all points that the storage does not have yet, in parallel, and keeps each as it comes.
 ///
 /// Which thread evaluates which point has no influence on any result. `progress` is called on the
 /// calling thread with the number of points finished so far, stored ones included.
 ///
 /// # Errors
 /// The first error of `evaluate` or of the store; everything finished before is stored.
-pub fn drive(
+pub fn drive<R: Send>(
     evaluation: &Evaluation<'_>,
-    store: &mut Store,
-    evaluate: impl Fn(usize) -> Result<Trial> + Sync,
+    store: &mut impl Storage<R>,
+    evaluate: impl Fn(usize) -> Result<R> + Sync,
     mut progress: impl FnMut(usize),
 ) -> Result<Ending> {
     let finished: BTreeSet<usize> = store.finished()?;
@@ -63,7 +63,7 @@ pub fn drive(
     let jobs = evaluation.jobs.clamp(1, todo.len().max(1));
     let next = AtomicUsize::new(0);
     let abort = AtomicBool::new(false);
-    let (sender, receiver) = mpsc::channel::<Result<Trial>>();
+    let (sender, receiver) = mpsc::channel::<Result<R>>();
     let mut first_error = None;
     pool.in_place_scope(|scope| {
         for _ in 0..jobs {
@@ -112,7 +112,7 @@ pub fn drive(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::{Fingerprint, Outcome, OutcomeStatus};
+    use crate::store::{Fingerprint, Outcome, OutcomeStatus, Store, Trial};
 
     fn trial(index: usize) -> Trial {
         let outcome = Outcome {

@@ -5,6 +5,7 @@
 mod driver;
 mod grid;
 mod optimizer;
+mod options;
 
 pub use driver::{Ending, Evaluation, drive, pool};
 pub use grid::{Grid, MAX_POINTS, Range};
@@ -12,3 +13,4 @@ pub use optimizer::{
     Brief, History, OPTIMIZERS, Optimizer, Proposal, Told, UnitPoint, optimizer_by_name,
     space_filling,
 };
+pub use options::{Progress, RunOptions};

@@ -1,7 +1,7 @@
 //! What a parameter axis needs: its name and unit, its values, and the cells around them.
 
-use super::number::DisplayUnit;
 use super::scale::{Scale, Tick};
+use crate::unit::DisplayUnit;
 use crate::unit::Unit;
 use crate::{Error, Result};
 

@@ -10,9 +10,9 @@ use super::font::{Weight, shorten};
 use super::frame::{BELOW_LABEL, Frame};
 use super::heading::Heading;
 use super::legend::{Legend, Symbol};
-use super::number::DisplayUnit;
 use super::picture::{self, Picture};
 use super::scale::Scale;
+use crate::unit::DisplayUnit;
 use crate::unit::Unit;
 use crate::{Error, Result};
 

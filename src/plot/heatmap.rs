@@ -11,9 +11,9 @@ use super::font::{Weight, shorten};
 use super::frame::{BELOW_LABEL, Frame, LABEL_SIZE, left_of_label, left_of_ticks, tick_letter};
 use super::heading::Heading;
 use super::legend::{Legend, Symbol, draw_diverged, draw_ring, draw_star};
-use super::number::DisplayUnit;
 use super::picture::{self, Picture};
 use super::scale::{COLOUR_DECADES, Scale, ScoreScale, Tick};
+use crate::unit::DisplayUnit;
 use crate::unit::Unit;
 use crate::{Error, Result};
 

@@ -10,9 +10,9 @@ use super::colour::{FAINT_INK, line, tint};
 use super::frame::{BELOW_LABEL, Frame, left_of_label};
 use super::heading::Heading;
 use super::legend::{Legend, Symbol};
-use super::number::DisplayUnit;
 use super::picture::{self, Picture};
 use super::scale::{AXIS_DECADES, Scale, ScoreScale, with_room};
+use crate::unit::DisplayUnit;
 use crate::unit::Unit;
 use crate::{Error, Result};
 

@@ -32,7 +32,6 @@ mod heading;
 mod heatmap;
 mod legend;
 mod line;
-mod number;
 mod overlay;
 mod panel;
 mod path;
@@ -42,6 +41,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
+pub use crate::unit::{DisplayUnit, number, quantity};
 pub use axis::{AxisSpec, Truth};
 pub use bar::{Bar, BarChart, draw_bars};
 pub use block::{Block, BlockKind, DrivenFace, Motion};
@@ -50,7 +50,6 @@ pub use ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
 pub use gallery::{Gallery, GalleryRobot, draw_gallery};
 pub use heatmap::{HeatMap, draw_heat_map};
 pub use line::{LinePlot, Series, SeriesKind, draw_lines};
-pub use number::{DisplayUnit, number, quantity};
 pub use overlay::{Overlay, OverlayPath, draw_overlay};
 pub use panel::{Panel, PanelGrid, draw_panels};
 pub use path::PathPoint;

@@ -9,9 +9,9 @@ use super::colour::{self, INK};
 use super::frame::{BELOW_LABEL, Frame, left_of_label};
 use super::heading::Heading;
 use super::legend::{Legend, Symbol, draw_start};
-use super::number::DisplayUnit;
 use super::path::{PathPoint, bounds_cm, draw_path, equal_aspect, finite_cm};
 use super::picture::{self, Picture};
+use crate::unit::DisplayUnit;
 use crate::unit::Unit;
 use crate::{Error, Result};
 

@@ -10,10 +10,10 @@ use super::font::{Weight, shorten, wrap};
 use super::frame::{BELOW_LABEL, Frame, left_of_label};
 use super::heading::Heading;
 use super::legend::{Legend, Symbol, draw_star, draw_start};
-use super::number::DisplayUnit;
 use super::path::{PathPoint, bounds_cm, draw_path, equal_aspect, finite_cm};
 use super::picture::{self, Picture};
 use super::scale::{Scale, Tick};
+use crate::unit::DisplayUnit;
 use crate::unit::Unit;
 use crate::{Error, Result};
 

@@ -12,8 +12,9 @@ use crate::error::{Error, Result};
 use crate::export::{Robot, format_named};
 use crate::file::write_atomic;
 use crate::optimization::Ending;
+use crate::prediction::Rerun;
 use crate::robot::genome::Specimen;
-use crate::search::{Body, Finalist, Hunt, Judged, Plan, Quarry, Rerun};
+use crate::search::{Body, Finalist, Hunt, Judged, Plan, Quarry};
 use crate::warning::{Code, Warning};
 
 /// One of the best robots, in short.
@@ -227,7 +228,7 @@ fn write_best(folder: &Path, hunt: &Hunt, rank: usize, finalist: &Finalist) -> R
     }
     let exported = format_named("mjcf")?.render(&Robot::new(robot, &hunt.experiment(robot)));
     write_atomic(at(".xml"), exported.text.as_bytes())?;
-    write_report(&best, &format!("{file}.json"), &finalist.card(hunt, rank))?;
+    write_report(&best, &format!("{file}.json"), &finalist.card(hunt, rank)?)?;
     let changes: Option<Vec<f64>> = finalist.reruns.iter().map(|r| r.change).collect();
     let displacement = &finalist.prediction.displacement_m;
     Ok(BestRobot {

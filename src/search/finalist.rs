@@ -1,17 +1,15 @@
 //! The best robots, looked at again: other solver settings, and draws that the search has not seen.
 
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-use serde::Serialize;
 
 use super::evaluate::{Judged, distances};
 use super::file::Hunt;
-use crate::prediction::ensemble::{self, Ensemble, Motion, Summary};
+use crate::prediction::ensemble::{self, Ensemble, Summary};
+use crate::prediction::{Card, Finals, Rerun, Success, SuccessRule};
 use crate::robot::morphology::Morphology;
 use crate::simulation::parameter::ParameterSet;
 use crate::simulation::{JointKind, Solver};
-use crate::statistics::{Proportion, mean};
+use crate::statistics::mean;
 use crate::store::Outcome;
 use crate::warning::{Code, Warning};
 use crate::{Error, Result};
@@ -33,30 +31,6 @@ const RERUNS: [(&str, Change); 5] = [
     }),
 ];
 
-/// A robot under other solver settings, with the draws of the search.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Rerun {
-    /// What was changed.
-    pub settings: &'static str,
-    /// Mean net displacement, metres; `None` where it failed.
-    pub mean_displacement_m: Option<f64>,
-    /// Change of the mean displacement as a share of that of the search's own settings.
-    pub change: Option<f64>,
-    /// Why it failed.
-    pub failure: Option<String>,
-    /// Whether the change is within the tolerance.
-    pub survives: bool,
-}
-
-/// How likely a robot gets far enough.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Success {
-    /// Far enough, metres: half of what the run without noise does.
-    pub least_displacement_m: f64,
-    /// How likely.
-    pub probability: Proportion,
-}
-
 /// One of the best robots.
 #[derive(Debug, Clone)]
 pub struct Finalist {
@@ -77,70 +51,32 @@ pub struct Finalist {
     pub success: Option<Success>,
 }
 
-/// The prediction card of a finalist, as it is written.
-#[derive(Debug, Serialize)]
-pub struct Card<'a> {
-    /// The robot's name.
-    pub robot: &'a str,
-    /// From 1; survivors first.
-    pub rank: usize,
-    /// Whether every rerun is within the tolerance.
-    pub survives: bool,
-    /// What was searched for.
-    pub objective: String,
-    /// Unit of both fitnesses.
-    pub unit: &'static str,
-    /// With the draws of the search.
-    pub search_fitness: Option<f64>,
-    /// With new draws.
-    pub fitness: Option<f64>,
-    /// The robot in other settings.
-    pub reruns: &'a [Rerun],
-    /// How likely it gets far enough.
-    pub success: Option<&'a Success>,
-    /// Fixed values of parameters.
-    pub parameters: BTreeMap<String, f64>,
-    /// The engine and its precision.
-    pub engine: &'static str,
-    /// Version of this crate.
-    pub version: &'static str,
-    /// What the repeats say.
-    pub prediction: &'a Summary,
-}
-
-/// A robot that gets less far than this share of its body length without noise goes nowhere.
-const NOWHERE_BODY_LENGTHS: f64 = 0.1;
-
 impl Finalist {
     /// Whether every rerun is within the tolerance.
     pub fn survives(&self) -> bool {
         self.reruns.iter().all(|rerun| rerun.survives)
     }
 
-    /// What is written beside the robot.
-    pub fn card(&self, hunt: &Hunt, rank: usize) -> Card<'_> {
-        Card {
-            robot: self.robot.name(),
+    /// The prediction card; `rank` counts from 1, survivors first.
+    ///
+    /// # Errors
+    /// None for a finalist of this search.
+    pub fn card(&self, hunt: &Hunt, rank: usize) -> Result<Card> {
+        let name = self.robot.name();
+        let mut card = Card::new(name, &self.ensemble, SuccessRule::HalfOfNoiseFree)?
+            .with_parameters(&hunt.set)
+            .with_noise_from(hunt.name.clone());
+        card.finals = Some(Finals {
             rank,
             survives: self.survives(),
             objective: hunt.objective.label(),
-            unit: hunt.objective.measure.unit().label(),
+            unit: hunt.objective.measure.unit(),
             search_fitness: self.judged.fitness,
             fitness: self.fitness,
-            reruns: &self.reruns,
-            success: self.success.as_ref(),
-            parameters: values(&hunt.set),
-            engine: crate::simulation::ENGINE_VERSION,
-            version: env!("CARGO_PKG_VERSION"),
-            prediction: &self.prediction,
-        }
+            reruns: self.reruns.clone(),
+        });
+        Ok(card)
     }
-}
-
-fn values(set: &ParameterSet) -> BTreeMap<String, f64> {
-    set.iter()
-        .map(|a| (a.parameter.name.to_owned(), a.value))
-        .collect()
 }
 
 impl Hunt {
@@ -280,15 +216,7 @@ impl Hunt {
             })
             .collect();
         let all_walked = values.len() == ensemble.repeats.len() && !values.is_empty();
-        let success = ensemble
-            .noise_free
-            .motion()
-            .map(Motion::net_displacement_m)
-            .filter(|far_m| *far_m >= NOWHERE_BODY_LENGTHS * ensemble.body_length_m)
-            .map(|far_m| Success {
-                least_displacement_m: 0.5 * far_m,
-                probability: ensemble.success(0.5 * far_m),
-            });
+        let success = Success::new(&ensemble, SuccessRule::HalfOfNoiseFree)?;
         Ok(Finalist {
             fitness: all_walked.then(|| self.objective.aggregate.of(&values)),
             judged,

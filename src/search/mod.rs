@@ -89,7 +89,7 @@ pub use doubt::{Doubt, INDISTINGUISHABLE_FILE, Uncertain, read_indistinguishable
 pub use evaluate::Judged;
 pub use failure::{Failure, Reason, Rules};
 pub use file::{Finals, Hunt, Wishes};
-pub use finalist::{Card, Finalist, Rerun, Success};
+pub use finalist::Finalist;
 pub use generator::generator;
 pub use objective::{Aggregate, Distance, Measure, Objective};
 pub use operator::{Dose, OPERATORS, Operator, operator_named};

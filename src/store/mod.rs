@@ -10,6 +10,7 @@ mod listing;
 mod lock;
 mod opening;
 mod parquet;
+mod storage;
 #[cfg(test)]
 mod tests;
 mod trial;
@@ -19,4 +20,5 @@ pub use fingerprint::Fingerprint;
 pub use listing::{Cell, ListedTrial, Listing};
 pub use opening::Mode;
 pub use parquet::to_parquet;
+pub use storage::{Memory, Row, Storage};
 pub use trial::{Outcome, OutcomeStatus, Trial, TrialScore};

@@ -1,6 +1,6 @@
 //! Numbers for people: as many digits as they can use, in a unit of handy size.
 
-use crate::unit::Unit;
+use super::Unit;
 
 /// A unit of handy size: `value * factor` is to be shown with `symbol`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,8 +62,7 @@ impl DisplayUnit {
 /// `value` with its unit, in a unit of handy size: `quantity(0.0123, Unit::Metre)` is `1.23 cm`.
 ///
 /// ```
-/// use realgap::unit::Unit;
-/// use realgap::plot::quantity;
+/// use realgap::unit::{Unit, quantity};
 /// assert_eq!(quantity(0.0123, Unit::Metre), "1.23 cm");
 /// assert_eq!(quantity(12.0, Unit::Degree), "12.0°");
 /// assert_eq!(quantity(0.2, Unit::One), "0.200");

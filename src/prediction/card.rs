@@ -1,0 +1,327 @@
+//! The prediction card: what one robot will do before anybody builds it, how likely, and what that rests on.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+
+use super::ensemble::{Ensemble, Motion, Spread, Summary};
+use crate::error::{Error, Result};
+use crate::simulation::ENGINE_VERSION;
+use crate::simulation::parameter::ParameterSet;
+use crate::statistics::Proportion;
+use crate::unit::{Unit, quantity};
+use crate::warning::{Code, Warning};
+
+/// A robot that gets less far than this share of its body length without noise goes nowhere.
+const NOWHERE_BODY_LENGTHS: f64 = 0.1;
+
+/// Which net displacement counts as success.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SuccessRule {
+    /// Half of what the run without noise does.
+    HalfOfNoiseFree,
+    /// At least so much, metres.
+    AtLeast(f64),
+}
+
+impl SuccessRule {
+    /// For people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::HalfOfNoiseFree => "half of the run without noise",
+            Self::AtLeast(_) => "as asked",
+        }
+    }
+}
+
+impl Serialize for SuccessRule {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.label())
+    }
+}
+
+/// How likely a robot gets far enough.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Success {
+    /// Far enough, metres.
+    pub least_displacement_m: f64,
+    /// Who said so.
+    pub rule: SuccessRule,
+    /// How likely; diverged repeats are failures.
+    pub probability: Proportion,
+}
+
+impl Success {
+    /// The success of an ensemble; `None` where the rule is half of a run without noise that diverged or got
+    /// less than a tenth of a body length far.
+    ///
+    /// # Errors
+    /// A distance that is not above 0.
+    pub fn new(ensemble: &Ensemble, rule: SuccessRule) -> Result<Option<Self>> {
+        let least_displacement_m = match rule {
+            SuccessRule::AtLeast(least_m) if least_m.is_finite() && least_m > 0.0 => least_m,
+            SuccessRule::AtLeast(least_m) => {
+                return Err(Error::invalid("success must be a distance")
+                    .found(least_m)
+                    .allowed("more than 0 m"));
+            }
+            SuccessRule::HalfOfNoiseFree => {
+                let nowhere_m = NOWHERE_BODY_LENGTHS * ensemble.body_length_m;
+                let far_m = ensemble.noise_free.motion().map(Motion::net_displacement_m);
+                match far_m.filter(|far_m| *far_m >= nowhere_m) {
+                    Some(far_m) => 0.5 * far_m,
+                    None => return Ok(None),
+                }
+            }
+        };
+        Ok(Some(Self {
+            least_displacement_m,
+            rule,
+            probability: ensemble.success(least_displacement_m),
+        }))
+    }
+}
+
+/// A robot under other solver settings, with the draws that chose it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rerun {
+    /// What was changed.
+    pub settings: &'static str,
+    /// Mean net displacement, metres; `None` where it failed.
+    pub mean_displacement_m: Option<f64>,
+    /// Change of the mean displacement as a share of that under the usual settings.
+    pub change: Option<f64>,
+    /// Why it failed.
+    pub failure: Option<String>,
+    /// Whether the change is within the tolerance.
+    pub survives: bool,
+}
+
+/// How a robot did among the finalists of a search.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finals {
+    /// From 1; survivors first.
+    pub rank: usize,
+    /// Whether every rerun is within the tolerance.
+    pub survives: bool,
+    /// What was searched for.
+    pub objective: String,
+    /// Unit of both fitnesses.
+    #[serde(serialize_with = "as_label")]
+    pub unit: Unit,
+    /// With the draws of the search: that of a winner, which flatters.
+    pub search_fitness: Option<f64>,
+    /// With new draws; `None` where a repeat diverged.
+    pub fitness: Option<f64>,
+    /// The robot under other solver settings.
+    pub reruns: Vec<Rerun>,
+}
+
+fn as_label<S: Serializer>(unit: &Unit, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    serializer.serialize_str(unit.label())
+}
+
+/// What one robot will do.
+///
+/// ```
+/// use std::sync::atomic::AtomicBool;
+///
+/// use realgap::prediction::{Card, SuccessRule, ensemble};
+/// use realgap::robot::morphology::Morphology;
+/// use realgap::simulation::{Experiment, Noise};
+///
+/// let robot = Morphology::read("morphologies/tripod.ron")?;
+/// let mut experiment = Experiment::new(robot.assemble());
+/// experiment.duration_s = 1.0;
+/// let noise = Noise::unmeasured_robot();
+/// let repeats = ensemble::run(&experiment, &noise, 1, 4, &AtomicBool::new(false), |_| ())?;
+///
+/// let card = Card::new(robot.name(), &repeats, SuccessRule::AtLeast(0.01))?;
+/// assert!(card.success.as_ref().is_some_and(|success| success.probability.trials == 4));
+/// assert!(card.to_string().contains("net displacement"));
+/// # Ok::<(), realgap::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Card {
+    /// The robot's name.
+    pub robot: String,
+    /// How it did among the finalists of a search; `None` where nobody searched.
+    #[serde(flatten)]
+    pub finals: Option<Finals>,
+    /// How likely it gets far enough; `None` where nothing says what that is.
+    pub success: Option<Success>,
+    /// Fixed values of parameters.
+    pub parameters: BTreeMap<String, f64>,
+    /// Who stated the noise, e.g. a file; `None` where the card's maker does not say.
+    pub noise_from: Option<String>,
+    /// The engine and its precision.
+    pub engine: &'static str,
+    /// Version of this crate.
+    pub version: &'static str,
+    /// What the repeats say.
+    pub prediction: Summary,
+    /// What the reader should know, what the prediction itself warns of included.
+    pub warnings: Vec<Warning>,
+}
+
+impl Card {
+    /// The card of an ensemble of this robot.
+    ///
+    /// # Errors
+    /// As [`Success::new`].
+    pub fn new(robot: impl Into<String>, ensemble: &Ensemble, rule: SuccessRule) -> Result<Self> {
+        let prediction = Summary::new(ensemble)?;
+        let success = Success::new(ensemble, rule)?;
+        let mut warnings = prediction.warnings.clone();
+        if success.is_none() {
+            warnings.push(Warning::new(
+                Code::NoSuccessRule,
+                "without noise the robot goes nowhere (or diverges), so half of that is no success; say which net displacement is one",
+            ));
+        }
+        Ok(Self {
+            robot: robot.into(),
+            finals: None,
+            success,
+            parameters: BTreeMap::new(),
+            noise_from: None,
+            engine: ENGINE_VERSION,
+            version: env!("CARGO_PKG_VERSION"),
+            prediction,
+            warnings,
+        })
+    }
+
+    /// The card with the fixed values that the experiment had.
+    #[must_use]
+    pub fn with_parameters(mut self, set: &ParameterSet) -> Self {
+        self.parameters = set
+            .iter()
+            .map(|a| (a.parameter.name.to_owned(), a.value))
+            .collect();
+        self
+    }
+
+    /// The card with who stated the noise.
+    #[must_use]
+    pub fn with_noise_from(mut self, source: impl Into<String>) -> Self {
+        self.noise_from = Some(source.into());
+        self
+    }
+
+    /// The card with more that the reader should know, before its own warnings.
+    #[must_use]
+    pub fn with_warnings(mut self, mut warnings: Vec<Warning>) -> Self {
+        warnings.append(&mut self.warnings);
+        self.warnings = warnings;
+        self
+    }
+}
+
+/// `62 % (95 %: 55 to 68 %)`.
+fn percent(p: &Proportion) -> String {
+    let [share, low, high] = [p.share, p.low, p.high].map(|share| 100.0 * share);
+    format!("{share:.0} % (95 %: {low:.0} to {high:.0} %)")
+}
+
+impl fmt::Display for Card {
+    /// For people: a line for each thing that it says.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let metres = |m: f64| quantity(m, Unit::Metre);
+        let prediction = &self.prediction;
+        write!(
+            f,
+            "{}: {} repeats of {} s under noise",
+            self.robot, prediction.repeats, prediction.duration_s
+        )?;
+        if let Some(source) = &self.noise_from {
+            write!(f, " ({source})")?;
+        }
+        if let Some(success) = &self.success {
+            write!(
+                f,
+                "\n  P(success)        {}: net displacement of at least {} ({})",
+                percent(&success.probability),
+                metres(success.least_displacement_m),
+                success.rule.label()
+            )?;
+        }
+        if let Some(spread) = &prediction.displacement_m {
+            write_displacement(f, spread)?;
+        }
+        if let Some(m) = prediction.noise_free_displacement_m {
+            write!(f, "\n    without noise   {}", metres(m))?;
+        }
+        if let Some(turned) = &prediction.turned_rad {
+            let [mean, sd] = [turned.mean, turned.standard_deviation].map(f64::to_degrees);
+            write!(
+                f,
+                "\n  turned            {mean:.0} deg, standard deviation {sd:.0} deg"
+            )?;
+        }
+        if prediction.diverged.count > 0 {
+            write!(f, "\n  diverged          {}", percent(&prediction.diverged))?;
+        }
+        for behaviour in &prediction.behaviours.list {
+            write!(
+                f,
+                "\n  {:<17} {}, net displacement {}",
+                behaviour.name,
+                percent(&behaviour.probability),
+                metres(behaviour.mean_displacement_m)
+            )?;
+        }
+        match &self.finals {
+            Some(finals) => write!(f, "\n{finals}"),
+            None => Ok(()),
+        }
+    }
+}
+
+fn write_displacement(f: &mut fmt::Formatter<'_>, spread: &Spread) -> fmt::Result {
+    let metres = |m: f64| quantity(m, Unit::Metre);
+    write!(
+        f,
+        "\n  net displacement  mean {}, standard deviation {}\
+         \n    quantiles       5 %: {}, 25 %: {}, 50 %: {}, 75 %: {}, 95 %: {}",
+        metres(spread.mean),
+        metres(spread.standard_deviation),
+        metres(spread.q05),
+        metres(spread.q25),
+        metres(spread.q50),
+        metres(spread.q75),
+        metres(spread.q95)
+    )
+}
+
+impl fmt::Display for Finals {
+    /// For people: rank, fitness and what other settings change.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let fitness = |value: Option<f64>| {
+            value.map_or("none".to_owned(), |value| quantity(value, self.unit))
+        };
+        write!(
+            f,
+            "  rank              {}, {}: {} in the search, {} with new draws",
+            self.rank,
+            self.objective,
+            fitness(self.search_fitness),
+            fitness(self.fitness)
+        )?;
+        for rerun in &self.reruns {
+            let what = match (rerun.change, &rerun.failure) {
+                (_, Some(failure)) => format!("fails: {failure}"),
+                (Some(change), None) => format!("changes by {:.0} %", 100.0 * change),
+                (None, None) => "has nothing to be compared with".to_owned(),
+            };
+            let verdict = if rerun.survives {
+                "survives"
+            } else {
+                "does NOT survive"
+            };
+            write!(f, "\n    {:<17} {what}, {verdict}", rerun.settings)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,91 @@
+//! Where rows go as they come: a results folder, or memory.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+use super::database::Store;
+use super::trial::Trial;
+use crate::error::Result;
+
+/// Keeps rows of one kind by their index: [`Store`] in a results folder, [`Memory`] for as long as it lives. What is
+/// computed from the rows has the same bits either way.
+pub trait Storage<R> {
+    /// Indices of the rows that are there.
+    ///
+    /// # Errors
+    /// A store that cannot be read.
+    fn finished(&self) -> Result<BTreeSet<usize>>;
+
+    /// Keeps rows, all of them or none.
+    ///
+    /// # Errors
+    /// A full disk, or a row that is already there.
+    fn insert(&mut self, rows: &[R]) -> Result<()>;
+
+    /// The rows with an index in `range`, by index.
+    ///
+    /// # Errors
+    /// A store that cannot be read.
+    fn rows_within(&self, range: Range<usize>) -> Result<Vec<R>>;
+}
+
+impl Storage<Trial> for Store {
+    fn finished(&self) -> Result<BTreeSet<usize>> {
+        self.finished()
+    }
+
+    fn insert(&mut self, rows: &[Trial]) -> Result<()> {
+        self.insert(rows)
+    }
+
+    fn rows_within(&self, range: Range<usize>) -> Result<Vec<Trial>> {
+        self.trials_within(range)
+    }
+}
+
+/// A row that knows its place.
+pub trait Row: Clone {
+    /// Its index in the order of its run.
+    fn index(&self) -> usize;
+}
+
+impl Row for Trial {
+    fn index(&self) -> usize {
+        self.index
+    }
+}
+
+/// Rows in memory.
+///
+/// ```
+/// use realgap::store::{Memory, Storage, Trial};
+///
+/// let mut memory = Memory::default();
+/// memory.insert(&[Trial { index: 3, values: vec![0.5], outcomes: Vec::new() }])?;
+/// assert_eq!(memory.rows_within(0..9)?[0].values, [0.5]);
+/// # Ok::<(), realgap::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Memory<R>(BTreeMap<usize, R>);
+
+impl<R> Default for Memory<R> {
+    fn default() -> Self {
+        Self(BTreeMap::new())
+    }
+}
+
+impl<R: Row> Storage<R> for Memory<R> {
+    fn finished(&self) -> Result<BTreeSet<usize>> {
+        Ok(self.0.keys().copied().collect())
+    }
+
+    fn insert(&mut self, rows: &[R]) -> Result<()> {
+        self.0
+            .extend(rows.iter().map(|row| (row.index(), row.clone())));
+        Ok(())
+    }
+
+    fn rows_within(&self, range: Range<usize>) -> Result<Vec<R>> {
+        Ok(self.0.range(range).map(|(_, row)| row.clone()).collect())
+    }
+}
