@@ -92,6 +92,7 @@ pub mod guide {
 [docs/tutorial.md]: crate::guide::tutorial
 [docs/cli.md]: crate::guide::cli
 [docs/conventions.md]: crate::guide::conventions
+[docs/gallery.md]: crate::guide::gallery
 [docs/glossary.md]: crate::guide::glossary
 [docs/design.md]: crate::guide::design
 [docs/fidelity.md]: crate::guide::fidelity
@@ -116,6 +117,26 @@ pub mod guide {
         };
     }
 
+    /// The pictures, as seen from the folder that `cargo doc` writes.
+    macro_rules! pictures {
+        () => {
+            "
+[docs/images/compare.png]: ../../../../../docs/images/compare.png
+[docs/images/confidence.png]: ../../../../../docs/images/confidence.png
+[docs/images/convergence.png]: ../../../../../docs/images/convergence.png
+[docs/images/ensemble.png]: ../../../../../docs/images/ensemble.png
+[docs/images/fitness.png]: ../../../../../docs/images/fitness.png
+[docs/images/gallery.png]: ../../../../../docs/images/gallery.png
+[docs/images/heatmap.png]: ../../../../../docs/images/heatmap.png
+[docs/images/paths.png]: ../../../../../docs/images/paths.png
+[docs/images/profile.png]: ../../../../../docs/images/profile.png
+[docs/images/robot.png]: ../../../../../docs/images/robot.png
+[docs/images/sensitivity.png]: ../../../../../docs/images/sensitivity.png
+[docs/images/trajectories.png]: ../../../../../docs/images/trajectories.png
+"
+        };
+    }
+
     #[doc = links!()]
     #[doc = include_str!("../docs/tutorial.md")]
     pub mod tutorial {}
@@ -131,6 +152,11 @@ pub mod guide {
     #[doc = links!()]
     #[doc = include_str!("../docs/glossary.md")]
     pub mod glossary {}
+
+    #[doc = links!()]
+    #[doc = pictures!()]
+    #[doc = include_str!("../docs/gallery.md")]
+    pub mod gallery {}
 
     #[doc = links!()]
     #[doc = include_str!("../docs/design.md")]

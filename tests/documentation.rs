@@ -220,3 +220,14 @@ fn the_map_of_the_command_line_names_every_command() {
         );
     }
 }
+
+#[test]
+fn every_warning_is_listed() {
+    let map = read(Path::new("docs/cli.md"));
+    for code in realgap::warning::Code::ALL {
+        assert!(
+            map.contains(&format!("| `{code}` |")),
+            "docs/cli.md lacks {code}"
+        );
+    }
+}
