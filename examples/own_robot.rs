@@ -32,15 +32,13 @@ fn main() -> Result<()> {
     let mut experiment = Experiment::new(robot.assemble());
     for friction in [0.2, 0.5, 0.8] {
         experiment.floor.friction = friction;
-        let run = run(&experiment)?;
-        if let Some(motion) = run.trajectory {
-            let net_m = motion.net_displacement_world_m().xy().norm();
-            println!(
-                "friction {friction}: {:.1} cm in {} s",
-                100.0 * net_m,
-                experiment.duration_s
-            );
-        }
+        let motion = run(&experiment)?.outcome.into_result()?;
+        let net_m = motion.net_displacement_world_m().xy().norm();
+        println!(
+            "friction {friction}: {:.1} cm in {} s",
+            100.0 * net_m,
+            experiment.duration_s
+        );
     }
     Ok(())
 }

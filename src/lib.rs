@@ -41,7 +41,7 @@
 //! let mut simulated = real.clone();
 //! simulated.floor.friction = 0.2;
 //!
-//! let motions = [run(&real)?, run(&simulated)?].map(|run| run.trajectory.expect("does not diverge"));
+//! let motions = [run(&real)?.outcome.into_result()?, run(&simulated)?.outcome.into_result()?];
 //! let prepared = [prepare(&motions[0])?, prepare(&motions[1])?];
 //! let pair = Pair {
 //!     real: &motions[0],

@@ -33,7 +33,7 @@ fn record(folder: &Path, friction: f64, seed: u64) {
     for repeat in 0..RECORDINGS {
         let run = run(&noise.perturb(&truth, seed, repeat)).unwrap();
         let seen = camera
-            .record(&run.trajectory.unwrap(), seed, repeat)
+            .record(&run.outcome.completed().unwrap(), seed, repeat)
             .unwrap();
         write(folder.join(format!("run_{repeat}.csv")), &seen).unwrap();
     }

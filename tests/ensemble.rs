@@ -8,11 +8,11 @@ use std::time::Duration;
 
 use nalgebra::Vector3;
 use realgap::prediction::ensemble::{
-    BEHAVIOURS, Ensemble, Envelope, Kind, LEVELS, Motion, Outcome, Reality, Repeat, Spread,
+    BEHAVIOURS, Ensemble, Envelope, Kind, LEVELS, Motion, Reality, Repeat, Spread,
     Summary, behaviours, cut_m, repeat, rms_m, run,
 };
 use realgap::robot::morphology::Morphology;
-use realgap::simulation::{Experiment, Noise, Perturbation};
+use realgap::simulation::{Divergence, Experiment, Noise, Outcome, Perturbation};
 use realgap::trajectory::{Prepared, Trajectory, prepare};
 
 const BODY_M: f64 = 0.06;
@@ -30,7 +30,7 @@ fn path(far_m: f64, bend_m: f64) -> Prepared {
     prepare(&Trajectory::new(times, positions).unwrap()).unwrap()
 }
 
-fn motion(path: Prepared, turned_rad: f64) -> Outcome {
+fn motion(path: Prepared, turned_rad: f64) -> Outcome<Motion> {
     Outcome::Completed(Motion {
         path,
         turned_rad,
@@ -38,14 +38,14 @@ fn motion(path: Prepared, turned_rad: f64) -> Outcome {
     })
 }
 
-fn diverged() -> Outcome {
-    Outcome::Diverged {
+fn diverged() -> Outcome<Motion> {
+    Outcome::Diverged(Divergence {
         at_s: 1.0,
         why: "a part is far away".to_owned(),
-    }
+    })
 }
 
-fn hand_made(outcomes: Vec<Outcome>, noise_free: Outcome) -> Ensemble {
+fn hand_made(outcomes: Vec<Outcome<Motion>>, noise_free: Outcome<Motion>) -> Ensemble {
     Ensemble {
         noise: Noise::careful_repeat(),
         seed: 1,

@@ -238,7 +238,7 @@ fn stand_ins(folder: &Path, noise: &Noise) {
     for number in 0..10 {
         let run = ensemble::repeat(&experiment, noise, 77, number).unwrap();
         let file = folder.join(format!("run_{number:02}.csv"));
-        write(file, &run.trajectory.unwrap()).unwrap();
+        write(file, &run.outcome.completed().unwrap()).unwrap();
     }
 }
 

@@ -8,7 +8,7 @@ mod common;
 use realgap::calibration::{Overrides, Study};
 use realgap::file::{Source, parse_ron};
 use realgap::robot::morphology::Morphology;
-use realgap::simulation::{Distribution, Experiment, Noise, Perturbation, Status, run};
+use realgap::simulation::{Distribution, Experiment, Noise, Perturbation, run};
 
 /// Less than this is no demonstration, metres.
 const VISIBLE_M: f64 = 1e-4;
@@ -44,12 +44,11 @@ fn only(name: &str) -> Noise {
 #[test]
 fn every_kind_of_noise_changes_a_run_and_a_repeat_can_be_made_again() {
     let base = walk();
-    let intended = run(&base).unwrap().trajectory.unwrap();
+    let intended = run(&base).unwrap().outcome.completed().unwrap();
     for name in names() {
         let of = |repeat| {
             let run = run(&only(name).perturb(&base, 3, repeat)).unwrap();
-            assert_eq!(run.status, Status::Completed);
-            run.trajectory.unwrap()
+            run.outcome.completed().unwrap()
         };
         let drawn = of(1);
         assert_eq!(drawn, of(1), "{name} is not repeatable");

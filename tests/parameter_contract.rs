@@ -10,7 +10,7 @@ use std::path::Path;
 use nalgebra::{UnitQuaternion, Vector3};
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::parameter::{self, Parameter};
-use realgap::simulation::{Experiment, Start, Status, run};
+use realgap::simulation::{Experiment, Start, run};
 use realgap::trajectory::{State, Trajectory};
 
 /// Less than this is no demonstration, metres.
@@ -89,8 +89,7 @@ fn simulated() -> impl Iterator<Item = &'static Parameter> {
 
 fn path_of(experiment: &Experiment) -> Trajectory {
     let run = run(experiment).unwrap();
-    assert_eq!(run.status, Status::Completed);
-    run.trajectory.unwrap()
+    run.outcome.completed().unwrap()
 }
 
 fn largest_distance_m(a: &Trajectory, b: &Trajectory) -> f64 {

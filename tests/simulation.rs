@@ -5,7 +5,7 @@ mod common;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use realgap::robot::morphology::Morphology;
-use realgap::simulation::{Camera, Experiment, JointKind, Noise, Sampling, Start, Status, run};
+use realgap::simulation::{Camera, Experiment, JointKind, Noise, Sampling, Start, run};
 use realgap::trajectory::State;
 
 fn experiment(robot: &str) -> Experiment {
@@ -59,7 +59,7 @@ fn a_run_starts_with_the_state_that_was_asked_for() {
             let Start::State(state) = flying.start else {
                 unreachable!()
             };
-            let motion = run(&flying).unwrap().trajectory.unwrap();
+            let motion = run(&flying).unwrap().outcome.completed().unwrap();
             assert!(
                 (motion.positions_world_m()[0] - state.position_world_m).norm() < 1e-12,
                 "{robot}"
@@ -82,7 +82,7 @@ fn a_cube_in_free_flight_follows_the_parabola() {
     let mut flying = flying("cube", JointKind::Impulse);
     flying.solver.timestep_s = 1.0 / 2000.0;
     flying.sampling = Sampling::Rate(100.0);
-    let motion = run(&flying).unwrap().trajectory.unwrap();
+    let motion = run(&flying).unwrap().outcome.completed().unwrap();
     for (t, p) in motion.times_s().iter().zip(motion.positions_world_m()) {
         let expected = Vector3::new(0.1 + t, -0.2 + 0.5 * t, 1.0 + 2.0 * t - 0.5 * 9.81 * t * t);
         assert!(
@@ -99,7 +99,7 @@ fn both_joint_kinds_fly_alike() {
         let mut flying = flying("tripod", joint);
         flying.duration_s = 0.2;
         flying.adjustment.amplitude_scale = 0.0;
-        let motion = run(&flying).unwrap().trajectory.unwrap();
+        let motion = run(&flying).unwrap().outcome.completed().unwrap();
         motion.positions_world_m()[motion.len() - 1]
     };
     let apart_m = (end(JointKind::Impulse) - end(JointKind::Multibody)).norm();
@@ -111,7 +111,7 @@ fn samples_come_when_they_were_asked_for() {
     let mut still = experiment("cube");
     still.duration_s = 0.51;
     still.sampling = Sampling::Rate(10.0);
-    let motion = run(&still).unwrap().trajectory.unwrap();
+    let motion = run(&still).unwrap().outcome.completed().unwrap();
     assert_eq!(motion.times_s(), [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.51]);
 }
 
@@ -123,7 +123,7 @@ fn a_settled_robot_starts_at_rest_on_the_floor() {
         still.duration_s = 0.5;
         let run = run(&still).unwrap();
         assert_eq!(run.warnings, []);
-        for p in run.trajectory.unwrap().positions_world_m() {
+        for p in run.outcome.completed().unwrap().positions_world_m() {
             assert!((p.z - height_m - 0.0524).abs() < 5e-4, "{p}");
         }
     }
@@ -138,12 +138,7 @@ fn an_absurd_state_is_a_status_and_has_no_trajectory() {
     };
     state.velocity_world_m_s = Vector3::new(0.0, 0.0, 2e3);
     let run = run(&thrown).unwrap();
-    assert!(
-        matches!(run.status, Status::Diverged { .. }),
-        "{:?}",
-        run.status
-    );
-    assert!(run.trajectory.is_none());
+    assert!(run.outcome.divergence().is_some(), "{:?}", run.outcome);
 }
 
 #[test]
@@ -203,7 +198,7 @@ fn the_camera_error_has_the_size_that_was_asked_for() {
         sampling: Sampling::Rate(200.0),
         ..experiment("cube")
     };
-    let truth = run(&base).unwrap().trajectory.unwrap();
+    let truth = run(&base).unwrap().outcome.completed().unwrap();
     let camera = Camera {
         position_m: 2e-3,
         ..Camera::default()

@@ -13,7 +13,7 @@ use crate::calibration::identification::is_at_rest;
 use crate::comparison::pose_errors;
 use crate::error::{Error, Result};
 use crate::simulation::parameter::ParameterSet;
-use crate::simulation::{self, Experiment, Status};
+use crate::simulation::{self, Experiment};
 use crate::statistics::{mean, median, standard_deviation};
 use crate::trajectory::Trajectory;
 use crate::warning::{Code, Warning};
@@ -119,10 +119,7 @@ fn evaluate_case(
 ) -> Result<Vec<(usize, RecordingErrors)>> {
     let run = simulation::run(experiment)?;
     let face_at_end = |motion: &Trajectory| face_at_end(motion, experiment);
-    let simulated = match (&run.status, &run.trajectory) {
-        (Status::Completed, Some(motion)) => Some(motion),
-        _ => None,
-    };
+    let simulated = run.outcome.get();
     problem.cases()[case]
         .targets
         .iter()

@@ -8,7 +8,7 @@ use crate::calibration::identification::{StartState, refine};
 use crate::comparison::{Context, Pair};
 use crate::error::Result;
 use crate::simulation::parameter::{Assignment, ParameterSet};
-use crate::simulation::{self, ENGINE_VERSION, Experiment, Noise, Solver, Status};
+use crate::simulation::{self, ENGINE_VERSION, Experiment, Noise, Solver};
 use crate::store::{Fingerprint, Outcome, OutcomeStatus, Trial};
 use crate::trajectory::{Prepared, prepare};
 use crate::warning::Warning;
@@ -243,18 +243,17 @@ impl Problem {
 
     fn evaluate_case(&self, case: usize, experiment: &Experiment) -> Result<Outcome> {
         let run = simulation::run(experiment)?;
-        let Some(motion) = run.trajectory else {
-            let why = match run.status {
-                Status::Diverged { at_s, why } => format!("at {at_s:.3} s: {why}"),
-                Status::Completed => "no motion".to_owned(),
-            };
-            return Ok(Outcome {
-                status: OutcomeStatus::Diverged(why),
-                steps: run.steps,
-                net_displacement_m: f64::NAN,
-                scores: Vec::new(),
-                path_xy_m: Vec::new(),
-            });
+        let motion = match run.outcome {
+            simulation::Outcome::Completed(motion) => motion,
+            simulation::Outcome::Diverged(divergence) => {
+                return Ok(Outcome {
+                    status: OutcomeStatus::Diverged(divergence.to_string()),
+                    steps: run.steps,
+                    net_displacement_m: f64::NAN,
+                    scores: Vec::new(),
+                    path_xy_m: Vec::new(),
+                });
+            }
         };
         let prepared = prepare(&motion)?;
         let needs_basis = self.study.metric.needs().basis;

@@ -12,7 +12,7 @@ use crate::calibration::identification::{face_down, is_at_rest};
 use crate::error::{Error, Result};
 use crate::robot::morphology::Face;
 use crate::simulation::parameter::ParameterSet;
-use crate::simulation::{self, Experiment, Status};
+use crate::simulation::{self, Experiment};
 use crate::trajectory::Trajectory;
 use crate::warning::{Code, Warning};
 
@@ -174,11 +174,11 @@ fn ends_of(
             .at_file(&problem.study().recordings[target.recording].path)
     })?;
     let run = simulation::run(&experiment)?;
-    let simulated = match (&run.status, &run.trajectory) {
-        (Status::Completed, Some(motion)) => face_at_end(motion, &experiment),
-        _ => None,
-    };
-    Ok((real, simulated))
+    let motion = run.outcome.completed();
+    Ok((
+        real,
+        motion.and_then(|motion| face_at_end(&motion, &experiment)),
+    ))
 }
 
 #[cfg(test)]

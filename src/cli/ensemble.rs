@@ -13,7 +13,7 @@ use realgap::results::{
     EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report,
 };
 use realgap::simulation::parameter::ParameterSet;
-use realgap::simulation::{ENGINE_VERSION, Noise, Sampling, Status};
+use realgap::simulation::{ENGINE_VERSION, Noise, Outcome, Sampling};
 use realgap::trajectory::{self, Source};
 use realgap::unit::Unit;
 use realgap::warning::Code;
@@ -235,8 +235,8 @@ fn replay(ready: &Ready, noise: &Noise, seed: u64, number: u64, file: &Path) -> 
     trajectory::format_of(file)?;
     let run = ensemble::repeat(&case.experiment, noise, seed, number)?;
     terminal::print_warnings(&run.warnings);
-    match (run.status, run.trajectory) {
-        (Status::Completed, Some(motion)) => {
+    match run.outcome {
+        Outcome::Completed(motion) => {
             terminal::print_warnings(&trajectory::write(file, &motion)?);
             let net_m = motion.net_displacement_world_m().xy().norm();
             terminal::print(format!(
@@ -246,10 +246,9 @@ fn replay(ready: &Ready, noise: &Noise, seed: u64, number: u64, file: &Path) -> 
             ));
             Ok(ExitCode::SUCCESS)
         }
-        (Status::Diverged { at_s, why }, _) => Err(Error::invalid(format!(
-            "repeat {number} diverges at {at_s:.3} s: {why}"
+        Outcome::Diverged(divergence) => Err(Error::invalid(format!(
+            "repeat {number} diverges {divergence}"
         ))),
-        (Status::Completed, None) => Err(Error::invalid(format!("repeat {number} has no motion"))),
     }
 }
 

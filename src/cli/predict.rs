@@ -183,7 +183,7 @@ impl Predict {
             None => {
                 let far_m = repeats
                     .noise_free
-                    .motion()
+                    .get()
                     .map(|motion| motion.net_displacement_m())
                     .filter(|m| *m >= NOWHERE_BODY_LENGTHS * repeats.body_length_m);
                 let Some(far_m) = far_m else {

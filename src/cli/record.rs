@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::simulation::{self, Camera, Distribution, Experiment, Noise, Sampling, Status};
+use realgap::simulation::{self, Camera, Distribution, Experiment, Noise, Outcome, Sampling};
 use realgap::trajectory::{self, Meta, Source};
 use realgap::unit::counted;
 use realgap::{Error, Result};
@@ -96,15 +96,12 @@ impl Record {
         let bar = super::progress::bar(self.repeats as usize, "recording");
         for repeat in 0..self.repeats {
             let run = simulation::run(&noise.perturb(&experiment, self.seed, repeat))?;
-            let motion = match (run.trajectory, run.status) {
-                (Some(motion), _) => motion,
-                (None, Status::Diverged { at_s, why }) => {
+            let motion = match run.outcome {
+                Outcome::Completed(motion) => motion,
+                Outcome::Diverged(divergence) => {
                     return Err(Error::invalid(format!(
-                        "repeat {repeat} diverged after {at_s:.3} s: {why}"
+                        "repeat {repeat} diverged {divergence}"
                     )));
-                }
-                (None, Status::Completed) => {
-                    return Err(Error::invalid(format!("repeat {repeat} has no motion")));
                 }
             };
             let path = self.output.join(format!("run_{repeat:02}.csv"));

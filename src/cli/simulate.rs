@@ -7,7 +7,7 @@ use clap::Args;
 use realgap::file::check_writable;
 use realgap::plot::quantity;
 use realgap::robot::morphology::Morphology;
-use realgap::simulation::{self, Experiment, JointKind, Run, Sampling, Status};
+use realgap::simulation::{self, Divergence, Experiment, JointKind, Outcome, Run, Sampling};
 use realgap::trajectory;
 use realgap::unit::Unit;
 use realgap::{Error, Result};
@@ -76,14 +76,14 @@ impl Simulate {
         experiment.check().map_err(Error::into_usage)?;
         let run = simulation::run(&experiment)?;
         terminal::print_warnings(&run.warnings);
-        if let (Some(output), Some(motion)) = (&self.output, &run.trajectory) {
+        if let (Some(output), Some(motion)) = (&self.output, run.outcome.get()) {
             terminal::print_warnings(&trajectory::write(output, motion)?);
         }
         self.print(&morphology, &experiment, &run)?;
-        match &run.status {
-            Status::Completed => Ok(ExitCode::SUCCESS),
-            Status::Diverged { at_s, why } => Err(Error::invalid(format!(
-                "the simulation diverged {at_s:.3} s after the start: {why}"
+        match &run.outcome {
+            Outcome::Completed(_) => Ok(ExitCode::SUCCESS),
+            Outcome::Diverged(divergence) => Err(Error::invalid(format!(
+                "the simulation diverged {divergence}"
             ))
             .at_file(&self.morphology)
             .hint(
@@ -97,16 +97,14 @@ impl Simulate {
         let cpu_s = run.cpu.as_secs_f64();
         let whole_s = (run.steps + run.settle_steps) as f64 * experiment.solver.timestep_s;
         let times_real = whole_s / cpu_s.max(1e-9);
-        let net_m = run
-            .trajectory
-            .as_ref()
-            .map(|t| t.net_displacement_world_m());
-        let path_m = run.trajectory.as_ref().map(|t| t.path_length_xy_m());
-        let turned_rad = run.trajectory.as_ref().and_then(|t| t.turned_rad());
+        let motion = run.outcome.get();
+        let net_m = motion.map(|t| t.net_displacement_world_m());
+        let path_m = motion.map(|t| t.path_length_xy_m());
+        let turned_rad = motion.and_then(|t| t.turned_rad());
         if self.format == Format::Json {
             let report = json!({
                 "morphology": morphology.name(),
-                "status": run.status,
+                "status": status(run),
                 "net_displacement_m": net_m.map(|d| d.xy().norm()),
                 "net_displacement_world_m": net_m.map(|d| [d.x, d.y, d.z]),
                 "path_length_m": path_m,
@@ -162,7 +160,7 @@ impl Simulate {
             "  cost              {:.3} s CPU, {} steps + {} to settle, {times_real:.0} x real time",
             cpu_s, run.steps, run.settle_steps
         ));
-        if let (Some(output), Some(motion)) = (&self.output, &run.trajectory) {
+        if let (Some(output), Some(motion)) = (&self.output, run.outcome.get()) {
             lines.push(format!(
                 "  written           {} ({} samples)",
                 output.display(),
@@ -171,5 +169,15 @@ impl Simulate {
         }
         terminal::print(lines.join("\n"));
         Ok(())
+    }
+}
+
+/// How a run ended, for machines.
+fn status(run: &Run) -> serde_json::Value {
+    match &run.outcome {
+        Outcome::Completed(_) => json!({"status": "completed"}),
+        Outcome::Diverged(Divergence { at_s, why }) => {
+            json!({"status": "diverged", "at_s": at_s, "why": why})
+        }
     }
 }

@@ -68,7 +68,7 @@ impl Success {
             }
             SuccessRule::HalfOfNoiseFree => {
                 let nowhere_m = NOWHERE_BODY_LENGTHS * ensemble.body_length_m;
-                let far_m = ensemble.noise_free.motion().map(Motion::net_displacement_m);
+                let far_m = ensemble.noise_free.get().map(Motion::net_displacement_m);
                 match far_m.filter(|far_m| *far_m >= nowhere_m) {
                     Some(far_m) => 0.5 * far_m,
                     None => return Ok(None),

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::error::{Error, Result};
 use crate::file::write_atomic;
 use crate::plot::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
-use crate::prediction::ensemble::{Behaviours, Ensemble, LEVELS, Outcome, Reality, Summary};
+use crate::prediction::ensemble::{Behaviours, Ensemble, LEVELS, Reality, Summary};
 
 /// More paths of one behaviour than this are not told apart in a picture.
 const PATHS_DRAWN: usize = 120;
@@ -79,10 +79,10 @@ fn row(
     push("repeat".to_owned(), repeat.number.to_string());
     push("seed".to_owned(), case.ensemble.seed.to_string());
     let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
-    let motion = repeat.outcome.motion();
-    let status = match &repeat.outcome {
-        Outcome::Completed(_) => "completed".to_owned(),
-        Outcome::Diverged { at_s, why } => format!("diverged at {at_s:.3} s: {why}"),
+    let motion = repeat.outcome.get();
+    let status = match repeat.outcome.divergence() {
+        None => "completed".to_owned(),
+        Some(divergence) => format!("diverged {divergence}"),
     };
     push("status".to_owned(), status);
     push(
@@ -230,7 +230,7 @@ pub fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>) -> Res
         noise_free_m: case
             .ensemble
             .noise_free
-            .motion()
+            .get()
             .map_or(Vec::new(), |motion| motion.path.xy_m().to_vec()),
         real_m: case.real_paths_m.clone(),
         real_label: case.real_label.to_owned(),

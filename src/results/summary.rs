@@ -248,7 +248,7 @@ fn pose(problem: &Problem, answer: &Answer) -> Result<Option<PoseSummary>> {
     for (index, case) in problem.cases().iter().enumerate() {
         let experiment = problem.experiment(index, values)?;
         let run = simulation::run(&experiment)?;
-        let Some(simulated) = run.trajectory else {
+        let Some(simulated) = run.outcome.completed() else {
             return Ok(None);
         };
         for target in &case.targets {

@@ -11,7 +11,7 @@ use super::objective::Distance;
 use super::plan::Plan;
 use crate::robot::genome::{Gene, Genome};
 use crate::robot::morphology::Morphology;
-use crate::simulation::{Experiment, Floor, Posture, Solver, Status, settle, watch};
+use crate::simulation::{self, Experiment, Floor, Posture, Solver, settle, watch};
 use crate::store::{Outcome, OutcomeStatus, Trial};
 use crate::trajectory::prepare;
 use crate::warning::Code;
@@ -143,9 +143,9 @@ impl Hunt {
             step += 1;
         })?;
         let (high, deep) = (highest_m / body_length_m, deepest_m / body_length_m);
-        let failure = match (&run.status, &run.trajectory) {
-            (Status::Diverged { at_s, why }, _) => {
-                Failure::new(Reason::Diverged, format!("at {at_s:.3} s: {why}"))
+        let failure = match &run.outcome {
+            simulation::Outcome::Diverged(divergence) => {
+                Failure::new(Reason::Diverged, divergence.to_string())
             }
             _ if high > self.rules.flight_body_lengths => Failure::new(
                 Reason::Flying,
@@ -155,8 +155,7 @@ impl Hunt {
                 Reason::SelfPenetrating,
                 format!("parts are {deep:.3} body lengths inside each other"),
             ),
-            (_, None) => Failure::new(Reason::Diverged, "no motion"),
-            (_, Some(motion)) => {
+            simulation::Outcome::Completed(motion) => {
                 let path = prepare(motion)?;
                 return Ok(Outcome {
                     status: OutcomeStatus::Completed,

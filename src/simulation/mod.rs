@@ -14,6 +14,7 @@ mod experiment;
 mod friction;
 mod kinematics;
 mod noise;
+mod outcome;
 mod posture;
 mod run;
 mod servo;
@@ -29,7 +30,8 @@ pub use experiment::{
     Solver, Start,
 };
 pub use noise::Noise;
+pub use outcome::{Divergence, Outcome};
 pub use posture::Posture;
-pub use run::{Run, Status, run, watch};
+pub use run::{Run, run, watch};
 pub use settle::{Settling, settle};
 pub use watch::{HingeState, PartState, Push, Snapshot};

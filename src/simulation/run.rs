@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use serde::Serialize;
 
 use super::experiment::{Experiment, Start};
 use super::kinematics::{lowest_m, part_from_track, robot_from_parts};
+use super::outcome::{Divergence, Outcome};
 use super::servo::command;
 use super::watch::{Push, Snapshot};
 use super::world::{Motion, World};
@@ -15,28 +15,11 @@ use crate::robot::morphology::Assembly;
 use crate::trajectory::{State, Trajectory};
 use crate::warning::{Code, Warning};
 
-/// How a run ended.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(tag = "status", rename_all = "snake_case")]
-pub enum Status {
-    /// The whole duration was simulated.
-    Completed,
-    /// The state became non-finite or absurd; the run has no trajectory and cannot win anything.
-    Diverged {
-        /// When, seconds from the start (negative: while settling).
-        at_s: f64,
-        /// What was seen.
-        why: String,
-    },
-}
-
 /// Result of one simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// How it ended.
-    pub status: Status,
-    /// The tracked module's motion; `None` when diverged.
-    pub trajectory: Option<Trajectory>,
+    /// The tracked module's motion, or why there is none.
+    pub outcome: Outcome<Trajectory>,
     /// Steps taken after settling.
     pub steps: u64,
     /// Steps taken to settle.
@@ -67,13 +50,13 @@ const REST_WINDOW_S: f64 = 0.1;
 ///
 /// # Errors
 /// Settings that cannot be simulated (see [`Experiment::check`]). A simulation that diverges is not an
-/// error but a [`Status`].
+/// error but an [`Outcome`].
 pub fn run(experiment: &Experiment) -> Result<Run> {
     experiment.check()?;
     let started = thread_cpu_time();
     let assembly = experiment.adjusted_assembly();
-    let mut walk = Walk::new(experiment, &assembly);
-    let mut run = walk.run(experiment, None)?;
+    let mut rollout = Rollout::new(experiment, &assembly);
+    let mut run = rollout.run(experiment, None)?;
     run.cpu = thread_cpu_time().saturating_sub(started);
     Ok(run)
 }
@@ -93,11 +76,11 @@ pub fn watch(
     for push in pushes {
         push.check(&assembly)?;
     }
-    let mut walk = Walk::new(experiment, &assembly);
+    let mut rollout = Rollout::new(experiment, &assembly);
     for push in pushes {
-        walk.world.push(push.part, &push.velocity_world_m_s);
+        rollout.world.push(push.part, &push.velocity_world_m_s);
     }
-    walk.run(experiment, Some(observer))
+    rollout.run(experiment, Some(observer))
 }
 
 /// CPU time of the calling thread; wall time where the platform has no such clock.
@@ -118,7 +101,7 @@ fn thread_cpu_time() -> Duration {
 }
 
 /// A world in motion, with the servos' memory.
-struct Walk<'a> {
+struct Rollout<'a> {
     assembly: &'a Assembly,
     world: World,
     part_from_track: Isometry3<f64>,
@@ -126,9 +109,12 @@ struct Walk<'a> {
     squared_error_rad2: f64,
     latency_s: Vec<f64>,
     backlash_rad: f64,
+    steps: u64,
+    settle_steps: u64,
+    warnings: Vec<Warning>,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> Rollout<'a> {
     fn new(experiment: &Experiment, assembly: &'a Assembly) -> Self {
         let angles_rad: Vec<f64> = assembly
             .hinges
@@ -183,6 +169,9 @@ impl<'a> Walk<'a> {
                 })
                 .collect(),
             backlash_rad: experiment.adjustment.servo_backlash_rad,
+            steps: 0,
+            settle_steps: 0,
+            warnings: Vec::new(),
         }
     }
 
@@ -245,19 +234,16 @@ impl<'a> Walk<'a> {
             .collect()
     }
 
-    /// Holds the servos at their first command until nothing moves.
-    fn settle(
-        &mut self,
-        timestep_s: f64,
-        origin_world_m: &Vector3<f64>,
-    ) -> (u64, std::result::Result<Option<Warning>, String>) {
+    /// Holds the servos at their first command until nothing moves; the reason where that cannot be taken seriously.
+    fn settle(&mut self, timestep_s: f64, origin_world_m: &Vector3<f64>) -> Option<String> {
         let limit = (SETTLE_LIMIT_S / timestep_s).ceil() as u64;
         let window = (REST_WINDOW_S / timestep_s).ceil() as u64;
         let mut before = self.poses();
         for taken in 1..=limit {
             self.step(0.0);
+            self.settle_steps = taken;
             if let Some(why) = self.absurd(origin_world_m) {
-                return (taken, Err(why));
+                return Some(why);
             }
             if taken % window == 0 {
                 let now = self.poses();
@@ -266,49 +252,54 @@ impl<'a> Walk<'a> {
                         && a.rotation.angle_to(&b.rotation) < REST_RAD
                 });
                 if at_rest {
-                    return (taken, Ok(None));
+                    return None;
                 }
                 before = now;
             }
         }
-        let warning = Warning::new(
+        self.warnings.push(Warning::new(
             Code::NotSettled,
             format!(
                 "the robot was still moving after {SETTLE_LIMIT_S} s of settling; the run starts from there"
             ),
-        );
-        (limit, Ok(Some(warning)))
+        ));
+        None
     }
 
     fn run(
         &mut self,
         experiment: &Experiment,
-        mut observer: Option<&mut dyn FnMut(&Snapshot)>,
+        observer: Option<&mut dyn FnMut(&Snapshot)>,
     ) -> Result<Run> {
-        let timestep_s = experiment.solver.timestep_s;
-        let mut run = Run {
-            status: Status::Completed,
-            trajectory: None,
-            steps: 0,
-            settle_steps: 0,
-            cpu: Duration::ZERO,
-            servo_rms_rad: 0.0,
-            warnings: Vec::new(),
+        let outcome = self.simulate(experiment, observer)?;
+        let commands = self.steps * self.assembly.hinges.len() as u64;
+        let servo_rms_rad = if commands > 0 && outcome.is_completed() {
+            (self.squared_error_rad2 / commands as f64).sqrt()
+        } else {
+            0.0
         };
+        Ok(Run {
+            outcome,
+            steps: self.steps,
+            settle_steps: self.settle_steps,
+            cpu: Duration::ZERO,
+            servo_rms_rad,
+            warnings: std::mem::take(&mut self.warnings),
+        })
+    }
+
+    fn simulate(
+        &mut self,
+        experiment: &Experiment,
+        mut observer: Option<&mut dyn FnMut(&Snapshot)>,
+    ) -> Result<Outcome<Trajectory>> {
+        let timestep_s = experiment.solver.timestep_s;
         let origin_world_m = self.track().position_world_m;
         if experiment.start == Start::Settled {
-            let (taken, outcome) = self.settle(timestep_s, &origin_world_m);
-            run.settle_steps = taken;
-            match outcome {
-                Ok(warning) => run.warnings.extend(warning),
-                Err(why) => {
-                    let at_s = (taken as f64 * timestep_s) - SETTLE_LIMIT_S;
-                    run.status = Status::Diverged {
-                        at_s: at_s.min(0.0),
-                        why,
-                    };
-                    return Ok(run);
-                }
+            if let Some(why) = self.settle(timestep_s, &origin_world_m) {
+                let at_s = (self.settle_steps as f64 * timestep_s) - SETTLE_LIMIT_S;
+                let at_s = at_s.min(0.0);
+                return Ok(Outcome::Diverged(Divergence { at_s, why }));
             }
             self.squared_error_rad2 = 0.0;
         }
@@ -330,10 +321,9 @@ impl<'a> Walk<'a> {
             let (from_s, to_s) = ((step - 1) as f64 * timestep_s, step as f64 * timestep_s);
             // The command of the middle of the step stands for all of it.
             self.step(0.5 * (from_s + to_s));
-            run.steps = step;
+            self.steps = step;
             if let Some(why) = self.absurd(&origin_world_m) {
-                run.status = Status::Diverged { at_s: to_s, why };
-                return Ok(run);
+                return Ok(Outcome::Diverged(Divergence { at_s: to_s, why }));
             }
             if let Some(observer) = &mut observer {
                 observer(&Snapshot::take(to_s, self.assembly, &self.world));
@@ -350,12 +340,7 @@ impl<'a> Walk<'a> {
                 before = self.track();
             }
         }
-        let commands = run.steps * self.assembly.hinges.len() as u64;
-        if commands > 0 {
-            run.servo_rms_rad = (self.squared_error_rad2 / commands as f64).sqrt();
-        }
-        run.trajectory = Some(path.finish()?);
-        Ok(run)
+        path.finish().map(Outcome::Completed)
     }
 }
 

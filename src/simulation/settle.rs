@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 use super::experiment::{Experiment, Start};
-use super::run::{Status, run};
+use super::run::run;
 use crate::error::Result;
 use crate::warning::{Code, Warning};
 
@@ -16,12 +16,13 @@ pub struct Settling {
     /// Angle between the tracked module's up before and after, radians; `None` when the simulation diverged.
     pub tilt_rad: Option<f64>,
     /// Whether the simulation completed, and whether it still moved at the limit.
-    outcome: Outcome,
+    #[serde(rename = "outcome")]
+    end: End,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-enum Outcome {
+enum End {
     AtRest,
     Moving,
     Diverged { why: String },
@@ -33,7 +34,7 @@ const TOPPLED_RAD: f64 = std::f64::consts::FRAC_PI_4;
 impl Settling {
     /// True if it came to rest within the limit.
     pub fn is_at_rest(&self) -> bool {
-        self.outcome == Outcome::AtRest
+        self.end == End::AtRest
     }
 
     /// True if it fell onto another side on the way.
@@ -44,16 +45,16 @@ impl Settling {
     /// Flags: `diverged`, `not-settled`, `toppled`.
     pub fn warnings(&self) -> Vec<Warning> {
         let mut warnings = Vec::new();
-        match &self.outcome {
-            Outcome::AtRest => {}
-            Outcome::Moving => warnings.push(Warning::new(
+        match &self.end {
+            End::AtRest => {}
+            End::Moving => warnings.push(Warning::new(
                 Code::NotSettled,
                 format!(
                     "the robot was still moving after {:.1} s on the floor",
                     self.taken_s
                 ),
             )),
-            Outcome::Diverged { why } => warnings.push(Warning::new(
+            End::Diverged { why } => warnings.push(Warning::new(
                 Code::Diverged,
                 format!("the simulation diverged while the robot settled: {why}"),
             )),
@@ -82,16 +83,16 @@ pub fn settle(experiment: &Experiment) -> Result<Settling> {
     short.duration_s = experiment.solver.timestep_s.max(1e-3);
     short.sampling = super::Sampling::Times([0.0, short.duration_s].into());
     let run = run(&short)?;
-    let outcome = match run.status {
-        Status::Diverged { why, .. } => Outcome::Diverged { why },
-        Status::Completed if run.warnings.iter().any(|w| w.code == Code::NotSettled) => {
-            Outcome::Moving
-        }
-        Status::Completed => Outcome::AtRest,
+    let end = match run.outcome.divergence() {
+        Some(divergence) => End::Diverged {
+            why: divergence.why.clone(),
+        },
+        None if run.warnings.iter().any(|w| w.code == Code::NotSettled) => End::Moving,
+        None => End::AtRest,
     };
     let tilt_rad = run
-        .trajectory
-        .as_ref()
+        .outcome
+        .get()
         .and_then(|motion| motion.orientations_world_from_body()?.first().copied())
         .map(|world_from_body| {
             // The robot frame stands upright before; so does the tracked module, but for its own servo.
@@ -102,6 +103,6 @@ pub fn settle(experiment: &Experiment) -> Result<Settling> {
     Ok(Settling {
         taken_s: run.settle_steps as f64 * experiment.solver.timestep_s,
         tilt_rad,
-        outcome,
+        end,
     })
 }

@@ -6,7 +6,7 @@ use realgap::simulation::{Experiment, Start, run};
 use super::standin::{EXACT, cube, tosses};
 
 fn end_m(experiment: &Experiment) -> nalgebra::Vector3<f64> {
-    let motion = run(experiment).unwrap().trajectory.unwrap();
+    let motion = run(experiment).unwrap().outcome.completed().unwrap();
     *motion.positions_world_m().last().unwrap()
 }
 

@@ -57,7 +57,7 @@ fn toss(robot: &Experiment, tracker: &Tracker, seed: u64) -> Toss {
     experiment.solver.timestep_s = 0.5 / RATE_HZ;
     experiment.duration_s = times[times.len() - 1];
     experiment.sampling = Sampling::Times(Arc::from(times.clone()));
-    let truth = run(&experiment).unwrap().trajectory.unwrap();
+    let truth = run(&experiment).unwrap().outcome.completed().unwrap();
     let positions: Vec<_> = truth
         .positions_world_m()
         .iter()

@@ -96,7 +96,7 @@ pub fn behaviours(ensemble: &Ensemble) -> Behaviours {
         .motions()
         .map(|(repeat, motion)| (repeat.number, motion))
         .collect();
-    let noise_free = ensemble.noise_free.motion();
+    let noise_free = ensemble.noise_free.get();
     let motions: Vec<&Motion> = repeats.iter().map(|(_, m)| *m).chain(noise_free).collect();
     let displacements_m: Vec<f64> = repeats
         .iter()

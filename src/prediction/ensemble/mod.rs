@@ -19,6 +19,6 @@ pub use behaviour::{BEHAVIOURS, Behaviour, Behaviours, Kind, behaviours, cut_m};
 pub use distance::rms_m;
 pub use envelope::{Envelope, LEVELS, Region};
 pub use reality::{Coverage, RealRun, Reality};
-pub use run::{Ensemble, Motion, Outcome, Repeat, repeat, run, run_each};
+pub use run::{Ensemble, Motion, Repeat, repeat, run, run_each};
 pub use spread::{QUANTILES, Spread};
 pub use summary::Summary;

@@ -6,7 +6,7 @@ use std::time::Duration;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::simulation::{self, Experiment, Noise, Perturbation, Run, Status};
+use crate::simulation::{self, Experiment, Noise, Outcome, Perturbation, Run};
 use crate::trajectory::{Prepared, prepare};
 use crate::warning::{Code, Warning};
 
@@ -31,30 +31,6 @@ impl Motion {
     }
 }
 
-/// How a repeat ended.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Outcome {
-    /// The whole duration was simulated.
-    Completed(Motion),
-    /// The state became absurd.
-    Diverged {
-        /// When, seconds from the start.
-        at_s: f64,
-        /// What was seen.
-        why: String,
-    },
-}
-
-impl Outcome {
-    /// The motion, where the repeat ended.
-    pub fn motion(&self) -> Option<&Motion> {
-        match self {
-            Self::Completed(motion) => Some(motion),
-            Self::Diverged { .. } => None,
-        }
-    }
-}
-
 /// One repeat.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Repeat {
@@ -63,7 +39,7 @@ pub struct Repeat {
     /// What was drawn.
     pub perturbation: Perturbation,
     /// What came of it.
-    pub outcome: Outcome,
+    pub outcome: Outcome<Motion>,
 }
 
 /// Repeats of one experiment under noise.
@@ -78,7 +54,7 @@ pub struct Ensemble {
     /// The repeats that were simulated, in order of their numbers.
     pub repeats: Vec<Repeat>,
     /// The experiment without noise: the one prediction a single simulation gives.
-    pub noise_free: Outcome,
+    pub noise_free: Outcome<Motion>,
     /// Length of each run, seconds.
     pub duration_s: f64,
     /// Edge length of the tracked module, metres.
@@ -99,7 +75,7 @@ impl Ensemble {
     pub fn motions(&self) -> impl Iterator<Item = (&Repeat, &Motion)> {
         self.repeats
             .iter()
-            .filter_map(|repeat| Some((repeat, repeat.outcome.motion()?)))
+            .filter_map(|repeat| Some((repeat, repeat.outcome.get()?)))
     }
 }
 
@@ -199,18 +175,15 @@ pub fn repeat(experiment: &Experiment, noise: &Noise, seed: u64, number: u64) ->
     simulation::run(&noise.perturb(experiment, seed, number))
 }
 
-fn outcome(run: Run) -> Result<(Outcome, Duration)> {
-    let outcome = match (run.status, run.trajectory) {
-        (Status::Completed, Some(motion)) => Outcome::Completed(Motion {
+fn outcome(run: Run) -> Result<(Outcome<Motion>, Duration)> {
+    let servo_rms_rad = run.servo_rms_rad;
+    let outcome = match run.outcome {
+        Outcome::Completed(motion) => Outcome::Completed(Motion {
             path: prepare(&motion)?,
             turned_rad: motion.turned_rad().unwrap_or(0.0),
-            servo_rms_rad: run.servo_rms_rad,
+            servo_rms_rad,
         }),
-        (Status::Completed, None) => Outcome::Diverged {
-            at_s: 0.0,
-            why: "no motion".to_owned(),
-        },
-        (Status::Diverged { at_s, why }, _) => Outcome::Diverged { at_s, why },
+        Outcome::Diverged(divergence) => Outcome::Diverged(divergence),
     };
     Ok((outcome, run.cpu))
 }
@@ -242,10 +215,10 @@ fn warnings(ensemble: &Ensemble) -> Vec<Warning> {
             format!("{diverged} of {count} repeats diverged; they count as failures and are in no other number"),
         ));
     }
-    if let Outcome::Diverged { at_s, why } = &ensemble.noise_free {
+    if let Some(divergence) = ensemble.noise_free.divergence() {
         warnings.push(Warning::new(
             Code::Diverged,
-            format!("the run without noise diverged at {at_s:.3} s: {why}"),
+            format!("the run without noise diverged {divergence}"),
         ));
     }
     warnings

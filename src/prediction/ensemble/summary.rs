@@ -75,7 +75,7 @@ impl Summary {
         };
         let displacement_m = spread(&Motion::net_displacement_m);
         let noise_free_displacement_m =
-            ensemble.noise_free.motion().map(Motion::net_displacement_m);
+            ensemble.noise_free.get().map(Motion::net_displacement_m);
         let mut warnings = ensemble.warnings.clone();
         if let (Some(spread), Some(alone_m)) = (&displacement_m, noise_free_displacement_m)
             && !ensemble.noise.is_zero()
@@ -101,7 +101,7 @@ impl Summary {
             speed_m_s: spread(&|m| m.net_displacement_m() / ensemble.duration_s),
             path_length_m: spread(&|m| m.path.path_length_m()),
             turned_rad: spread(&|m| m.turned_rad),
-            noise_free_displacement_m: ensemble.noise_free.motion().map(Motion::net_displacement_m),
+            noise_free_displacement_m: ensemble.noise_free.get().map(Motion::net_displacement_m),
             diverged: Proportion::new(
                 ensemble.repeats.len() - paths.len(),
                 ensemble.repeats.len(),

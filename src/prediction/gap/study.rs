@@ -16,7 +16,7 @@ use crate::comparison::Metric;
 use crate::error::{Error, Result};
 use crate::prediction::ensemble;
 use crate::simulation::parameter::ParameterSet;
-use crate::simulation::{self, ENGINE_VERSION, Noise, Run, Status};
+use crate::simulation::{self, ENGINE_VERSION, Noise, Run};
 use crate::warning::{Code, Warning};
 
 /// What to simulate and how to compare.
@@ -200,16 +200,12 @@ fn usable_noise(noise: Option<Noise>, warnings: &mut Vec<Warning>) -> Result<Opt
 }
 
 fn completed(run: Run, number: u64) -> Result<Option<Sample>> {
-    match (run.status, run.trajectory) {
-        (Status::Completed, Some(motion)) => {
-            let name = match number.checked_sub(1) {
-                Some(repeat) => format!("repeat {repeat}"),
-                None => "without noise".to_owned(),
-            };
-            Sample::new(name, motion).map(Some)
-        }
-        _ => Ok(None),
-    }
+    let name = match number.checked_sub(1) {
+        Some(repeat) => format!("repeat {repeat}"),
+        None => "without noise".to_owned(),
+    };
+    let motion = run.outcome.completed();
+    motion.map(|motion| Sample::new(name, motion)).transpose()
 }
 
 /// A time axis of seconds means little where runs differ in length.

@@ -3,7 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::error::Result;
-use crate::simulation::{Experiment, Push, Snapshot, Start, Status, watch};
+use crate::simulation::{Experiment, Push, Snapshot, Start, watch};
 use crate::trajectory::State;
 
 /// Every step of a run, the start included.
@@ -17,7 +17,7 @@ impl Film {
         let run = watch(experiment, pushes, &mut |snapshot| {
             snapshots.push(snapshot.clone());
         })?;
-        Ok((run.status == Status::Completed && !snapshots.is_empty()).then_some(Self(snapshots)))
+        Ok((run.outcome.is_completed() && !snapshots.is_empty()).then_some(Self(snapshots)))
     }
 
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Snapshot> {
