@@ -10,7 +10,7 @@
 use std::sync::atomic::AtomicBool;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use realgap::calibration::{Mode, Overrides, Problem, Study, sweep};
+use realgap::calibration::{Definition, Mode, Overrides, Study, sweep};
 
 fn sweeps(criterion: &mut Criterion) {
     let overrides = Overrides {
@@ -18,8 +18,8 @@ fn sweeps(criterion: &mut Criterion) {
         ..Overrides::default()
     };
     let path = format!("{}/sweeps/tripod_self.ron", env!("CARGO_MANIFEST_DIR"));
-    let study = Study::read(path, &overrides).expect("a shipped study is sound");
-    let problem = Problem::new(study).expect("a shipped study is sound");
+    let definition = Definition::read(path, &overrides).expect("a shipped study is sound");
+    let study = Study::new(definition).expect("a shipped study is sound");
     let never = AtomicBool::new(false);
     let mut group = criterion.benchmark_group("sweep of 25 points, 20 s each");
     group.sample_size(10);
@@ -27,7 +27,7 @@ fn sweeps(criterion: &mut Criterion) {
         group.bench_function(BenchmarkId::new("threads", jobs), |b| {
             b.iter(|| {
                 let folder = tempfile::tempdir().expect("a temporary folder");
-                sweep(&problem, folder.path(), Mode::Start, jobs, &never, |_| ())
+                sweep(&study, folder.path(), Mode::Start, jobs, &never, |_| ())
                     .expect("a sound sweep")
             });
         });

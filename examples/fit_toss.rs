@@ -15,7 +15,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use realgap::calibration::identification::{LengthReading, StartState, identify};
-use realgap::calibration::{BestFile, Evaluation, Overrides, Part, Problem, Study, evaluate};
+use realgap::calibration::{BestFile, Evaluation, Overrides, Part, Study, evaluate};
 use realgap::file::{write_atomic, write_ron};
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::{Error, Result};
@@ -52,17 +52,17 @@ fn run() -> Result<()> {
                 recordings: vec![recordings.clone()],
                 part: Some(Part::new(FOLDS, part)?),
                 start_state: Some(start),
-                metric: Some("pose".to_owned()),
+                metric: Some(realgap::comparison::by_name("pose")?),
                 ..Overrides::default()
             };
-            Problem::new(Study::read(study, &overrides)?)
+            Study::read(study, &overrides)
         };
         let training = open(fold, StartState::Flight)?;
         let flight = identify(
-            &training.study().experiment(),
-            &training.study().recordings,
+            &training.definition().experiment(),
+            &training.definition().recordings,
             LengthReading::LengthScale,
-            training.study().seed,
+            training.definition().seed,
         )?;
         let body: ParameterSet = flight
             .parameters
@@ -97,11 +97,11 @@ fn run() -> Result<()> {
                 description: format!(
                     "Fitted on the even-numbered recordings (--every {FOLDS} --offset 0, in order of their paths, counted from 0; {} of them): length scale from \
                      their flights, the rest (centre of mass along z included) by CMA-ES on the pose metric from flight starts. Held-out errors on the odd-numbered (--every {FOLDS} --offset 1): {}.",
-                    training.study().recordings.len(),
+                    training.definition().recordings.len(),
                     held_out.join("; ")
                 ),
                 parameters: training
-                    .study()
+                    .definition()
                     .set
                     .clone()
                     .with_all(&best)
@@ -132,8 +132,8 @@ fn report(label: &str, e: &Evaluation) {
 /// Minimises the mean pose score of a problem over its study's ranges, from their middle, by CMA-ES
 /// (Hansen 2016, "The CMA evolution strategy: a tutorial") without step-size path subtleties: the mean of the final
 /// distribution is returned, which follows the noise of single flips less than the best child.
-fn fit(problem: &Problem, body: &ParameterSet) -> Result<ParameterSet> {
-    let ranges = problem.study().grid.ranges();
+fn fit(study: &Study, body: &ParameterSet) -> Result<ParameterSet> {
+    let ranges = study.definition().grid.ranges();
     let n = ranges.len();
     let set = |x: &DVector<f64>| -> ParameterSet {
         let values = ranges.iter().zip(x.iter()).map(|(range, x)| Assignment {
@@ -143,7 +143,7 @@ fn fit(problem: &Problem, body: &ParameterSet) -> Result<ParameterSet> {
         body.clone().with_all(&values.collect())
     };
     let score = |x: &DVector<f64>| -> Result<f64> {
-        let e = evaluate(problem, &set(x), |_| ())?;
+        let e = evaluate(study, &set(x), |_| ())?;
         let outside: f64 = x.iter().map(|v| (v - v.clamp(0.0, 1.0)).abs()).sum();
         Ok(e.position_percent.mean / 100.0 + e.rotation_deg.mean.to_radians() + outside)
     };
@@ -163,7 +163,7 @@ fn fit(problem: &Problem, body: &ParameterSet) -> Result<ParameterSet> {
     let damping = 1.0 + step_rate;
     let expected = nf.sqrt() * (1.0 - 1.0 / (4.0 * nf) + 1.0 / (21.0 * nf * nf));
 
-    let mut rng = ChaCha8Rng::seed_from_u64(problem.study().seed);
+    let mut rng = ChaCha8Rng::seed_from_u64(study.definition().seed);
     let mut mean = DVector::from_element(n, 0.5);
     let mut sigma = 0.15;
     let mut covariance = DMatrix::<f64>::identity(n, n);

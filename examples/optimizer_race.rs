@@ -13,7 +13,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use realgap::calibration::{Answer, Mode, Overrides, Problem, Study, TuneOptions, sweep, tune};
+use realgap::calibration::{Answer, Mode, Overrides, Study, TuneOptions, sweep, tune};
 use realgap::optimization::{Grid, OPTIMIZERS};
 use realgap::{Error, Result};
 
@@ -53,7 +53,7 @@ fn target(grid: &Grid, answer: &Answer) -> Vec<bool> {
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().collect();
     let usage = || Error::usage("usage: optimizer_race STUDY SEEDS [GLOB [RECORDINGS]]");
-    let study = Path::new(arguments.get(1).ok_or_else(usage)?);
+    let path = Path::new(arguments.get(1).ok_or_else(usage)?);
     let seeds: u64 = arguments
         .get(2)
         .and_then(|n| n.parse().ok())
@@ -61,21 +61,21 @@ fn main() -> Result<()> {
     let jobs = std::thread::available_parallelism().map_or(1, usize::from);
     let never = AtomicBool::new(false);
     let folder = std::env::temp_dir().join(format!("optimizer_race_{}", std::process::id()));
-    let problem = Problem::new(Study::read(study, &overrides(1, &arguments))?)?;
+    let study = Study::read(path, &overrides(1, &arguments))?;
     let whole = sweep(
-        &problem,
+        &study,
         &folder.join("sweep"),
         Mode::Restart,
         jobs,
         &never,
         |_| (),
     )?;
-    let grid = &problem.study().grid;
+    let grid = &study.definition().grid;
     let cells = target(grid, &whole);
     let count = cells.iter().filter(|inside| **inside).count();
     println!(
         "{}: {count} of {} points of the grid cannot be told from its best",
-        study.display(),
+        path.display(),
         grid.len()
     );
     println!(
@@ -85,7 +85,7 @@ fn main() -> Result<()> {
     for optimizer in OPTIMIZERS {
         let mut arrivals = Vec::new();
         for seed in 1..=seeds {
-            let problem = Problem::new(Study::read(study, &overrides(seed, &arguments))?)?;
+            let study = Study::read(path, &overrides(seed, &arguments))?;
             let options = TuneOptions {
                 optimizer: *optimizer,
                 budget: BUDGET,
@@ -93,7 +93,7 @@ fn main() -> Result<()> {
             };
             let folder = folder.join(optimizer.name());
             let answer = tune(
-                &problem,
+                &study,
                 &folder,
                 Mode::Restart,
                 jobs,

@@ -7,9 +7,7 @@ mod common;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use realgap::calibration::{
-    INTERVAL_LEVEL, Mode, Overrides, Problem, Study, TuneOptions, sweep, tune,
-};
+use realgap::calibration::{INTERVAL_LEVEL, Mode, Overrides, Study, TuneOptions, sweep, tune};
 use realgap::optimization::optimizer_by_name;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Camera, Experiment, Noise, run};
@@ -64,11 +62,11 @@ fn covers(seed: u64, search: Search) -> bool {
             common::project().display()
         ),
     );
-    let problem = Problem::new(Study::read(path, &Overrides::default()).unwrap()).unwrap();
+    let study = Study::read(path, &Overrides::default()).unwrap();
     let never = AtomicBool::new(false);
     let results = folder.path().join("results");
     let answer = match search {
-        Search::Sweep => sweep(&problem, &results, Mode::Start, 2, &never, |_| ()).unwrap(),
+        Search::Sweep => sweep(&study, &results, Mode::Start, 2, &never, |_| ()).unwrap(),
         Search::Tune(optimizer) => {
             let options = TuneOptions {
                 optimizer: optimizer_by_name(optimizer).unwrap(),
@@ -76,7 +74,7 @@ fn covers(seed: u64, search: Search) -> bool {
                 patience: None,
             };
             tune(
-                &problem,
+                &study,
                 &results,
                 Mode::Start,
                 2,

@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use nalgebra::Vector3;
 use realgap::prediction::ensemble::{
-    BEHAVIOURS, Ensemble, Envelope, Kind, LEVELS, Motion, Reality, Repeat, Spread,
-    Summary, behaviours, cut_m, repeat, rms_m, run,
+    BEHAVIOURS, Ensemble, Envelope, Forecast, Kind, LEVELS, Motion, Quantiles, Reality, Repeat,
+    behaviours, cut_m, repeat, rms_m, run,
 };
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Divergence, Experiment, Noise, Outcome, Perturbation};
@@ -89,8 +89,8 @@ fn statistics_of_a_hand_made_ensemble_are_those_worked_out_by_hand() {
         .map(|i| motion(path(f64::from(i), 0.0), 0.1 * f64::from(i)))
         .chain([diverged()])
         .collect();
-    let summary = Summary::new(&hand_made(outcomes, motion(path(3.0, 0.0), 0.0))).unwrap();
-    let expected = Spread {
+    let summary = Forecast::new(&hand_made(outcomes, motion(path(3.0, 0.0), 0.0))).unwrap();
+    let expected = Quantiles {
         mean: 3.0,
         standard_deviation: 2.5_f64.sqrt(),
         q05: 1.2,
@@ -269,7 +269,7 @@ fn ensemble_of(paths: Vec<Prepared>) -> Ensemble {
 }
 
 fn against(ensemble: &Ensemble, real: &[Prepared]) -> Reality {
-    let summary = Summary::new(ensemble).unwrap();
+    let summary = Forecast::new(ensemble).unwrap();
     let real: Vec<(&str, &Prepared)> = real.iter().map(|p| ("real", p)).collect();
     Reality::new(
         ensemble,
@@ -324,9 +324,10 @@ fn the_same_bits_come_out_on_one_thread_and_on_two_and_for_one_repeat_alone() {
     assert_eq!(one.noise_free, two.noise_free);
     let alone = repeat(&experiment, &noise, 5, 4)
         .unwrap()
-        .trajectory
+        .outcome
+        .completed()
         .unwrap();
-    let fourth = two.repeats[4].outcome.motion().unwrap();
+    let fourth = two.repeats[4].outcome.get().unwrap();
     assert_eq!(prepare(&alone).unwrap(), fourth.path);
     // More repeats change none of the first.
     let more = simulate(&experiment, &noise, 8, 2);
@@ -338,7 +339,7 @@ fn a_stopped_ensemble_says_that_it_is_incomplete() {
     let stop = AtomicBool::new(true);
     let found = run(&tripod(0.5), &Noise::careful_repeat(), 1, 10, &stop, |_| ()).unwrap();
     assert!(!found.is_complete() && found.repeats.is_empty());
-    let summary = Summary::new(&found).unwrap();
+    let summary = Forecast::new(&found).unwrap();
     assert!(!summary.complete && summary.displacement_m.is_none());
     assert!(
         summary
@@ -353,7 +354,7 @@ fn an_ensemble_without_noise_says_so() {
     let found = simulate(&tripod(0.5), &Noise::default(), 3, 2);
     assert!(found.warnings.iter().any(|w| w.code.name() == "no-noise"));
     assert_eq!(found.repeats[0].outcome, found.noise_free);
-    let spread = Summary::new(&found).unwrap().displacement_m.unwrap();
+    let spread = Forecast::new(&found).unwrap().displacement_m.unwrap();
     // The mean of equal numbers is rounded.
     assert!(
         spread.standard_deviation < 1e-15,
@@ -378,7 +379,7 @@ fn a_run_without_noise_that_no_repeat_comes_near_is_called_atypical() {
             .collect()
     };
     for (far_m, is_typical) in [(1.05, true), (1.5, false), (0.5, false)] {
-        let summary = Summary::new(&hand_made(outcomes(), motion(path(far_m, 0.0), 0.0))).unwrap();
+        let summary = Forecast::new(&hand_made(outcomes(), motion(path(far_m, 0.0), 0.0))).unwrap();
         let warned = summary
             .warnings
             .iter()

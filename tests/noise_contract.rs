@@ -5,7 +5,7 @@
 
 mod common;
 
-use realgap::calibration::{Overrides, Study};
+use realgap::calibration::{Definition, Overrides};
 use realgap::file::{Source, parse_ron};
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Distribution, Experiment, Noise, Perturbation, run};
@@ -70,7 +70,7 @@ fn no_noise_changes_no_bit() {
     let base = walk();
     let drawn = Noise::default().perturb(&base, 3, 1);
     let (a, b) = (run(&base).unwrap(), run(&drawn).unwrap());
-    assert_eq!(a.trajectory, b.trajectory);
+    assert_eq!(a.outcome, b.outcome);
     assert!(Noise::default().is_zero());
 }
 
@@ -178,7 +178,7 @@ fn a_study_says_in_which_line_its_noise_is_wrong() {
             "morphology: \"{root}/morphologies/tripod.ron\",\nstart: Settled,\nparameters: [(name: \"floor.friction\", from: 0.1, to: 0.9)],\nnoise: Noise(\n    mass_relative: LogNormal(0.02),\n    start_tilt_rad: Normal(-1.0),\n),"
         ),
     );
-    let error = Study::read_without_recordings(&path, &Overrides::default()).unwrap_err();
+    let error = Definition::read_without_recordings(&path, &Overrides::default()).unwrap_err();
     assert_eq!(
         error.line_column().map(|(line, _)| line),
         Some(7),
@@ -191,8 +191,8 @@ fn a_study_says_in_which_line_its_noise_is_wrong() {
 fn shipped_studies_say_how_repeats_differ() {
     for name in ["tripod_floor", "tripod_self"] {
         let path = common::project().join(format!("sweeps/{name}.ron"));
-        let study = Study::read_without_recordings(path, &Overrides::default()).unwrap();
-        let noise = study.noise.unwrap();
+        let definition = Definition::read_without_recordings(path, &Overrides::default()).unwrap();
+        let noise = definition.noise.unwrap();
         assert!(!noise.is_zero(), "{name}");
         assert_ne!(noise.start_heading_rad, Distribution::default(), "{name}");
     }

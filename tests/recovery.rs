@@ -5,7 +5,7 @@ mod common;
 
 use std::sync::atomic::AtomicBool;
 
-use realgap::calibration::{Mode, Overrides, Problem, Study, sweep};
+use realgap::calibration::{Definition, Mode, Overrides, Study, sweep};
 use realgap::results;
 
 const FRICTION: f64 = 0.43;
@@ -19,12 +19,16 @@ fn the_hidden_floor_lies_in_the_indistinguishable_set() {
         points: Some(11),
         ..Overrides::default()
     };
-    let study = Study::read(common::project().join("sweeps/tripod_self.ron"), &overrides).unwrap();
-    assert_eq!(study.truth.value("floor.friction"), Some(FRICTION));
-    assert_eq!(study.truth.value("floor.restitution"), Some(RESTITUTION));
-    let problem = Problem::new(study).unwrap();
+    let definition =
+        Definition::read(common::project().join("sweeps/tripod_self.ron"), &overrides).unwrap();
+    assert_eq!(definition.truth.value("floor.friction"), Some(FRICTION));
+    assert_eq!(
+        definition.truth.value("floor.restitution"),
+        Some(RESTITUTION)
+    );
+    let study = Study::new(definition).unwrap();
     let never = AtomicBool::new(false);
-    let result = sweep(&problem, results.path(), Mode::Start, 2, &never, |_| ()).unwrap();
+    let result = sweep(&study, results.path(), Mode::Start, 2, &never, |_| ()).unwrap();
     let uncertainty = result.uncertainty.as_ref().unwrap();
     let truth = result
         .scores
@@ -51,7 +55,7 @@ fn the_hidden_floor_lies_in_the_indistinguishable_set() {
         "{:?}",
         best.values
     );
-    let summary = results::write(results.path(), &problem, &result).unwrap();
+    let summary = results::write(results.path(), &study, &result).unwrap();
     assert!(
         summary.verdicts[0].identified,
         "{}",

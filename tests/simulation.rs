@@ -36,7 +36,7 @@ fn the_same_experiment_gives_the_same_bits() {
     walk.duration_s = 2.0;
     let first = run(&walk).unwrap();
     let elsewhere = std::thread::scope(|scope| scope.spawn(|| run(&walk).unwrap()).join().unwrap());
-    assert_eq!(first.trajectory, elsewhere.trajectory);
+    assert_eq!(first.outcome, elsewhere.outcome);
 }
 
 #[test]
@@ -182,7 +182,8 @@ fn a_repeat_can_be_replayed_alone() {
         ..base.clone()
     })
     .unwrap()
-    .trajectory
+    .outcome
+    .completed()
     .unwrap();
     assert_eq!(
         camera.record(&truth, 7, 3).unwrap(),

@@ -3,10 +3,10 @@
 use rayon::prelude::*;
 
 use super::audit::Audit;
-use super::file::StartRule;
-use super::problem::Problem;
+use super::definition::StartRule;
+use super::method::Method;
 use super::score::Scores;
-use super::tune::Tuned;
+use super::study::Study;
 use super::validation::Validation;
 use crate::calibration::{
     BestDraws, Profile, ScoredPoint, Uncertainty, bootstrap_indistinguishable,
@@ -17,15 +17,6 @@ use crate::optimization::Ending;
 use crate::simulation::Noise;
 use crate::statistics::standard_deviation;
 use crate::store::OutcomeStatus;
-
-/// How the points of an answer were chosen.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Method {
-    /// Every point of the study's grid.
-    Sweep,
-    /// An optimizer chose them.
-    Tune(Tuned),
-}
 
 /// Result of a sweep or of tuning.
 #[derive(Debug, Clone)]
@@ -58,14 +49,14 @@ const REPEATS: u64 = 16;
 impl Answer {
     /// Works out how sure the best of these scores is; simulations run on the current rayon pool.
     pub(super) fn new(
-        problem: &Problem,
+        study: &Study,
         method: Method,
         ending: Ending,
         scores: Scores,
     ) -> Result<Self> {
-        let fitted = fitted_scores(problem, &scores);
+        let fitted = fitted_scores(study, &scores);
         let uncertainty = match scores.best {
-            Some(best) => Some(uncertainty(problem, &scores, &fitted, best)?),
+            Some(best) => Some(uncertainty(study, &scores, &fitted, best)?),
             None => None,
         };
         let draws = uncertainty.as_ref().and_then(|uncertainty| {
@@ -80,16 +71,21 @@ impl Answer {
                     })
                 })
                 .collect();
-            let study = problem.study();
-            BestDraws::new(&study.grid, &points, uncertainty.simulation_sd, study.seed)
+            let definition = study.definition();
+            BestDraws::new(
+                &definition.grid,
+                &points,
+                uncertainty.simulation_sd,
+                definition.seed,
+            )
         });
-        let profiles = profiles(problem, &scores, uncertainty.as_ref());
+        let profiles = profiles(study, &scores, uncertainty.as_ref());
         let audit = match ending {
-            Ending::Complete => Audit::new(problem, &scores, &profiles)?,
+            Ending::Complete => Audit::new(study, &scores, &profiles)?,
             // Whoever interrupts does not want to wait for more simulations.
             Ending::Interrupted => None,
         };
-        let validation = Validation::new(problem, &scores)?;
+        let validation = Validation::new(study, &scores)?;
         Ok(Self {
             method,
             ending,
@@ -104,20 +100,16 @@ impl Answer {
 }
 
 /// Per point the scores of the recordings that are fitted.
-fn fitted_scores(problem: &Problem, scores: &Scores) -> Vec<Option<Vec<f64>>> {
+fn fitted_scores(study: &Study, scores: &Scores) -> Vec<Option<Vec<f64>>> {
     scores
         .points
         .iter()
-        .map(|point| {
-            point
-                .score
-                .map(|_| problem.part_of(&point.recordings, false))
-        })
+        .map(|point| point.score.map(|_| study.part_of(&point.recordings, false)))
         .collect()
 }
 
-fn profiles(problem: &Problem, scores: &Scores, uncertainty: Option<&Uncertainty>) -> Vec<Profile> {
-    let ranges = problem.study().grid.ranges().iter().enumerate();
+fn profiles(study: &Study, scores: &Scores, uncertainty: Option<&Uncertainty>) -> Vec<Profile> {
+    let ranges = study.definition().grid.ranges().iter().enumerate();
     ranges
         .map(|(dimension, range)| {
             let points = scores.points.iter().enumerate().map(|(position, point)| {
@@ -130,19 +122,19 @@ fn profiles(problem: &Problem, scores: &Scores, uncertainty: Option<&Uncertainty
 }
 
 fn uncertainty(
-    problem: &Problem,
+    study: &Study,
     scores: &Scores,
     fitted: &[Option<Vec<f64>>],
     best: usize,
 ) -> Result<Uncertainty> {
-    let study = problem.study();
+    let definition = study.definition();
     let values = &scores.points[best].values;
-    if problem.fitted_recordings() >= 2 {
+    if study.fitted_recordings() >= 2 {
         // Where every recording has its own start, each score is a draw of its own and the bootstrap sees the
         // noise of single simulations; one simulation for all recordings hides it.
-        let simulation_sd = match study.start {
+        let simulation_sd = match definition.start {
             StartRule::Settled => {
-                standard_deviation(&repeats(problem, scores, values, &Noise::careful_start())?)
+                standard_deviation(&repeats(study, scores, values, &Noise::careful_start())?)
             }
             StartRule::FromRecording => 0.0,
         };
@@ -151,10 +143,10 @@ fn uncertainty(
             best,
             simulation_sd,
             LEVEL,
-            study.seed,
+            definition.seed,
         ));
     }
-    let repeats = repeats(problem, scores, values, &Noise::careful_repeat())?;
+    let repeats = repeats(study, scores, values, &Noise::careful_repeat())?;
     let all: Vec<Option<f64>> = scores.points.iter().map(|point| point.score).collect();
     Ok(spread_indistinguishable(&all, best, &repeats, LEVEL))
 }
@@ -164,17 +156,17 @@ fn uncertainty(
 /// Every repeat starts a little differently and takes another timestep, from the study's down to half of it:
 /// for a walking robot the timestep does not converge (docs/fidelity.md), so a finer one is as good a choice,
 /// and what it changes belongs to the uncertainty.
-fn repeats(problem: &Problem, scores: &Scores, values: &[f64], noise: &Noise) -> Result<Vec<f64>> {
-    let set = problem.parameter_set(values);
+fn repeats(study: &Study, scores: &Scores, values: &[f64], noise: &Noise) -> Result<Vec<f64>> {
+    let set = study.parameter_set(values);
     let repeats: Vec<Option<f64>> = (0..REPEATS)
         .into_par_iter()
         .map(|repeat| {
             let timestep_factor = 0.5_f64.powf(repeat as f64 / (REPEATS - 1) as f64);
-            let outcome = problem.evaluate_perturbed(&set, noise, repeat, timestep_factor)?;
+            let outcome = study.evaluate_perturbed(&set, noise, repeat, timestep_factor)?;
             if outcome.status != OutcomeStatus::Completed {
                 return Ok(None);
             }
-            let scores = scores.outcome_scores(problem, values, 0, &outcome)?;
+            let scores = scores.outcome_scores(study, values, 0, &outcome)?;
             Ok(Some(scores.iter().sum::<f64>() / scores.len() as f64))
         })
         .collect::<Result<_>>()?;

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::problem::Problem;
 use super::score::Scores;
+use super::study::Study;
 use crate::calibration::Profile;
 use crate::error::Result;
 use crate::simulation::Solver;
@@ -39,18 +39,17 @@ impl Audit {
     /// Re-runs the best point; `None` where nothing has a score.
     ///
     /// # Errors
-    /// As [`Problem::evaluate`].
-    pub fn new(problem: &Problem, scores: &Scores, profiles: &[Profile]) -> Result<Option<Self>> {
+    /// As [`Study::evaluate`].
+    pub fn new(study: &Study, scores: &Scores, profiles: &[Profile]) -> Result<Option<Self>> {
         let Some(best) = scores.best else {
             return Ok(None);
         };
         let point = &scores.points[best];
-        let solver = problem.experiment(0, &point.values)?.solver;
+        let solver = study.experiment(0, &point.values)?.solver;
         let mut rows = Vec::new();
         for (setting, change) in changes(&solver) {
-            let trial = problem.evaluate_with_solver(&point.values, change)?;
-            let score =
-                Scores::with_basis(problem, &[trial], scores.basis.clone())?.points[0].score;
+            let trial = study.evaluate_with_solver(&point.values, change)?;
+            let score = Scores::with_basis(study, &[trial], scores.basis.clone())?.points[0].score;
             rows.push(AuditRow {
                 setting,
                 score,

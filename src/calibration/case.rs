@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use nalgebra::Vector3;
 
 use super::clip::clip;
-use super::file::{StartRule, Study};
+use super::definition::{Definition, StartRule};
 use crate::calibration::identification::{Body, EQUAL_MOMENTS, Refined, StartState, refine};
 use crate::error::{Error, Result};
 use crate::simulation::{Experiment, Sampling, Start};
@@ -55,27 +55,27 @@ pub struct Case {
 const SETTLED_RATE_HZ: f64 = 60.0;
 
 /// The cases of a study: one for all recordings when the start is settled, else one a recording.
-pub(super) fn cases(study: &Study) -> Result<(Vec<Case>, Vec<Warning>)> {
-    if study.recordings.is_empty() {
-        return Err(Error::invalid("no recordings to compare with")
-            .at_file(&study.path)
-            .field("recordings"));
+pub(super) fn cases(definition: &Definition) -> Result<(Vec<Case>, Vec<Warning>)> {
+    if definition.recordings.is_empty() {
+        return Err(
+            definition.at_file(Error::invalid("no recordings to compare with").field("recordings"))
+        );
     }
-    let base = study.experiment();
-    match study.start {
-        StartRule::Settled => settled(study, &base),
-        StartRule::FromRecording => from_recordings(study, &base),
+    let base = definition.experiment();
+    match definition.start {
+        StartRule::Settled => settled(definition, &base),
+        StartRule::FromRecording => from_recordings(definition, &base),
     }
 }
 
-fn settled(study: &Study, base: &Experiment) -> Result<(Vec<Case>, Vec<Warning>)> {
+fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec<Warning>)> {
     let mut warnings = Vec::new();
-    let shortest_s = study
+    let shortest_s = definition
         .recordings
         .iter()
         .map(|r| r.trajectory.duration_s())
         .fold(f64::INFINITY, f64::min);
-    let mut duration_s = study.duration_s.unwrap_or(shortest_s);
+    let mut duration_s = definition.duration_s.unwrap_or(shortest_s);
     if duration_s > shortest_s + 1e-6 {
         warnings.push(Warning::new(
             Code::ShortRecording,
@@ -86,8 +86,8 @@ fn settled(study: &Study, base: &Experiment) -> Result<(Vec<Case>, Vec<Warning>)
     let mut experiment = base.clone();
     experiment.duration_s = duration_s;
     experiment.sampling = Sampling::Rate(SETTLED_RATE_HZ);
-    experiment.check().map_err(|e| e.at_file(&study.path))?;
-    let targets = study
+    experiment.check().map_err(|e| definition.at_file(e))?;
+    let targets = definition
         .recordings
         .iter()
         .enumerate()
@@ -102,15 +102,18 @@ fn settled(study: &Study, base: &Experiment) -> Result<(Vec<Case>, Vec<Warning>)
     ))
 }
 
-fn from_recordings(study: &Study, base: &Experiment) -> Result<(Vec<Case>, Vec<Warning>)> {
+fn from_recordings(
+    definition: &Definition,
+    base: &Experiment,
+) -> Result<(Vec<Case>, Vec<Warning>)> {
     let mut warnings = Vec::new();
-    let mut cases = Vec::with_capacity(study.recordings.len());
-    for (index, recording) in study.recordings.iter().enumerate() {
+    let mut cases = Vec::with_capacity(definition.recordings.len());
+    for (index, recording) in definition.recordings.iter().enumerate() {
         let length_s = recording.trajectory.duration_s();
         let target = target(
             index,
             recording,
-            study.duration_s.unwrap_or(length_s).min(length_s),
+            definition.duration_s.unwrap_or(length_s).min(length_s),
             &mut warnings,
         )?;
         let times_s = target.motion.times_s();
@@ -124,13 +127,13 @@ fn from_recordings(study: &Study, base: &Experiment) -> Result<(Vec<Case>, Vec<W
             targets: vec![target],
         });
     }
-    warnings.extend(start_state_warnings(study, &cases)?);
+    warnings.extend(start_state_warnings(definition, &cases)?);
     Ok((cases, warnings))
 }
 
 /// A start that has seen more than the first sample is no prediction from it: every report has to say so.
-fn start_state_warnings(study: &Study, cases: &[Case]) -> Result<Vec<Warning>> {
-    let rule = study.start_state;
+fn start_state_warnings(definition: &Definition, cases: &[Case]) -> Result<Vec<Warning>> {
+    let rule = definition.start_state;
     if rule == StartState::FirstSample {
         return Ok(Vec::new());
     }
@@ -148,9 +151,9 @@ fn start_state_warnings(study: &Study, cases: &[Case]) -> Result<Vec<Warning>> {
     }
     let mut without = 0;
     for case in cases {
-        let recorded = &study.recordings[case.targets[0].recording].trajectory;
+        let recorded = &definition.recordings[case.targets[0].recording].trajectory;
         let (_, refined) = refine(rule, case.experiment.clone(), recorded)
-            .map_err(|e| e.at_file(&study.path).field("start_state"))?;
+            .map_err(|e| definition.at_file(e).field("start_state"))?;
         without += usize::from(refined == Refined::NoFlight);
     }
     if without > 0 {

@@ -7,8 +7,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use super::problem::Problem;
+use super::definition::StartRule;
 use super::rest::{FaceOdds, face_at_end};
+use super::study::Study;
 use crate::calibration::identification::is_at_rest;
 use crate::comparison::pose_errors;
 use crate::error::{Error, Result};
@@ -23,7 +24,7 @@ const FLIP_DEG: f64 = 45.0;
 
 /// Mean, median and standard error over recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
+pub struct Average {
     /// Mean.
     pub mean: f64,
     /// Median (mean of the middle two).
@@ -61,13 +62,13 @@ pub struct Evaluation {
     /// Recordings compared with.
     pub recordings: usize,
     /// Mean position error of each recording, percent of the body length.
-    pub position_percent: Spread,
+    pub position_percent: Average,
     /// Mean rotation error of each recording, degrees.
-    pub rotation_deg: Spread,
+    pub rotation_deg: Average,
     /// Position error at the end, percent of the body length.
-    pub final_position_percent: Spread,
+    pub final_position_percent: Average,
     /// Rotation error at the end, degrees.
-    pub final_rotation_deg: Spread,
+    pub final_rotation_deg: Average,
     /// Recordings that end more than 45° off; diverged simulations count.
     pub over_45_deg: usize,
     /// Which face ends down.
@@ -93,15 +94,15 @@ pub struct Evaluation {
 /// # Errors
 /// Recordings without orientations, or not a single simulation that ends.
 pub fn evaluate(
-    problem: &Problem,
+    study: &Study,
     set: &ParameterSet,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Evaluation> {
     let done = AtomicUsize::new(0);
-    let cases: Vec<Vec<(usize, RecordingErrors)>> = (0..problem.cases().len())
+    let cases: Vec<Vec<(usize, RecordingErrors)>> = (0..study.cases().len())
         .into_par_iter()
         .map(|case| {
-            let rows = evaluate_case(problem, case, &problem.experiment_with(case, set)?);
+            let rows = evaluate_case(study, case, &study.experiment_with(case, set)?);
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
             rows
         })
@@ -109,23 +110,23 @@ pub fn evaluate(
     let mut rows: Vec<(usize, RecordingErrors)> = cases.into_iter().flatten().collect();
     rows.sort_by_key(|(recording, _)| *recording);
     let rows: Vec<RecordingErrors> = rows.into_iter().map(|(_, row)| row).collect();
-    summarise(problem, set, rows)
+    summarise(study, set, rows)
 }
 
 fn evaluate_case(
-    problem: &Problem,
+    study: &Study,
     case: usize,
     experiment: &Experiment,
 ) -> Result<Vec<(usize, RecordingErrors)>> {
     let run = simulation::run(experiment)?;
     let face_at_end = |motion: &Trajectory| face_at_end(motion, experiment);
     let simulated = run.outcome.get();
-    problem.cases()[case]
+    study.cases()[case]
         .targets
         .iter()
         .map(|target| {
             let target = target.in_true_lengths(experiment.recording_length_scale)?;
-            let recording = &problem.study().recordings[target.recording];
+            let recording = &study.definition().recordings[target.recording];
             let errors = simulated
                 .map(|motion| {
                     pose_errors(&target.motion, motion, experiment.assembly.body_length_m)
@@ -150,20 +151,17 @@ fn evaluate_case(
         .collect()
 }
 
-fn summarise(
-    problem: &Problem,
-    set: &ParameterSet,
-    rows: Vec<RecordingErrors>,
-) -> Result<Evaluation> {
-    let study = problem.study();
-    let spread = |value: fn(&RecordingErrors) -> Option<f64>| {
-        Spread::of(rows.iter().filter_map(value).collect()).ok_or_else(|| {
-            Error::invalid("every simulation diverged, so there are no errors to report")
-                .at_file(&study.path)
-                .hint("try a shorter timestep or more substeps")
+fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> Result<Evaluation> {
+    let definition = study.definition();
+    let average = |value: fn(&RecordingErrors) -> Option<f64>| {
+        Average::of(rows.iter().filter_map(value).collect()).ok_or_else(|| {
+            definition.at_file(
+                Error::invalid("every simulation diverged, so there are no errors to report")
+                    .hint("try a shorter timestep or more substeps"),
+            )
         })
     };
-    let mut warnings = problem.warnings().to_vec();
+    let mut warnings = study.warnings().to_vec();
     let diverged = rows.iter().filter(|r| r.rotation_deg.is_none()).count();
     if diverged > 0 {
         warnings.push(Warning::new(
@@ -171,8 +169,8 @@ fn summarise(
             format!("{diverged} of {} simulations diverged: they are missing from the means and count as over 45 degrees", rows.len()),
         ));
     }
-    let fixed = study.set.clone().with_all(set);
-    for range in study.grid.ranges() {
+    let fixed = definition.set.clone().with_all(set);
+    for range in definition.grid.ranges() {
         let name = range.parameter.name;
         if fixed.value(name).is_none() {
             warnings.push(Warning::new(
@@ -195,35 +193,35 @@ fn summarise(
     let simulated_s: f64 = rows.iter().map(|row| row.simulated_s).sum();
     Ok(Evaluation {
         recordings: rows.len(),
-        position_percent: spread(|row| row.position_percent)?,
-        rotation_deg: spread(|row| row.rotation_deg)?,
-        final_position_percent: spread(|row| row.final_position_percent)?,
-        final_rotation_deg: spread(|row| row.final_rotation_deg)?,
+        position_percent: average(|row| row.position_percent)?,
+        rotation_deg: average(|row| row.rotation_deg)?,
+        final_position_percent: average(|row| row.final_position_percent)?,
+        final_rotation_deg: average(|row| row.final_rotation_deg)?,
         over_45_deg: over,
         resting_faces: resting_faces(&rows),
         cpu_ms_per_s: 1e3 * cpu_s / simulated_s,
-        start: match study.start {
-            super::StartRule::Settled => "settled on the floor",
-            super::StartRule::FromRecording => study.start_state.label(),
+        start: match definition.start {
+            StartRule::Settled => "settled on the floor",
+            StartRule::FromRecording => definition.start_state.label(),
         },
         parameters: fixed
             .iter()
             .map(|a| (a.parameter.name.to_owned(), a.value))
             .collect(),
-        provenance: provenance(problem),
+        provenance: provenance(study),
         warnings,
         rows,
     })
 }
 
 /// The study's fingerprint with the hashes of hundreds of recordings folded into one.
-fn provenance(problem: &Problem) -> BTreeMap<String, String> {
+fn provenance(study: &Study) -> BTreeMap<String, String> {
     let mut all = Sha256::new();
-    for sha256 in &problem.study().recordings_sha256 {
+    for sha256 in &study.definition().recordings_sha256 {
         all.update(sha256.as_bytes());
     }
     let digest: String = all.finalize().iter().map(|b| format!("{b:02x}")).collect();
-    problem
+    study
         .fingerprint()
         .entries()
         .iter()
@@ -241,7 +239,7 @@ fn resting_faces(rows: &[RecordingErrors]) -> Vec<FaceOdds> {
     FaceOdds::count(&ends)
 }
 
-impl Spread {
+impl Average {
     /// Of at least one value.
     fn of(values: Vec<f64>) -> Option<Self> {
         let root = (values.len() as f64).sqrt();

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use super::problem::Problem;
 use super::score::PointScore;
+use super::study::Study;
 use crate::error::Result;
 use crate::optimization::Ending;
 use crate::store::{Fingerprint, Mode, Store, TrialScore};
 
 /// One run that keeps its results.
 pub(super) struct Keeping<'a> {
-    pub problem: &'a Problem,
+    pub study: &'a Study,
     pub fingerprint: Fingerprint,
     /// `sweep` or `tune`.
     pub kind: &'static str,
@@ -30,15 +30,15 @@ impl Keeping<'_> {
 
     /// What somebody with nothing but the store needs to read it.
     fn describe(&self, store: &mut Store) -> Result<()> {
-        let study = self.problem.study();
-        let ranges = study.grid.ranges().iter();
+        let definition = self.study.definition();
+        let ranges = definition.grid.ranges().iter();
         let list = |names: Vec<&str>| serde_json::json!(names).to_string();
         store.describe([
             ("kind", self.kind.to_owned()),
-            ("study", study.name.clone()),
-            ("study text", study.text.clone()),
-            ("metric", study.metric.name().to_owned()),
-            ("unit", study.metric.unit().label().to_owned()),
+            ("study", definition.name.clone()),
+            ("study text", definition.text.clone()),
+            ("metric", definition.metric.name().to_owned()),
+            ("unit", definition.metric.unit().label().to_owned()),
             (
                 "parameters",
                 list(ranges.clone().map(|r| r.parameter.name).collect()),
@@ -49,7 +49,13 @@ impl Keeping<'_> {
             ),
             (
                 "recordings",
-                list(study.recordings.iter().map(|r| r.name.as_str()).collect()),
+                list(
+                    definition
+                        .recordings
+                        .iter()
+                        .map(|r| r.name.as_str())
+                        .collect(),
+                ),
             ),
         ])
     }

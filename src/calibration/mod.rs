@@ -1,7 +1,7 @@
 //! A study: experiment + recordings + parameters + metric, read from RON and made ready to evaluate.
 //!
-//! [`Study::read`] parses the file, [`Problem::new`] turns it into cases (one simulation each),
-//! [`Problem::evaluate`] simulates one point, [`Scores::new`] compares all points with reality.
+//! [`Definition::read`] parses the file, [`Study::new`] turns it into cases (one simulation each),
+//! [`Study::evaluate`] simulates one point, [`Scores::new`] compares all points with reality.
 
 pub mod identification;
 
@@ -9,18 +9,23 @@ mod answer;
 mod audit;
 mod case;
 mod clip;
+mod definition;
 mod evaluation;
 mod file;
+mod fingerprint;
 mod keeping;
+mod method;
 mod noise;
+mod overrides;
 mod posterior;
-mod problem;
 mod profile;
 mod recording;
 mod repeat;
 mod rest;
 mod score;
 mod sensitivity;
+mod split;
+mod study;
 mod sweep;
 mod tune;
 mod uncertainty;
@@ -28,24 +33,27 @@ mod validation;
 mod values;
 
 pub use crate::store::Mode;
-pub use answer::{Answer, INTERVAL_LEVEL, LEVEL, Method};
+pub use answer::{Answer, INTERVAL_LEVEL, LEVEL};
 pub use audit::{Audit, AuditRow};
 pub use case::{Case, Target};
-pub use evaluation::{Evaluation, RecordingErrors, Spread, evaluate};
-pub use file::{Overrides, Part, StartRule, Study};
+pub use definition::{Definition, StartRule};
+pub use evaluation::{Average, Evaluation, RecordingErrors, evaluate};
+pub use method::{Method, Termination, Tuned};
 pub use noise::read_noise;
+pub use overrides::{Overrides, Part};
 pub use posterior::{BestDraws, ScoredPoint};
-pub use problem::Problem;
 pub use profile::Profile;
 pub use recording::{recording_paths, recording_warnings};
 pub use repeat::RepeatCase;
 pub use rest::{FaceOdds, RestingOdds, resting_odds};
 pub use score::{PointScore, Scores};
 pub use sensitivity::{Effect, Sensitivity, sensitivity};
+pub use split::Split;
+pub use study::Study;
 pub use sweep::sweep;
-pub use tune::{Termination, TuneOptions, Tuned, tune};
+pub use tune::{TuneOptions, tune};
 pub use uncertainty::{
     Uncertainty, UncertaintySource, bootstrap_indistinguishable, spread_indistinguishable,
 };
-pub use validation::{Fold, Split, Validation};
+pub use validation::{Fold, Validation};
 pub use values::{BestFile, read_parameters};

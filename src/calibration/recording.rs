@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use super::file::{Overrides, Study};
+use super::overrides::Overrides;
 use crate::error::{Error, Result};
+use crate::robot::morphology::Morphology;
 use crate::trajectory::{self, Recording, Source};
 use crate::unit::counted;
 use crate::warning::{Code, Warning};
@@ -15,31 +16,26 @@ use crate::warning::{Code, Warning};
 pub(super) struct Found {
     pub recordings: Vec<Recording>,
     pub sha256: Vec<String>,
-    pub warnings: Vec<Warning>,
 }
 
 /// Reads every recording that the overrides' globs (relative to the current folder) or the study's own
 /// (relative to its file) name, in order of their paths.
-pub(super) fn find(study: &Study, overrides: &Overrides) -> Result<Found> {
+pub(super) fn find(study: &Path, own_globs: &[String], overrides: &Overrides) -> Result<Found> {
     let (globs, base) = if overrides.recordings.is_empty() {
-        (
-            &study.recording_globs,
-            study.path.parent().unwrap_or(Path::new("")),
-        )
+        (own_globs, study.parent().unwrap_or(Path::new("")))
     } else {
-        (&overrides.recordings, Path::new(""))
+        (overrides.recordings.as_slice(), Path::new(""))
     };
     if globs.is_empty() {
         return Err(Error::invalid("the study names no recordings")
-            .at_file(&study.path)
+            .at_file(study)
             .field("recordings")
-            .hint("name them with --recordings 'FOLDER/*.csv', or in the file: recordings: [\"../runs/*.csv\"]"));
+            .hint("name them in the file: recordings: [\"../runs/*.csv\"]"));
     }
     let unique = recording_paths(globs, base)?;
     let mut found = Found {
         recordings: Vec::new(),
         sha256: Vec::new(),
-        warnings: Vec::new(),
     };
     let limit = overrides.limit_recordings.unwrap_or(usize::MAX).max(1);
     let mut index = 0;
@@ -64,10 +60,9 @@ pub(super) fn find(study: &Study, overrides: &Overrides) -> Result<Found> {
     found.sha256.truncate(limit);
     if found.recordings.is_empty() {
         return Err(Error::invalid("this part of the recordings is empty")
-            .at_file(&study.path)
+            .at_file(study)
             .found(format!("{} in all", counted(index, "recording"))));
     }
-    found.warnings = warnings(study, &found.recordings);
     Ok(found)
 }
 
@@ -117,17 +112,17 @@ fn expand(pattern: &Path) -> Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
-fn warnings(study: &Study, recordings: &[Recording]) -> Vec<Warning> {
+/// What the reader should know of recordings that are matched with simulations of `robot`.
+pub(super) fn warnings_for(robot: &Morphology, recordings: &[Recording]) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
-    let robots = robots(recordings);
     warnings.extend(different_robots(recordings));
-    for robot in robots
-        .iter()
-        .filter(|robot| **robot != study.morphology.name())
-    {
+    for recorded in robots(recordings) {
+        if recorded == robot.name() {
+            continue;
+        }
         let message = format!(
-            "recordings of the robot \"{robot}\" are matched with a simulation of \"{}\"",
-            study.morphology.name()
+            "recordings of the robot \"{recorded}\" are matched with a simulation of \"{}\"",
+            robot.name()
         );
         warnings.push(Warning::new(Code::OtherRobot, message));
     }

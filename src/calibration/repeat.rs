@@ -1,6 +1,6 @@
 //! What an ensemble of a study repeats, and the recordings it is held against.
 
-use super::problem::Problem;
+use super::study::Study;
 use crate::error::Result;
 use crate::simulation::Experiment;
 use crate::simulation::parameter::ParameterSet;
@@ -17,7 +17,7 @@ pub struct RepeatCase {
     pub real: Vec<(String, Prepared)>,
 }
 
-impl Problem {
+impl Study {
     /// The experiments to repeat: one where the start is settled, else one a recording.
     ///
     /// # Errors
@@ -31,14 +31,14 @@ impl Problem {
                     .targets
                     .iter()
                     .map(|target| {
-                        let name = self.study().recordings[target.recording].name.clone();
+                        let name = self.definition().recordings[target.recording].name.clone();
                         let target = target.in_true_lengths(experiment.recording_length_scale)?;
                         Ok((name, target.prepared.clone()))
                     })
                     .collect::<Result<Vec<_>>>()?;
                 let name = match real.first() {
                     Some((recording, _)) if !single => recording.clone(),
-                    _ => self.study().name.clone(),
+                    _ => self.definition().name.clone(),
                 };
                 Ok(RepeatCase {
                     name,

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::file::{StartRule, Study};
-use super::problem::Problem;
+use super::definition::{Definition, StartRule};
+use super::study::Study;
 use crate::calibration::identification::{face_down, is_at_rest};
 use crate::error::{Error, Result};
 use crate::robot::morphology::Face;
@@ -86,42 +86,41 @@ pub(super) fn face_at_end(motion: &Trajectory, experiment: &Experiment) -> Optio
 /// # Errors
 /// A study whose runs do not start from recordings, no recording that ends at rest, or settings that cannot be simulated.
 pub fn resting_odds(
-    mut study: Study,
+    mut definition: Definition,
     identified: &ParameterSet,
     progress: impl Fn(usize) + Sync,
 ) -> Result<RestingOdds> {
-    if study.start == StartRule::Settled {
-        return Err(
+    if definition.start == StartRule::Settled {
+        return Err(definition.at_file(
             Error::invalid("a settled start says nothing about how tosses come to rest")
-                .at_file(&study.path)
                 .field("start")
                 .hint("use `start: FromRecording`"),
-        );
+        ));
     }
     // As the real counts: over whole recordings, whatever part of them the study compares.
-    study.duration_s = None;
-    let (recordings, sha256) = std::mem::take(&mut study.recordings)
+    definition.duration_s = None;
+    let (recordings, sha256) = std::mem::take(&mut definition.recordings)
         .into_iter()
-        .zip(std::mem::take(&mut study.recordings_sha256))
+        .zip(std::mem::take(&mut definition.recordings_sha256))
         .filter(|(recording, _)| is_at_rest(&recording.trajectory))
         .unzip();
-    (study.recordings, study.recordings_sha256) = (recordings, sha256);
-    if study.recordings.is_empty() {
-        return Err(Error::invalid("no recording ends at rest").at_file(&study.path));
+    (definition.recordings, definition.recordings_sha256) = (recordings, sha256);
+    if definition.recordings.is_empty() {
+        return Err(definition.at_file(Error::invalid("no recording ends at rest")));
     }
-    let fixed = study.set.clone().with_all(identified);
-    let problem = Problem::new(study)?;
+    let fixed = definition.set.clone().with_all(identified);
+    let study = Study::new(definition)?;
     let done = AtomicUsize::new(0);
-    let ends = (0..problem.cases().len())
+    let ends = (0..study.cases().len())
         .into_par_iter()
         .map(|case| {
-            let end = ends_of(&problem, case, &fixed);
+            let end = ends_of(&study, case, &fixed);
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
             end
         })
         .collect::<Result<Vec<_>>>()?;
-    let free = problem
-        .study()
+    let free = study
+        .definition()
         .grid
         .ranges()
         .iter()
@@ -129,13 +128,13 @@ pub fn resting_odds(
         .filter(|parameter| fixed.value(parameter.name).is_none());
     let (mut values, mut at_default) = (BTreeMap::new(), Vec::new());
     for parameter in free {
-        if let Some(value) = (parameter.get)(&problem.cases()[0].experiment) {
+        if let Some(value) = (parameter.get)(&study.cases()[0].experiment) {
             values.insert(parameter.name.to_owned(), value);
             at_default.push(parameter.name.to_owned());
         }
     }
     values.extend(fixed.iter().map(|a| (a.parameter.name.to_owned(), a.value)));
-    let mut warnings = problem.warnings().to_vec();
+    let mut warnings = study.warnings().to_vec();
     if !at_default.is_empty() {
         warnings.push(Warning::new(
             Code::FreeParameter,
@@ -156,22 +155,22 @@ pub fn resting_odds(
             .map(|a| a.parameter.name.to_owned())
             .collect(),
         at_default,
-        start: problem.study().start_state.label(),
+        start: study.definition().start_state.label(),
         warnings,
     })
 }
 
 /// The real and the simulated face of a case with a recording of its own.
 fn ends_of(
-    problem: &Problem,
+    study: &Study,
     case: usize,
     set: &ParameterSet,
 ) -> Result<(&'static str, Option<&'static str>)> {
-    let experiment = problem.experiment_with(case, set)?;
-    let target = &problem.cases()[case].targets[0];
+    let experiment = study.experiment_with(case, set)?;
+    let target = &study.cases()[case].targets[0];
     let real = face_at_end(&target.motion, &experiment).ok_or_else(|| {
         Error::invalid("a recording without orientations has no face that is down")
-            .at_file(&problem.study().recordings[target.recording].path)
+            .at_file(&study.definition().recordings[target.recording].path)
     })?;
     let run = simulation::run(&experiment)?;
     let motion = run.outcome.completed();

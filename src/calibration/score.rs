@@ -1,6 +1,6 @@
 //! From simulated outcomes to scores: build the basis where the metric needs one, average over recordings, find the best.
 
-use super::problem::Problem;
+use super::study::Study;
 use crate::comparison::Basis;
 use crate::error::Result;
 use crate::statistics::mean;
@@ -47,21 +47,21 @@ impl Scores {
     ///
     /// # Errors
     /// Paths from which no basis can be built.
-    pub fn new(problem: &Problem, trials: &[Trial]) -> Result<Self> {
-        let basis = basis(problem, trials.iter().flat_map(|trial| &trial.outcomes))?;
-        Self::with_basis(problem, trials, basis)
+    pub fn new(study: &Study, trials: &[Trial]) -> Result<Self> {
+        let basis = basis(study, trials.iter().flat_map(|trial| &trial.outcomes))?;
+        Self::with_basis(study, trials, basis)
     }
 
     /// Scores all trials with a basis that was fitted before; one that the metric does not need is ignored.
     ///
     /// # Errors
     /// Paths that do not fit the basis.
-    pub fn with_basis(problem: &Problem, trials: &[Trial], basis: Option<Basis>) -> Result<Self> {
-        let metric = problem.study().metric;
-        let real = problem.real_paths();
+    pub fn with_basis(study: &Study, trials: &[Trial], basis: Option<Basis>) -> Result<Self> {
+        let metric = study.definition().metric;
+        let real = study.real_paths();
         let points = trials
             .iter()
-            .map(|trial| score(problem, &real, basis.as_ref(), trial))
+            .map(|trial| score(study, &real, basis.as_ref(), trial))
             .collect::<Result<Vec<_>>>()?;
         let best = points
             .iter()
@@ -83,13 +83,13 @@ impl Scores {
     /// A path that does not fit the basis.
     pub fn outcome_scores(
         &self,
-        problem: &Problem,
+        study: &Study,
         values: &[f64],
         case: usize,
         outcome: &Outcome,
     ) -> Result<Vec<f64>> {
-        let length_scale = problem.recording_length_scale(values);
-        outcome_scores(problem, self.basis.as_ref(), length_scale, case, outcome)
+        let length_scale = study.recording_length_scale(values);
+        outcome_scores(study, self.basis.as_ref(), length_scale, case, outcome)
     }
 }
 
@@ -98,24 +98,24 @@ impl Scores {
 /// # Errors
 /// Paths from which no basis can be built.
 pub(super) fn basis<'a>(
-    problem: &Problem,
+    study: &Study,
     outcomes: impl IntoIterator<Item = &'a Outcome>,
 ) -> Result<Option<Basis>> {
-    if !problem.study().metric.needs().basis {
+    if !study.definition().metric.needs().basis {
         return Ok(None);
     }
-    let real = problem.real_paths();
+    let real = study.real_paths();
     let simulated: Vec<Prepared> = outcomes
         .into_iter()
         .filter(|outcome| outcome.status == OutcomeStatus::Completed)
         .map(|outcome| Prepared::from_xy_m(outcome.path_xy_m.clone()))
         .collect::<Result<_>>()?;
     let all: Vec<&Prepared> = real.iter().copied().chain(&simulated).collect();
-    Basis::fit(&all, problem.study().components).map(Some)
+    Basis::fit(&all, study.definition().components).map(Some)
 }
 
 fn score(
-    problem: &Problem,
+    study: &Study,
     real: &[&Prepared],
     basis: Option<&Basis>,
     trial: &Trial,
@@ -138,12 +138,12 @@ fn score(
         return Ok(point);
     }
     let count = real.len();
-    let length_scale = problem.recording_length_scale(&trial.values);
+    let length_scale = study.recording_length_scale(&trial.values);
     point.recordings = vec![f64::NAN; count];
     let mut displacement_error_m = 0.0;
     for (case, outcome) in trial.outcomes.iter().enumerate() {
-        let scores = outcome_scores(problem, basis, length_scale, case, outcome)?;
-        for (target, score) in problem.cases()[case].targets.iter().zip(scores) {
+        let scores = outcome_scores(study, basis, length_scale, case, outcome)?;
+        for (target, score) in study.cases()[case].targets.iter().zip(scores) {
             point.recordings[target.recording] = score;
             displacement_error_m += (outcome.net_displacement_m
                 - target.prepared.net_displacement_m() / length_scale)
@@ -151,7 +151,7 @@ fn score(
         }
     }
     let mean_of = |held_out: bool| {
-        let chosen = problem.part_of(&point.recordings, held_out);
+        let chosen = study.part_of(&point.recordings, held_out);
         (!chosen.is_empty()).then(|| mean(&chosen))
     };
     (point.score, point.held_out) = (mean_of(false), mean_of(true));
@@ -161,7 +161,7 @@ fn score(
 
 /// Scores of one outcome against the recordings of its case; `length_scale` is recorded lengths over true ones.
 pub(super) fn outcome_scores(
-    problem: &Problem,
+    study: &Study,
     basis: Option<&Basis>,
     length_scale: f64,
     case: usize,
@@ -172,7 +172,7 @@ pub(super) fn outcome_scores(
     };
     let simulated = Prepared::from_xy_m(outcome.path_xy_m.clone())?;
     // Both paths are in recorded lengths, the score in true ones.
-    Ok(problem.cases()[case]
+    Ok(study.cases()[case]
         .targets
         .iter()
         .map(|target| basis.discrepancy_m(&target.prepared, &simulated) / length_scale)

@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::file::StartRule;
-use super::problem::Problem;
+use super::definition::StartRule;
 use super::score::{basis, outcome_scores};
+use super::study::Study;
 use crate::error::{Error, Result};
 use crate::simulation::Noise;
 use crate::simulation::parameter::{self, Assignment, Parameter, ParameterSet};
@@ -71,12 +71,9 @@ const REPEATS: u64 = 16;
 ///
 /// # Errors
 /// A point that itself diverges, or a metric that cannot compare.
-pub fn sensitivity(
-    problem: &Problem,
-    progress: impl Fn(usize, usize) + Sync,
-) -> Result<Sensitivity> {
+pub fn sensitivity(study: &Study, progress: impl Fn(usize, usize) + Sync) -> Result<Sensitivity> {
     let base = ParameterSet::new();
-    let experiment = problem.experiment_with(0, &base)?;
+    let experiment = study.experiment_with(0, &base)?;
     let nudged: Vec<(&'static Parameter, f64, [Option<f64>; 2])> = parameter::all()
         .filter_map(|parameter| {
             let value = (parameter.get)(&experiment)?;
@@ -93,7 +90,7 @@ pub fn sensitivity(
         let one = |&value: &f64| ParameterSet::new().with(Assignment { parameter, value });
         tasks.extend(values.iter().flatten().map(one));
     }
-    let repeats = match problem.study().start {
+    let repeats = match study.definition().start {
         StartRule::Settled => REPEATS,
         StartRule::FromRecording => 0,
     };
@@ -104,7 +101,7 @@ pub fn sensitivity(
     let outcomes: Vec<Option<Vec<Outcome>>> = tasks
         .par_iter()
         .map(|task| {
-            let outcomes = problem.evaluate_set(task).ok();
+            let outcomes = study.evaluate_set(task).ok();
             report();
             outcomes
         })
@@ -113,12 +110,12 @@ pub fn sensitivity(
         .into_par_iter()
         .map(|repeat| {
             let noise = Noise::careful_start();
-            let outcome = problem.evaluate_perturbed(&tasks[0], &noise, repeat, 1.0);
+            let outcome = study.evaluate_perturbed(&tasks[0], &noise, repeat, 1.0);
             report();
             outcome
         })
         .collect::<Result<_>>()?;
-    let basis = basis(problem, outcomes.iter().flatten().flatten().chain(&starts))?;
+    let basis = basis(study, outcomes.iter().flatten().flatten().chain(&starts))?;
     let score = |set: &ParameterSet, outcomes: &[Outcome]| -> Result<Option<f64>> {
         let length_scale = set.apply(&experiment).recording_length_scale;
         let mut all = Vec::new();
@@ -127,7 +124,7 @@ pub fn sensitivity(
                 return Ok(None);
             }
             all.extend(outcome_scores(
-                problem,
+                study,
                 basis.as_ref(),
                 length_scale,
                 case,
@@ -145,11 +142,10 @@ pub fn sensitivity(
         })
         .collect::<Result<_>>()?;
     let Some(at_point) = scores[0] else {
-        return Err(Error::invalid(
-            "the point itself diverges, so nothing can be said about changes of it",
-        )
-        .at_file(&problem.study().path)
-        .hint("try --parameters best.ron of a sweep, a shorter timestep or more substeps"));
+        return Err(study.definition().at_file(
+            Error::invalid("the point itself diverges, so nothing can be said about changes of it")
+                .hint("try the best values of a sweep, a shorter timestep or more substeps"),
+        ));
     };
     let starts: Vec<f64> = starts
         .iter()
@@ -176,13 +172,13 @@ pub fn sensitivity(
         })
         .collect();
     effects.sort_by(|a, b| b.size().total_cmp(&a.size()));
-    let metric = problem.study().metric;
+    let metric = study.definition().metric;
     Ok(Sensitivity {
         metric: metric.name(),
         unit: metric.unit().label(),
         score: at_point,
         start_sd: (repeats > 0).then(|| standard_deviation(&starts)),
         effects,
-        warnings: problem.warnings().to_vec(),
+        warnings: study.warnings().to_vec(),
     })
 }

@@ -3,35 +3,36 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use super::answer::{Answer, Method};
+use super::answer::Answer;
 use super::keeping::Keeping;
-use super::problem::Problem;
+use super::method::Method;
 use super::score::Scores;
+use super::study::Study;
 use crate::error::Result;
 use crate::optimization::{Evaluation, drive, pool};
 use crate::store::Mode;
 
-/// Evaluates every point of the problem's grid into the store in `folder`.
+/// Evaluates every point of the study's grid into the store in `folder`.
 ///
 /// The result does not depend on `jobs`, nor on how often the sweep was interrupted and resumed.
 ///
 /// # Errors
 /// A folder in use, results of another study in it, a full disk, or a metric that cannot compare.
 pub fn sweep(
-    problem: &Problem,
+    study: &Study,
     folder: &Path,
     mode: Mode,
     jobs: usize,
     stop: &AtomicBool,
     progress: impl FnMut(usize),
 ) -> Result<Answer> {
-    let grid = &problem.study().grid;
+    let grid = &study.definition().grid;
     grid.check_size()
-        .map_err(|e| e.at_file(&problem.study().path))?;
+        .map_err(|e| study.definition().at_file(e))?;
     let points = grid.len();
     let keeping = Keeping {
-        problem,
-        fingerprint: problem.fingerprint(),
+        study,
+        fingerprint: study.fingerprint(),
         kind: "sweep",
         expected: points,
     };
@@ -40,11 +41,11 @@ pub fn sweep(
     let ending = drive(
         &evaluation,
         &mut store,
-        |index| problem.evaluate(index),
+        |index| study.evaluate(index),
         progress,
     )?;
-    let scores = Scores::new(problem, &store.trials()?)?;
+    let scores = Scores::new(study, &store.trials()?)?;
     keeping.score(&mut store, &scores.points)?;
     keeping.end(&mut store, ending)?;
-    pool(jobs)?.install(|| Answer::new(problem, Method::Sweep, ending, scores))
+    pool(jobs)?.install(|| Answer::new(study, Method::Sweep, ending, scores))
 }

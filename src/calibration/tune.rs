@@ -3,12 +3,11 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use serde::Serialize;
-
-use super::answer::{Answer, Method};
+use super::answer::Answer;
 use super::keeping::Keeping;
-use super::problem::Problem;
+use super::method::{Method, Termination, Tuned};
 use super::score::{PointScore, Scores, basis};
+use super::study::Study;
 use crate::comparison::Basis;
 use crate::error::{Error, Result};
 use crate::optimization::{
@@ -28,33 +27,6 @@ pub struct TuneOptions {
     pub patience: Option<usize>,
 }
 
-/// Why tuning ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Termination {
-    /// The budget is spent.
-    Budget,
-    /// The optimizer has nothing more to try.
-    Exhausted,
-    /// `patience` points in a row were no better.
-    NoImprovement,
-    /// Stopped from outside; everything finished is stored.
-    Interrupted,
-}
-
-/// How the points of a tuned study were chosen.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Tuned {
-    /// Name of the optimizer.
-    pub optimizer: &'static str,
-    /// Most points.
-    pub budget: usize,
-    /// Points of the space-filling first design.
-    pub design: usize,
-    /// Why it ended.
-    pub termination: Termination,
-}
-
 /// Runs of the first design from which the basis of the `pca` metric is fitted (DESIGN, section 4).
 const BASIS_DESIGN: usize = 64;
 
@@ -68,7 +40,7 @@ const BASIS_DESIGN: usize = 64;
 /// # Errors
 /// As [`sweep`](super::sweep); a budget that does not hold the first design and one batch.
 pub fn tune(
-    problem: &Problem,
+    study: &Study,
     folder: &Path,
     mode: Mode,
     jobs: usize,
@@ -76,26 +48,26 @@ pub fn tune(
     stop: &AtomicBool,
     progress: impl FnMut(usize, Option<f64>),
 ) -> Result<Answer> {
-    let mut walk = Walk::open(problem, folder, mode, jobs, options, stop, progress)?;
-    let termination = walk.run()?;
+    let mut tuning = Tuning::open(study, folder, mode, jobs, options, stop, progress)?;
+    let termination = tuning.run()?;
     let ending = match termination {
         Termination::Interrupted => Ending::Interrupted,
         _ => Ending::Complete,
     };
-    let scores = walk.scores()?;
-    walk.keeping.score(&mut walk.store, &scores.points)?;
-    walk.keeping.end(&mut walk.store, ending)?;
+    let scores = tuning.scores()?;
+    tuning.keeping.score(&mut tuning.store, &scores.points)?;
+    tuning.keeping.end(&mut tuning.store, ending)?;
     let method = Method::Tune(Tuned {
         optimizer: options.optimizer.name(),
         budget: options.budget,
-        design: walk.design.len(),
+        design: tuning.design.len(),
         termination,
     });
-    pool(jobs)?.install(|| Answer::new(problem, method, ending, scores))
+    pool(jobs)?.install(|| Answer::new(study, method, ending, scores))
 }
 
-struct Walk<'a, P> {
-    problem: &'a Problem,
+struct Tuning<'a, P> {
+    study: &'a Study,
     options: &'a TuneOptions,
     brief: Brief,
     keeping: Keeping<'a>,
@@ -110,9 +82,9 @@ struct Walk<'a, P> {
     since_best: usize,
 }
 
-impl<'a, P: FnMut(usize, Option<f64>)> Walk<'a, P> {
+impl<'a, P: FnMut(usize, Option<f64>)> Tuning<'a, P> {
     fn open(
-        problem: &'a Problem,
+        study: &'a Study,
         folder: &Path,
         mode: Mode,
         jobs: usize,
@@ -120,14 +92,14 @@ impl<'a, P: FnMut(usize, Option<f64>)> Walk<'a, P> {
         stop: &'a AtomicBool,
         progress: P,
     ) -> Result<Self> {
-        let study = problem.study();
-        let points: Vec<usize> = study
+        let definition = study.definition();
+        let points: Vec<usize> = definition
             .grid
             .ranges()
             .iter()
             .map(|range| range.points)
             .collect();
-        let needs_basis = study.metric.needs().basis;
+        let needs_basis = definition.metric.needs().basis;
         let design =
             options
                 .optimizer
@@ -136,24 +108,24 @@ impl<'a, P: FnMut(usize, Option<f64>)> Walk<'a, P> {
         let brief = Brief {
             points,
             budget: options.budget.saturating_sub(design),
-            seed: study.seed,
+            seed: definition.seed,
         };
         let batch = options.optimizer.batch(&brief).max(1);
         if brief.budget < batch {
             let error = Error::usage("the budget is too small")
-                .field("--budget")
+                .field("budget")
                 .found(options.budget)
                 .allowed(format!(
                     "at least {}: a first design of {design} and one batch of {batch}",
                     design + batch
                 ));
             return Err(if needs_basis {
-                error.hint("a metric without a basis, e.g. --metric rms, needs no design of 64")
+                error.hint("a metric without a basis, e.g. rms, needs no design of 64")
             } else {
                 error
             });
         }
-        let mut fingerprint = problem
+        let mut fingerprint = study
             .fingerprint()
             .with("optimizer", options.optimizer.name())
             .with("first design", design);
@@ -161,14 +133,14 @@ impl<'a, P: FnMut(usize, Option<f64>)> Walk<'a, P> {
             fingerprint = fingerprint.with("budget", options.budget);
         }
         let keeping = Keeping {
-            problem,
+            study,
             fingerprint,
             kind: "tune",
             expected: options.budget,
         };
         let store = keeping.open(folder, mode)?;
         Ok(Self {
-            problem,
+            study,
             options,
             design: space_filling(brief.dimensions(), 0, design, brief.seed),
             brief,
@@ -190,10 +162,7 @@ impl<'a, P: FnMut(usize, Option<f64>)> Walk<'a, P> {
             return Ok(Termination::Interrupted);
         }
         let trials = self.store.trials_within(0..design.len())?;
-        self.basis = basis(
-            self.problem,
-            trials.iter().flat_map(|trial| &trial.outcomes),
-        )?;
+        self.basis = basis(self.study, trials.iter().flat_map(|trial| &trial.outcomes))?;
         self.tell(&design)?;
         loop {
             if self.told.len() >= self.options.budget {
@@ -223,7 +192,7 @@ impl<'a, P: FnMut(usize, Option<f64>)> Walk<'a, P> {
     /// Evaluates the candidates that follow what has been told; stored ones are not simulated again.
     fn evaluate(&mut self, candidates: &[UnitPoint]) -> Result<Ending> {
         let offset = self.told.len();
-        let ranges = self.problem.study().grid.ranges();
+        let ranges = self.study.definition().grid.ranges();
         let evaluation = Evaluation {
             points: offset + candidates.len(),
             jobs: self.jobs,
@@ -238,7 +207,7 @@ impl<'a, P: FnMut(usize, Option<f64>)> Walk<'a, P> {
                 let values = point
                     .map(|(coordinate, range)| range.at(*coordinate))
                     .collect();
-                self.problem.evaluate_values(index, values)
+                self.study.evaluate_values(index, values)
             },
             |done| progress(done, best),
         )
@@ -250,7 +219,7 @@ impl<'a, P: FnMut(usize, Option<f64>)> Walk<'a, P> {
         let trials = self
             .store
             .trials_within(offset..offset + candidates.len())?;
-        let scores = Scores::with_basis(self.problem, &trials, self.basis.clone())?;
+        let scores = Scores::with_basis(self.study, &trials, self.basis.clone())?;
         for (point, scored) in candidates.iter().zip(&scores.points) {
             self.notice(scored);
             self.told.push(Told {
@@ -277,8 +246,8 @@ impl<'a, P: FnMut(usize, Option<f64>)> Walk<'a, P> {
     fn scores(&self) -> Result<Scores> {
         let trials = self.store.trials()?;
         match &self.basis {
-            Some(basis) => Scores::with_basis(self.problem, &trials, Some(basis.clone())),
-            None => Scores::new(self.problem, &trials),
+            Some(basis) => Scores::with_basis(self.study, &trials, Some(basis.clone())),
+            None => Scores::new(self.study, &trials),
         }
     }
 }

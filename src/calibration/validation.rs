@@ -1,78 +1,13 @@
 //! Scoring on recordings that the fit has not seen.
 
-use std::fmt;
-
-use rand::SeedableRng;
-use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use super::problem::Problem;
 use super::score::{PointScore, Scores};
-use crate::error::{Error, Result};
+use super::split::{Split, shuffled};
+use super::study::Study;
+use crate::error::Result;
 use crate::statistics::{mean, standard_deviation};
 use crate::warning::{Code, Warning};
-
-/// Which recordings are kept from the fit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Split {
-    /// Every recording is held out once: so many parts, each checked with the best of the others.
-    Folds(usize),
-    /// This share of the recordings is held out, more than 0 and less than 1.
-    HoldOut(f64),
-}
-
-impl fmt::Display for Split {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Folds(folds) => write!(f, "{folds} folds"),
-            Self::HoldOut(share) => write!(f, "{share} held out"),
-        }
-    }
-}
-
-/// Shuffled order of the recordings; the same for the same seed.
-fn shuffled(recordings: usize, seed: u64) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..recordings).collect();
-    order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
-    order
-}
-
-impl Split {
-    /// One flag a recording: kept from the fit of the whole study. Folds keep none from it.
-    ///
-    /// # Errors
-    /// More folds than recordings, a share out of range, or nothing left on one side.
-    pub fn held_out(self, recordings: usize, seed: u64) -> Result<Vec<bool>> {
-        let mut flags = vec![false; recordings];
-        match self {
-            Self::Folds(folds) => {
-                if !(2..=recordings).contains(&folds) {
-                    return Err(Error::usage("the recordings cannot be parted like this")
-                        .field("--folds")
-                        .found(format!("{folds} folds of {recordings} recordings"))
-                        .allowed("2 up to the number of recordings")
-                        .hint(
-                            "record more repeats; one recording cannot be held out from itself",
-                        ));
-                }
-            }
-            Self::HoldOut(share) => {
-                let count = (share * recordings as f64).round();
-                if !(share > 0.0 && share < 1.0) || count < 1.0 || count >= recordings as f64 {
-                    return Err(Error::usage("the recordings cannot be parted like this")
-                        .field("--hold-out")
-                        .found(format!("a share of {share} of {recordings} recordings"))
-                        .allowed("a share between 0 and 1 that leaves at least one recording on either side"));
-                }
-                for index in shuffled(recordings, seed).into_iter().take(count as usize) {
-                    flags[index] = true;
-                }
-            }
-        }
-        Ok(flags)
-    }
-}
 
 /// How well the fit does on recordings that it has not seen.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -112,19 +47,19 @@ impl Validation {
     ///
     /// # Errors
     /// None beyond those of [`Split::held_out`].
-    pub fn new(problem: &Problem, scores: &Scores) -> Result<Option<Self>> {
-        let (Some(split), Some(best)) = (problem.study().split, scores.best) else {
+    pub fn new(study: &Study, scores: &Scores) -> Result<Option<Self>> {
+        let (Some(split), Some(best)) = (study.definition().split, scores.best) else {
             return Ok(None);
         };
         match split {
-            Split::HoldOut(_) => Ok(Some(Self::hold_out(problem, &scores.points[best], split))),
-            Split::Folds(folds) => Ok(Self::folds(problem, scores, &scores.points[best], folds)),
+            Split::HoldOut(_) => Ok(Some(Self::hold_out(study, &scores.points[best], split))),
+            Split::Folds(folds) => Ok(Self::folds(study, scores, &scores.points[best], folds)),
         }
     }
 
-    fn hold_out(problem: &Problem, best: &PointScore, split: Split) -> Self {
+    fn hold_out(study: &Study, best: &PointScore, split: Split) -> Self {
         let [fitted, held_out] =
-            [false, true].map(|held_out| problem.part_of(&best.recordings, held_out));
+            [false, true].map(|held_out| study.part_of(&best.recordings, held_out));
         let variance = |values: &[f64]| standard_deviation(values).powi(2) / values.len() as f64;
         Self {
             split: split.to_string(),
@@ -136,9 +71,9 @@ impl Validation {
         }
     }
 
-    fn folds(problem: &Problem, scores: &Scores, best: &PointScore, folds: usize) -> Option<Self> {
-        let recordings = &problem.study().recordings;
-        let order = shuffled(recordings.len(), problem.study().seed);
+    fn folds(study: &Study, scores: &Scores, best: &PointScore, folds: usize) -> Option<Self> {
+        let recordings = &study.definition().recordings;
+        let order = shuffled(recordings.len(), study.definition().seed);
         let scored: Vec<&PointScore> = scores
             .points
             .iter()

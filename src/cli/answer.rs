@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::calibration::UncertaintySource;
-use realgap::calibration::{Answer, Mode, Overrides, Problem, Split};
+use realgap::calibration::{Answer, Mode, Overrides, Split, Study};
 use realgap::optimization::Ending;
 use realgap::plot::quantity;
 use realgap::results::{self, Summary};
@@ -14,7 +14,7 @@ use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 
 use super::kind::read_study;
-use super::option::{Format, Jobs, Recordings, Values};
+use super::option::{Format, Jobs, Recordings, Values, metric_option};
 use super::terminal;
 
 #[derive(Debug, Args)]
@@ -55,9 +55,9 @@ pub struct StudyOptions {
 
 impl StudyOptions {
     /// The study with its recordings read, its warnings printed.
-    pub fn problem(&self, points: Option<usize>) -> Result<Problem> {
+    pub fn study(&self, points: Option<usize>) -> Result<Study> {
         let overrides = Overrides {
-            metric: self.metric.clone(),
+            metric: metric_option(self.metric.as_deref())?,
             points,
             seed: self.seed,
             set: self.values.parameter_set()?,
@@ -68,9 +68,9 @@ impl StudyOptions {
             },
             ..self.recordings.overrides()?
         };
-        let problem = Problem::new(read_study(&self.study, &overrides)?)?;
-        terminal::print_warnings(problem.warnings());
-        let ranges = problem.study().grid.ranges().iter();
+        let study = read_study(&self.study, &overrides)?;
+        terminal::print_warnings(study.warnings());
+        let ranges = study.definition().grid.ranges().iter();
         let overruled = ranges
             .map(|range| range.parameter.name)
             .filter(|name| overrides.set.value(name).is_some())
@@ -81,14 +81,14 @@ impl StudyOptions {
                 )
             });
         terminal::print_warnings(&overruled.collect::<Vec<_>>());
-        Ok(problem)
+        Ok(study)
     }
 
     /// The folder that was asked for, or `results/<study>`, with `suffix` where that is not empty.
-    pub fn folder(&self, problem: &Problem, suffix: &str) -> PathBuf {
+    pub fn folder(&self, study: &Study, suffix: &str) -> PathBuf {
         match &self.output {
             Some(folder) => folder.clone(),
-            None => PathBuf::from("results").join(format!("{}{suffix}", problem.study().name)),
+            None => PathBuf::from("results").join(format!("{}{suffix}", study.definition().name)),
         }
     }
 
@@ -108,21 +108,21 @@ impl StudyOptions {
     pub fn finish(
         &self,
         name: &str,
-        problem: &Problem,
+        study: &Study,
         answer: &Answer,
         folder: &Path,
         wall_s: f64,
     ) -> Result<ExitCode> {
-        let summary = results::write(folder, problem, answer)?;
+        let summary = results::write(folder, study, answer)?;
         terminal::print_warnings(
             summary
                 .warnings
                 .iter()
-                .filter(|w| !problem.warnings().contains(w)),
+                .filter(|w| !study.warnings().contains(w)),
         );
         match self.format {
             Format::Json => terminal::print(terminal::json(&summary)?),
-            Format::Table => print(&summary, folder, problem, wall_s, self.jobs()),
+            Format::Table => print(&summary, folder, study, wall_s, self.jobs()),
         }
         if answer.ending == Ending::Interrupted {
             return Err(Error::interrupted(format!(
@@ -144,7 +144,7 @@ impl StudyOptions {
     }
 }
 
-fn print(summary: &Summary, folder: &Path, problem: &Problem, wall_s: f64, jobs: usize) {
+fn print(summary: &Summary, folder: &Path, study: &Study, wall_s: f64, jobs: usize) {
     let mut lines = vec![format!(
         "{}: {} of {}, {}, {wall_s:.1} s on {}",
         summary.study,
@@ -153,7 +153,7 @@ fn print(summary: &Summary, folder: &Path, problem: &Problem, wall_s: f64, jobs:
         counted(summary.recordings, "recording"),
         counted(jobs, "thread"),
     )];
-    let unit = problem.study().metric.unit();
+    let unit = study.definition().metric.unit();
     if let Some(best) = &summary.best {
         let values: Vec<String> = best
             .parameters

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::calibration::{Overrides, StartRule, Study, read_parameters};
+use realgap::calibration::{Definition, Overrides, StartRule, read_parameters};
 use realgap::file::Source;
 use realgap::plot::check_picture_path;
 use realgap::robot::genome::Specimen;
@@ -226,7 +226,7 @@ fn genome(source: &Source) -> Result<Contents> {
 }
 
 fn study(path: &Path) -> Result<Contents> {
-    let study = Study::read_without_recordings(path, &Overrides::default())?;
+    let study = Definition::read_without_recordings(path, &Overrides::default())?;
     let mut lines = vec![format!(
         "  study of the robot \"{}\", metric {} in {}",
         study.morphology.name(),
@@ -261,15 +261,15 @@ fn study(path: &Path) -> Result<Contents> {
         "cpu_s": null,
     });
     let mut warnings = Vec::new();
-    match Study::read(path, &Overrides::default()) {
+    match Definition::read(path, &Overrides::default()) {
         Ok(whole) => {
             let recordings = whole.recordings.len();
             let simulations = match whole.start {
                 StartRule::Settled => points,
                 StartRule::FromRecording => points * recordings,
             };
-            let problem = realgap::calibration::Problem::new(whole)?;
-            let one = time_one(&problem)?;
+            let study = realgap::calibration::Study::new(whole)?;
+            let one = time_one(&study)?;
             let cpu_s = one * points as f64;
             lines.push(format!(
                 "  {}, {}, {}",
@@ -283,7 +283,7 @@ fn study(path: &Path) -> Result<Contents> {
             details["recordings"] = json!(recordings);
             details["simulations"] = json!(simulations);
             details["cpu_s"] = json!(cpu_s);
-            warnings = problem.warnings().to_vec();
+            warnings = study.warnings().to_vec();
         }
         Err(error) if study.recording_globs.is_empty() => {
             lines.push(format!(
@@ -331,10 +331,13 @@ fn search(path: &Path) -> Result<Contents> {
 }
 
 /// CPU seconds of one point in the middle of the grid.
-fn time_one(problem: &realgap::calibration::Problem) -> Result<f64> {
-    let values = problem.study().grid.values(problem.study().grid.len() / 2);
-    let run = realgap::simulation::run(&problem.experiment(0, &values)?)?;
-    let share = problem.simulated_s() / problem.cases()[0].experiment.duration_s;
+fn time_one(study: &realgap::calibration::Study) -> Result<f64> {
+    let values = study
+        .definition()
+        .grid
+        .values(study.definition().grid.len() / 2);
+    let run = realgap::simulation::run(&study.experiment(0, &values)?)?;
+    let share = study.simulated_s() / study.cases()[0].experiment.duration_s;
     Ok(run.cpu.as_secs_f64() * share)
 }
 

@@ -6,9 +6,10 @@ use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 
 use clap::Args;
-use realgap::calibration::{Overrides, Problem, RepeatCase, StartRule, Study, read_noise};
+use realgap::calibration::{Definition, Overrides, RepeatCase, StartRule, Study, read_noise};
+use realgap::comparison;
 use realgap::plot::{Side, TextTable, quantity};
-use realgap::prediction::ensemble::{self, Coverage, Ensemble as Repeats, Reality, Summary};
+use realgap::prediction::ensemble::{self, Coverage, Ensemble as Repeats, Forecast, Reality};
 use realgap::results::{
     EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report,
 };
@@ -67,7 +68,7 @@ const PICTURES: usize = 12;
 #[derive(Debug, Serialize)]
 struct CaseReport {
     case: String,
-    summary: Summary,
+    summary: Forecast,
     reality: Option<Reality>,
 }
 
@@ -88,7 +89,7 @@ struct Report {
 
 /// A study made ready for repeats.
 struct Ready {
-    study: Study,
+    definition: Definition,
     cases: Vec<RepeatCase>,
     warnings: Vec<Warning>,
 }
@@ -96,14 +97,14 @@ struct Ready {
 impl Ensemble {
     pub fn run(self) -> Result<ExitCode> {
         let ready = self.ready()?;
-        let (noise, noise_from) = self.noise(&ready.study)?;
-        let seed = self.seed.unwrap_or(ready.study.seed);
+        let (noise, noise_from) = self.noise(&ready.definition)?;
+        let seed = self.seed.unwrap_or(ready.definition.seed);
         terminal::print_warnings(&ready.warnings);
         if let (Some(number), Some(file)) = (self.only, &self.output) {
             return replay(&ready, &noise, seed, number, file);
         }
         let folder = self.output.clone().unwrap_or_else(|| {
-            PathBuf::from("results").join(format!("{}_ensemble", ready.study.name))
+            PathBuf::from("results").join(format!("{}_ensemble", ready.definition.name))
         });
         let stop = interrupt::stop_flag()?;
         let pool = self.jobs.pool()?;
@@ -166,17 +167,17 @@ impl Ensemble {
         let overrides = Overrides {
             set: self.values.parameter_set()?,
             // Nothing is scored by the study's metric here, so none can refuse a recording.
-            metric: Some("rms".to_owned()),
+            metric: Some(comparison::by_name("rms")?),
             ..self.recordings.overrides()?
         };
-        let alone = Study::read_without_recordings(&self.study, &overrides)?;
+        let alone = Definition::read_without_recordings(&self.study, &overrides)?;
         if !(alone.recording_globs.is_empty() && overrides.recordings.is_empty()) {
-            let problem = Problem::new(Study::read(&self.study, &overrides)?)?;
-            let cases = problem.repeat_cases(&ParameterSet::new())?;
+            let study = Study::read(&self.study, &overrides)?;
+            let cases = study.repeat_cases(&ParameterSet::new())?;
             return Ok(Ready {
                 cases,
-                warnings: problem.warnings().to_vec(),
-                study: problem.into_study(),
+                warnings: study.warnings().to_vec(),
+                definition: study.into_definition(),
             });
         }
         let Some(duration_s) = alone
@@ -203,15 +204,15 @@ impl Ensemble {
                 Code::NoRecordings,
                 "the study names no recordings: nothing says whether these confidences are honest",
             )],
-            study: alone,
+            definition: alone,
         })
     }
 
-    fn noise(&self, study: &Study) -> Result<(Noise, String)> {
+    fn noise(&self, definition: &Definition) -> Result<(Noise, String)> {
         if let Some(file) = &self.noise {
             return Ok((read_noise(file)?, file.display().to_string()));
         }
-        let noise = study.noise.ok_or_else(|| {
+        let noise = definition.noise.ok_or_else(|| {
             Error::invalid("the study does not say how repeats differ, so all of them would be the same run")
                 .at_file(&self.study)
                 .field("noise")
@@ -259,7 +260,7 @@ fn report(
 ) -> Result<Report> {
     let mut cases = Vec::new();
     for (case, repeats) in ensembles {
-        let summary = Summary::new(repeats)?;
+        let summary = Forecast::new(repeats)?;
         let real: Vec<_> = case.real.iter().map(|(n, p)| (n.as_str(), p)).collect();
         let reality = summary
             .envelope
@@ -279,13 +280,13 @@ fn report(
     warnings.extend(cases.iter().flat_map(|case| case.summary.warnings.clone()));
     warnings.sort();
     warnings.dedup();
-    let study = &ready.study;
+    let definition = &ready.definition;
     Ok(Report {
-        study: study.name.clone(),
-        morphology: study.morphology.name().to_owned(),
+        study: definition.name.clone(),
+        morphology: definition.morphology.name().to_owned(),
         complete: ensembles.len() == ready.cases.len()
             && ensembles.iter().all(|(_, repeats)| repeats.is_complete()),
-        parameters: study
+        parameters: definition
             .set
             .iter()
             .map(|a| (a.parameter.name.to_owned(), a.value))
@@ -305,7 +306,7 @@ fn write(
     ensembles: &[(&RepeatCase, Repeats)],
     report: &Report,
 ) -> Result<()> {
-    let stand_in = ready.study.recordings.iter().any(|r| {
+    let stand_in = ready.definition.recordings.iter().any(|r| {
         r.meta
             .as_ref()
             .is_some_and(|meta| meta.source == Source::StandIn)

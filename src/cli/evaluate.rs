@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::Result;
 use realgap::calibration::identification::StartState;
-use realgap::calibration::{Evaluation, Overrides, Problem, Spread, evaluate};
+use realgap::calibration::{Average, Evaluation, Overrides, evaluate};
+use realgap::comparison;
 use realgap::plot::{Side, TextTable};
 use realgap::simulation::parameter::ParameterSet;
 use realgap::unit::counted;
@@ -46,15 +47,15 @@ impl Evaluate {
             set: self.values.parameter_set()?,
             start_state: self.start.map(StartState::from),
             // The report is of pose errors, whatever the study optimises.
-            metric: Some("pose".to_owned()),
+            metric: Some(comparison::by_name("pose")?),
             ..self.recordings.overrides()?
         };
-        let problem = Problem::new(read_study(&self.study, &overrides)?)?;
+        let study = read_study(&self.study, &overrides)?;
         let pool = self.jobs.pool()?;
-        let bar = progress::bar(problem.cases().len(), "evaluating");
+        let bar = progress::bar(study.cases().len(), "evaluating");
         // Every value is in the study's own set by now.
         let result = pool.install(|| {
-            evaluate(&problem, &ParameterSet::new(), |done| {
+            evaluate(&study, &ParameterSet::new(), |done| {
                 bar.set_position(done as u64)
             })
         });
@@ -86,7 +87,7 @@ fn print(result: &Evaluation) {
         ("final position, %", &result.final_position_percent),
         ("final rotation, deg", &result.final_rotation_deg),
     ] {
-        let Spread {
+        let Average {
             mean,
             median,
             standard_error,

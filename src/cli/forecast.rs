@@ -1,7 +1,7 @@
 //! Printing what an ensemble says: shared by `ensemble` and `predict`.
 
 use realgap::plot::{Side, TextTable, quantity};
-use realgap::prediction::ensemble::{Reality, Spread, Summary};
+use realgap::prediction::ensemble::{Forecast, Quantiles, Reality};
 use realgap::statistics::Proportion;
 use realgap::unit::Unit;
 
@@ -19,10 +19,10 @@ pub fn percent(p: &Proportion) -> String {
 }
 
 /// Lines about displacement, heading and divergence.
-pub fn lines(summary: &Summary) -> Vec<String> {
+pub fn lines(summary: &Forecast) -> Vec<String> {
     let metres = |m: f64| quantity(m, Unit::Metre);
     let mut lines = Vec::new();
-    if let Some(Spread {
+    if let Some(Quantiles {
         mean,
         standard_deviation,
         q05,
@@ -66,7 +66,7 @@ pub fn lines(summary: &Summary) -> Vec<String> {
 }
 
 /// The behaviours, with what reality showed.
-pub fn behaviours(summary: &Summary, reality: Option<&Reality>, colour: bool) -> String {
+pub fn behaviours(summary: &Forecast, reality: Option<&Reality>, colour: bool) -> String {
     let mut columns = vec![
         ("behaviour", Side::Left),
         ("probability", Side::Right),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::calibration::{Overrides, Problem, read_noise};
+use realgap::calibration::{Overrides, read_noise};
 use realgap::comparison::{Components, DEFAULT_METRIC, Metric, by_name};
 use realgap::plot::{Side, TextTable, number, quantity};
 use realgap::prediction::gap::{
@@ -18,7 +18,7 @@ use realgap::{Error, Result, Warning};
 use serde::Serialize;
 
 use super::kind::read_study;
-use super::option::{Format, Jobs, Recordings, Values};
+use super::option::{Format, Jobs, Recordings, Values, metric_option};
 use super::{forecast, interrupt, progress, terminal};
 
 /// How many noise floors is the simulation away from reality, and until when may it be trusted?
@@ -104,37 +104,37 @@ impl Gap {
     fn with_study(&self, path: &Path) -> Result<ExitCode> {
         let overrides = Overrides {
             set: self.values.parameter_set()?,
-            metric: self.metrics.first().cloned(),
+            metric: metric_option(self.metrics.first().map(String::as_str))?,
             ..self.recordings.overrides()?
         };
         // Before the study is read: a wrong name is a wrong use, whatever the file says.
         self.metrics(by_name(DEFAULT_METRIC)?)?;
-        let problem = Problem::new(read_study(path, &overrides)?)?;
-        let study = problem.study();
+        let study = read_study(path, &overrides)?;
+        let definition = study.definition();
         let options = GapOptions {
-            metrics: self.metrics(study.metric)?,
+            metrics: self.metrics(definition.metric)?,
             noise: match &self.noise {
                 Some(file) => Some(read_noise(file)?),
-                None => study.noise,
+                None => definition.noise,
             },
             repeats: self.repeats as usize,
-            seed: self.seed.unwrap_or(study.seed),
+            seed: self.seed.unwrap_or(definition.seed),
         };
         let folder = self
             .output
             .clone()
-            .unwrap_or_else(|| PathBuf::from("results").join(format!("{}_gap", study.name)));
+            .unwrap_or_else(|| PathBuf::from("results").join(format!("{}_gap", definition.name)));
         let stop = interrupt::stop_flag()?;
         let bar = progress::bar(0, "simulating");
         let found = self.jobs.pool()?.install(|| {
-            study_gap(&problem, &options, stop, |done, total| {
+            study_gap(&study, &options, stop, |done, total| {
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);
             })
         });
         bar.finish_and_clear();
         let found = found?;
-        let stand_in = study.recordings.iter().any(|r| {
+        let stand_in = definition.recordings.iter().any(|r| {
             r.meta
                 .as_ref()
                 .is_some_and(|meta| meta.source == Source::StandIn)

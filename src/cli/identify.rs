@@ -5,7 +5,8 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use realgap::calibration::identification::{Identification, Interval, LengthReading, identify};
-use realgap::calibration::{BestFile, Overrides, RestingOdds, StartRule, Study, resting_odds};
+use realgap::calibration::{BestFile, Definition, Overrides, RestingOdds, StartRule, resting_odds};
+use realgap::comparison;
 use realgap::file::{check_writable, write_atomic, write_ron};
 use realgap::plot::{Side, TextTable};
 use realgap::simulation::parameter::{Assignment, ParameterSet};
@@ -14,7 +15,7 @@ use realgap::warning::Code;
 use realgap::{Result, Warning};
 use serde::Serialize;
 
-use super::kind::read_study;
+use super::kind::read_definition;
 use super::option::{Format, Recordings, Values};
 use super::{progress, terminal};
 
@@ -61,10 +62,10 @@ impl Identify {
         let overrides = Overrides {
             set: self.values.parameter_set()?,
             // Nothing is compared here; what tossed bodies are compared by asks least of a study's recordings.
-            metric: Some("pose".to_owned()),
+            metric: Some(comparison::by_name("pose")?),
             ..self.recordings.overrides()?
         };
-        let study = read_study(&self.study, &overrides)?;
+        let study = read_definition(&self.study, &overrides)?;
         let reading = match self.reading {
             Reading::LengthScale => LengthReading::LengthScale,
             Reading::Gravity => LengthReading::Gravity,
@@ -116,7 +117,7 @@ struct Report<'a> {
 
 /// Simulated resting faces with what was identified, where there is something to simulate, and the warnings about it.
 fn simulate_rest(
-    study: Study,
+    study: Definition,
     found: &Identification,
 ) -> Result<(Option<RestingOdds>, Vec<Warning>)> {
     let why_not = if found.rest.at_rest == 0 {

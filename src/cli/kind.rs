@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use realgap::calibration::{Overrides, Study};
+use realgap::calibration::{Definition, Overrides, Study};
 use realgap::file::Source;
 use realgap::robot::morphology::Morphology;
 use realgap::search::{Hunt, Wishes};
@@ -91,7 +91,12 @@ pub fn read_search(path: &Path, wishes: &Wishes) -> Result<Hunt> {
 
 /// Reads a study.
 pub fn read_study(path: &Path, overrides: &Overrides) -> Result<Study> {
-    Study::read(path, overrides).map_err(|error| explain(path, Kind::Study, error))
+    Study::new(read_definition(path, overrides)?)
+}
+
+/// Reads a study and its recordings without making them ready to run.
+pub fn read_definition(path: &Path, overrides: &Overrides) -> Result<Definition> {
+    Definition::read(path, overrides).map_err(|error| explain(path, Kind::Study, error))
 }
 
 /// The error of reading `path` as `wanted`; where the file is clearly of another kind, an error that says so.

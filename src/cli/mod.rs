@@ -8,6 +8,7 @@ mod develop;
 mod ensemble;
 mod evaluate;
 mod export;
+mod flag;
 mod forecast;
 mod gap;
 mod genome;
@@ -89,6 +90,7 @@ pub fn main() -> ExitCode {
         Ok(_) if terminal::output_lost() => ExitCode::FAILURE,
         Ok(code) => code,
         Err(error) => {
+            let error = flag::in_options(error);
             terminal::print_error(&error);
             ExitCode::from(match error.kind() {
                 ErrorKind::Usage => 2,

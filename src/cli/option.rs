@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use realgap::calibration::identification::StartState;
 use realgap::calibration::{Overrides, Part, read_parameters};
+use realgap::comparison::{self, Metric};
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{JointKind, Solver};
 use realgap::unit::LengthUnit;
@@ -140,6 +141,13 @@ impl Recordings {
             ..Overrides::default()
         })
     }
+}
+
+/// The metric that `--metric` names.
+pub fn metric_option(name: Option<&str>) -> Result<Option<&'static dyn Metric>> {
+    name.map(comparison::by_name)
+        .transpose()
+        .map_err(|error| error.field("--metric").into_usage())
 }
 
 /// How many threads work in parallel.

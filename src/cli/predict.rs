@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::calibration::read_noise;
 use realgap::plot::quantity;
-use realgap::prediction::ensemble::{self, Ensemble, Summary};
+use realgap::prediction::ensemble::{self, Ensemble, Forecast};
 use realgap::results::{
     EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report,
 };
@@ -79,7 +79,7 @@ struct Card {
     engine: &'static str,
     version: &'static str,
     success: Option<Success>,
-    prediction: Summary,
+    prediction: Forecast,
     warnings: Vec<Warning>,
 }
 
@@ -127,7 +127,7 @@ impl Predict {
         });
         bar.finish_and_clear();
         let repeats = repeats?;
-        let prediction = Summary::new(&repeats)?;
+        let prediction = Forecast::new(&repeats)?;
         warnings.extend(prediction.warnings.iter().cloned());
         let success = self.success(&repeats, &mut warnings);
         let card = Card {

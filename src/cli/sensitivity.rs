@@ -5,14 +5,14 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::Result;
-use realgap::calibration::{Overrides, Problem, Sensitivity as Effects, sensitivity};
+use realgap::calibration::{Overrides, Sensitivity as Effects, Study, sensitivity};
 use realgap::plot::{
     Bar, BarChart, Side, TextTable, check_picture_path, draw_bars, number, quantity,
 };
 use realgap::unit::counted;
 
 use super::kind::read_study;
-use super::option::{Format, Jobs, Recordings, Values};
+use super::option::{Format, Jobs, Recordings, Values, metric_option};
 use super::{progress, terminal};
 
 /// Change every parameter a little, one at a time, and see what it does to the score
@@ -47,13 +47,13 @@ impl Sensitivity {
         }
         let overrides = Overrides {
             set: self.values.parameter_set()?,
-            metric: self.metric.clone(),
+            metric: metric_option(self.metric.as_deref())?,
             ..self.recordings.overrides()?
         };
-        let problem = Problem::new(read_study(&self.study, &overrides)?)?;
+        let study = read_study(&self.study, &overrides)?;
         let bar = progress::bar(0, "nudging");
         let result = self.jobs.pool()?.install(|| {
-            sensitivity(&problem, |done, total| {
+            sensitivity(&study, |done, total| {
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);
             })
@@ -62,11 +62,11 @@ impl Sensitivity {
         let result = result?;
         terminal::print_warnings(&result.warnings);
         if let Some(path) = &self.plot {
-            draw_bars(&chart(&problem, &result), path)?;
+            draw_bars(&chart(&study, &result), path)?;
         }
         match self.format {
             Format::Json => terminal::print(terminal::json(&result)?),
-            Format::Table => print(&problem, &result),
+            Format::Table => print(&study, &result),
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -77,30 +77,33 @@ fn moves(value: f64, lower: Option<f64>, higher: Option<f64>) -> String {
     format!("{} | {} | {}", end(lower), number(value), end(higher))
 }
 
-fn chart(problem: &Problem, result: &Effects) -> BarChart {
-    let study = problem.study();
+fn chart(study: &Study, result: &Effects) -> BarChart {
+    let definition = study.definition();
     let bars = result.effects.iter().map(|effect| Bar {
         name: effect.parameter.to_owned(),
         lower: effect.lower_change,
         higher: effect.higher_change,
     });
     BarChart {
-        title: format!("{}: what a small change of each parameter does", study.name),
+        title: format!(
+            "{}: what a small change of each parameter does",
+            definition.name
+        ),
         subtitle: format!(
             "{}, {}; score at the point {}",
-            study.morphology.name(),
-            counted(study.recordings.len(), "recording"),
-            quantity(result.score, study.metric.unit())
+            definition.morphology.name(),
+            counted(definition.recordings.len(), "recording"),
+            quantity(result.score, definition.metric.unit())
         ),
         label: format!("change of the {} discrepancy", result.metric),
-        unit: study.metric.unit(),
+        unit: definition.metric.unit(),
         bars: bars.collect(),
         noise: result.start_sd,
     }
 }
 
-fn print(problem: &Problem, result: &Effects) {
-    let unit = problem.study().metric.unit();
+fn print(study: &Study, result: &Effects) {
+    let unit = study.definition().metric.unit();
     let mut table = TextTable::new([
         ("parameter", Side::Left),
         ("unit", Side::Left),

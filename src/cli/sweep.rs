@@ -27,14 +27,14 @@ pub struct Sweep {
 impl Sweep {
     pub fn run(self) -> Result<ExitCode> {
         let options = &self.options;
-        let problem = options.problem(self.points)?;
-        let folder = options.folder(&problem, "");
+        let study = options.study(self.points)?;
+        let folder = options.folder(&study, "");
         let stop = interrupt::stop_flag()?;
-        let bar = progress::bar(problem.study().grid.len(), "sweeping");
+        let bar = progress::bar(study.definition().grid.len(), "sweeping");
         let started = Instant::now();
         let mut first = None;
         let result = sweep(
-            &problem,
+            &study,
             &folder,
             options.mode(),
             options.jobs(),
@@ -51,6 +51,6 @@ impl Sweep {
         );
         bar.finish_and_clear();
         let wall_s = started.elapsed().as_secs_f64();
-        options.finish("sweep", &problem, &result?, &folder, wall_s)
+        options.finish("sweep", &study, &result?, &folder, wall_s)
     }
 }

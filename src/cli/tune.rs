@@ -52,14 +52,14 @@ impl Tune {
             patience: self.patience,
         };
         let options = &self.options;
-        let problem = options.problem(None)?;
-        let folder = options.folder(&problem, &format!("_{}", tuning.optimizer.name()));
+        let study = options.study(None)?;
+        let folder = options.folder(&study, &format!("_{}", tuning.optimizer.name()));
         let stop = interrupt::stop_flag()?;
         let bar = progress::bar(self.budget, "tuning");
         let started = Instant::now();
-        let unit = problem.study().metric.unit();
+        let unit = study.definition().metric.unit();
         let result = tune(
-            &problem,
+            &study,
             &folder,
             options.mode(),
             options.jobs(),
@@ -74,6 +74,6 @@ impl Tune {
         );
         bar.finish_and_clear();
         let wall_s = started.elapsed().as_secs_f64();
-        options.finish("tune", &problem, &result?, &folder, wall_s)
+        options.finish("tune", &study, &result?, &folder, wall_s)
     }
 }

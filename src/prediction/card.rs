@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-use super::ensemble::{Ensemble, Motion, Spread, Summary};
+use super::ensemble::{Ensemble, Forecast, Motion, Quantiles};
 use crate::error::{Error, Result};
 use crate::simulation::ENGINE_VERSION;
 use crate::simulation::parameter::ParameterSet;
@@ -160,7 +160,7 @@ pub struct Card {
     /// Version of this crate.
     pub version: &'static str,
     /// What the repeats say.
-    pub prediction: Summary,
+    pub prediction: Forecast,
     /// What the reader should know, what the prediction itself warns of included.
     pub warnings: Vec<Warning>,
 }
@@ -171,7 +171,7 @@ impl Card {
     /// # Errors
     /// As [`Success::new`].
     pub fn new(robot: impl Into<String>, ensemble: &Ensemble, rule: SuccessRule) -> Result<Self> {
-        let prediction = Summary::new(ensemble)?;
+        let prediction = Forecast::new(ensemble)?;
         let success = Success::new(ensemble, rule)?;
         let mut warnings = prediction.warnings.clone();
         if success.is_none() {
@@ -279,7 +279,7 @@ impl fmt::Display for Card {
     }
 }
 
-fn write_displacement(f: &mut fmt::Formatter<'_>, spread: &Spread) -> fmt::Result {
+fn write_displacement(f: &mut fmt::Formatter<'_>, spread: &Quantiles) -> fmt::Result {
     let metres = |m: f64| quantity(m, Unit::Metre);
     write!(
         f,

@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use super::summary::Summary;
-use crate::calibration::{Answer, BestFile, Problem};
+use crate::calibration::{Answer, BestFile, Study};
 use crate::error::Result;
 use crate::file::{write_atomic, write_ron};
 use crate::unit::counted;
 
 pub(super) fn write(
     folder: &Path,
-    problem: &Problem,
+    study: &Study,
     answer: &Answer,
     summary: &Summary,
 ) -> Result<()> {
@@ -23,8 +23,8 @@ pub(super) fn write(
         .map(|verdict| verdict.text.as_str())
         .collect();
     // The study's fixed values belong to the answer: the best of the rest holds only with them.
-    let fixed = problem
-        .study()
+    let fixed = study
+        .definition()
         .set
         .iter()
         .map(|a| (a.parameter.name.to_owned(), a.value));

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::table::{number, write};
-use crate::calibration::{Answer, PointScore, Problem, Tuned};
+use crate::calibration::{Answer, PointScore, Study, Tuned};
 use crate::error::Result;
 use crate::plot::{AxisSpec, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
 use crate::unit::Unit;
@@ -26,7 +26,7 @@ fn best_so_far(points: &[PointScore]) -> Vec<Option<f64>> {
 /// The score of every trial and the best so far, over the number of simulations.
 pub(super) fn draw(
     folder: &Path,
-    problem: &Problem,
+    study: &Study,
     answer: &Answer,
     tuned: &Tuned,
     subtitle: &str,
@@ -74,12 +74,12 @@ pub(super) fn draw(
     let plot = LinePlot {
         title: format!(
             "{}: what {} found, point by point",
-            problem.study().name,
+            study.definition().name,
             tuned.optimizer
         ),
         subtitle: subtitle.to_owned(),
         x: AxisSpec::new("points evaluated", Unit::One),
-        y_label: format!("{} discrepancy", problem.study().metric.name()),
+        y_label: format!("{} discrepancy", study.definition().metric.name()),
         y_unit: answer.scores.unit,
         scale: ScoreScale::Auto,
         y_range: None,
@@ -92,12 +92,12 @@ pub(super) fn draw(
 /// One row a trial in the order of evaluation.
 pub(super) fn write_trials(
     folder: &Path,
-    problem: &Problem,
+    study: &Study,
     answer: &Answer,
     tuned: &Tuned,
 ) -> Result<()> {
-    let names = problem
-        .study()
+    let names = study
+        .definition()
         .grid
         .ranges()
         .iter()

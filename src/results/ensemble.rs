@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::error::{Error, Result};
 use crate::file::write_atomic;
 use crate::plot::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
-use crate::prediction::ensemble::{Behaviours, Ensemble, LEVELS, Reality, Summary};
+use crate::prediction::ensemble::{Behaviours, Ensemble, Forecast, LEVELS, Reality};
 
 /// More paths of one behaviour than this are not told apart in a picture.
 const PATHS_DRAWN: usize = 120;
@@ -18,7 +18,7 @@ pub struct EnsembleResult<'a> {
     /// The repeats.
     pub ensemble: &'a Ensemble,
     /// What they have in common.
-    pub summary: &'a Summary,
+    pub summary: &'a Forecast,
     /// How they compare with recordings, where there are any.
     pub reality: Option<&'a Reality>,
     /// Prepared paths of the recordings, true lengths, metres.

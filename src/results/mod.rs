@@ -13,7 +13,7 @@ mod verdict;
 
 use std::path::Path;
 
-use crate::calibration::{Answer, Method, Problem};
+use crate::calibration::{Answer, Method, Study};
 use crate::error::{Error, Result};
 
 pub use ensemble::{EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report};
@@ -26,19 +26,19 @@ pub use verdict::Verdict;
 ///
 /// # Errors
 /// A full disk or an unwritable folder.
-pub fn write(folder: &Path, problem: &Problem, answer: &Answer) -> Result<Summary> {
+pub fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<Summary> {
     remove_old(folder)?;
-    table::write_points(folder, problem, answer)?;
-    table::write_indistinguishable(folder, problem, answer)?;
-    table::write_scores(folder, problem, answer)?;
+    table::write_points(folder, study, answer)?;
+    table::write_indistinguishable(folder, study, answer)?;
+    table::write_scores(folder, study, answer)?;
     table::write_profiles(folder, answer)?;
     if let Method::Tune(tuned) = &answer.method {
-        convergence::write_trials(folder, problem, answer, tuned)?;
+        convergence::write_trials(folder, study, answer, tuned)?;
     }
-    let summary = Summary::new(problem, answer)?;
+    let summary = Summary::new(study, answer)?;
     summary.write(folder)?;
-    best::write(folder, problem, answer, &summary)?;
-    picture::draw(folder, problem, answer, &summary)?;
+    best::write(folder, study, answer, &summary)?;
+    picture::draw(folder, study, answer, &summary)?;
     Ok(summary)
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::calibration::{Answer, Method, PointScore, Problem};
+use crate::calibration::{Answer, Method, PointScore, Study};
 use crate::error::Result;
 use crate::optimization::{Grid, Range};
 use crate::plot::{
@@ -16,22 +16,17 @@ use super::convergence;
 use super::summary::Summary;
 
 /// Draws everything that the points evaluated so far allow.
-pub(super) fn draw(
-    folder: &Path,
-    problem: &Problem,
-    answer: &Answer,
-    summary: &Summary,
-) -> Result<()> {
+pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer, summary: &Summary) -> Result<()> {
     if answer.scores.points.is_empty() {
         return Ok(());
     }
-    let map = Map::new(problem, answer, summary);
-    let ranges = problem.study().grid.ranges();
+    let map = Map::new(study, answer, summary);
+    let ranges = study.definition().grid.ranges();
     if ranges.len() > 1 {
         map.draw_profiles(folder)?;
     }
     if let Method::Tune(tuned) = &answer.method {
-        convergence::draw(folder, problem, answer, tuned, &map.subtitle)?;
+        convergence::draw(folder, study, answer, tuned, &map.subtitle)?;
     }
     match ranges {
         [x] => map.draw_curve(x, folder)?,
@@ -55,7 +50,7 @@ pub(super) fn draw(
 
 /// Scores by grid index, with what the captions need.
 struct Map<'a> {
-    problem: &'a Problem,
+    study: &'a Study,
     answer: &'a Answer,
     title: String,
     subtitle: String,
@@ -65,10 +60,10 @@ struct Map<'a> {
 }
 
 impl<'a> Map<'a> {
-    fn new(problem: &'a Problem, answer: &'a Answer, summary: &Summary) -> Self {
-        let study = problem.study();
-        let cells = cells(problem, answer);
-        let stand_in = study
+    fn new(study: &'a Study, answer: &'a Answer, summary: &Summary) -> Self {
+        let definition = study.definition();
+        let cells = cells(study, answer);
+        let stand_in = definition
             .recordings
             .iter()
             .any(|r| r.meta.as_ref().is_some_and(|m| m.source == Source::StandIn));
@@ -79,8 +74,8 @@ impl<'a> Map<'a> {
         };
         let mut subtitle = format!(
             "{}: {} {kind}",
-            study.morphology.name(),
-            study.recordings.len()
+            definition.morphology.name(),
+            definition.recordings.len()
         );
         if let Method::Tune(tuned) = &answer.method {
             subtitle += &format!("; {} points chosen by {}", summary.points, tuned.optimizer);
@@ -92,11 +87,14 @@ impl<'a> Map<'a> {
             );
         }
         Self {
-            problem,
+            study,
             answer,
-            title: format!("{}: distance between simulation and recordings", study.name),
+            title: format!(
+                "{}: distance between simulation and recordings",
+                definition.name
+            ),
             subtitle,
-            score_label: format!("{} discrepancy", study.metric.name()),
+            score_label: format!("{} discrepancy", definition.metric.name()),
             cells,
         }
     }
@@ -110,7 +108,7 @@ impl<'a> Map<'a> {
     }
 
     fn grid(&self) -> &Grid {
-        &self.problem.study().grid
+        &self.study.definition().grid
     }
 
     fn score(&self, index: usize) -> Option<f64> {
@@ -133,7 +131,7 @@ impl<'a> Map<'a> {
     }
 
     fn truth(&self, x: &Range, y: Option<&Range>) -> Option<Truth> {
-        let known = &self.problem.study().truth;
+        let known = &self.study.definition().truth;
         let x = known.value(x.parameter.name)?;
         let y = match y {
             Some(y) => known.value(y.parameter.name)?,
@@ -234,7 +232,7 @@ impl<'a> Map<'a> {
             let curve = Curve {
                 title: format!(
                     "{}: lowest score at each {}",
-                    self.problem.study().name,
+                    self.study.definition().name,
                     range.parameter.name
                 ),
                 subtitle: format!("{}; every other parameter at its best", self.subtitle),
@@ -319,25 +317,28 @@ impl<'a> Map<'a> {
         if panels.is_empty() {
             return Ok(());
         }
-        let study = self.problem.study();
-        let settled = self.problem.cases().len() == 1;
+        let definition = self.study.definition();
+        let settled = self.study.cases().len() == 1;
         let real: Vec<&Prepared> = if settled {
-            self.problem.real_paths()
+            self.study.real_paths()
         } else {
-            self.problem.real_paths().into_iter().take(1).collect()
+            self.study.real_paths().into_iter().take(1).collect()
         };
         let shown = if settled {
             self.subtitle.clone()
         } else {
             format!(
                 "paths of recording {}; scores are means over {}",
-                study.recordings[0].name,
-                counted(study.recordings.len(), "recording")
+                definition.recordings[0].name,
+                counted(definition.recordings.len(), "recording")
             )
         };
         let stand_in = self.subtitle.contains("stand-in");
         let grid = PanelGrid {
-            title: format!("{}: {what}, {} above each", study.name, self.score_label),
+            title: format!(
+                "{}: {what}, {} above each",
+                definition.name, self.score_label
+            ),
             subtitle: shown,
             columns,
             panels,
@@ -374,8 +375,8 @@ impl<'a> Map<'a> {
 }
 
 /// What stands for each point of the grid: the point itself, or the nearest one that an optimizer chose.
-fn cells<'a>(problem: &Problem, answer: &'a Answer) -> Vec<Option<(&'a PointScore, bool)>> {
-    let grid = &problem.study().grid;
+fn cells<'a>(study: &Study, answer: &'a Answer) -> Vec<Option<(&'a PointScore, bool)>> {
+    let grid = &study.definition().grid;
     let is_in = |position: usize| {
         answer
             .uncertainty

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::verdict::{Verdict, verdicts};
 use crate::calibration::UncertaintySource;
-use crate::calibration::{Answer, Audit, Method, Problem, Tuned, Validation};
+use crate::calibration::{Answer, Audit, Method, Study, Tuned, Validation};
 use crate::comparison::pose_errors;
 use crate::error::{Error, Result};
 use crate::file::write_atomic;
@@ -108,13 +108,13 @@ pub struct PoseSummary {
 }
 
 impl Summary {
-    pub(super) fn new(problem: &Problem, answer: &Answer) -> Result<Self> {
-        let study = problem.study();
+    pub(super) fn new(study: &Study, answer: &Answer) -> Result<Self> {
+        let definition = study.definition();
         let scores = &answer.scores;
         let best = scores.best.and_then(|best| {
             let point = &scores.points[best];
             point.score.map(|score| Best {
-                parameters: problem
+                parameters: study
                     .parameter_set(&point.values)
                     .iter()
                     .map(|a| (a.parameter.name.to_owned(), a.value))
@@ -124,10 +124,10 @@ impl Summary {
             })
         });
         let points_total = match &answer.method {
-            Method::Sweep => study.grid.len(),
+            Method::Sweep => definition.grid.len(),
             Method::Tune(tuned) => tuned.budget,
         };
-        let mut warnings = problem.warnings().to_vec();
+        let mut warnings = study.warnings().to_vec();
         let diverged = scores
             .points
             .iter()
@@ -166,15 +166,15 @@ impl Summary {
                 .as_ref()
                 .and_then(|validation| validation.warning()),
         );
-        if problem.fitted_recordings() == 1 {
+        if study.fitted_recordings() == 1 {
             warnings.push(Warning::new(
                 Code::OneRecording,
                 "one recording says nothing about how repeatable reality is; the uncertainty is that of perturbed simulated starts",
             ));
         }
         Ok(Self {
-            study: study.name.clone(),
-            description: study.description.clone(),
+            study: definition.name.clone(),
+            description: definition.description.clone(),
             complete: answer.ending == Ending::Complete,
             points: scores.points.len(),
             points_total,
@@ -183,9 +183,9 @@ impl Summary {
                 Method::Sweep => None,
             },
             diverged,
-            recordings: study.recordings.len(),
-            metric: study.metric.name(),
-            unit: study.metric.unit().label(),
+            recordings: definition.recordings.len(),
+            metric: definition.metric.name(),
+            unit: definition.metric.unit().label(),
             best,
             uncertainty: answer.uncertainty.as_ref().map(|u| UncertaintySummary {
                 source: u.source,
@@ -194,8 +194,8 @@ impl Summary {
                 simulation_sd: u.simulation_sd,
                 indistinguishable: u.indistinguishable.iter().filter(|is_in| **is_in).count(),
             }),
-            verdicts: verdicts(problem, answer),
-            correlations: correlations(problem, answer),
+            verdicts: verdicts(study, answer),
+            correlations: correlations(study, answer),
             audit: answer.audit.clone(),
             validation: answer.validation.clone(),
             components: scores.basis.as_ref().map(|b| {
@@ -205,8 +205,8 @@ impl Summary {
                     .copied()
                     .collect()
             }),
-            pose: pose(problem, answer)?,
-            provenance: problem.fingerprint().entries().iter().cloned().collect(),
+            pose: pose(study, answer)?,
+            provenance: study.fingerprint().entries().iter().cloned().collect(),
             warnings,
         })
     }
@@ -220,11 +220,11 @@ impl Summary {
     }
 }
 
-fn correlations(problem: &Problem, answer: &Answer) -> Vec<Correlation> {
+fn correlations(study: &Study, answer: &Answer) -> Vec<Correlation> {
     let Some(draws) = &answer.draws else {
         return Vec::new();
     };
-    let ranges = problem.study().grid.ranges();
+    let ranges = study.definition().grid.ranges();
     let pairs = (0..ranges.len()).flat_map(|a| (a + 1..ranges.len()).map(move |b| (a, b)));
     pairs
         .map(|(a, b)| Correlation {
@@ -236,17 +236,17 @@ fn correlations(problem: &Problem, answer: &Answer) -> Vec<Correlation> {
 }
 
 /// Simulates the best point once more and measures its pose errors.
-fn pose(problem: &Problem, answer: &Answer) -> Result<Option<PoseSummary>> {
+fn pose(study: &Study, answer: &Answer) -> Result<Option<PoseSummary>> {
     let Some(best) = answer.scores.best else {
         return Ok(None);
     };
-    if problem.study().metric.name() != "pose" {
+    if study.definition().metric.name() != "pose" {
         return Ok(None);
     }
     let values = &answer.scores.points[best].values;
     let (mut position, mut rotation_rad, mut count) = (0.0, 0.0, 0.0);
-    for (index, case) in problem.cases().iter().enumerate() {
-        let experiment = problem.experiment(index, values)?;
+    for (index, case) in study.cases().iter().enumerate() {
+        let experiment = study.experiment(index, values)?;
         let run = simulation::run(&experiment)?;
         let Some(simulated) = run.outcome.completed() else {
             return Ok(None);

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use crate::calibration::{Answer, PointScore, Problem};
+use crate::calibration::{Answer, PointScore, Study};
 use crate::error::{Error, Result};
 use crate::file::write_atomic;
 
 /// One row a point: parameters as columns, then score, unit, status and displacement error.
-pub(super) fn write_points(folder: &Path, problem: &Problem, answer: &Answer) -> Result<()> {
-    let names = names(problem);
+pub(super) fn write_points(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
+    let names = names(study);
     let header: Vec<&str> = names
         .iter()
         .copied()
@@ -42,17 +42,13 @@ pub(super) fn write_points(folder: &Path, problem: &Problem, answer: &Answer) ->
 }
 
 /// One row a point that cannot be told apart from the best, with the study's fixed values: what `realgap search` draws from.
-pub(super) fn write_indistinguishable(
-    folder: &Path,
-    problem: &Problem,
-    answer: &Answer,
-) -> Result<()> {
+pub(super) fn write_indistinguishable(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
     let Some(uncertainty) = &answer.uncertainty else {
         return Ok(());
     };
-    let varied = names(problem);
-    let fixed: Vec<_> = problem
-        .study()
+    let varied = names(study);
+    let fixed: Vec<_> = study
+        .definition()
         .set
         .iter()
         .filter(|a| {
@@ -79,12 +75,12 @@ pub(super) fn write_indistinguishable(
 }
 
 /// One row a point and recording, where there are several recordings.
-pub(super) fn write_scores(folder: &Path, problem: &Problem, answer: &Answer) -> Result<()> {
-    let recordings = &problem.study().recordings;
+pub(super) fn write_scores(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
+    let recordings = &study.definition().recordings;
     if recordings.len() < 2 {
         return Ok(());
     }
-    let names = names(problem);
+    let names = names(study);
     let header: Vec<&str> = names
         .iter()
         .copied()
@@ -128,9 +124,9 @@ pub(super) fn write_profiles(folder: &Path, answer: &Answer) -> Result<()> {
     write(&folder.join("profiles.csv"), &header, rows)
 }
 
-fn names(problem: &Problem) -> Vec<&'static str> {
-    problem
-        .study()
+fn names(study: &Study) -> Vec<&'static str> {
+    study
+        .definition()
         .grid
         .ranges()
         .iter()

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::calibration::{Answer, INTERVAL_LEVEL, Problem};
+use crate::calibration::{Answer, INTERVAL_LEVEL, Study};
 use crate::optimization::Range;
 
 /// One parameter's best value and the range that fits as well.
@@ -30,12 +30,12 @@ pub struct Verdict {
 const UNIDENTIFIED_SHARE: f64 = 0.5;
 
 /// One verdict per parameter; none where no point has a score.
-pub(super) fn verdicts(problem: &Problem, answer: &Answer) -> Vec<Verdict> {
+pub(super) fn verdicts(study: &Study, answer: &Answer) -> Vec<Verdict> {
     let (Some(best), Some(uncertainty)) = (answer.scores.best, &answer.uncertainty) else {
         return Vec::new();
     };
     let points = &answer.scores.points;
-    let ranges = problem.study().grid.ranges();
+    let ranges = study.definition().grid.ranges();
     ranges
         .iter()
         .enumerate()

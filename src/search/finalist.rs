@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::evaluate::{Judged, distances};
 use super::file::Hunt;
-use crate::prediction::ensemble::{self, Ensemble, Summary};
+use crate::prediction::ensemble::{self, Ensemble, Forecast};
 use crate::prediction::{Card, Finals, Rerun, Success, SuccessRule};
 use crate::robot::morphology::Morphology;
 use crate::simulation::parameter::ParameterSet;
@@ -43,7 +43,7 @@ pub struct Finalist {
     /// Repeats with new draws.
     pub ensemble: Ensemble,
     /// What they say.
-    pub prediction: Summary,
+    pub prediction: Forecast,
     /// The objective of these repeats: what the robot is ranked by. The search's own fitness is that of a winner and flatters; `None`
     /// where repeats diverged.
     pub fitness: Option<f64>,
@@ -203,7 +203,7 @@ impl Hunt {
                 "repeats differ in the parameters that tuning left open, too; the run without noise has the fixed values",
             ));
         }
-        let prediction = Summary::new(&ensemble)?;
+        let prediction = Forecast::new(&ensemble)?;
         let (body_length_m, measure) = (self.body_length_m(), self.objective.measure);
         let values: Vec<f64> = ensemble
             .motions()

@@ -97,8 +97,7 @@ impl<T> Outcome<T> {
 
 impl From<Divergence> for Error {
     fn from(divergence: Divergence) -> Self {
-        Self::invalid(format!("the simulation diverged {divergence}")).hint(
-            "try a shorter timestep or more substeps; check masses, sizes and servo limits",
-        )
+        Self::invalid(format!("the simulation diverged {divergence}"))
+            .hint("try a shorter timestep or more substeps; check masses, sizes and servo limits")
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use realgap::calibration::identification::{LengthReading, StartState, identify};
-use realgap::calibration::{Overrides, Part, Problem, Study, evaluate, read_parameters};
+use realgap::calibration::{Definition, Overrides, Part, Study, evaluate, read_parameters};
 use realgap::simulation::parameter::ParameterSet;
 
 use super::standin::study;
@@ -28,10 +28,10 @@ fn the_real_cube_is_heavy_below_and_its_recordings_are_short() {
         recordings: vec![glob],
         ..Overrides::default()
     };
-    let study = Study::read(study(), &overrides).unwrap();
+    let definition = Definition::read(study(), &overrides).unwrap();
     let found = identify(
-        &study.experiment(),
-        &study.recordings,
+        &definition.experiment(),
+        &definition.recordings,
         LengthReading::LengthScale,
         1,
     )
@@ -80,8 +80,8 @@ fn the_committed_fit_reaches_the_goal_on_tosses_it_has_not_seen() {
             set: read_parameters(&best).unwrap(),
             ..Overrides::default()
         };
-        let problem = Problem::new(Study::read(study(), &overrides).unwrap()).unwrap();
-        evaluate(&problem, &ParameterSet::new(), |_| ()).unwrap()
+        let study = Study::read(study(), &overrides).unwrap();
+        evaluate(&study, &ParameterSet::new(), |_| ()).unwrap()
     };
     let first = errors(StartState::FirstSample);
     assert_eq!(first.recordings, 199);

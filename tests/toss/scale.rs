@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use realgap::calibration::identification::StartState;
-use realgap::calibration::{Overrides, Problem, Scores, Study, evaluate};
+use realgap::calibration::{Overrides, Scores, Study, evaluate};
+use realgap::comparison::by_name;
 use realgap::simulation::parameter::ParameterSet;
 
 use super::standin::{EXACT, Tracker, cube, tosses, write};
@@ -16,20 +17,20 @@ const STUDY: &str = r#"Study(
     parameters: [(name: "floor.restitution", from: 0.1, to: 0.4, points: 2)],
 )"#;
 
-fn problem(folder: &Path, glob: &str, metric: &str, start: StartState, scale: &str) -> Problem {
-    let study = folder.join("study.ron");
+fn study(folder: &Path, glob: &str, metric: &str, start: StartState, scale: &str) -> Study {
+    let definition = folder.join("study.ron");
     let morphology = concat!(env!("CARGO_MANIFEST_DIR"), "/morphologies/cube.ron");
-    std::fs::write(&study, STUDY.replace("MORPHOLOGY", morphology)).unwrap();
+    std::fs::write(&definition, STUDY.replace("MORPHOLOGY", morphology)).unwrap();
     let overrides = Overrides {
         recordings: vec![glob.to_owned()],
-        metric: Some(metric.to_owned()),
+        metric: Some(by_name(metric).unwrap()),
         start_state: Some(start),
         set: [format!("recording.length_scale={scale}").parse().unwrap()]
             .into_iter()
             .collect(),
         ..Overrides::default()
     };
-    Problem::new(Study::read(study, &overrides).unwrap()).unwrap()
+    Study::read(definition, &overrides).unwrap()
 }
 
 #[test]
@@ -47,9 +48,9 @@ fn scores_and_errors_are_those_of_true_lengths() {
             StartState::HalfSampleCorrected,
             StartState::Flight,
         ] {
-            let a = problem(right.path(), &right_glob, metric, start, "1");
-            let b = problem(short.path(), &short_glob, metric, start, "0.5");
-            let score = |p: &Problem| {
+            let a = study(right.path(), &right_glob, metric, start, "1");
+            let b = study(short.path(), &short_glob, metric, start, "0.5");
+            let score = |p: &Study| {
                 let trials = [p.evaluate(0).unwrap(), p.evaluate(1).unwrap()];
                 let scores = Scores::new(p, &trials).unwrap();
                 let points: Vec<f64> = scores
@@ -67,14 +68,14 @@ fn scores_and_errors_are_those_of_true_lengths() {
             }
         }
     }
-    let a = problem(
+    let a = study(
         right.path(),
         &right_glob,
         "pose",
         StartState::FirstSample,
         "1",
     );
-    let b = problem(
+    let b = study(
         short.path(),
         &short_glob,
         "pose",
@@ -95,7 +96,7 @@ fn a_scale_that_is_not_set_right_changes_the_run() {
     let folder = tempfile::tempdir().unwrap();
     let glob = write(folder.path(), &tosses(&cube(), &EXACT, 2));
     let mean = |scale: &str| {
-        let p = problem(folder.path(), &glob, "pose", StartState::FirstSample, scale);
+        let p = study(folder.path(), &glob, "pose", StartState::FirstSample, scale);
         evaluate(&p, &ParameterSet::new(), |_| ())
             .unwrap()
             .position_percent
@@ -115,7 +116,7 @@ fn a_walker_or_a_settled_start_has_no_flight_to_start_from() {
             recordings: vec![glob.clone()],
             ..Overrides::default()
         };
-        Study::read(&path, &overrides).and_then(Problem::new)
+        Study::read(&path, &overrides)
     };
     let walker = concat!(env!("CARGO_MANIFEST_DIR"), "/morphologies/tripod.ron");
     let text = STUDY.replace("MORPHOLOGY", walker).replace(

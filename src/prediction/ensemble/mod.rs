@@ -1,7 +1,7 @@
 //! Many repeats of one experiment under noise: what will really happen, and how sure may we be?
 //!
-//! [`run`] simulates the repeats; [`Spread`], [`Envelope`] and [`behaviours`] say what they have in common and
-//! [`Summary`] holds all of it. [`Reality`] holds an ensemble against recorded paths. Paper 003 (section 4) predicted one path and saw it
+//! [`run`] simulates the repeats; [`Quantiles`], [`Envelope`] and [`behaviours`] say what they have in common and
+//! [`Forecast`] holds all of it. [`Reality`] holds an ensemble against recorded paths. Paper 003 (section 4) predicted one path and saw it
 //! in 15 % of the trials; this is the prediction it asks for instead.
 //!
 //! Needs no recordings. Same experiment, noise and seed → same bits, whatever the threads; repeat k alone is the
@@ -10,15 +10,15 @@
 mod behaviour;
 mod distance;
 mod envelope;
+mod forecast;
+mod quantiles;
 mod reality;
 mod run;
-mod spread;
-mod summary;
 
 pub use behaviour::{BEHAVIOURS, Behaviour, Behaviours, Kind, behaviours, cut_m};
 pub use distance::rms_m;
 pub use envelope::{Envelope, LEVELS, Region};
+pub use forecast::Forecast;
+pub use quantiles::{QUANTILES, Quantiles};
 pub use reality::{Coverage, RealRun, Reality};
 pub use run::{Ensemble, Motion, Repeat, repeat, run, run_each};
-pub use spread::{QUANTILES, Spread};
-pub use summary::Summary;

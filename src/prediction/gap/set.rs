@@ -33,8 +33,7 @@ pub struct SetOfRuns {
 pub fn read_sets(overrides: &Overrides, group_column: Option<&str>) -> Result<Vec<SetOfRuns>> {
     if overrides.recordings.is_empty() {
         return Err(
-            Error::usage("without a study, the recordings must be named")
-                .hint("realgap gap --recordings 'FOLDER/*.csv', or realgap gap STUDY"),
+            Error::usage("without a study, the recordings must be named").field("recordings"),
         );
     }
     let limit = overrides.limit_recordings.unwrap_or(usize::MAX).max(1);

@@ -11,7 +11,7 @@ use super::distance::{MetricGap, distances};
 use super::fitness::Fitness;
 use super::over_time::OverTime;
 use super::sample::{CaseRuns, Sample, Scoring};
-use crate::calibration::Problem;
+use crate::calibration::Study;
 use crate::comparison::Metric;
 use crate::error::{Error, Result};
 use crate::prediction::ensemble;
@@ -75,32 +75,32 @@ pub struct StudyGap {
 /// # Errors
 /// Every run diverged, a metric that cannot compare, no repeats asked for, or `stop` was set.
 pub fn study_gap(
-    problem: &Problem,
+    study: &Study,
     options: &GapOptions,
     stop: &AtomicBool,
     progress: impl Fn(usize, usize) + Sync,
 ) -> Result<StudyGap> {
-    let study = problem.study();
+    let definition = study.definition();
     if options.repeats == 0 {
         return Err(Error::invalid("an ensemble needs repeats")
             .field("repeats")
             .found(0)
             .allowed("1 or more"));
     }
-    let mut warnings = problem.warnings().to_vec();
+    let mut warnings = study.warnings().to_vec();
     let noise = usable_noise(options.noise, &mut warnings)?;
     let repeats = noise.map_or(0, |_| options.repeats);
-    let mut real: Vec<Option<Sample>> = vec![None; study.recordings.len()];
+    let mut real: Vec<Option<Sample>> = vec![None; definition.recordings.len()];
     let mut cases = Vec::new();
-    let total = problem.cases().len() * (repeats + 1);
+    let total = study.cases().len() * (repeats + 1);
     let done = AtomicUsize::new(0);
     let mut diverged = 0;
-    for (index, case) in problem.cases().iter().enumerate() {
-        let experiment = problem.experiment_with(index, &ParameterSet::new())?;
+    for (index, case) in study.cases().iter().enumerate() {
+        let experiment = study.experiment_with(index, &ParameterSet::new())?;
         for target in &case.targets {
             let there = target.in_true_lengths(experiment.recording_length_scale)?;
             real[target.recording] = Some(Sample {
-                name: study.recordings[target.recording].name.clone(),
+                name: definition.recordings[target.recording].name.clone(),
                 motion: there.motion.clone(),
                 prepared: there.prepared.clone(),
             });
@@ -134,11 +134,11 @@ pub fn study_gap(
         });
     }
     if diverged == total {
-        return Err(Error::invalid("every run diverged")
-            .at_file(&study.path)
-            .hint(
-                "check the robot with `realgap simulate`, then a shorter timestep or more substeps",
-            ));
+        return Err(
+            definition.at_file(Error::invalid("every run diverged").hint(
+                "simulate the robot alone first, then try a shorter timestep or more substeps",
+            )),
+        );
     }
     if diverged > 0 {
         warnings.push(Warning::new(
@@ -148,10 +148,10 @@ pub fn study_gap(
     }
     let real: Vec<Sample> = real.into_iter().flatten().collect();
     warnings.extend(different_durations(&real));
-    let body_length_m = study.morphology.assemble().body_length_m;
+    let body_length_m = definition.morphology.assemble().body_length_m;
     let scoring = Scoring {
         metrics: options.metrics.clone(),
-        components: study.components,
+        components: definition.components,
         body_length_m: Some(body_length_m),
         seed: options.seed,
     };
@@ -160,9 +160,9 @@ pub fn study_gap(
     warnings.sort();
     warnings.dedup();
     Ok(StudyGap {
-        study: study.name.clone(),
-        morphology: study.morphology.name().to_owned(),
-        parameters: study
+        study: definition.name.clone(),
+        morphology: definition.morphology.name().to_owned(),
+        parameters: definition
             .set
             .iter()
             .map(|a| (a.parameter.name.to_owned(), a.value))

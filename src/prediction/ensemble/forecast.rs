@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::behaviour::{Behaviours, behaviours};
 use super::envelope::Envelope;
+use super::quantiles::Quantiles;
 use super::run::{Ensemble, Motion};
-use super::spread::Spread;
 use crate::error::Result;
 use crate::simulation::Noise;
 use crate::statistics::Proportion;
@@ -16,7 +16,7 @@ const LEVEL: f64 = 0.95;
 
 /// What an ensemble says.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Summary {
+pub struct Forecast {
     /// Repeats simulated.
     pub repeats: usize,
     /// Repeats asked for.
@@ -30,13 +30,13 @@ pub struct Summary {
     /// Edge length of the tracked module, metres.
     pub body_length_m: f64,
     /// Net displacement, metres; `None` where every repeat diverged.
-    pub displacement_m: Option<Spread>,
+    pub displacement_m: Option<Quantiles>,
     /// Net displacement per time, m/s.
-    pub speed_m_s: Option<Spread>,
+    pub speed_m_s: Option<Quantiles>,
     /// Length of the path, metres.
-    pub path_length_m: Option<Spread>,
+    pub path_length_m: Option<Quantiles>,
     /// Change of the heading, radians.
-    pub turned_rad: Option<Spread>,
+    pub turned_rad: Option<Quantiles>,
     /// Net displacement of the run without noise, metres.
     pub noise_free_displacement_m: Option<f64>,
     /// Repeats that diverged.
@@ -53,7 +53,7 @@ pub struct Summary {
     pub warnings: Vec<Warning>,
 }
 
-impl Summary {
+impl Forecast {
     /// Summarises an ensemble.
     ///
     /// # Errors
@@ -61,7 +61,7 @@ impl Summary {
     pub fn new(ensemble: &Ensemble) -> Result<Self> {
         let spread = |value: &dyn Fn(&Motion) -> f64| {
             let values: Vec<f64> = ensemble.motions().map(|(_, m)| value(m)).collect();
-            Spread::of(&values)
+            Quantiles::of(&values)
         };
         let paths: Vec<_> = ensemble.motions().map(|(_, m)| &m.path).collect();
         let envelope = if paths.is_empty() {
@@ -74,8 +74,7 @@ impl Summary {
             )?)
         };
         let displacement_m = spread(&Motion::net_displacement_m);
-        let noise_free_displacement_m =
-            ensemble.noise_free.get().map(Motion::net_displacement_m);
+        let noise_free_displacement_m = ensemble.noise_free.get().map(Motion::net_displacement_m);
         let mut warnings = ensemble.warnings.clone();
         if let (Some(spread), Some(alone_m)) = (&displacement_m, noise_free_displacement_m)
             && !ensemble.noise.is_zero()

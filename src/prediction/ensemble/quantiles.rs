@@ -4,12 +4,12 @@ use serde::Serialize;
 
 use crate::statistics::{mean, quantile, standard_deviation};
 
-/// Levels of the quantiles of a [`Spread`].
+/// Levels of the quantiles of a [`Quantiles`].
 pub const QUANTILES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
 /// How one number is spread over the repeats, in its own unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
+pub struct Quantiles {
     /// Mean.
     pub mean: f64,
     /// Sample standard deviation; 0 for one value.
@@ -26,7 +26,7 @@ pub struct Spread {
     pub q95: f64,
 }
 
-impl Spread {
+impl Quantiles {
     /// The spread of some values; `None` where there are none.
     pub fn of(values: &[f64]) -> Option<Self> {
         if values.is_empty() {

@@ -1,58 +1,69 @@
 //! A study made ready: its cases, and what it takes to evaluate one point.
 
+use std::path::Path;
+
 use rayon::prelude::*;
 
 use super::case::{Case, cases};
-use super::file::Study;
+use super::definition::Definition;
+use super::overrides::Overrides;
 use crate::calibration::identification::{StartState, refine};
 use crate::comparison::{Context, Pair};
 use crate::error::Result;
 use crate::simulation::parameter::{Assignment, ParameterSet};
-use crate::simulation::{self, ENGINE_VERSION, Experiment, Noise, Solver};
-use crate::store::{Fingerprint, Outcome, OutcomeStatus, Trial};
+use crate::simulation::{self, Experiment, Noise, Solver};
+use crate::store::{Outcome, OutcomeStatus, Trial};
 use crate::trajectory::{Prepared, prepare};
 use crate::warning::Warning;
 
 /// A study with its cases.
 #[derive(Debug)]
-pub struct Problem {
-    study: Study,
+pub struct Study {
+    definition: Definition,
     cases: Vec<Case>,
     warnings: Vec<Warning>,
     held_out: Vec<bool>,
     body_length_m: f64,
 }
 
-impl Problem {
+impl Study {
+    /// Reads a study with its robot and its recordings, and makes it ready.
+    ///
+    /// # Errors
+    /// As [`Definition::read`] and [`Study::new`].
+    pub fn read(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
+        Self::new(Definition::read(path, overrides)?)
+    }
+
     /// Builds the cases of a study.
     ///
     /// # Errors
     /// Recordings from which no run can start, or settings that cannot be simulated.
-    pub fn new(study: Study) -> Result<Self> {
-        let (cases, mut warnings) = cases(&study)?;
-        warnings.extend(study.warnings.iter().cloned());
-        warnings.extend(study.set.without_effect(&cases[0].experiment));
+    pub fn new(definition: Definition) -> Result<Self> {
+        let (cases, mut warnings) = cases(&definition)?;
+        warnings.extend(definition.warnings.iter().cloned());
+        warnings.extend(definition.set.without_effect(&cases[0].experiment));
         warnings.sort();
         warnings.dedup();
-        let body_length_m = study.morphology.assemble().body_length_m;
-        let held_out = match study.split {
-            Some(split) => split.held_out(study.recordings.len(), study.seed)?,
-            None => vec![false; study.recordings.len()],
+        let body_length_m = definition.morphology.assemble().body_length_m;
+        let held_out = match definition.split {
+            Some(split) => split.held_out(definition.recordings.len(), definition.seed)?,
+            None => vec![false; definition.recordings.len()],
         };
-        let problem = Self {
-            study,
+        let study = Self {
+            definition,
             cases,
             warnings,
             held_out,
             body_length_m,
         };
-        problem.check_recordings()?;
-        Ok(problem)
+        study.check_recordings()?;
+        Ok(study)
     }
 
     /// Compares each recording with itself, so that one the metric cannot use is refused before any work.
     fn check_recordings(&self) -> Result<()> {
-        if self.study.metric.needs().basis {
+        if self.definition.metric.needs().basis {
             return Ok(());
         }
         for target in self.cases.iter().flat_map(|case| &case.targets) {
@@ -62,22 +73,22 @@ impl Problem {
                 real_prepared: &target.prepared,
                 simulated_prepared: &target.prepared,
             };
-            self.study
+            self.definition
                 .metric
                 .compare(&pair, &self.context())
-                .map_err(|e| e.at_file(&self.study.recordings[target.recording].path))?;
+                .map_err(|e| e.at_file(&self.definition.recordings[target.recording].path))?;
         }
         Ok(())
     }
 
     /// The study.
-    pub fn study(&self) -> &Study {
-        &self.study
+    pub fn definition(&self) -> &Definition {
+        &self.definition
     }
 
     /// The study, where its cases are not needed any more.
-    pub fn into_study(self) -> Study {
-        self.study
+    pub fn into_definition(self) -> Definition {
+        self.definition
     }
 
     /// The simulations of one point.
@@ -107,7 +118,7 @@ impl Problem {
 
     /// The study's parameters with these values, in the study's order.
     pub fn parameter_set(&self, values: &[f64]) -> ParameterSet {
-        self.study
+        self.definition
             .grid
             .ranges()
             .iter()
@@ -124,13 +135,13 @@ impl Problem {
     /// # Errors
     /// A metric that cannot compare; a diverged simulation is an outcome, not an error.
     pub fn evaluate(&self, index: usize) -> Result<Trial> {
-        self.evaluate_values(index, self.study.grid.values(index))
+        self.evaluate_values(index, self.definition.grid.values(index))
     }
 
     /// Simulates every case at these values, as trial number `index`; cases run in parallel on the current rayon pool.
     ///
     /// # Errors
-    /// As [`Problem::evaluate`].
+    /// As [`Study::evaluate`].
     pub fn evaluate_values(&self, index: usize, values: Vec<f64>) -> Result<Trial> {
         let outcomes = self.evaluate_set(&self.parameter_set(&values))?;
         Ok(Trial {
@@ -151,16 +162,16 @@ impl Problem {
     /// The experiment of a case with these parameters, its start refined as the study asks.
     ///
     /// # Errors
-    /// As [`Problem::experiment`].
+    /// As [`Study::experiment`].
     pub fn experiment_with(&self, case: usize, set: &ParameterSet) -> Result<Experiment> {
         let experiment = set.apply(&self.cases[case].experiment);
-        if self.study.start_state == StartState::FirstSample {
+        if self.definition.start_state == StartState::FirstSample {
             return Ok(experiment);
         }
         // Centre of mass, gravity and length scale decide the start, so it comes after the parameters.
         let recording = self.cases[case].targets[0].recording;
-        let recorded = &self.study.recordings[recording].trajectory;
-        Ok(refine(self.study.start_state, experiment, recorded)?.0)
+        let recorded = &self.definition.recordings[recording].trajectory;
+        Ok(refine(self.definition.start_state, experiment, recorded)?.0)
     }
 
     /// Recorded lengths over true ones at these values.
@@ -173,7 +184,7 @@ impl Problem {
     /// Simulates case 0 with these parameters under `noise`, repeat number `repeat`, at `timestep_factor` times the timestep.
     ///
     /// # Errors
-    /// As [`Problem::evaluate`].
+    /// As [`Study::evaluate`].
     pub fn evaluate_perturbed(
         &self,
         set: &ParameterSet,
@@ -183,13 +194,13 @@ impl Problem {
     ) -> Result<Outcome> {
         let mut experiment = self.experiment_with(0, set)?;
         experiment.solver.timestep_s *= timestep_factor;
-        self.evaluate_case(0, &noise.perturb(&experiment, self.study.seed, repeat))
+        self.evaluate_case(0, &noise.perturb(&experiment, self.definition.seed, repeat))
     }
 
     /// Simulates every case with these parameters; cases run in parallel on the current rayon pool.
     ///
     /// # Errors
-    /// As [`Problem::evaluate`].
+    /// As [`Study::evaluate`].
     pub fn evaluate_set(&self, set: &ParameterSet) -> Result<Vec<Outcome>> {
         (0..self.cases.len())
             .into_par_iter()
@@ -200,7 +211,7 @@ impl Problem {
     /// Simulates every case at these values with other numerical settings.
     ///
     /// # Errors
-    /// As [`Problem::evaluate`], and settings that cannot be simulated.
+    /// As [`Study::evaluate`], and settings that cannot be simulated.
     pub(super) fn evaluate_with_solver(
         &self,
         values: &[f64],
@@ -256,7 +267,7 @@ impl Problem {
             }
         };
         let prepared = prepare(&motion)?;
-        let needs_basis = self.study.metric.needs().basis;
+        let needs_basis = self.definition.metric.needs().basis;
         let mut scores = Vec::new();
         if !needs_basis {
             for target in &self.cases[case].targets {
@@ -267,7 +278,12 @@ impl Problem {
                     real_prepared: &target.prepared,
                     simulated_prepared: &prepared,
                 };
-                scores.push(self.study.metric.compare(&pair, &self.context())?.value);
+                scores.push(
+                    self.definition
+                        .metric
+                        .compare(&pair, &self.context())?
+                        .value,
+                );
             }
         }
         // Scores with a basis exist only once all paths are known; the pictures need the first case's.
@@ -301,51 +317,5 @@ impl Problem {
             .collect();
         paths.sort_by_key(|(recording, _)| *recording);
         paths.into_iter().map(|(_, prepared)| prepared).collect()
-    }
-
-    /// Everything that decides the results.
-    pub fn fingerprint(&self) -> Fingerprint {
-        let study = &self.study;
-        let experiment = &self.cases[0].experiment;
-        let mut print = Fingerprint::new()
-            .with("realgap", env!("CARGO_PKG_VERSION"))
-            .with("engine", ENGINE_VERSION)
-            .with("study", &study.name)
-            .with("morphology sha256", &study.morphology_sha256)
-            .with("metric", study.metric.name())
-            .with("components", format!("{:?}", study.components))
-            .with("start", format!("{:?}", study.start))
-            .with(
-                "duration_s",
-                study
-                    .duration_s
-                    .map_or("recording".to_owned(), |d| d.to_string()),
-            )
-            .with("solver", format!("{:?}", experiment.solver))
-            .with("contact", format!("{:?}", experiment.contact))
-            .with("set", &study.set)
-            .with("seed", study.seed)
-            .with("unit of the recordings", format!("{:?}", study.unit));
-        if study.start_state != StartState::FirstSample {
-            print = print.with("start state", study.start_state.label());
-        }
-        if let Some(split) = study.split {
-            print = print.with("split", split);
-        }
-        for range in study.grid.ranges() {
-            print = print.with(
-                format!("parameter {}", range.parameter.name),
-                format!("{} to {}, {} points", range.from, range.to, range.points),
-            );
-        }
-        for (index, (recording, sha256)) in study
-            .recordings
-            .iter()
-            .zip(&study.recordings_sha256)
-            .enumerate()
-        {
-            print = print.with(format!("recording {index} {}", recording.name), sha256);
-        }
-        print
     }
 }

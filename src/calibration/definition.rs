@@ -1,0 +1,91 @@
+//! What a study says: robot, recordings, parameters, metric; validated, but nothing is made ready to run yet.
+
+use std::path::PathBuf;
+
+use serde::Deserialize;
+
+use super::split::Split;
+use crate::calibration::identification::StartState;
+use crate::comparison::{Components, Metric};
+use crate::error::Error;
+use crate::optimization::Grid;
+use crate::robot::morphology::Morphology;
+use crate::simulation::parameter::ParameterSet;
+use crate::simulation::{Experiment, Noise};
+use crate::trajectory::Recording;
+use crate::unit::LengthUnit;
+use crate::warning::Warning;
+
+/// Where a simulated run starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub enum StartRule {
+    /// At rest on the floor, the same for every recording.
+    Settled,
+    /// At the first state of each recording.
+    FromRecording,
+}
+
+/// What a study says, validated.
+#[derive(Debug)]
+pub struct Definition {
+    /// File stem.
+    pub name: String,
+    /// The file; `None` for a study that was built.
+    pub path: Option<PathBuf>,
+    /// The file as written; empty for a study that was built.
+    pub text: String,
+    /// What it is for.
+    pub description: String,
+    /// The robot.
+    pub morphology: Morphology,
+    /// SHA-256 of the morphology file.
+    pub morphology_sha256: String,
+    /// Globs of the recordings, relative to the file.
+    pub recording_globs: Vec<String>,
+    /// What reality did.
+    pub recordings: Vec<Recording>,
+    /// SHA-256 of each recording's file.
+    pub recordings_sha256: Vec<String>,
+    /// Where simulated runs start.
+    pub start: StartRule,
+    /// Which state of a recording runs start from, where they start from recordings.
+    pub start_state: StartState,
+    /// Length of the runs, seconds; `None`: as long as the recordings.
+    pub duration_s: Option<f64>,
+    /// Unit of length of the recordings' files.
+    pub unit: LengthUnit,
+    /// Fixed parameter values.
+    pub set: ParameterSet,
+    /// The parameters that vary.
+    pub grid: Grid,
+    /// How far apart two trajectories are.
+    pub metric: &'static dyn Metric,
+    /// How many principal components the `pca` metric keeps.
+    pub components: Components,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Which recordings are kept from the fit to check it.
+    pub split: Option<Split>,
+    /// Known truth of a stand-in, for marking it in pictures; never used by the fit.
+    pub truth: ParameterSet,
+    /// How repeats differ, where the study says; used by ensembles, never by a sweep.
+    pub noise: Option<Noise>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+impl Definition {
+    /// The error with the study's file, where it has one.
+    pub(crate) fn at_file(&self, error: Error) -> Error {
+        match &self.path {
+            Some(path) => error.at_file(path),
+            None => error,
+        }
+    }
+
+    /// The experiment with everything that the study fixes, before any recording has a say.
+    pub fn experiment(&self) -> Experiment {
+        let base = Experiment::new(self.morphology.assemble());
+        self.set.apply(&base)
+    }
+}

@@ -1,0 +1,54 @@
+//! Everything that decides a study's results, so that two studies never share a results folder.
+
+use super::study::Study;
+use crate::calibration::identification::StartState;
+use crate::simulation::ENGINE_VERSION;
+use crate::store::Fingerprint;
+
+impl Study {
+    /// Everything that decides the results.
+    pub fn fingerprint(&self) -> Fingerprint {
+        let definition = self.definition();
+        let experiment = &self.cases()[0].experiment;
+        let mut print = Fingerprint::new()
+            .with("realgap", env!("CARGO_PKG_VERSION"))
+            .with("engine", ENGINE_VERSION)
+            .with("study", &definition.name)
+            .with("morphology sha256", &definition.morphology_sha256)
+            .with("metric", definition.metric.name())
+            .with("components", format!("{:?}", definition.components))
+            .with("start", format!("{:?}", definition.start))
+            .with(
+                "duration_s",
+                definition
+                    .duration_s
+                    .map_or("recording".to_owned(), |d| d.to_string()),
+            )
+            .with("solver", format!("{:?}", experiment.solver))
+            .with("contact", format!("{:?}", experiment.contact))
+            .with("set", &definition.set)
+            .with("seed", definition.seed)
+            .with("unit of the recordings", format!("{:?}", definition.unit));
+        if definition.start_state != StartState::FirstSample {
+            print = print.with("start state", definition.start_state.label());
+        }
+        if let Some(split) = definition.split {
+            print = print.with("split", split);
+        }
+        for range in definition.grid.ranges() {
+            print = print.with(
+                format!("parameter {}", range.parameter.name),
+                format!("{} to {}, {} points", range.from, range.to, range.points),
+            );
+        }
+        for (index, (recording, sha256)) in definition
+            .recordings
+            .iter()
+            .zip(&definition.recordings_sha256)
+            .enumerate()
+        {
+            print = print.with(format!("recording {index} {}", recording.name), sha256);
+        }
+        print
+    }
+}

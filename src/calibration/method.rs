@@ -1,0 +1,39 @@
+//! How the points of an answer were chosen.
+
+use serde::Serialize;
+
+/// How the points of an answer were chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Method {
+    /// Every point of the study's grid.
+    Sweep,
+    /// An optimizer chose them.
+    Tune(Tuned),
+}
+
+/// Why tuning ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Termination {
+    /// The budget is spent.
+    Budget,
+    /// The optimizer has nothing more to try.
+    Exhausted,
+    /// `patience` points in a row were no better.
+    NoImprovement,
+    /// Stopped from outside; everything finished is stored.
+    Interrupted,
+}
+
+/// How the points of a tuned study were chosen.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Tuned {
+    /// Name of the optimizer.
+    pub optimizer: &'static str,
+    /// Most points.
+    pub budget: usize,
+    /// Points of the space-filling first design.
+    pub design: usize,
+    /// Why it ended.
+    pub termination: Termination,
+}

@@ -1,0 +1,60 @@
+//! What a caller wants different from a study's file.
+
+use super::split::Split;
+use crate::calibration::identification::StartState;
+use crate::comparison::Metric;
+use crate::error::{Error, Result};
+use crate::simulation::parameter::ParameterSet;
+use crate::unit::LengthUnit;
+
+/// A part of the recordings: the `offset`-th of every `every`, in order of their paths, counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Part {
+    every: usize,
+    offset: usize,
+}
+
+impl Part {
+    /// A part; offsets 0 to `every` − 1 together are the whole.
+    ///
+    /// # Errors
+    /// An offset that is not below `every`.
+    pub fn new(every: usize, offset: usize) -> Result<Self> {
+        if offset < every {
+            return Ok(Self { every, offset });
+        }
+        Err(Error::usage("there is no such part of the recordings")
+            .found(format!("offset {offset} of every {every}"))
+            .allowed("offsets from 0 to one less than `every`"))
+    }
+
+    /// Whether the recording at `index` belongs to it.
+    pub fn contains(&self, index: usize) -> bool {
+        index % self.every == self.offset
+    }
+}
+
+/// What the caller wants different from the file.
+#[derive(Debug, Clone, Default)]
+pub struct Overrides {
+    /// Globs of recordings, relative to the current folder, in place of the file's.
+    pub recordings: Vec<String>,
+    /// Every so many-th recording only, in order of their paths, counted from an offset.
+    pub part: Option<Part>,
+    /// Start state in place of the file's.
+    pub start_state: Option<StartState>,
+    /// Only the first so many recordings.
+    pub limit_recordings: Option<usize>,
+    /// Metric in place of the file's.
+    pub metric: Option<&'static dyn Metric>,
+    /// Points per parameter in place of the file's.
+    pub points: Option<usize>,
+    /// Seed in place of the file's.
+    pub seed: Option<u64>,
+    /// Fixed values, after the file's own.
+    pub set: ParameterSet,
+    /// Unit of length of the recordings.
+    pub unit: LengthUnit,
+    /// Which recordings are kept from the fit to check it.
+    pub split: Option<Split>,
+}
