@@ -231,3 +231,18 @@ fn every_warning_is_listed() {
         );
     }
 }
+
+#[test]
+fn the_table_of_rooms_names_every_room() {
+    let design = read(Path::new("docs/design.md"));
+    for entry in std::fs::read_dir(common::project().join("src")).unwrap() {
+        let name = entry.unwrap().file_name().to_string_lossy().into_owned();
+        let room = name.trim_end_matches(".rs");
+        if !["lib", "main"].contains(&room) {
+            let is_listed = design
+                .lines()
+                .any(|line| line.starts_with("| `") && line.contains(&format!("`{room}`")));
+            assert!(is_listed, "docs/design.md does not list the room {room}");
+        }
+    }
+}
