@@ -54,8 +54,8 @@
 //! # Ok::<(), realgap::Error>(())
 //! ```
 //!
-//! A whole sweep is [`calibration::Study::read`], [`calibration::Problem::new`], [`calibration::sweep`] and [`results::write`]; the
-//! command `realgap sweep` does nothing else. Errors are one type, [`Error`]; warnings are values that travel with
+//! A whole sweep is [`calibration::Study::read`], [`calibration::sweep()`] and [`results::write`]; the command
+//! `realgap sweep` does nothing else. Errors are one type, [`Error`]; warnings are values that travel with
 //! results; the library never prints.
 //!
 //! Units are SI and stand in the names, frames too: [`guide::conventions`]. Why things are as they are:
