@@ -12,7 +12,7 @@ use crate::simulation::{JointKind, Solver};
 use crate::statistics::mean;
 use crate::store::Outcome;
 use crate::warning::{Code, Warning};
-use crate::{Error, Result};
+use crate::{Advice, Error, Result};
 
 /// A change of the solver's settings.
 type Change = fn(&mut Solver);
@@ -234,7 +234,7 @@ fn stopped(stop: &AtomicBool) -> Result<()> {
         return Err(Error::interrupted(
             "interrupted while the best robots were looked at again; all robots are saved",
         )
-        .hint("go on with --resume"));
+        .advise(Advice::Resume));
     }
     Ok(())
 }

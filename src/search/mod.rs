@@ -99,23 +99,3 @@ pub use selection::{SELECTIONS, Selection, selection_named};
 pub use strategy::{
     Archive, Axis, Evaluated, Evolution, GeneValues, Grid, MapElites, Strategy, Variation,
 };
-
-use crate::{Error, Result};
-
-/// The entry of a registry that has this name.
-fn by_name<T: ?Sized>(
-    kind: &str,
-    name: &str,
-    all: &'static [&'static T],
-    name_of: impl Fn(&T) -> &'static str,
-) -> Result<&'static T> {
-    all.iter()
-        .copied()
-        .find(|entry| name_of(entry) == name)
-        .ok_or_else(|| {
-            let names: Vec<&str> = all.iter().map(|entry| name_of(entry)).collect();
-            Error::invalid(format!("unknown {kind}"))
-                .found(name)
-                .allowed(names.join(", "))
-        })
-}

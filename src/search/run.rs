@@ -8,7 +8,7 @@ use super::file::Hunt;
 use crate::optimization::{Ending, Evaluation, drive};
 use crate::search::Evaluated;
 use crate::store::{Mode, Store, TrialScore};
-use crate::{Error, Result};
+use crate::{Advice, Error, Result};
 
 /// All robots of a search.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,7 +79,7 @@ pub fn search(
                     Error::conflict("the stored robots are not those of this search")
                         .at_file(outing.folder)
                         .found(format!("robot {}", judged.index))
-                        .hint("start anew with --restart"),
+                        .advise(Advice::Restart),
                 );
             }
             let evaluated = Evaluated {

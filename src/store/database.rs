@@ -9,7 +9,7 @@ use rusqlite::{Connection, OpenFlags, OptionalExtension, params};
 use super::fingerprint::Fingerprint;
 use super::lock::FolderLock;
 use super::trial::{Outcome, OutcomeStatus, Trial, TrialScore};
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 
 /// Name of the store inside a results folder.
 pub const STORE_FILE: &str = "results.sqlite";
@@ -36,7 +36,9 @@ impl Store {
         if path.exists() {
             return Err(Error::conflict("the folder already holds results")
                 .at_file(&path)
-                .hint("go on with --resume, start anew with --restart, or choose another folder with -o"));
+                .advise(Advice::Resume)
+                .advise(Advice::Restart)
+                .advise(Advice::OtherFolder));
         }
         let mut store = Self {
             connection: connect(&path)?,
@@ -56,7 +58,7 @@ impl Store {
         if !path.exists() {
             return Err(Error::conflict("there is nothing to resume")
                 .at_file(&path)
-                .hint("run without --resume first"));
+                .hint("run it once before"));
         }
         let lock = lock(folder)?;
         let store = Self {
@@ -156,7 +158,8 @@ impl Store {
                 .at_file(&self.path)
                 .found(format!("layout {found}"))
                 .allowed(format!("layout {SCHEMA}"))
-                .hint("start anew with --restart, or choose another folder with -o"),
+                .advise(Advice::Restart)
+                .advise(Advice::OtherFolder),
         )
     }
 
@@ -403,18 +406,19 @@ fn sql(path: &Path, doing: &str, error: &rusqlite::Error) -> Error {
     let message = format!("cannot {doing}: {error}");
     let plain = || Error::conflict(message.clone()).at_file(path);
     match error.sqlite_error_code() {
-        Some(ErrorCode::DiskFull) => {
-            plain().hint("free some disk space, then go on with --resume; what was stored so far is safe")
-        }
-        Some(ErrorCode::ReadOnly | ErrorCode::CannotOpen | ErrorCode::PermissionDenied) => {
-            plain().hint("check the permissions of the folder, or choose another one with -o")
-        }
-        Some(ErrorCode::SystemIoFailure) => {
-            plain().hint("the disk may be full or failing; free some space, then go on with --resume")
-        }
-        Some(ErrorCode::NotADatabase | ErrorCode::DatabaseCorrupt) => {
-            plain().hint("the file is not a results store; start anew with --restart, or choose another folder with -o")
-        }
+        Some(ErrorCode::DiskFull) => plain()
+            .hint("free some disk space; what was stored so far is safe")
+            .advise(Advice::Resume),
+        Some(ErrorCode::ReadOnly | ErrorCode::CannotOpen | ErrorCode::PermissionDenied) => plain()
+            .hint("check the permissions of the folder")
+            .advise(Advice::OtherFolder),
+        Some(ErrorCode::SystemIoFailure) => plain()
+            .hint("the disk may be full or failing; free some space")
+            .advise(Advice::Resume),
+        Some(ErrorCode::NotADatabase | ErrorCode::DatabaseCorrupt) => plain()
+            .hint("the file is not a results store")
+            .advise(Advice::Restart)
+            .advise(Advice::OtherFolder),
         _ => plain(),
     }
 }

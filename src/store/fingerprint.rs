@@ -1,6 +1,6 @@
 //! Everything that decides the results of a study, as named texts that can be compared.
 
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 
 /// Named texts in order: versions, hashes of inputs, ranges, settings.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -40,11 +40,15 @@ impl Fingerprint {
             let (now, then) = (value(self, name), value(stored, name));
             if now != then {
                 let text = |v: Option<String>| v.unwrap_or_else(|| "nothing".to_owned());
-                return Err(Error::conflict("the stored results belong to a different study")
-                    .field(name.clone())
-                    .found(format!("now {}, stored {}", text(now), text(then)))
-                    .allowed("the same study, unchanged")
-                    .hint("undo the change, choose another folder with -o, or start anew with --restart"));
+                return Err(
+                    Error::conflict("the stored results belong to a different study")
+                        .field(name.clone())
+                        .found(format!("now {}, stored {}", text(now), text(then)))
+                        .allowed("the same study, unchanged")
+                        .hint("undo the change")
+                        .advise(Advice::OtherFolder)
+                        .advise(Advice::Restart),
+                );
             }
         }
         Ok(())

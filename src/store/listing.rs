@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::database::Store;
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
+use crate::file::unknown_name;
 
 /// One trial of a [`Listing`].
 #[derive(Debug, Clone, PartialEq)]
@@ -57,7 +58,7 @@ impl Listing {
                 Error::invalid(format!("the results do not explain themselves: {e}"))
                     .at_file(folder)
                     .field(name)
-                    .hint("start anew with --restart")
+                    .advise(Advice::Restart)
             })
         };
         let mut scores: std::collections::BTreeMap<usize, _> = store
@@ -102,13 +103,11 @@ impl Listing {
             }
             name => {
                 let Some(place) = self.parameters.iter().position(|known| known == name) else {
-                    return Err(Error::usage("there is no such column")
-                        .field("--sort")
-                        .found(name)
-                        .allowed(format!(
-                            "score, trial, displacement_error_m, {}",
-                            self.parameters.join(", ")
-                        )));
+                    let columns = ["score", "trial", "displacement_error_m"].into_iter();
+                    let columns = columns.chain(self.parameters.iter().map(String::as_str));
+                    return Err(unknown_name("column", name, columns)
+                        .field("sort")
+                        .into_usage());
                 };
                 Box::new(move |trial| trial.values[place])
             }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::database::{STORE_FILE, Store};
 use super::fingerprint::Fingerprint;
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 
 /// What to do with results that are already in the folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -45,10 +45,14 @@ impl Store {
                 if folder.join(STORE_FILE).exists() {
                     let old = Self::resume(folder, fingerprint)?;
                     if !old.is_complete()? {
-                        return Err(Error::conflict(format!("the folder holds an unfinished {what}"))
-                            .at_file(folder)
-                            .found(format!("{} of {expected}", old.finished()?.len()))
-                            .hint("go on with --resume, start anew with --restart, or choose another folder with -o"));
+                        return Err(Error::conflict(format!(
+                            "the folder holds an unfinished {what}"
+                        ))
+                        .at_file(folder)
+                        .found(format!("{} of {expected}", old.finished()?.len()))
+                        .advise(Advice::Resume)
+                        .advise(Advice::Restart)
+                        .advise(Advice::OtherFolder));
                     }
                     // Complete and of the same run: made again, the same bits will come out.
                     drop(old);

@@ -77,7 +77,7 @@ fn a_folder_takes_one_writer_and_one_study() {
     assert!(busy.to_string().contains("another process"), "{busy}");
     drop(store);
     let there = Store::create(folder.path(), &fingerprint).unwrap_err();
-    assert!(there.to_string().contains("--resume"), "{there}");
+    assert!(there.to_string().contains("resume"), "{there}");
     let other = Store::resume(folder.path(), &Fingerprint::new().with("a", 2)).unwrap_err();
     assert!(other.to_string().contains("now 2, stored 1"), "{other}");
     Store::remove(folder.path()).unwrap();
