@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use common::{quick_study, read, realgap, summary, text};
+use realgap::store::{Store, Trial};
 
 #[test]
 fn a_killed_sweep_goes_on_and_ends_with_the_same_bytes() {
@@ -64,7 +65,7 @@ fn a_killed_sweep_goes_on_and_ends_with_the_same_bytes() {
 fn wait_for_points(folder: &Path, count: usize) {
     let started = Instant::now();
     while started.elapsed() < Duration::from_secs(60) {
-        if let Ok(store) = realgap::store::Store::read(folder)
+        if let Ok(store) = Store::<Trial>::look(folder)
             && store
                 .finished()
                 .is_ok_and(|finished| finished.len() >= count)
@@ -230,7 +231,7 @@ fn a_sweep_that_runs_out_of_space_keeps_what_it_has_and_can_go_on() {
         error.contains("free some space") || error.contains("free some disk space"),
         "{error}"
     );
-    let kept = realgap::store::Store::read(&out)
+    let kept = Store::<Trial>::read(&out)
         .unwrap()
         .finished()
         .unwrap()

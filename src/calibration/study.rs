@@ -119,10 +119,14 @@ impl Study {
     /// The study's parameters with these values, in the study's order.
     pub fn parameter_set(&self, values: &[f64]) -> ParameterSet {
         self.definition
-            .parameters
+            .grid
+            .ranges()
             .iter()
             .zip(values)
-            .map(|(&parameter, &value)| Assignment { parameter, value })
+            .map(|(range, &value)| Assignment {
+                parameter: range.parameter,
+                value,
+            })
             .collect()
     }
 

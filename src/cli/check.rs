@@ -9,7 +9,7 @@ use realgap::file::Source;
 use realgap::plot::check_picture_path;
 use realgap::robot::genome::Specimen;
 use realgap::robot::morphology::Morphology;
-use realgap::search::{Hunt, Wishes};
+use realgap::search::{self, Search};
 use realgap::unit::{LengthUnit, counted};
 use realgap::{Error, Result, Warning, plot::portrait, trajectory};
 use serde_json::{Value, json};
@@ -303,28 +303,28 @@ fn study(path: &Path) -> Result<Contents> {
 }
 
 fn search(path: &Path) -> Result<Contents> {
-    let hunt = Hunt::read(path, &Wishes::default())?;
-    let robots = hunt.plan.budget();
+    let search = Search::read(path, &search::Overrides::default())?;
+    let robots = search.strategy().budget();
     Ok(Contents {
         kind: Kind::Search,
         lines: vec![
             format!(
                 "  search by {}: {}, {} each of {} s",
-                hunt.plan.name(),
+                search.strategy().name(),
                 counted(robots, "robot"),
-                counted(hunt.repeats, "repeat"),
-                hunt.duration_s
+                counted(search.repeats(), "repeat"),
+                search.duration_s()
             ),
-            format!("  made large: {}", hunt.objective.label()),
+            format!("  made large: {}", search.objective().label()),
         ],
         details: json!({
-            "strategy": hunt.plan.name(),
+            "strategy": search.strategy().name(),
             "robots": robots,
-            "repeats": hunt.repeats,
-            "duration_s": hunt.duration_s,
-            "objective": hunt.objective.label(),
-            "unit": hunt.objective.measure.unit(),
-            "seed": hunt.seed,
+            "repeats": search.repeats(),
+            "duration_s": search.duration_s(),
+            "objective": search.objective().label(),
+            "unit": search.objective().measure.unit(),
+            "seed": search.seed(),
         }),
         warnings: Vec::new(),
     })

@@ -5,7 +5,7 @@ use std::path::Path;
 use realgap::calibration::{Definition, Overrides, Study};
 use realgap::file::Source;
 use realgap::robot::morphology::Morphology;
-use realgap::search::{Hunt, Wishes};
+use realgap::search::{self, Search};
 use realgap::{Error, Result, trajectory};
 
 /// The kinds of files that people name on the command line.
@@ -85,8 +85,8 @@ pub fn read_morphology(path: &Path) -> Result<Morphology> {
 }
 
 /// Reads a search.
-pub fn read_search(path: &Path, wishes: &Wishes) -> Result<Hunt> {
-    Hunt::read(path, wishes).map_err(|error| explain(path, Kind::Search, error))
+pub fn read_search(path: &Path, overrides: &search::Overrides) -> Result<Search> {
+    Search::read(path, overrides).map_err(|error| explain(path, Kind::Search, error))
 }
 
 /// Reads a study.

@@ -11,16 +11,17 @@ use realgap::{Error, Result};
 
 use super::terminal;
 
-/// List the trials of a results folder, also while a run is still writing into it
+/// List the points or robots of a results folder, also while a run is still writing into it
 ///
-/// Everything comes from the folder's results.sqlite; the study's files are not needed.
+/// Everything comes from the folder's results.sqlite; the files of the study or search are not needed. Every row is checked against
+/// what was written.
 #[derive(Debug, Args)]
 pub struct Results {
-    /// A folder that sweep or tune has written, e.g. results/tripod_floor
+    /// A folder that sweep, tune or search has written, e.g. results/tripod_floor
     folder: PathBuf,
-    /// Column to sort by: score, trial, displacement_error_m or a parameter
-    #[arg(long, value_name = "COLUMN", default_value = "score")]
-    sort: String,
+    /// Column to sort by, smallest first [default: best first, by score or fitness]
+    #[arg(long, value_name = "COLUMN")]
+    sort: Option<String>,
     /// Only the first N rows after sorting
     #[arg(long, value_name = "N")]
     top: Option<usize>,
@@ -50,19 +51,24 @@ enum ResultsFormat {
 
 impl Results {
     pub fn run(self) -> Result<ExitCode> {
-        let mut listing = Listing::read(&self.folder)?.sorted(&self.sort)?;
-        listing.trials.truncate(self.top.unwrap_or(usize::MAX));
+        let mut listing = Listing::read(&self.folder)?
+            .sorted(self.sort.as_deref())
+            .map_err(|e| e.field("--sort"))?;
+        if !self.per_recording {
+            listing = listing.without_details();
+        }
+        listing.rows.truncate(self.top.unwrap_or(usize::MAX));
         let bytes = match self.format {
-            ResultsFormat::Table => self.table(&listing).into_bytes(),
-            ResultsFormat::Csv => self.csv(&listing)?,
-            ResultsFormat::Json => self.json(&listing)?.into_bytes(),
+            ResultsFormat::Table => table(&listing).into_bytes(),
+            ResultsFormat::Csv => csv(&listing)?,
+            ResultsFormat::Json => json(&listing)?.into_bytes(),
             ResultsFormat::Parquet => {
                 let Some(path) = &self.output else {
                     return Err(Error::usage("Parquet is no text")
                         .field("--format parquet")
                         .hint("name a file with --output trials.parquet"));
                 };
-                to_parquet(&listing, self.per_recording, path)?
+                to_parquet(&listing, path)?
             }
         };
         match &self.output {
@@ -71,58 +77,55 @@ impl Results {
         }
         Ok(ExitCode::SUCCESS)
     }
+}
 
-    fn table(&self, listing: &Listing) -> String {
-        let columns = listing.columns(self.per_recording);
-        let mut table = TextTable::new(columns.iter().map(|name| (name.as_str(), Side::Right)));
-        for row in listing.cells(self.per_recording) {
-            table.push(row.iter().map(|cell| match cell {
-                Cell::Number(Some(value)) => number(*value),
-                other => other.text(),
-            }));
-        }
-        let state = if listing.complete {
-            "complete"
-        } else {
-            "unfinished"
-        };
-        format!(
-            "{} of {}, {state}, metric {}\n{}",
-            listing.kind,
-            listing.study,
-            listing.metric,
-            table.render(terminal::stdout_wants_colour())
-        )
+fn table(listing: &Listing) -> String {
+    let columns = listing.columns.iter();
+    let mut table = TextTable::new(columns.map(|column| (column.name.as_str(), Side::Right)));
+    for row in &listing.rows {
+        table.push(row.iter().map(|cell| match cell {
+            Cell::Number(Some(value)) => number(*value),
+            other => other.text(),
+        }));
     }
+    let state = if listing.complete {
+        "complete"
+    } else {
+        "unfinished"
+    };
+    format!(
+        "{} of {}, {state}, {}\n{}",
+        listing.kind,
+        listing.name,
+        listing.measure,
+        table.render(terminal::stdout_wants_colour())
+    )
+}
 
-    fn csv(&self, listing: &Listing) -> Result<Vec<u8>> {
-        let fail = |e: csv::Error| Error::invalid(format!("cannot write the table: {e}"));
-        let mut writer = csv::Writer::from_writer(Vec::new());
+fn csv(listing: &Listing) -> Result<Vec<u8>> {
+    let fail = |e: csv::Error| Error::invalid(format!("cannot write the table: {e}"));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer
+        .write_record(listing.columns.iter().map(|column| &column.name))
+        .map_err(fail)?;
+    for row in &listing.rows {
         writer
-            .write_record(listing.columns(self.per_recording))
+            .write_record(row.iter().map(Cell::text))
             .map_err(fail)?;
-        for row in listing.cells(self.per_recording) {
-            writer
-                .write_record(row.iter().map(Cell::text))
-                .map_err(fail)?;
-        }
-        writer
-            .into_inner()
-            .map_err(|e| Error::invalid(format!("cannot write the table: {e}")))
     }
+    writer
+        .into_inner()
+        .map_err(|e| Error::invalid(format!("cannot write the table: {e}")))
+}
 
-    fn json(&self, listing: &Listing) -> Result<String> {
-        let columns = listing.columns(self.per_recording);
-        let rows: Vec<serde_json::Map<String, serde_json::Value>> = listing
-            .cells(self.per_recording)
-            .map(|row| {
-                columns
-                    .iter()
-                    .cloned()
-                    .zip(row.iter().map(Cell::json))
-                    .collect()
-            })
-            .collect();
-        terminal::json(&rows)
-    }
+fn json(listing: &Listing) -> Result<String> {
+    let rows: Vec<serde_json::Map<String, serde_json::Value>> = listing
+        .rows
+        .iter()
+        .map(|row| {
+            let names = listing.columns.iter().map(|column| column.name.clone());
+            names.zip(row.iter().map(Cell::json)).collect()
+        })
+        .collect();
+    terminal::json(&rows)
 }

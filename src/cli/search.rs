@@ -1,14 +1,15 @@
 //! `realgap search`: the best robot, and how sure that is.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use clap::Args;
-use realgap::optimization::Ending;
+use realgap::optimization::{Ending, Progress, RunOptions};
 use realgap::plot::{Side, TextTable, quantity};
 use realgap::results::{SearchSummary, write_search};
-use realgap::search::{self, Hunt, Mode, Outing, Wishes};
+use realgap::search::{self, Finalist, Mode, Overrides, SearchResults};
 use realgap::unit::{Unit, counted};
 use realgap::{Error, Result};
 
@@ -56,61 +57,38 @@ impl Search {
     pub fn run(self) -> Result<ExitCode> {
         let set = self.values.parameter_set()?;
         terminal::print_warnings(&recording_unused(&set));
-        let wishes = Wishes {
+        let overrides = Overrides {
             set,
             indistinguishable: self.indistinguishable.clone(),
             seed: self.seed,
         };
-        let hunt = read_search(&self.search, &wishes)?;
+        let search = read_search(&self.search, &overrides)?;
         let folder = match &self.output {
             Some(folder) => folder.clone(),
-            None => PathBuf::from("results").join(&hunt.name),
+            None => PathBuf::from("results").join(search.name()),
         };
         let jobs = self.jobs.count();
         let stop = interrupt::stop_flag()?;
-        let outing = Outing {
-            folder: &folder,
-            mode: match (self.resume, self.restart) {
-                (true, _) => Mode::Resume,
-                (_, true) => Mode::Restart,
-                _ => Mode::Start,
-            },
+        let options = RunOptions {
             jobs,
-            stop,
+            stop: Some(stop),
+            progress: None,
         };
         let started = Instant::now();
-        let unit = hunt.objective.measure.unit();
-        let bar = progress::bar(hunt.plan.budget(), "searching");
-        let mut first = true;
-        let quarry = search::search(&hunt, &outing, |done, best| {
-            bar.set_position(done as u64);
-            if std::mem::take(&mut first) {
-                // Rate and time left count from here, not from what an earlier run did.
-                bar.reset_eta();
-            }
-            if let Some(best) = best {
-                bar.set_message(format!("searching, best {}", quantity(best, unit)));
-            }
-        });
-        bar.finish_and_clear();
-        let quarry = quarry?;
+        let results = self.simulate(&search, &folder, &options)?;
         let mut finalists = Ok(Vec::new());
-        if quarry.ending == Ending::Complete {
-            let bar = progress::bar(hunt.finals.count, "looking at the best again");
-            finalists = self.jobs.pool()?.install(|| {
-                hunt.finalists(&quarry.robots, stop, |done| bar.set_position(done as u64))
-            });
-            bar.finish_and_clear();
+        if results.ending == Ending::Complete {
+            finalists = look_again(&search, &results, &options);
         }
         let known = finalists.as_ref().map_or(&[][..], Vec::as_slice);
-        let summary = write_search(&folder, &hunt, &quarry, known)?;
+        let summary = write_search(&folder, &search, &results, known)?;
         terminal::print_warnings(&summary.warnings);
         match self.format {
             Format::Json => terminal::print(terminal::json(&summary)?),
             Format::Table => {
                 let wall_s = started.elapsed().as_secs_f64();
                 let head = format!("{wall_s:.1} s on {}", counted(jobs, "thread"));
-                print(&summary, &hunt, &head);
+                print(&summary, &search, &head);
                 terminal::print(format!(
                     "  results in {}: summary.json, history.csv, best/ and pictures",
                     folder.display()
@@ -121,7 +99,7 @@ impl Search {
             "go on with: realgap search {} --resume (and the same options)",
             self.search.display()
         );
-        if quarry.ending == Ending::Interrupted {
+        if results.ending == Ending::Interrupted {
             return Err(Error::interrupted(format!(
                 "interrupted after {} of {} robots; all of them are saved",
                 summary.robots, summary.robots_total
@@ -139,10 +117,61 @@ impl Search {
         }
         Ok(ExitCode::SUCCESS)
     }
+
+    /// Simulates the robots, with a bar.
+    fn simulate(
+        &self,
+        search: &search::Search,
+        folder: &Path,
+        options: &RunOptions<'_>,
+    ) -> Result<SearchResults> {
+        let mode = match (self.resume, self.restart) {
+            (true, _) => Mode::Resume,
+            (_, true) => Mode::Restart,
+            _ => Mode::Start,
+        };
+        let unit = search.objective().measure.unit();
+        let bar = progress::bar(search.strategy().budget(), "searching");
+        let is_first = AtomicBool::new(true);
+        let show = |progress: Progress| {
+            bar.set_position(progress.done as u64);
+            if is_first.swap(false, Ordering::Relaxed) {
+                // Rate and time left count from here, not from what an earlier run did.
+                bar.reset_eta();
+            }
+            if let Some(best) = progress.best {
+                bar.set_message(format!("searching, best {}", quantity(best, unit)));
+            }
+        };
+        let options = RunOptions {
+            progress: Some(&show),
+            ..*options
+        };
+        let results = search.run_in(folder, mode, &options);
+        bar.finish_and_clear();
+        results
+    }
 }
 
-fn print(summary: &SearchSummary, hunt: &Hunt, head: &str) {
-    let unit = hunt.objective.measure.unit();
+/// Looks at the best again, with a bar.
+fn look_again(
+    search: &search::Search,
+    results: &SearchResults,
+    options: &RunOptions<'_>,
+) -> Result<Vec<Finalist>> {
+    let bar = progress::bar(search.finals().count, "looking at the best again");
+    let show = |progress: Progress| bar.set_position(progress.done as u64);
+    let options = RunOptions {
+        progress: Some(&show),
+        ..*options
+    };
+    let finalists = search.finalists(results, &options);
+    bar.finish_and_clear();
+    finalists
+}
+
+fn print(summary: &SearchSummary, search: &search::Search, head: &str) {
+    let unit = search.objective().measure.unit();
     let failures: Vec<String> = summary
         .failures
         .iter()

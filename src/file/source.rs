@@ -1,8 +1,10 @@
 //! A text and where it came from.
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::hash::sha256;
+use sha2::{Digest as _, Sha256};
+
 use super::input::read_limited;
 use super::outline::{self, Entry};
 use crate::{Error, Result};
@@ -91,7 +93,11 @@ impl Source {
 
     /// SHA-256 of the text as 64 lower-case hexadecimal digits, for provenance.
     pub fn sha256(&self) -> String {
-        sha256(&self.text)
+        let mut hex = String::with_capacity(64);
+        for byte in Sha256::digest(self.text.as_bytes()) {
+            let _infallible = write!(hex, "{byte:02x}");
+        }
+        hex
     }
 
     /// Line and column (from 1) of the value at `path`, e.g. `glue[3].child`; of the nearest enclosing

@@ -50,6 +50,12 @@ impl RunOptions<'_> {
         self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
+    /// The flag that stops it: one that is never set where nobody gave one.
+    pub fn stop_flag(&self) -> &AtomicBool {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        self.stop.unwrap_or(&NEVER)
+    }
+
     /// Tells whoever listens.
     pub fn tell(&self, done: usize, total: usize, best: Option<f64>) {
         if let Some(progress) = self.progress {

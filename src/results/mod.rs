@@ -6,7 +6,6 @@ mod ensemble;
 mod gap;
 mod picture;
 mod search;
-mod search_picture;
 mod summary;
 mod table;
 mod verdict;

@@ -59,7 +59,15 @@ impl Body {
         .map_err(Misfit::Refused)
     }
 
-    /// The ranges of the gait.
+    /// Edge length of the modules, metres.
+    pub fn length_m(&self) -> f64 {
+        match self {
+            Self::Developed(development) => development.side_m,
+            Self::Fixed(robot, _) => robot.summary().body_length_m,
+        }
+    }
+
+    /// The settings of development; of a given robot its ranges of the gait count alone.
     pub fn development(&self) -> &Development {
         match self {
             Self::Developed(development) | Self::Fixed(_, development) => development,

@@ -1,22 +1,19 @@
 //! What tells robots apart in an archive: one line in [`DESCRIPTORS`] adds another.
 
-use crate::Result;
-use crate::file::look_up;
 use crate::robot::morphology::Morphology;
 use crate::statistics::mean;
 use crate::unit::Unit;
+use crate::{Error, Result};
 
-use super::objective::Distance;
+use super::objective::Travel;
 
 /// A robot and what its repeats did.
 #[derive(Debug, Clone, Copy)]
 pub struct Behaviour<'a> {
     /// The robot.
     pub robot: &'a Morphology,
-    /// How far each repeat got.
-    pub distances: &'a [Distance],
-    /// How far each repeat's heading turned, radians.
-    pub turned_rad: &'a [f64],
+    /// What each repeat did.
+    pub repeats: &'a [Travel],
     /// Edge length of the tracked module, metres.
     pub body_length_m: f64,
 }
@@ -88,7 +85,7 @@ pub const DESCRIPTORS: &[Descriptor] = &[
         unit: Unit::One,
         doc: "net displacement per path length, mean over the repeats",
         value: |b| {
-            let all = b.distances.iter().map(|d| d.straightness(b.body_length_m));
+            let all = b.repeats.iter().map(|t| t.straightness(b.body_length_m));
             mean(&all.collect::<Vec<_>>())
         },
     },
@@ -96,7 +93,7 @@ pub const DESCRIPTORS: &[Descriptor] = &[
         name: "turned_rad",
         unit: Unit::Radian,
         doc: "change of heading over the run, mean over the repeats, left positive",
-        value: |b| mean(b.turned_rad),
+        value: |b| mean(&b.repeats.iter().map(|t| t.turned_rad).collect::<Vec<_>>()),
     },
 ];
 
@@ -105,7 +102,13 @@ pub const DESCRIPTORS: &[Descriptor] = &[
 /// # Errors
 /// An unknown name, with the known ones.
 pub fn descriptor_named(name: &str) -> Result<&'static Descriptor> {
-    look_up("descriptor", name, DESCRIPTORS, |descriptor| {
-        descriptor.name
-    })
+    DESCRIPTORS
+        .iter()
+        .find(|descriptor| descriptor.name == name)
+        .ok_or_else(|| {
+            let known: Vec<&str> = DESCRIPTORS.iter().map(|d| d.name).collect();
+            Error::invalid("unknown descriptor")
+                .found(name)
+                .allowed(known.join(", "))
+        })
 }

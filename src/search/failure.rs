@@ -36,6 +36,11 @@ impl Reason {
         Self::SelfPenetrating,
     ];
 
+    /// The reason of this short name; `None` for any other text.
+    pub fn by_code(code: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|reason| reason.code() == code)
+    }
+
     /// A stable short name, for tables and the store.
     pub fn code(self) -> &'static str {
         match self {
@@ -67,15 +72,6 @@ impl Failure {
             seen: seen.to_string(),
         }
     }
-
-    /// Reads back what [`Failure`] is displayed as; anything else is a divergence.
-    pub fn parse(text: &str) -> Self {
-        let known = text.split_once(": ").and_then(|(code, seen)| {
-            let reason = Reason::ALL.into_iter().find(|r| r.code() == code)?;
-            Some(Self::new(reason, seen))
-        });
-        known.unwrap_or_else(|| Self::new(Reason::Diverged, text))
-    }
 }
 
 impl fmt::Display for Failure {
@@ -87,7 +83,7 @@ impl fmt::Display for Failure {
 /// What counts as a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Rules {
+pub struct FailureRules {
     /// Whether a robot fails whose plate would hit itself.
     pub plate_blocked: bool,
     /// Whether a robot fails that does not stand as it was put down (still moving, or toppled).
@@ -98,7 +94,7 @@ pub struct Rules {
     pub overlap_body_lengths: f64,
 }
 
-impl Default for Rules {
+impl Default for FailureRules {
     /// Assumed: a walking cube hops by millimetres, and the contact model lets boxes sink into each other by less than one.
     fn default() -> Self {
         Self {

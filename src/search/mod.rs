@@ -1,12 +1,34 @@
-//! The search for the best robot: where strategies meet the simulator.
+//! The search for the best robot: genomes, strategies, an objective under noise, finalists.
 //!
-//! [`Hunt::read`] parses a search file, [`search()`] lets its strategy propose robots and evaluates them under noise into the store, and
-//! [`Hunt::finalists`] looks at the best again. Strategies ([`Strategy`]) see genomes and fitness only; what is
-//! made large is an [`Objective`] over repeats that differ by noise and by what tuning left open ([`Doubt`]).
+//! [`Search::builder`] states a search, [`Search::read`] reads one from a file. [`Search::run`] lets its [`Strategy`] propose
+//! robots and evaluates them under noise, in memory; [`Search::run_in`] does the same into the store of a results folder. The best
+//! are looked at again by [`Search::finalists`]. Strategies see genomes and fitness only; what is
+//! made large is an [`Objective`] over repeats that differ by noise and by what tuning left open ([`UncertainParameters`]).
+//!
+//! ```
+//! use realgap::optimization::RunOptions;
+//! use realgap::search::{Evolution, FinalsSettings, Search};
+//!
+//! let search = Search::builder(Evolution { population: 3, generations: 2, ..Evolution::default() })
+//!     .uncertain("floor.friction", 0.3, 0.5)
+//!     .duration_s(0.5)
+//!     .repeats(2)
+//!     .finals(FinalsSettings { count: 1, repeats: 4, ..FinalsSettings::default() })
+//!     .build()?;
+//! let options = RunOptions::default();
+//! let results = search.run(&options)?;
+//! assert_eq!(results.robots.len(), search.strategy().budget());
+//! for finalist in search.finalists(&results, &options)? {
+//!     println!("{}", finalist.card());
+//! }
+//! # Ok::<(), realgap::Error>(())
+//! ```
+//!
+//! # The file
 //!
 //! ```
 //! use realgap::file::Source;
-//! use realgap::search::{Hunt, Wishes};
+//! use realgap::search::{Overrides, Search};
 //!
 //! let text = r#"Search(
 //!     strategy: Evolution(population: 10, generations: 10),
@@ -14,12 +36,10 @@
 //!     objective: (measure: Displacement, aggregate: LowerQuantile(0.2)),
 //!     parameters: [(name: "floor.friction", low: 0.3, high: 0.5)],
 //! )"#;
-//! let hunt = Hunt::parse(&Source::new("best.ron", text), &Wishes::default())?;
-//! assert_eq!((hunt.plan.name(), hunt.plan.budget(), hunt.repeats), ("evolution", 82, 8));
+//! let search = Search::parse(&Source::new("best.ron", text), &Overrides::default())?;
+//! assert_eq!((search.strategy().name(), search.strategy().budget(), search.repeats()), ("evolution", 82, 8));
 //! # Ok::<(), realgap::Error>(())
 //! ```
-//!
-//! # The file
 //!
 //! | field | meaning | default |
 //! |---|---|---|
@@ -33,8 +53,8 @@
 //! | `noise` | as in a study | an estimate |
 //! | `objective` | `(measure: Displacement, Straightness or Speed; aggregate: Mean, LowerQuantile(level) or MeanMinusSd(k))` | displacement, 20 % quantile |
 //! | `repeats` | runs of every robot; all robots get the same draws | 8 |
-//! | `failures` | [`Rules`] | |
-//! | `finalists` | [`Finals`] | |
+//! | `failures` | [`FailureRules`] | |
+//! | `finalists` | [`FinalsSettings`] | |
 //! | `seed` | of everything random | 1 |
 //!
 //! # Strategies alone
@@ -66,36 +86,33 @@
 //! ```
 
 mod body;
-mod brain;
+mod builder;
 mod descriptor;
-mod doubt;
 mod evaluate;
 mod failure;
 mod file;
-mod finalist;
-mod generator;
+mod finals;
 mod objective;
-mod operator;
-mod plan;
+mod problem;
+mod robot;
 mod run;
-mod selection;
 mod strategy;
+mod uncertain;
 
 pub use crate::store::Mode;
 pub use body::Body;
-pub use brain::CmaEs;
+pub use builder::SearchBuilder;
 pub use descriptor::{Behaviour, DESCRIPTORS, Descriptor, descriptor_named};
-pub use doubt::{Doubt, INDISTINGUISHABLE_FILE, Uncertain, read_indistinguishable};
-pub use evaluate::Judged;
-pub use failure::{Failure, Reason, Rules};
-pub use file::{Finals, Hunt, Wishes};
-pub use finalist::Finalist;
-pub use generator::generator;
-pub use objective::{Aggregate, Distance, Measure, Objective};
-pub use operator::{Dose, OPERATORS, Operator, operator_named};
-pub use plan::Plan;
-pub use run::{Outing, Quarry, search};
-pub use selection::{SELECTIONS, Selection, selection_named};
+pub use failure::{Failure, FailureRules, Reason};
+pub use file::Overrides;
+pub use finals::{Finalist, FinalsSettings};
+pub use objective::{Aggregate, Measure, Objective, Travel};
+pub use problem::Search;
+pub use robot::{EvaluatedRobot, Outcome, Performance};
+pub use run::SearchResults;
 pub use strategy::{
-    Archive, Axis, Evaluated, Evolution, GeneValues, Grid, MapElites, Strategy, Variation,
+    Archive, Axis, CmaEs, CmaEsSettings, Dose, Evaluated, Evolution, GeneValues, Grid,
+    GridSettings, MapElites, OPERATORS, Operator, SELECTIONS, STRATEGIES, Selection, Space,
+    Strategy, StrategySettings, Variation, generator, operator_named, selection_named,
 };
+pub use uncertain::{UncertainParameters, UncertainRange, read_indistinguishable};

@@ -50,16 +50,18 @@ impl Default for Objective {
     }
 }
 
-/// How far one repeat got.
+/// What one repeat did.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Distance {
-    /// From start to end, metres.
+pub struct Travel {
+    /// From start to end in the plane, metres.
     pub displacement_m: f64,
     /// Along the path, metres.
     pub path_length_m: f64,
+    /// Change of the heading, radians, left positive.
+    pub turned_rad: f64,
 }
 
-impl Distance {
+impl Travel {
     /// Displacement per path length; 0 below one body length of displacement, where there is no direction to speak of.
     pub fn straightness(&self, body_length_m: f64) -> f64 {
         if self.displacement_m < body_length_m {
@@ -71,11 +73,11 @@ impl Distance {
 
 impl Measure {
     /// Its value for one repeat, in [`Measure::unit`].
-    pub fn of(self, distance: &Distance, body_length_m: f64, duration_s: f64) -> f64 {
+    pub fn of(self, travel: &Travel, body_length_m: f64, duration_s: f64) -> f64 {
         match self {
-            Self::Displacement => distance.displacement_m,
-            Self::Straightness => distance.straightness(body_length_m),
-            Self::Speed | Self::SpeedPerEnergy => distance.displacement_m / duration_s,
+            Self::Displacement => travel.displacement_m,
+            Self::Straightness => travel.straightness(body_length_m),
+            Self::Speed | Self::SpeedPerEnergy => travel.displacement_m / duration_s,
         }
     }
 
@@ -111,6 +113,13 @@ impl Aggregate {
 }
 
 impl Objective {
+    /// Its value for the repeats of one robot; at least one.
+    pub fn of(&self, repeats: &[Travel], body_length_m: f64, duration_s: f64) -> f64 {
+        let values = repeats.iter();
+        let values = values.map(|travel| self.measure.of(travel, body_length_m, duration_s));
+        self.aggregate.of(&values.collect::<Vec<_>>())
+    }
+
     /// Checks that it can be computed.
     ///
     /// # Errors

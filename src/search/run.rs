@@ -1,134 +1,214 @@
-//! The search itself: proposals evaluated in parallel into the store, in the strategy's order.
+//! The search itself: proposals evaluated in parallel, in the strategy's order.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
-use super::evaluate::Judged;
-use super::file::Hunt;
-use crate::optimization::{Ending, Evaluation, drive};
-use crate::search::Evaluated;
-use crate::store::{Mode, Store, TrialScore};
-use crate::{Advice, Error, Result};
+use super::problem::Search;
+use super::robot::EvaluatedRobot;
+use super::strategy::{Evaluated, Strategy};
+use crate::optimization::{Ending, Evaluation, RunOptions, drive};
+use crate::robot::genome::Genome;
+use crate::store::{Memory, Mode, RobotRow, Storage, Store};
+use crate::{Error, Result};
 
-/// All robots of a search.
+/// The robots of a search.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Quarry {
+pub struct SearchResults {
     /// In the strategy's order.
-    pub robots: Vec<Judged>,
+    pub robots: Vec<EvaluatedRobot>,
+    /// How many robots the strategy proposed at once: sizes of its batches, in order. Of an interrupted search the last may not
+    /// be complete.
+    pub batches: Vec<usize>,
     /// Whether the search is complete.
     pub ending: Ending,
 }
 
-/// Where, how, and until when a search runs.
-#[derive(Debug, Clone, Copy)]
-pub struct Outing<'a> {
-    /// The results folder.
-    pub folder: &'a Path,
-    /// What to do with results that are there.
-    pub mode: Mode,
-    /// Threads.
-    pub jobs: usize,
-    /// Set from outside to stop after the robots under way.
-    pub stop: &'a AtomicBool,
+impl SearchResults {
+    /// The robot with the largest fitness, of equals the earlier; `None` where every robot failed.
+    pub fn best(&self) -> Option<&EvaluatedRobot> {
+        let mut best: Option<(&EvaluatedRobot, f64)> = None;
+        for robot in &self.robots {
+            if let Some(fitness) = robot.fitness()
+                && best.is_none_or(|(_, held)| fitness > held)
+            {
+                best = Some((robot, fitness));
+            }
+        }
+        best.map(|(robot, _)| robot)
+    }
+
+    /// The batch of the robot with this index, counted from 0.
+    pub fn batch_of(&self, index: usize) -> usize {
+        let mut end = 0;
+        let ended = self.batches.iter().take_while(|size| {
+            end += **size;
+            end <= index
+        });
+        ended.count()
+    }
+
+    /// As strategies see the robots.
+    pub fn history(&self) -> Vec<Evaluated> {
+        self.robots.iter().map(EvaluatedRobot::evaluated).collect()
+    }
 }
 
-/// Searches. The robots depend on the search alone, not on `jobs` nor on interruptions. `progress` hears how many robots are
-/// done and the best fitness so far.
-///
-/// # Errors
-/// A folder that cannot be used, settings that cannot be simulated.
-pub fn search(
-    hunt: &Hunt,
-    outing: &Outing<'_>,
-    mut progress: impl FnMut(usize, Option<f64>),
-) -> Result<Quarry> {
-    let mut store = open(hunt, outing)?;
-    let strategy = hunt.plan.strategy();
-    let mut robots: Vec<Judged> = Vec::new();
+impl Search {
+    /// Searches in memory. The robots depend on the search alone, not on the options.
+    ///
+    /// # Errors
+    /// Settings that cannot be simulated.
+    pub fn run(&self, options: &RunOptions<'_>) -> Result<SearchResults> {
+        follow(self.strategy(), &mut Memory::default(), options, |i, g| {
+            self.evaluate(i, g)
+        })
+    }
+
+    /// Searches into the store of a results folder, from where an interrupted search goes on: the robots have the same bits
+    /// as those of [`Search::run`], however often it was interrupted.
+    ///
+    /// # Errors
+    /// As [`Search::run`]; a folder that cannot be used.
+    pub fn run_in(
+        &self,
+        folder: &Path,
+        mode: Mode,
+        options: &RunOptions<'_>,
+    ) -> Result<SearchResults> {
+        let mut store = self.open(folder, mode)?;
+        let results = follow(self.strategy(), &mut store, options, |i, g| {
+            self.evaluate(i, g)
+        })
+        .map_err(|error| match error.file() {
+            None => error.at_file(folder),
+            Some(_) => error,
+        })?;
+        if results.ending == Ending::Complete {
+            store.complete()?;
+        }
+        Ok(results)
+    }
+
+    fn open(&self, folder: &Path, mode: Mode) -> Result<Store<RobotRow>> {
+        let expected = format!("{} robots", self.strategy.budget());
+        let mut store = Store::open(folder, &self.fingerprint(), mode, "search", &expected)?;
+        store.describe([
+            ("kind", "search".to_owned()),
+            ("search", self.name.clone()),
+            ("search text", self.text.clone()),
+            ("strategy", self.strategy.name().to_owned()),
+            ("objective", self.objective.label()),
+            ("unit", self.objective.measure.unit().label().to_owned()),
+            (
+                "descriptors",
+                serde_json::json!(self.strategy.descriptors()).to_string(),
+            ),
+        ])?;
+        Ok(store)
+    }
+}
+
+/// Evaluates what a strategy proposes, batch by batch, until it proposes nothing more.
+fn follow(
+    strategy: &dyn Strategy,
+    storage: &mut impl Storage<RobotRow>,
+    options: &RunOptions<'_>,
+    evaluate: impl Fn(usize, &Genome) -> Result<EvaluatedRobot> + Sync,
+) -> Result<SearchResults> {
+    let total = strategy.budget();
+    let mut results = SearchResults {
+        robots: Vec::new(),
+        batches: Vec::new(),
+        ending: Ending::Complete,
+    };
     let mut history: Vec<Evaluated> = Vec::new();
     let mut best: Option<f64> = None;
-    let ending = loop {
+    loop {
         let genomes = strategy.propose(&history)?;
         if genomes.is_empty() {
-            break Ending::Complete;
+            return Ok(results);
         }
         let offset = history.len();
         let evaluation = Evaluation {
             points: offset + genomes.len(),
-            jobs: outing.jobs,
-            stop: outing.stop,
+            jobs: options.jobs,
+            stop: options.stop_flag(),
         };
-        let ending = drive(
+        results.ending = drive(
             &evaluation,
-            &mut store,
-            |index| hunt.evaluate(index, &genomes[index - offset]),
-            |done| progress(done, best),
+            storage,
+            |index| Ok(RobotRow::from(&evaluate(index, &genomes[index - offset])?)),
+            |done| options.tell(done, total, best),
         )?;
-        let trials = store.trials_within(offset..offset + genomes.len())?;
-        let judged: Result<Vec<Judged>> = trials.iter().map(|trial| hunt.judge(trial)).collect();
-        let judged = judged?;
-        store.insert_scores(&judged.iter().map(score).collect::<Vec<_>>())?;
-        robots.extend(judged.iter().cloned());
-        if ending == Ending::Interrupted {
-            // What is there of the batch is no history: the strategy sees whole batches only.
-            break Ending::Interrupted;
-        }
-        for (judged, proposed) in judged.into_iter().zip(genomes) {
-            if judged.genome != proposed {
+        results.batches.push(genomes.len());
+        for row in storage.rows_within(offset..offset + genomes.len())? {
+            let robot = EvaluatedRobot::try_from(&row)?;
+            if genomes.get(robot.index - offset) != Some(&robot.genome) {
                 return Err(
                     Error::conflict("the stored robots are not those of this search")
-                        .at_file(outing.folder)
-                        .found(format!("robot {}", judged.index))
-                        .advise(Advice::Restart),
+                        .found(format!("robot {}", robot.index)),
                 );
             }
-            let evaluated = Evaluated {
-                genome: judged.genome,
-                fitness: judged.fitness,
-                descriptors: judged.descriptors,
-            };
-            if let Some(fitness) = evaluated.fitness.filter(|f| !f.is_nan()) {
-                best = Some(best.map_or(fitness, |b| b.max(fitness)));
+            if let Some(fitness) = robot.fitness().filter(|fitness| !fitness.is_nan()) {
+                best = Some(best.map_or(fitness, |held| held.max(fitness)));
             }
-            history.push(evaluated);
+            history.push(robot.evaluated());
+            results.robots.push(robot);
         }
-        progress(history.len(), best);
-    };
-    if ending == Ending::Complete {
-        store.complete()?;
+        if results.ending == Ending::Interrupted {
+            // What is there of the batch is no history: the strategy sees whole batches only.
+            return Ok(results);
+        }
+        options.tell(history.len(), total, best);
     }
-    Ok(Quarry { robots, ending })
 }
 
-fn open(hunt: &Hunt, outing: &Outing<'_>) -> Result<Store> {
-    let expected = format!("{} robots", hunt.plan.budget());
-    let fingerprint = hunt.fingerprint();
-    let mut store = Store::open(
-        outing.folder,
-        &fingerprint,
-        outing.mode,
-        "search",
-        &expected,
-    )?;
-    store.describe([
-        ("kind", "search".to_owned()),
-        ("search", hunt.name.clone()),
-        ("search text", hunt.text.clone()),
-        ("objective", hunt.objective.label()),
-        ("unit", hunt.objective.measure.unit().label().to_owned()),
-        (
-            "trial",
-            "parameters: the genome, ten numbers a module; outcomes: repeats, scores: path length (m), turned (rad); score: fitness, recordings: the archive's descriptors".to_owned(),
-        ),
-    ])?;
-    Ok(store)
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::genome::{Gene, Locus};
+    use crate::search::{CmaEs, Outcome, Performance};
 
-fn score(judged: &Judged) -> TrialScore {
-    TrialScore {
-        index: judged.index,
-        score: judged.fitness,
-        displacement_error_m: None,
-        recordings: judged.descriptors.clone(),
+    #[test]
+    fn batches_are_those_that_the_strategy_proposed_also_after_a_restart_with_more_robots() {
+        let base = Genome::new(vec![Gene::clamped([0.5; Gene::LEN])]).unwrap();
+        let strategy = CmaEs {
+            base,
+            searched: vec![(0, Locus::Amplitude)],
+            evaluations: 600,
+            seed: 1,
+        };
+        // Smooth and soon found, so that the optimizer starts again with twice as many.
+        let evaluate = |index, genome: &Genome| {
+            let fitness = -(genome.genes()[0].get(Locus::Amplitude) - 0.3).powi(2);
+            Ok(EvaluatedRobot {
+                index,
+                genome: genome.clone(),
+                outcome: Outcome::Walked(Performance {
+                    fitness,
+                    repeats: Vec::new(),
+                    descriptors: Vec::new(),
+                }),
+            })
+        };
+        let options = RunOptions::default();
+        let results = follow(&strategy, &mut Memory::default(), &options, evaluate).unwrap();
+        assert_eq!(results.robots.len(), 600);
+
+        let mut history = Vec::new();
+        let mut sizes = Vec::new();
+        loop {
+            let proposed = strategy.propose(&history).unwrap();
+            if proposed.is_empty() {
+                break;
+            }
+            for _ in &proposed {
+                assert_eq!(results.batch_of(history.len()), sizes.len(), "{sizes:?}");
+                history.push(results.robots[history.len()].evaluated());
+            }
+            sizes.push(proposed.len());
+        }
+        assert_eq!(sizes, results.batches);
+        let (first, largest) = (sizes[0], sizes.iter().copied().max().unwrap());
+        assert!(largest >= 2 * first, "no restart: {sizes:?}");
     }
 }

@@ -2,165 +2,83 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
-use rusqlite::{Connection, OpenFlags, OptionalExtension, params};
+use rusqlite::{Connection, OptionalExtension as _, Transaction, params};
 
+use super::checksum::{Checksum, Tally};
+use super::connection::{DAMAGED_HINT, connect, connect_to_read, settle, sql, with_suffix};
 use super::fingerprint::Fingerprint;
 use super::lock::FolderLock;
-use super::trial::{Outcome, OutcomeStatus, Trial, TrialScore};
-use crate::error::{Advice, Error, Result};
+use super::opening::{COMPLETE, ENDING, UNFINISHED};
+use super::row::Table;
+use super::storage::Storage;
+use super::trial::{Trial, TrialScore};
+use crate::error::{Error, Result};
 
 /// Name of the store inside a results folder.
 pub const STORE_FILE: &str = "results.sqlite";
 
 /// Layout of the tables; raised when they change.
-const SCHEMA: i64 = 2;
+const LAYOUT: i64 = 3;
 
-/// The results of one study, open for writing by this process alone.
+/// Tables of every store. `tally` says how many rows there are in all tables and what their checksums are together.
+const COMMON_TABLES: &str = "
+    CREATE TABLE description (name TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT, WITHOUT ROWID;
+    CREATE TABLE fingerprint (position INTEGER PRIMARY KEY, name TEXT NOT NULL, value TEXT NOT NULL) STRICT;
+    CREATE TABLE tally (rows INTEGER NOT NULL, checksum INTEGER NOT NULL) STRICT;
+    INSERT INTO tally VALUES (0, 0);";
+
+/// Rows that are verified at once.
+const VERIFIED_AT_ONCE: i64 = 256;
+
+/// The results of one run, rows of one kind: [`Trial`]s of a study, or [`RobotRow`](super::RobotRow)s of a search. Open for
+/// writing by this process alone, or for reading.
 #[derive(Debug)]
-pub struct Store {
+pub struct Store<R = Trial> {
     connection: Connection,
     path: PathBuf,
-    _lock: Option<FolderLock>,
+    tally: Tally,
+    is_marked_complete: bool,
+    lock: Option<FolderLock>,
+    rows: PhantomData<R>,
 }
 
-impl Store {
-    /// A new store in `folder` (made if absent).
-    ///
-    /// # Errors
-    /// A folder that cannot be made or written, is in use, or already holds results.
-    pub fn create(folder: &Path, fingerprint: &Fingerprint) -> Result<Self> {
-        let lock = lock(folder)?;
-        let path = folder.join(STORE_FILE);
-        if path.exists() {
-            return Err(Error::conflict("the folder already holds results")
-                .at_file(&path)
-                .advise(Advice::Resume)
-                .advise(Advice::Restart)
-                .advise(Advice::OtherFolder));
-        }
-        let mut store = Self {
-            connection: connect(&path)?,
-            path,
-            _lock: Some(lock),
-        };
-        store.set_up(fingerprint)?;
-        Ok(store)
+/// What a file that should be a store holds.
+pub(super) enum Content {
+    /// Nothing: no file, or one that was killed before its tables were made.
+    Nothing,
+    /// Tables of this layout.
+    Tables,
+}
+
+impl<R> Store<R> {
+    /// Locks `folder` (made if absent) for a store.
+    pub(super) fn lock(folder: &Path) -> Result<FolderLock> {
+        fs::create_dir_all(folder).map_err(|e| Error::io("make the results folder", folder, &e))?;
+        FolderLock::acquire(folder)
     }
 
-    /// The store in `folder`, to go on with it.
-    ///
-    /// # Errors
-    /// No store there, a store of another study (the difference is named), or a folder in use.
-    pub fn resume(folder: &Path, fingerprint: &Fingerprint) -> Result<Self> {
-        let path = folder.join(STORE_FILE);
-        if !path.exists() {
-            return Err(Error::conflict("there is nothing to resume")
-                .at_file(&path)
-                .hint("run it once before"));
+    /// The description and fingerprint entries with their checksums, and everything below them, must be what was written.
+    fn common_checksums(&self) -> rusqlite::Result<Tally> {
+        let mut tally = Tally::default();
+        for (name, value) in entries(&self.connection, "SELECT name, value FROM description")? {
+            tally.add(entry_checksum("description", &name, &value));
         }
-        let lock = lock(folder)?;
-        let store = Self {
-            connection: connect(&path)?,
-            path,
-            _lock: Some(lock),
-        };
-        store.check_schema()?;
-        fingerprint
-            .must_equal(&store.fingerprint()?)
-            .map_err(|error| error.at_file(&store.path))?;
-        Ok(store)
+        let fingerprint = "SELECT name, value FROM fingerprint ORDER BY position";
+        for (name, value) in entries(&self.connection, fingerprint)? {
+            tally.add(entry_checksum("fingerprint", &name, &value));
+        }
+        Ok(tally)
     }
 
-    /// Removes the store in `folder`, if there is one, so that a new one can be created.
-    ///
-    /// # Errors
-    /// A folder in use, or files that cannot be removed.
-    pub fn remove(folder: &Path) -> Result<()> {
-        let _lock = lock(folder)?;
-        for suffix in ["", "-wal", "-shm"] {
-            let path = folder.join(format!("{STORE_FILE}{suffix}"));
-            match fs::remove_file(&path) {
-                Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(Error::io("remove old results", &path, &e));
-                }
-                _ => {}
-            }
-        }
-        Ok(())
-    }
-
-    /// The store in `folder`, for reading; a writer may be at work at the same time.
-    ///
-    /// # Errors
-    /// No readable store there.
-    pub fn read(folder: &Path) -> Result<Self> {
-        let path = folder.join(STORE_FILE);
-        if !path.exists() {
-            return Err(Error::invalid("no results here")
-                .at_file(&path)
-                .hint("name a folder that a sweep has written"));
-        }
-        let connection = Connection::open_with_flags(&path, OpenFlags::SQLITE_OPEN_READ_WRITE)
-            .map_err(|e| sql(&path, "open the results", &e))?;
-        let store = Self {
-            connection,
-            path,
-            _lock: None,
-        };
-        store.check_schema()?;
-        Ok(store)
-    }
-
-    fn set_up(&mut self, fingerprint: &Fingerprint) -> Result<()> {
-        let path = self.path.clone();
-        let fail = |e: rusqlite::Error| sql(&path, "set up the results", &e);
-        let transaction = self.connection.transaction().map_err(fail)?;
-        transaction
-            .execute_batch(
-                "CREATE TABLE description (name TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT, WITHOUT ROWID;
-                 CREATE TABLE score (trial INTEGER PRIMARY KEY REFERENCES trial, score REAL,
-                    displacement_error_m REAL, recordings BLOB NOT NULL) STRICT;
-                 CREATE TABLE fingerprint (position INTEGER PRIMARY KEY, name TEXT NOT NULL, value TEXT NOT NULL) STRICT;
-                 CREATE TABLE trial (id INTEGER PRIMARY KEY, parameters BLOB NOT NULL) STRICT;
-                 CREATE TABLE outcome (
-                    trial INTEGER NOT NULL REFERENCES trial, position INTEGER NOT NULL,
-                    diverged TEXT, steps INTEGER NOT NULL, net_displacement_m REAL,
-                    scores BLOB NOT NULL, path_xy_m BLOB NOT NULL,
-                    PRIMARY KEY (trial, position)) STRICT, WITHOUT ROWID;",
-            )
-            .map_err(fail)?;
-        for (position, (name, value)) in fingerprint.entries().iter().enumerate() {
-            transaction
-                .execute(
-                    "INSERT INTO fingerprint VALUES (?1, ?2, ?3)",
-                    params![position as i64, name, value],
-                )
-                .map_err(fail)?;
-        }
-        transaction
-            .pragma_update(None, "user_version", SCHEMA)
-            .map_err(fail)?;
-        transaction.commit().map_err(fail)
-    }
-
-    fn check_schema(&self) -> Result<()> {
-        let found: i64 = self
-            .connection
-            .pragma_query_value(None, "user_version", |row| row.get(0))
-            .map_err(|e| sql(&self.path, "read the results", &e))?;
-        if found == SCHEMA {
-            return Ok(());
-        }
-        Err(
-            Error::conflict("the results have another layout than this version writes")
-                .at_file(&self.path)
-                .found(format!("layout {found}"))
-                .allowed(format!("layout {SCHEMA}"))
-                .advise(Advice::Restart)
-                .advise(Advice::OtherFolder),
-        )
+    fn damaged(&self, what: impl std::fmt::Display) -> Error {
+        Error::conflict("the results are damaged")
+            .at_file(&self.path)
+            .found(what)
+            .allowed("what was written, to the bit")
+            .hint(DAMAGED_HINT)
     }
 
     /// The fingerprint that the store was created with.
@@ -168,79 +86,12 @@ impl Store {
     /// # Errors
     /// A store that cannot be read.
     pub fn fingerprint(&self) -> Result<Fingerprint> {
-        let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
-        let mut statement = self
-            .connection
-            .prepare("SELECT name, value FROM fingerprint ORDER BY position")
-            .map_err(fail)?;
-        let rows = statement
-            .query_map([], |row| Ok((row.get(0)?, row.get(1)?)))
-            .map_err(fail)?;
-        rows.collect::<rusqlite::Result<_>>().map_err(fail)
-    }
-
-    /// Keeps trials, all of them or none.
-    ///
-    /// # Errors
-    /// A full disk or a trial that is already there.
-    pub fn insert(&mut self, trials: &[Trial]) -> Result<()> {
-        let path = self.path.clone();
-        let fail = |e: rusqlite::Error| sql(&path, "write results", &e);
-        let transaction = self.connection.transaction().map_err(fail)?;
-        {
-            let mut trial_row = transaction
-                .prepare_cached("INSERT INTO trial VALUES (?1, ?2)")
-                .map_err(fail)?;
-            let mut outcome_row = transaction
-                .prepare_cached("INSERT INTO outcome VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")
-                .map_err(fail)?;
-            for trial in trials {
-                trial_row
-                    .execute(params![trial.index as i64, to_bytes(&trial.values)])
-                    .map_err(fail)?;
-                for (position, outcome) in trial.outcomes.iter().enumerate() {
-                    let diverged = match &outcome.status {
-                        OutcomeStatus::Completed => None,
-                        OutcomeStatus::Diverged(why) => Some(why.as_str()),
-                    };
-                    let displacement = Some(outcome.net_displacement_m).filter(|d| d.is_finite());
-                    outcome_row
-                        .execute(params![
-                            trial.index as i64,
-                            position as i64,
-                            diverged,
-                            outcome.steps as i64,
-                            displacement,
-                            to_bytes(&outcome.scores),
-                            to_bytes(outcome.path_xy_m.as_flattened()),
-                        ])
-                        .map_err(fail)?;
-                }
-            }
-        }
-        transaction.commit().map_err(fail)
-    }
-
-    /// Keeps named texts that say what the trials are, so that the store explains itself; old values are replaced.
-    ///
-    /// # Errors
-    /// A full disk or a store that cannot be written.
-    pub fn describe<'a>(
-        &mut self,
-        entries: impl IntoIterator<Item = (&'a str, String)>,
-    ) -> Result<()> {
-        let path = self.path.clone();
-        let fail = |e: rusqlite::Error| sql(&path, "write the results", &e);
-        let transaction = self.connection.transaction().map_err(fail)?;
-        for (name, value) in entries {
-            transaction
-                .execute(
-                    "INSERT OR REPLACE INTO description VALUES (?1, ?2)",
-                    params![name, value],
-                )
-                .map_err(fail)?;
-        }
-        transaction.commit().map_err(fail)
+        let entries = entries(
+            &self.connection,
+            "SELECT name, value FROM fingerprint ORDER BY position",
+        );
+        let entries = entries.map_err(|e| sql(&self.path, "read the results", &e))?;
+        Ok(entries.into_iter().collect())
     }
 
     /// What [`Store::describe`] kept.
@@ -248,68 +99,312 @@ impl Store {
     /// # Errors
     /// A store that cannot be read.
     pub fn description(&self) -> Result<BTreeMap<String, String>> {
-        let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
-        let mut statement = self
-            .connection
-            .prepare("SELECT name, value FROM description")
-            .map_err(fail)?;
-        let rows = statement
-            .query_map([], |row| Ok((row.get(0)?, row.get(1)?)))
-            .map_err(fail)?;
-        rows.collect::<rusqlite::Result<_>>().map_err(fail)
+        let entries = entries(&self.connection, "SELECT name, value FROM description");
+        let entries = entries.map_err(|e| sql(&self.path, "read the results", &e))?;
+        Ok(entries.into_iter().collect())
     }
 
-    /// Keeps the scores of trials; scores of the same trial are replaced (a basis fitted later changes them).
+    /// Keeps named texts that say what the rows are, so that the store explains itself; old values are replaced.
     ///
     /// # Errors
     /// A full disk or a store that cannot be written.
-    pub fn insert_scores(&mut self, scores: &[TrialScore]) -> Result<()> {
-        let path = self.path.clone();
-        let fail = |e: rusqlite::Error| sql(&path, "write the results", &e);
-        let transaction = self.connection.transaction().map_err(fail)?;
-        {
-            let mut row = transaction
-                .prepare("INSERT OR REPLACE INTO score VALUES (?1, ?2, ?3, ?4)")
-                .map_err(fail)?;
-            for score in scores {
-                row.execute(params![
-                    score.index as i64,
-                    score.score,
-                    score.displacement_error_m,
-                    to_bytes(&score.recordings)
-                ])
-                .map_err(fail)?;
+    pub fn describe<'a>(
+        &mut self,
+        entries: impl IntoIterator<Item = (&'a str, String)>,
+    ) -> Result<()> {
+        self.write("write the results", |transaction, tally| {
+            for (name, value) in entries {
+                put_description(transaction, tally, name, &value)?;
             }
-        }
-        transaction.commit().map_err(fail)
+            Ok(())
+        })?;
+        self.is_marked_complete = self.is_complete()?;
+        Ok(())
     }
 
-    /// The scores that are there, by trial.
+    /// Whether the run came to its end.
     ///
     /// # Errors
     /// A store that cannot be read.
-    pub fn scores(&self) -> Result<Vec<TrialScore>> {
-        let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
-        let mut statement = self
-            .connection
-            .prepare(
-                "SELECT trial, score, displacement_error_m, recordings FROM score ORDER BY trial",
-            )
-            .map_err(fail)?;
-        let rows = statement
-            .query_map([], |row| {
-                Ok(TrialScore {
-                    index: row.get::<_, i64>(0)? as usize,
-                    score: row.get(1)?,
-                    displacement_error_m: row.get(2)?,
-                    recordings: from_bytes(row.get_ref(3)?.as_blob()?),
-                })
-            })
-            .map_err(fail)?;
-        rows.collect::<rusqlite::Result<_>>().map_err(fail)
+    pub fn is_complete(&self) -> Result<bool> {
+        let described = self.description()?;
+        Ok(described.get(ENDING).is_some_and(|e| e == COMPLETE))
     }
 
-    /// Indices of the trials that are there.
+    /// One transaction: all of it is kept or nothing.
+    fn write(
+        &mut self,
+        doing: &str,
+        write: impl FnOnce(&Transaction<'_>, &mut Tally) -> rusqlite::Result<()>,
+    ) -> Result<()> {
+        let path = self.path.clone();
+        let fail = |e: rusqlite::Error| sql(&path, doing, &e);
+        let mut tally = self.tally;
+        let transaction = self.connection.transaction().map_err(fail)?;
+        write(&transaction, &mut tally).map_err(fail)?;
+        transaction
+            .prepare_cached("UPDATE tally SET rows = ?1, checksum = ?2")
+            .and_then(|mut update| update.execute([tally.rows, tally.checksum]))
+            .map_err(fail)?;
+        transaction.commit().map_err(fail)?;
+        self.tally = tally;
+        Ok(())
+    }
+}
+
+impl<R: Table> Store<R> {
+    /// A new store in `folder` (made if absent).
+    ///
+    /// # Errors
+    /// A folder that cannot be made or written, is in use, or already holds results.
+    pub fn create(folder: &Path, fingerprint: &Fingerprint) -> Result<Self> {
+        let lock = Self::lock(folder)?;
+        match Self::find(folder, lock)? {
+            (store, Content::Nothing) => store.set_up(fingerprint),
+            (store, Content::Tables) => Err(Error::conflict("the folder already holds results")
+                .at_file(&store.path)
+                .hint("resume them, or choose another folder")),
+        }
+    }
+
+    /// The store in `folder`, to go on with it; a new one where a run was killed before it had one.
+    ///
+    /// # Errors
+    /// No store there, a damaged one, one of another study or search (the difference is named), or a folder in use.
+    pub fn resume(folder: &Path, fingerprint: &Fingerprint) -> Result<Self> {
+        if !folder.join(STORE_FILE).exists() && !FolderLock::was_in(folder) {
+            return Err(Error::conflict("there is nothing to resume")
+                .at_file(folder)
+                .hint("start the run first"));
+        }
+        let lock = Self::lock(folder)?;
+        match Self::find(folder, lock)? {
+            (store, Content::Nothing) => store.set_up(fingerprint),
+            (mut store, Content::Tables) => {
+                store.verify_all()?;
+                store.must_be_of(fingerprint)?;
+                Ok(store)
+            }
+        }
+    }
+
+    /// The store in `folder`, for reading; a writer may be at work at the same time.
+    ///
+    /// # Errors
+    /// No readable store of such rows there, or a damaged one.
+    pub fn read(folder: &Path) -> Result<Self> {
+        let mut store = Self::look(folder)?;
+        store.verify_all()?;
+        Ok(store)
+    }
+
+    /// Whether the store in `folder` has rows of this kind.
+    ///
+    /// # Errors
+    /// No readable store there.
+    pub fn is_in(folder: &Path) -> Result<bool> {
+        let store = Self::file(folder)?;
+        Ok(match content(&store.connection, &store.path)? {
+            Content::Tables => store.has_rows()?,
+            Content::Nothing => false,
+        })
+    }
+
+    /// As [`Store::read`], without looking at every row: for whoever only asks how far a run is.
+    ///
+    /// # Errors
+    /// As [`Store::read`].
+    pub fn look(folder: &Path) -> Result<Self> {
+        let store = Self::file(folder)?;
+        match content(&store.connection, &store.path)? {
+            Content::Tables => {
+                store.must_have_rows()?;
+                Ok(store)
+            }
+            Content::Nothing => Err(Error::invalid("no results here")
+                .at_file(&store.path)
+                .hint("a run was stopped before its first result")),
+        }
+    }
+
+    /// The file in `folder`, whatever it is, for reading.
+    fn file(folder: &Path) -> Result<Self> {
+        let path = folder.join(STORE_FILE);
+        if !path.exists() {
+            return Err(Error::invalid("no results here")
+                .at_file(&path)
+                .hint("name a folder that a sweep, tuning or a search has written"));
+        }
+        Ok(Self {
+            connection: connect_to_read(&path)?,
+            path,
+            tally: Tally::default(),
+            is_marked_complete: false,
+            lock: None,
+            rows: PhantomData,
+        })
+    }
+
+    /// The file in a locked folder, and whether there is anything in it.
+    pub(super) fn find(folder: &Path, lock: FolderLock) -> Result<(Self, Content)> {
+        let path = folder.join(STORE_FILE);
+        // Looked at before anything is written: what is refused stays as it is.
+        let content = if path.exists() {
+            content(&connect_to_read(&path)?, &path)?
+        } else {
+            Content::Nothing
+        };
+        let store = Self {
+            connection: connect(&path)?,
+            path,
+            tally: Tally::default(),
+            is_marked_complete: false,
+            lock: Some(lock),
+            rows: PhantomData,
+        };
+        if matches!(content, Content::Tables) {
+            store.must_have_rows()?;
+        }
+        Ok((store, content))
+    }
+
+    fn has_rows(&self) -> Result<bool> {
+        self.connection
+            .query_row(
+                "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = ?1",
+                [R::NAME],
+                |row| Ok(row.get::<_, i64>(0)? == 1),
+            )
+            .map_err(|e| sql(&self.path, "read the results", &e))
+    }
+
+    fn must_have_rows(&self) -> Result<()> {
+        if self.has_rows()? {
+            return Ok(());
+        }
+        Err(Error::conflict("the folder holds results of another kind")
+            .at_file(&self.path)
+            .allowed(format!("a store of rows `{}`", R::NAME))
+            .hint("choose another folder"))
+    }
+
+    pub(super) fn set_up(mut self, fingerprint: &Fingerprint) -> Result<Self> {
+        self.write("set up the results", |transaction, tally| {
+            transaction.execute_batch(COMMON_TABLES)?;
+            transaction.execute_batch(R::TABLES)?;
+            for (position, (name, value)) in fingerprint.entries().iter().enumerate() {
+                transaction.execute(
+                    "INSERT INTO fingerprint VALUES (?1, ?2, ?3)",
+                    params![position as i64, name, value],
+                )?;
+                tally.add(entry_checksum("fingerprint", name, value));
+            }
+            transaction.pragma_update(None, "user_version", LAYOUT)
+        })?;
+        Ok(self)
+    }
+
+    /// A new store in place of this one, which holds nothing.
+    pub(super) fn anew(mut self, folder: &Path, fingerprint: &Fingerprint) -> Result<Self> {
+        let lock = match self.lock.take() {
+            Some(lock) => lock,
+            None => Self::lock(folder)?,
+        };
+        drop(self);
+        remove(folder)?;
+        let (store, _) = Self::find(folder, lock)?;
+        store.set_up(fingerprint)
+    }
+
+    pub(super) fn must_be_of(&self, fingerprint: &Fingerprint) -> Result<()> {
+        fingerprint
+            .must_equal(&self.fingerprint()?)
+            .map_err(|error| error.at_file(&self.path))
+    }
+
+    /// Checks every row of every table against what was written.
+    ///
+    /// # Errors
+    /// A row that has changed, is gone or is there twice.
+    pub(super) fn verify_all(&mut self) -> Result<()> {
+        let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
+        // One moment of the store, whatever a writer does meanwhile.
+        let snapshot = self.connection.unchecked_transaction().map_err(fail)?;
+        let mut tally = self.common_checksums().map_err(fail)?;
+        let ids: Vec<usize> = self.finished()?.into_iter().collect();
+        for some in ids.chunks(VERIFIED_AT_ONCE as usize) {
+            let (Some(&first), Some(&last)) = (some.first(), some.last()) else {
+                continue;
+            };
+            for (_, checksum) in self.checked(first as i64, last as i64 + 1)? {
+                tally.add(checksum);
+            }
+        }
+        for checksum in R::more_checksums(&snapshot).map_err(fail)? {
+            match checksum {
+                (stored, computed) if stored == computed => tally.add(stored),
+                _ => return Err(self.damaged("a score that has changed")),
+            }
+        }
+        let stored: Vec<Tally> = snapshot
+            .prepare("SELECT rows, checksum FROM tally")
+            .and_then(|mut statement| {
+                let rows = statement.query_map([], |row| {
+                    Ok(Tally {
+                        rows: row.get(0)?,
+                        checksum: row.get(1)?,
+                    })
+                })?;
+                rows.collect()
+            })
+            .map_err(fail)?;
+        if stored != [tally] {
+            return Err(self.damaged("rows that are gone, or that nobody wrote"));
+        }
+        drop(snapshot);
+        self.tally = tally;
+        self.is_marked_complete = self.is_complete()?;
+        Ok(())
+    }
+
+    fn checked(&self, from: i64, to: i64) -> Result<Vec<(R, i64)>> {
+        let rows = R::read(&self.connection, from, to)
+            .map_err(|e| sql(&self.path, "read the results", &e))?;
+        rows.into_iter()
+            .map(|checked| {
+                if checked.stored == checked.computed {
+                    return Ok((checked.row, checked.stored));
+                }
+                let index = checked.row.index();
+                Err(self.damaged(format!("{} {index} has changed", R::NAME)))
+            })
+            .collect()
+    }
+
+    /// Keeps rows, all of them or none.
+    ///
+    /// # Errors
+    /// A full disk or a row that is already there.
+    pub fn insert(&mut self, rows: &[R]) -> Result<()> {
+        if rows.is_empty() {
+            return Ok(());
+        }
+        let was_complete = self.is_marked_complete;
+        self.write("write results", |transaction, tally| {
+            for row in rows {
+                tally.add(row.insert(transaction)?);
+            }
+            if was_complete {
+                // More is asked for than last time.
+                put_description(transaction, tally, ENDING, UNFINISHED)?;
+            }
+            Ok(())
+        })?;
+        self.is_marked_complete = false;
+        Ok(())
+    }
+
+    /// Indices of the rows that are there.
     ///
     /// # Errors
     /// A store that cannot be read.
@@ -317,7 +412,7 @@ impl Store {
         let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
         let mut statement = self
             .connection
-            .prepare("SELECT id FROM trial")
+            .prepare(&format!("SELECT id FROM {}", R::NAME))
             .map_err(fail)?;
         let rows = statement
             .query_map([], |row| row.get::<_, i64>(0))
@@ -327,115 +422,179 @@ impl Store {
             .map_err(fail)
     }
 
+    /// All rows, by index.
+    ///
+    /// # Errors
+    /// A store that cannot be read, or a row that has changed.
+    pub fn rows(&self) -> Result<Vec<R>> {
+        self.rows_within(0..i64::MAX as usize)
+    }
+
+    /// The rows with an index in `range`, by index.
+    ///
+    /// # Errors
+    /// As [`Store::rows`].
+    pub fn rows_within(&self, range: std::ops::Range<usize>) -> Result<Vec<R>> {
+        let rows = self.checked(range.start as i64, range.end as i64)?;
+        Ok(rows.into_iter().map(|(row, _)| row).collect())
+    }
+}
+
+impl<R: Table> Storage<R> for Store<R> {
+    fn finished(&self) -> Result<BTreeSet<usize>> {
+        self.finished()
+    }
+
+    fn insert(&mut self, rows: &[R]) -> Result<()> {
+        self.insert(rows)
+    }
+
+    fn rows_within(&self, range: std::ops::Range<usize>) -> Result<Vec<R>> {
+        self.rows_within(range)
+    }
+}
+
+impl Store<Trial> {
     /// All trials, by index.
     ///
     /// # Errors
-    /// A store that cannot be read.
+    /// As [`Store::rows`].
     pub fn trials(&self) -> Result<Vec<Trial>> {
-        self.trials_within(0..i64::MAX as usize)
+        self.rows()
     }
 
     /// The trials with an index in `range`, by index.
     ///
     /// # Errors
-    /// A store that cannot be read.
+    /// As [`Store::rows`].
     pub fn trials_within(&self, range: std::ops::Range<usize>) -> Result<Vec<Trial>> {
-        let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
-        let mut statement = self
-            .connection
-            .prepare("SELECT id, parameters FROM trial WHERE id >= ?1 AND id < ?2 ORDER BY id")
-            .map_err(fail)?;
-        let rows = statement
-            .query_map([range.start as i64, range.end as i64], |row| {
-                Ok(Trial {
-                    index: row.get::<_, i64>(0)? as usize,
-                    values: from_bytes(row.get_ref(1)?.as_blob()?),
-                    outcomes: Vec::new(),
-                })
-            })
-            .map_err(fail)?;
-        let mut trials: Vec<Trial> = rows.collect::<rusqlite::Result<_>>().map_err(fail)?;
-        let mut statement = self
-            .connection
-            .prepare("SELECT diverged, steps, net_displacement_m, scores, path_xy_m FROM outcome WHERE trial = ?1 ORDER BY position")
-            .map_err(fail)?;
-        for trial in &mut trials {
-            let rows = statement
-                .query_map([trial.index as i64], |row| {
-                    let diverged: Option<String> = row.get(0)?;
-                    let flat: Vec<f64> = from_bytes(row.get_ref(4)?.as_blob()?);
-                    Ok(Outcome {
-                        status: diverged.map_or(OutcomeStatus::Completed, OutcomeStatus::Diverged),
-                        steps: row.get::<_, i64>(1)? as u64,
-                        net_displacement_m: row.get::<_, Option<f64>>(2)?.unwrap_or(f64::NAN),
-                        scores: from_bytes(row.get_ref(3)?.as_blob()?),
-                        path_xy_m: flat.chunks_exact(2).map(|p| [p[0], p[1]]).collect(),
-                    })
-                })
-                .map_err(fail)?;
-            trial.outcomes = rows.collect::<rusqlite::Result<_>>().map_err(fail)?;
-        }
-        Ok(trials)
+        self.rows_within(range)
     }
-}
 
-fn lock(folder: &Path) -> Result<FolderLock> {
-    fs::create_dir_all(folder).map_err(|e| Error::io("make the results folder", folder, &e))?;
-    FolderLock::acquire(folder)
-}
-
-/// Opens for writing. WAL with `synchronous = NORMAL`: a killed process loses at most the
-/// transaction under way, a power cut at most the last few; neither corrupts the file.
-fn connect(path: &Path) -> Result<Connection> {
-    let fail = |e: rusqlite::Error| sql(path, "open the results", &e);
-    let connection = Connection::open(path).map_err(fail)?;
-    connection
-        .query_row("PRAGMA journal_mode = WAL", [], |row| {
-            row.get::<_, String>(0)
+    /// Keeps the scores of trials; scores of the same trial are replaced (a basis fitted later changes them).
+    ///
+    /// # Errors
+    /// A full disk or a store that cannot be written.
+    pub fn insert_scores(&mut self, scores: &[TrialScore]) -> Result<()> {
+        self.write("write the results", |transaction, tally| {
+            for score in scores {
+                if let Some(old) = score.replaced(transaction)? {
+                    tally.remove(old);
+                }
+                tally.add(score.insert(transaction)?);
+            }
+            Ok(())
         })
-        .optional()
-        .map_err(fail)?;
-    connection
-        .pragma_update(None, "synchronous", "NORMAL")
-        .map_err(fail)?;
-    Ok(connection)
-}
+    }
 
-fn sql(path: &Path, doing: &str, error: &rusqlite::Error) -> Error {
-    use rusqlite::ErrorCode;
-    let message = format!("cannot {doing}: {error}");
-    let plain = || Error::conflict(message.clone()).at_file(path);
-    match error.sqlite_error_code() {
-        Some(ErrorCode::DiskFull) => plain()
-            .hint("free some disk space; what was stored so far is safe")
-            .advise(Advice::Resume),
-        Some(ErrorCode::ReadOnly | ErrorCode::CannotOpen | ErrorCode::PermissionDenied) => plain()
-            .hint("check the permissions of the folder")
-            .advise(Advice::OtherFolder),
-        Some(ErrorCode::SystemIoFailure) => plain()
-            .hint("the disk may be full or failing; free some space")
-            .advise(Advice::Resume),
-        Some(ErrorCode::NotADatabase | ErrorCode::DatabaseCorrupt) => plain()
-            .hint("the file is not a results store")
-            .advise(Advice::Restart)
-            .advise(Advice::OtherFolder),
-        _ => plain(),
+    /// The scores that are there, by trial.
+    ///
+    /// # Errors
+    /// As [`Store::rows`].
+    pub fn scores(&self) -> Result<Vec<TrialScore>> {
+        let scores = TrialScore::read(&self.connection)
+            .map_err(|e| sql(&self.path, "read the results", &e))?;
+        scores
+            .into_iter()
+            .map(|checked| {
+                if checked.stored == checked.computed {
+                    return Ok(checked.row);
+                }
+                Err(self.damaged(format!(
+                    "the score of trial {} has changed",
+                    checked.row.index
+                )))
+            })
+            .collect()
     }
 }
 
-/// Little-endian bytes: every bit of every number is kept.
-fn to_bytes(values: &[f64]) -> Vec<u8> {
-    values
-        .iter()
-        .flat_map(|value| value.to_le_bytes())
-        .collect()
+impl<R> Drop for Store<R> {
+    fn drop(&mut self) {
+        if self.lock.is_some() {
+            settle(&self.connection);
+        }
+    }
 }
 
-fn from_bytes(bytes: &[u8]) -> Vec<f64> {
-    bytes
-        .as_chunks()
-        .0
-        .iter()
-        .map(|chunk| f64::from_le_bytes(*chunk))
-        .collect()
+/// Removes the store in a locked folder, if there is one.
+pub(super) fn remove(folder: &Path) -> Result<()> {
+    let path = folder.join(STORE_FILE);
+    for suffix in ["", "-wal", "-shm", "-journal"] {
+        let path = with_suffix(&path, suffix);
+        match fs::remove_file(&path) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+                return Err(Error::io("remove old results", &path, &e));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// What a file holds, or why it is no store of this version.
+fn content(connection: &Connection, path: &Path) -> Result<Content> {
+    let fail = |e: rusqlite::Error| sql(path, "read the results", &e);
+    let layout: i64 = connection
+        .pragma_query_value(None, "user_version", |row| row.get(0))
+        .map_err(fail)?;
+    if layout == LAYOUT {
+        return Ok(Content::Tables);
+    }
+    let tables: i64 = connection
+        .query_row("SELECT count(*) FROM sqlite_schema", [], |row| row.get(0))
+        .map_err(fail)?;
+    match layout {
+        0 if tables == 0 => Ok(Content::Nothing),
+        0 => Err(Error::conflict("this is no store of results")
+            .at_file(path)
+            .hint("choose another folder")),
+        older if older < LAYOUT => Err(other_layout(path, older).hint(
+            "an earlier version wrote these results and still reads them; this version makes them anew in another folder",
+        )),
+        newer => Err(other_layout(path, newer)
+            .hint("a later version wrote these results: use that one, or another folder")),
+    }
+}
+
+fn other_layout(path: &Path, found: i64) -> Error {
+    Error::conflict("another version of this program wrote these results")
+        .at_file(path)
+        .found(format!("layout {found}"))
+        .allowed(format!("layout {LAYOUT}"))
+}
+
+/// Keeps a named text in place of an older one.
+fn put_description(
+    transaction: &Transaction<'_>,
+    tally: &mut Tally,
+    name: &str,
+    value: &str,
+) -> rusqlite::Result<()> {
+    let old: Option<String> = transaction
+        .query_row(
+            "SELECT value FROM description WHERE name = ?1",
+            [name],
+            |row| row.get(0),
+        )
+        .optional()?;
+    if let Some(old) = old {
+        tally.remove(entry_checksum("description", name, &old));
+    }
+    transaction.execute(
+        "INSERT OR REPLACE INTO description VALUES (?1, ?2)",
+        params![name, value],
+    )?;
+    tally.add(entry_checksum("description", name, value));
+    Ok(())
+}
+
+fn entries(connection: &Connection, query: &str) -> rusqlite::Result<Vec<(String, String)>> {
+    let mut statement = connection.prepare(query)?;
+    let rows = statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?;
+    rows.collect()
+}
+
+fn entry_checksum(table: &str, name: &str, value: &str) -> i64 {
+    Checksum::of(table).text(name).text(value).finish()
 }

@@ -1,6 +1,9 @@
 //! Everything that decides the results of a study, as named texts that can be compared.
 
-use crate::error::{Advice, Error, Result};
+use crate::error::{Error, Result};
+
+/// Entries that say which program made the results.
+const VERSIONS: [&str; 2] = ["realgap", "engine"];
 
 /// Named texts in order: versions, hashes of inputs, ranges, settings.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -40,15 +43,15 @@ impl Fingerprint {
             let (now, then) = (value(self, name), value(stored, name));
             if now != then {
                 let text = |v: Option<String>| v.unwrap_or_else(|| "nothing".to_owned());
-                return Err(
-                    Error::conflict("the stored results belong to a different study")
-                        .field(name.clone())
-                        .found(format!("now {}, stored {}", text(now), text(then)))
-                        .allowed("the same study, unchanged")
-                        .hint("undo the change")
-                        .advise(Advice::OtherFolder)
-                        .advise(Advice::Restart),
-                );
+                let error = Error::conflict("the stored results belong to a different study")
+                    .field(name.clone())
+                    .found(format!("now {}, stored {}", text(now), text(then)))
+                    .allowed("the same study, unchanged");
+                return Err(if VERSIONS.contains(&name.as_str()) {
+                    error.hint("these results can still be listed; go on with the version that made them, or make them anew in another folder")
+                } else {
+                    error.hint("undo the change, or choose another folder")
+                });
             }
         }
         Ok(())

@@ -1,15 +1,38 @@
 //! Results on disk: one SQLite file per results folder, safe against kill −9 at any moment.
 //!
-//! Every finished trial is one transaction, so a trial is either completely there or not at all.
+//! Every finished row is one transaction, so a row is either completely there or not at all. Rows have a type per kind of
+//! run: a [`Trial`] of a study, a [`RobotRow`] of a search. Each has a checksum, and the store knows how many there are: results
+//! that are not what was written are an error, never another answer.
 //! The folder is locked while a process writes into it, and a [`Fingerprint`] of everything that
 //! decides the results refuses to mix two studies in one folder.
+//!
+//! ```
+//! use realgap::store::{Fingerprint, RobotOutcome, RobotRow, Store};
+//!
+//! let folder = std::env::temp_dir().join(format!("realgap-store-{}", std::process::id()));
+//! let row = RobotRow {
+//!     index: 0,
+//!     genome: vec![0.5; 10],
+//!     outcome: RobotOutcome::Failed { reason: "flying".to_owned(), seen: "2 m up".to_owned() },
+//! };
+//! let mut store = Store::create(&folder, &Fingerprint::new().with("search", "mine"))?;
+//! store.insert(std::slice::from_ref(&row))?;
+//! assert_eq!(Store::<RobotRow>::read(&folder)?.rows()?, [row]);
+//! # drop(store);
+//! # std::fs::remove_dir_all(&folder).expect("it was just made");
+//! # Ok::<(), realgap::Error>(())
+//! ```
 
+mod checksum;
+mod connection;
 mod database;
 mod fingerprint;
 mod listing;
 mod lock;
 mod opening;
 mod parquet;
+mod robot;
+mod row;
 mod storage;
 #[cfg(test)]
 mod tests;
@@ -17,8 +40,11 @@ mod trial;
 
 pub use database::{STORE_FILE, Store};
 pub use fingerprint::Fingerprint;
-pub use listing::{Cell, ListedTrial, Listing};
+pub use listing::{Cell, Column, ColumnKind, Listing};
+pub use lock::FolderLock;
 pub use opening::Mode;
 pub use parquet::to_parquet;
-pub use storage::{Memory, Row, Storage};
+pub use robot::{RobotOutcome, RobotRow, TravelRow};
+pub use row::Row;
+pub use storage::{Memory, Storage};
 pub use trial::{Outcome, OutcomeStatus, Trial, TrialScore};

@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
-use super::database::{STORE_FILE, Store};
+use super::database::{Content, Store, remove};
 use super::fingerprint::Fingerprint;
-use crate::error::{Advice, Error, Result};
+use super::row::Table;
+use crate::error::{Error, Result};
 
 /// What to do with results that are already in the folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mode {
-    /// Start; results of the same run that are complete are made again, any others are refused.
+    /// Start. Complete results of the same run are used as they are; unfinished ones, and those of any other run, are refused.
     #[default]
     Start,
     /// Go on where an interrupted run of the same kind stopped.
@@ -19,11 +20,12 @@ pub enum Mode {
 }
 
 /// What a store says of how its run ended.
-const ENDING: &str = "ending";
-const COMPLETE: &str = "complete";
+pub(super) const ENDING: &str = "ending";
+pub(super) const COMPLETE: &str = "complete";
+pub(super) const UNFINISHED: &str = "unfinished";
 
-impl Store {
-    /// The store in `folder` as `mode` asks, marked unfinished. `what` and `expected` are for the message about an unfinished
+impl<R: Table> Store<R> {
+    /// The store in `folder` as `mode` asks. `what` and `expected` are for the message about an unfinished
     /// run, e.g. `sweep of this study` and `441 points`.
     ///
     /// # Errors
@@ -35,34 +37,41 @@ impl Store {
         what: &str,
         expected: &str,
     ) -> Result<Self> {
-        let mut store = match mode {
-            Mode::Resume => Self::resume(folder, fingerprint)?,
+        match mode {
+            Mode::Resume => Self::resume(folder, fingerprint),
             Mode::Restart => {
-                Self::remove(folder)?;
-                Self::create(folder, fingerprint)?
+                let lock = Self::lock(folder)?;
+                remove(folder)?;
+                let (store, _) = Self::find(folder, lock)?;
+                store.set_up(fingerprint)
             }
-            Mode::Start => {
-                if folder.join(STORE_FILE).exists() {
-                    let old = Self::resume(folder, fingerprint)?;
-                    if !old.is_complete()? {
-                        return Err(Error::conflict(format!(
-                            "the folder holds an unfinished {what}"
-                        ))
-                        .at_file(folder)
-                        .found(format!("{} of {expected}", old.finished()?.len()))
-                        .advise(Advice::Resume)
-                        .advise(Advice::Restart)
-                        .advise(Advice::OtherFolder));
-                    }
-                    // Complete and of the same run: made again, the same bits will come out.
-                    drop(old);
-                    Self::remove(folder)?;
-                }
-                Self::create(folder, fingerprint)?
-            }
-        };
-        store.describe([(ENDING, "unfinished".to_owned())])?;
-        Ok(store)
+            Mode::Start => Self::start(folder, fingerprint, what, expected),
+        }
+    }
+
+    fn start(folder: &Path, fingerprint: &Fingerprint, what: &str, expected: &str) -> Result<Self> {
+        let lock = Self::lock(folder)?;
+        let (mut store, content) = Self::find(folder, lock)?;
+        if matches!(content, Content::Nothing) {
+            return store.set_up(fingerprint);
+        }
+        store.verify_all()?;
+        let count = store.finished()?.len();
+        if store.is_complete()? {
+            store.must_be_of(fingerprint)?;
+            return Ok(store);
+        }
+        if count == 0 {
+            // Stopped before its first result: nothing is lost.
+            return store.anew(folder, fingerprint);
+        }
+        store.must_be_of(fingerprint)?;
+        Err(
+            Error::conflict(format!("the folder holds an unfinished {what}"))
+                .at_file(folder)
+                .found(format!("{count} of {expected}"))
+                .hint("resume it, or choose another folder"),
+        )
     }
 
     /// Marks the run as complete.
@@ -71,16 +80,5 @@ impl Store {
     /// A store that cannot be written.
     pub fn complete(&mut self) -> Result<()> {
         self.describe([(ENDING, COMPLETE.to_owned())])
-    }
-
-    /// Whether the run came to its end.
-    ///
-    /// # Errors
-    /// A store that cannot be read.
-    pub fn is_complete(&self) -> Result<bool> {
-        Ok(self
-            .description()?
-            .get(ENDING)
-            .is_some_and(|ending| ending == COMPLETE))
     }
 }

@@ -10,34 +10,32 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use super::listing::{Cell, Listing};
+use super::listing::{Cell, ColumnKind, Listing};
 use crate::error::{Error, Result};
 
 /// The listing as the bytes of a Parquet file; `path` is for messages.
 ///
 /// # Errors
 /// A table that the format cannot hold.
-pub fn to_parquet(listing: &Listing, per_recording: bool, path: &Path) -> Result<Vec<u8>> {
-    encode(listing, per_recording)
-        .map_err(|e| Error::invalid(format!("cannot write Parquet: {e}")).at_file(path))
+pub fn to_parquet(listing: &Listing, path: &Path) -> Result<Vec<u8>> {
+    encode(listing).map_err(|e| Error::invalid(format!("cannot write Parquet: {e}")).at_file(path))
 }
 
-fn encode(listing: &Listing, per_recording: bool) -> std::result::Result<Vec<u8>, ParquetError> {
-    let names = listing.columns(per_recording);
-    let rows: Vec<Vec<Cell>> = listing.cells(per_recording).collect();
-    let fields = names.iter().enumerate().map(|(column, name)| {
-        let field = match kind(listing, column) {
-            Kind::Whole => Type::primitive_type_builder(name, Physical::INT64)
+fn encode(listing: &Listing) -> std::result::Result<Vec<u8>, ParquetError> {
+    let fields = listing.columns.iter().map(|column| {
+        let name = column.name.as_str();
+        let field = match column.kind {
+            ColumnKind::Whole => Type::primitive_type_builder(name, Physical::INT64)
                 .with_repetition(Repetition::REQUIRED),
-            Kind::Number => Type::primitive_type_builder(name, Physical::DOUBLE)
+            ColumnKind::Number => Type::primitive_type_builder(name, Physical::DOUBLE)
                 .with_repetition(Repetition::OPTIONAL),
-            Kind::Text => Type::primitive_type_builder(name, Physical::BYTE_ARRAY)
+            ColumnKind::Text => Type::primitive_type_builder(name, Physical::BYTE_ARRAY)
                 .with_repetition(Repetition::REQUIRED)
                 .with_logical_type(Some(LogicalType::String)),
         };
         field.build().map(Arc::new)
     });
-    let schema = Type::group_type_builder("trials")
+    let schema = Type::group_type_builder("rows")
         .with_fields(fields.collect::<std::result::Result<_, _>>()?)
         .build()?;
     let properties = Arc::new(WriterProperties::builder().build());
@@ -46,9 +44,9 @@ fn encode(listing: &Listing, per_recording: bool) -> std::result::Result<Vec<u8>
     let mut group = writer.next_row_group()?;
     let mut column = 0;
     while let Some(mut open) = group.next_column()? {
-        let cells = rows.iter().map(|row| &row[column]);
-        match kind(listing, column) {
-            Kind::Whole => {
+        let cells = listing.rows.iter().map(|row| &row[column]);
+        match listing.columns[column].kind {
+            ColumnKind::Whole => {
                 let values: Vec<i64> = cells
                     .filter_map(|cell| match cell {
                         Cell::Whole(value) => Some(*value),
@@ -57,7 +55,7 @@ fn encode(listing: &Listing, per_recording: bool) -> std::result::Result<Vec<u8>
                     .collect();
                 open.typed::<Int64Type>().write_batch(&values, None, None)?;
             }
-            Kind::Number => {
+            ColumnKind::Number => {
                 let numbers: Vec<Option<f64>> = cells
                     .map(|cell| match cell {
                         Cell::Number(value) => *value,
@@ -69,7 +67,7 @@ fn encode(listing: &Listing, per_recording: bool) -> std::result::Result<Vec<u8>
                 open.typed::<DoubleType>()
                     .write_batch(&values, Some(&defined), None)?;
             }
-            Kind::Text => {
+            ColumnKind::Text => {
                 let values: Vec<ByteArray> = cells
                     .map(|cell| ByteArray::from(cell.text().into_bytes()))
                     .collect();
@@ -83,20 +81,4 @@ fn encode(listing: &Listing, per_recording: bool) -> std::result::Result<Vec<u8>
     group.close()?;
     writer.close()?;
     Ok(bytes)
-}
-
-enum Kind {
-    Whole,
-    Number,
-    Text,
-}
-
-/// What a column of [`Listing::columns`] holds.
-fn kind(listing: &Listing, column: usize) -> Kind {
-    let after = column.checked_sub(1 + listing.parameters.len());
-    match (column, after) {
-        (0, _) => Kind::Whole,
-        (_, Some(1 | 2)) => Kind::Text,
-        _ => Kind::Number,
-    }
 }

@@ -3,11 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use super::database::Store;
-use super::trial::Trial;
+use super::row::Row;
 use crate::error::Result;
 
-/// Keeps rows of one kind by their index: [`Store`] in a results folder, [`Memory`] for as long as it lives. What is
+/// Keeps rows of one kind by their index: [`Store`](super::Store) in a results folder, [`Memory`] for as long as it lives. What is
 /// computed from the rows has the same bits either way.
 pub trait Storage<R> {
     /// Indices of the rows that are there.
@@ -27,32 +26,6 @@ pub trait Storage<R> {
     /// # Errors
     /// A store that cannot be read.
     fn rows_within(&self, range: Range<usize>) -> Result<Vec<R>>;
-}
-
-impl Storage<Trial> for Store {
-    fn finished(&self) -> Result<BTreeSet<usize>> {
-        self.finished()
-    }
-
-    fn insert(&mut self, rows: &[Trial]) -> Result<()> {
-        self.insert(rows)
-    }
-
-    fn rows_within(&self, range: Range<usize>) -> Result<Vec<Trial>> {
-        self.trials_within(range)
-    }
-}
-
-/// A row that knows its place.
-pub trait Row: Clone {
-    /// Its index in the order of its run.
-    fn index(&self) -> usize;
-}
-
-impl Row for Trial {
-    fn index(&self) -> usize {
-        self.index
-    }
 }
 
 /// Rows in memory.

@@ -72,16 +72,17 @@ fn scores_and_descriptions_come_back_and_are_replaced() {
 fn a_folder_takes_one_writer_and_one_study() {
     let folder = tempfile::tempdir().unwrap();
     let fingerprint = Fingerprint::new().with("a", 1);
-    let store = Store::create(folder.path(), &fingerprint).unwrap();
-    let busy = Store::resume(folder.path(), &fingerprint).unwrap_err();
+    let store = Store::<Trial>::create(folder.path(), &fingerprint).unwrap();
+    let busy = Store::<Trial>::resume(folder.path(), &fingerprint).unwrap_err();
     assert!(busy.to_string().contains("another process"), "{busy}");
     drop(store);
-    let there = Store::create(folder.path(), &fingerprint).unwrap_err();
+    let there = Store::<Trial>::create(folder.path(), &fingerprint).unwrap_err();
     assert!(there.to_string().contains("resume"), "{there}");
-    let other = Store::resume(folder.path(), &Fingerprint::new().with("a", 2)).unwrap_err();
+    let other =
+        Store::<Trial>::resume(folder.path(), &Fingerprint::new().with("a", 2)).unwrap_err();
     assert!(other.to_string().contains("now 2, stored 1"), "{other}");
-    Store::remove(folder.path()).unwrap();
-    Store::create(folder.path(), &Fingerprint::new().with("a", 2)).unwrap();
+    let other = Fingerprint::new().with("a", 2);
+    Store::<Trial>::open(folder.path(), &other, Mode::Restart, "run", "all").unwrap();
 }
 
 #[test]
@@ -89,7 +90,7 @@ fn a_reader_may_look_while_a_writer_writes() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::create(folder.path(), &Fingerprint::new()).unwrap();
     store.insert(&[trial(0)]).unwrap();
-    let reader = Store::read(folder.path()).unwrap();
+    let reader = Store::<Trial>::read(folder.path()).unwrap();
     store.insert(&[trial(1)]).unwrap();
     assert_eq!(reader.finished().unwrap().len(), 2);
 }
@@ -102,5 +103,5 @@ fn a_file_that_is_no_store_is_refused() {
         b"not a database, but long enough to look at",
     )
     .unwrap();
-    assert!(Store::resume(folder.path(), &Fingerprint::new()).is_err());
+    assert!(Store::<Trial>::resume(folder.path(), &Fingerprint::new()).is_err());
 }

@@ -1,7 +1,6 @@
 //! What each of the ten numbers of a gene means: the one table.
 
-use crate::Result;
-use crate::file::look_up;
+use crate::{Error, Result};
 
 /// The meaning of one number of a gene. Every number is from 0 to 1, whatever it means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -69,7 +68,14 @@ impl Locus {
     /// # Errors
     /// An unknown name, with the known ones.
     pub fn named(name: &str) -> Result<Self> {
-        look_up("number of a gene", name, Self::ALL, |locus| locus.name())
+        Self::ALL
+            .into_iter()
+            .find(|locus| locus.name() == name)
+            .ok_or_else(|| {
+                Error::invalid("a gene has no number of this name")
+                    .found(name)
+                    .allowed(Self::ALL.map(Self::name).join(", "))
+            })
     }
 
     /// True where 0 and 1 are neighbours: a mutation that leaves at one end comes back at the other.

@@ -1,14 +1,14 @@
 //! Generations of a population.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-use super::{Evaluated, Strategy, Variation};
+use super::space::within_strategy;
+use super::{Evaluated, Space, Strategy, StrategySettings, Variation, generator, selection_named};
 use crate::robot::genome::Genome;
-use crate::search::{generator, selection_named};
 use crate::{Error, Result};
 
 /// A population over generations: the elites stay, children of selected parents take the other places.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Evolution {
     /// Robots of one generation.
@@ -21,7 +21,8 @@ pub struct Evolution {
     pub selection: String,
     /// How children are made.
     pub variation: Variation,
-    /// Seed of every random choice.
+    /// Seed of every random choice; that of the search in place of it where the strategy is part of one.
+    #[serde(skip)]
     pub seed: u64,
 }
 
@@ -66,12 +67,6 @@ impl Evolution {
         self.variation.check()
     }
 
-    /// Evaluations of the whole search.
-    pub fn budget(&self) -> usize {
-        let children = self.population.saturating_sub(self.elites);
-        self.population + self.generations.saturating_sub(1) * children
-    }
-
     /// Indices into the history of the population after so many complete generations, the fittest first; of
     /// equals the earlier.
     fn population_after(&self, generations: usize, history: &[Evaluated]) -> Vec<usize> {
@@ -94,7 +89,33 @@ impl Evolution {
     }
 }
 
+impl StrategySettings for Evolution {
+    fn strategy(&self, space: &Space) -> Result<Box<dyn Strategy>> {
+        space.must_be_free()?;
+        let strategy = Self {
+            seed: space.seed(),
+            ..self.clone()
+        };
+        strategy.check().map_err(within_strategy)?;
+        space.must_hold(&strategy.variation)?;
+        Ok(Box::new(strategy))
+    }
+}
+
 impl Strategy for Evolution {
+    fn name(&self) -> &'static str {
+        "evolution"
+    }
+
+    fn budget(&self) -> usize {
+        let children = self.population.saturating_sub(self.elites);
+        self.population + self.generations.saturating_sub(1) * children
+    }
+
+    fn batch_name(&self) -> &'static str {
+        "generation"
+    }
+
     fn propose(&self, history: &[Evaluated]) -> Result<Vec<Genome>> {
         self.check()?;
         if history.len() >= self.budget() {

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Evaluated, Strategy};
+use super::space::within_strategy;
+use super::{Evaluated, Space, Strategy, StrategySettings};
 use crate::robot::genome::{Gene, Genome, Locus};
 use crate::{Error, Result};
 
@@ -17,6 +18,27 @@ pub struct GeneValues {
     pub gene: String,
     /// The values, each from 0 to 1.
     pub values: Vec<f64>,
+}
+
+/// A grid as a file names it: around the genome or the robot that the search starts from.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GridSettings {
+    /// What varies; the first runs slowest.
+    pub genes: Vec<GeneValues>,
+}
+
+impl StrategySettings for GridSettings {
+    fn strategy(&self, space: &Space) -> Result<Box<dyn Strategy>> {
+        let named = self.genes.iter();
+        let named: Vec<Locus> = named.filter_map(|g| Locus::named(&g.gene).ok()).collect();
+        let base = space.base(&named)?;
+        space.must_leave_the_body(&named)?;
+        let axes = self.genes.clone();
+        let grid = Grid { base, axes };
+        grid.check().map_err(within_strategy)?;
+        Ok(Box::new(grid))
+    }
 }
 
 /// A grid around one genome: all genes that are not named stay as they are.
@@ -74,11 +96,6 @@ impl Grid {
             })
     }
 
-    /// Robots of the whole grid.
-    pub fn budget(&self) -> usize {
-        self.axes.iter().map(|axis| axis.values.len()).product()
-    }
-
     fn at(&self, index: usize) -> Result<Genome> {
         let mut genes: Vec<[f64; Gene::LEN]> =
             self.base.genes().iter().map(|g| *g.values()).collect();
@@ -98,6 +115,14 @@ impl Grid {
 }
 
 impl Strategy for Grid {
+    fn name(&self) -> &'static str {
+        "grid"
+    }
+
+    fn budget(&self) -> usize {
+        self.axes.iter().map(|axis| axis.values.len()).product()
+    }
+
     fn propose(&self, history: &[Evaluated]) -> Result<Vec<Genome>> {
         self.check()?;
         (history.len()..self.budget()).map(|i| self.at(i)).collect()

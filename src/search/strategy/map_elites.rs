@@ -3,42 +3,16 @@
 //! J.-B. Mouret and J. Clune, "Illuminating search spaces by mapping elites", arXiv 1504.04909, 2015.
 
 use rand::RngExt as _;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-use super::{Evaluated, Strategy, Variation};
+use super::space::within_strategy;
+use super::{Archive, Axis, Evaluated, Space, Strategy, StrategySettings, Variation, generator};
 use crate::robot::genome::Genome;
-use crate::search::generator;
 use crate::{Error, Result};
 
-/// One axis of an archive: a behaviour descriptor cut into equal cells. Values beyond the ends belong to the end cells.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Axis {
-    /// What is described, with its unit, e.g. `height_m`.
-    pub name: String,
-    /// Lower end.
-    pub from: f64,
-    /// Upper end.
-    pub to: f64,
-    /// Number of cells, 1 or more.
-    pub cells: usize,
-}
-
-impl Axis {
-    /// The cell of a value; `None` for NaN.
-    pub fn cell(&self, value: f64) -> Option<usize> {
-        if value.is_nan() {
-            return None;
-        }
-        let share = (value - self.from) / (self.to - self.from);
-        let cell = (share * self.cells as f64).floor().max(0.0) as usize;
-        Some(cell.min(self.cells - 1))
-    }
-}
-
 /// Random robots first, then children of the elites of randomly chosen cells.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct MapElites {
     /// The axes of the archive, at least one.
     pub axes: Vec<Axis>,
@@ -49,28 +23,23 @@ pub struct MapElites {
     /// Robots of the whole search.
     pub evaluations: usize,
     /// How children are made.
-    #[serde(default)]
     pub variation: Variation,
-    /// Seed of every random choice.
-    #[serde(default)]
+    /// Seed of every random choice; that of the search in place of it where the strategy is part of one.
+    #[serde(skip)]
     pub seed: u64,
 }
 
-/// The elites of every cell, by index into the history.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Archive {
-    cells: Vec<Option<usize>>,
-}
-
-impl Archive {
-    /// Index into the history of the elite of each cell; the first axis runs fastest.
-    pub fn cells(&self) -> &[Option<usize>] {
-        &self.cells
-    }
-
-    /// The elites, in the order of the cells.
-    pub fn elites(&self) -> Vec<usize> {
-        self.cells.iter().filter_map(|cell| *cell).collect()
+impl Default for MapElites {
+    /// A hundred robots, ten at a time; without an axis, which only the user knows.
+    fn default() -> Self {
+        Self {
+            axes: Vec::new(),
+            initial: 10,
+            batch: 10,
+            evaluations: 100,
+            variation: Variation::default(),
+            seed: 1,
+        }
     }
 }
 
@@ -126,42 +95,39 @@ impl MapElites {
         }
         self.variation.check()
     }
+}
 
-    /// The archive after a history. Failures, and robots without a number for every axis, are in no cell; of
-    /// equals the earlier stays.
-    ///
-    /// # Errors
-    /// As [`MapElites::check`].
-    pub fn archive(&self, history: &[Evaluated]) -> Result<Archive> {
-        self.check()?;
-        let count = self.axes.iter().map(|axis| axis.cells).product();
-        let mut cells: Vec<Option<usize>> = vec![None; count];
-        for (index, evaluated) in history.iter().enumerate() {
-            let fitness = evaluated.comparable();
-            let Some(cell) = self.cell(&evaluated.descriptors) else {
-                continue;
-            };
-            let is_better = cells[cell].is_none_or(|held| fitness > history[held].comparable());
-            if fitness > f64::NEG_INFINITY && is_better {
-                cells[cell] = Some(index);
-            }
-        }
-        Ok(Archive { cells })
-    }
-
-    fn cell(&self, descriptors: &[f64]) -> Option<usize> {
-        if descriptors.len() != self.axes.len() {
-            return None;
-        }
-        let mut cell = 0;
-        for (axis, &value) in self.axes.iter().zip(descriptors).rev() {
-            cell = cell * axis.cells + axis.cell(value)?;
-        }
-        Some(cell)
+impl StrategySettings for MapElites {
+    fn strategy(&self, space: &Space) -> Result<Box<dyn Strategy>> {
+        space.must_be_free()?;
+        let strategy = Self {
+            seed: space.seed(),
+            ..self.clone()
+        };
+        strategy.check().map_err(within_strategy)?;
+        space.must_hold(&strategy.variation)?;
+        Ok(Box::new(strategy))
     }
 }
 
 impl Strategy for MapElites {
+    fn name(&self) -> &'static str {
+        "map-elites"
+    }
+
+    fn budget(&self) -> usize {
+        self.evaluations
+    }
+
+    fn descriptors(&self) -> Vec<&str> {
+        self.axes.iter().map(|axis| axis.name.as_str()).collect()
+    }
+
+    fn archive(&self, history: &[Evaluated]) -> Result<Option<Archive>> {
+        self.check()?;
+        Ok(Some(Archive::new(&self.axes, history)))
+    }
+
     fn propose(&self, history: &[Evaluated]) -> Result<Vec<Genome>> {
         self.check()?;
         if history.len() >= self.evaluations {
@@ -174,7 +140,8 @@ impl Strategy for MapElites {
         let mut rng = generator(self.seed, step as u64);
         // What the batch knew when it began, however much of it is done.
         let known = &history[..history.len() - done];
-        let elites = self.archive(known)?.elites();
+        let archive = Archive::new(&self.axes, known);
+        let elites: Vec<usize> = archive.cells().iter().filter_map(|cell| *cell).collect();
         let mut batch = Vec::with_capacity(size);
         for _ in 0..size {
             // As long as everything fails, keep on drawing.

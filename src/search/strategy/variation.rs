@@ -3,8 +3,8 @@
 use rand::Rng;
 use serde::{Deserialize, Serialize};
 
+use super::{Dose, operator_named};
 use crate::robot::genome::Genome;
-use crate::search::{Dose, operator_named};
 use crate::{Error, Result};
 
 /// Crossover and mutation of a strategy.

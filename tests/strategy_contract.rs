@@ -2,10 +2,11 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use proptest::prelude::*;
+use realgap::file::Source;
 use realgap::robot::genome::{Genome, Locus};
 use realgap::search::{
-    Axis, Dose, Evaluated, Evolution, MapElites, OPERATORS, SELECTIONS, Strategy, Variation,
-    generator, operator_named, selection_named,
+    Archive, Axis, Dose, Evaluated, Evolution, MapElites, OPERATORS, Overrides, SELECTIONS,
+    STRATEGIES, Search, Strategy, Variation, generator, operator_named, selection_named,
 };
 
 fn parent(modules: usize, seed: u64) -> Genome {
@@ -199,7 +200,7 @@ fn evaluate(genome: &Genome) -> Evaluated {
     }
 }
 
-fn search(strategy: &dyn Strategy) -> Vec<Evaluated> {
+fn follow(strategy: &dyn Strategy) -> Vec<Evaluated> {
     let mut history = Vec::new();
     loop {
         let batch = strategy.propose(&history).unwrap();
@@ -227,36 +228,101 @@ fn map_elites() -> MapElites {
     }
 }
 
+/// A search by this strategy, of a size that a test can follow to its end.
+fn small(name: &str) -> Search {
+    let gait = "start: Morphology(\"morphologies/tripod.ron\"),
+        development: (amplitude_rad: (0.0, 1.1), frequency_hz: (0.5, 1.5), offset_rad: (-1.0, 1.0)),";
+    let (settings, start) = match name {
+        "Evolution" => ("population: 7, generations: 5, elites: 2", ""),
+        "MapElites" => (
+            "axes: [(name: \"modules\", from: 0.5, to: 5.5, cells: 5), (name: \"straightness\", from: 0, to: 1, cells: 4)],
+             initial: 20, batch: 8, evaluations: 300",
+            "",
+        ),
+        "Grid" => (
+            "genes: [(module: 1, gene: \"amplitude\", values: [0.2, 0.8]), (gene: \"phase\", values: [0, 0.5, 1])]",
+            gait,
+        ),
+        "CmaEs" => ("evaluations: 45, genes: [\"amplitude\", \"phase\"]", gait),
+        other => panic!("no settings of {other}: give the contract some"),
+    };
+    let text = format!("Search(duration_s: 1.0, strategy: {name}({settings}), {start})");
+    Search::parse(&Source::new("contract.ron", text), &Overrides::default()).unwrap()
+}
+
+#[test]
+fn every_strategy_says_who_it_is_and_spends_its_budget() {
+    let mut names = Vec::new();
+    for kind in STRATEGIES {
+        let search = small(kind);
+        let strategy = search.strategy();
+        assert!(
+            !names.contains(&strategy.name()),
+            "{} twice",
+            strategy.name()
+        );
+        names.push(strategy.name());
+        assert!(!strategy.batch_name().is_empty());
+        let history = follow(strategy);
+        assert_eq!(history.len(), strategy.budget(), "{kind}");
+        for evaluated in &history {
+            for value in evaluated.genome.genes().iter().flat_map(|g| g.values()) {
+                assert!((0.0..=1.0).contains(value), "{kind}: {value}");
+            }
+        }
+        // An archive has the axes that the strategy asks to be described.
+        if let Some(archive) = strategy.archive(&history).unwrap() {
+            let axes: Vec<&str> = archive.axes().iter().map(|a| a.name.as_str()).collect();
+            assert_eq!(axes, strategy.descriptors(), "{kind}");
+        }
+    }
+}
+
 #[test]
 fn a_search_cut_off_anywhere_goes_on_as_if_nothing_had_happened() {
-    let evolution = Evolution {
-        population: 7,
-        generations: 5,
-        elites: 2,
-        ..Evolution::default()
-    };
-    let strategies: [(&dyn Strategy, usize); 2] =
-        [(&evolution, evolution.budget()), (&map_elites(), 300)];
-    for (strategy, budget) in strategies {
-        let whole = search(strategy);
-        assert_eq!(whole.len(), budget);
+    for kind in STRATEGIES {
+        let search = small(kind);
+        let strategy = search.strategy();
+        let whole = follow(strategy);
         for cut in 0..whole.len() {
             let rest = strategy.propose(&whole[..cut]).unwrap();
-            assert!(!rest.is_empty());
+            assert_eq!(rest, strategy.propose(&whole[..cut]).unwrap(), "{kind}");
             let expected: Vec<_> = whole[cut..]
                 .iter()
                 .take(rest.len())
                 .map(|e| e.genome.clone())
                 .collect();
-            assert_eq!(rest, expected, "after {cut}");
+            assert!(!rest.is_empty(), "{kind} after {cut}");
+            assert_eq!(rest, expected, "{kind} after {cut}");
         }
+    }
+}
+
+#[test]
+fn a_strategy_whose_robots_all_fail_goes_on_to_its_end() {
+    for kind in STRATEGIES {
+        let search = small(kind);
+        let strategy = search.strategy();
+        let mut history: Vec<Evaluated> = Vec::new();
+        loop {
+            let proposed = strategy.propose(&history).unwrap();
+            if proposed.is_empty() {
+                break;
+            }
+            history.extend(proposed.into_iter().map(|genome| Evaluated {
+                genome,
+                fitness: None,
+                descriptors: Vec::new(),
+            }));
+        }
+        assert_eq!(history.len(), strategy.budget(), "{kind}");
     }
 }
 
 #[test]
 fn a_history_written_as_json_is_read_back_to_the_bit_and_checked() {
     let evolution = Evolution::default();
-    let whole = search(&evolution);
+    let whole = follow(&evolution);
     let text = serde_json::to_string(&whole).unwrap();
     assert_eq!(
         serde_json::from_str::<Vec<Evaluated>>(&text).unwrap(),
@@ -273,7 +339,7 @@ fn the_published_size_is_ten_generations_of_ten() {
         elites: 0,
         ..Evolution::default()
     };
-    assert_eq!(search(&evolution).len(), 100);
+    assert_eq!(follow(&evolution).len(), 100);
 }
 
 #[test]
@@ -292,7 +358,7 @@ fn evolution_beats_random_search_on_a_smooth_fitness() {
             generations: 15,
             ..Evolution::default()
         };
-        let evolved = search(&evolution);
+        let evolved = follow(&evolution);
         let mut rng = generator(seed, 99);
         let random: Vec<Evaluated> = (0..evolved.len())
             .map(|_| evaluate(&Variation::default().random(&mut rng).unwrap()))
@@ -306,8 +372,9 @@ fn evolution_beats_random_search_on_a_smooth_fitness() {
 #[test]
 fn the_archive_holds_the_best_of_every_cell_and_no_failure() {
     let strategy = map_elites();
-    let history = search(&strategy);
-    let archive = strategy.archive(&history).unwrap();
+    let history = follow(&strategy);
+    let archive = Archive::new(&strategy.axes, &history);
+    assert_eq!(strategy.archive(&history).unwrap().as_ref(), Some(&archive));
     assert_eq!(archive.cells().len(), 20);
     let elites = archive.elites();
     assert!(elites.len() >= 10, "{} cells filled", elites.len());
@@ -318,6 +385,7 @@ fn the_archive_holds_the_best_of_every_cell_and_no_failure() {
                 + 5 * strategy.axes[1].cell(e.descriptors[1]).unwrap()
         };
         assert_eq!(of(&history[held]), cell);
+        assert!(elites.contains(&(vec![cell % 5, cell / 5], held)));
         assert!(history[held].fitness.is_some());
         assert!(
             history

@@ -5,37 +5,36 @@ mod common;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use common::{project, read, realgap, summary, text};
 use realgap::file::Source;
+use realgap::optimization::{Ending, Progress, RunOptions};
 use realgap::robot::genome::{Gene, Genome};
-use realgap::search::Evaluated;
-use realgap::search::{Hunt, Judged, Reason, Wishes};
+use realgap::search::{EvaluatedRobot, Mode, Overrides, Reason, Search};
+use realgap::store::{RobotRow, Store};
 
-/// A hunt of this text inside `Search( … )`.
-fn hunt(body: &str) -> Hunt {
+/// This text inside `Search( … )`.
+fn parse(body: &str) -> realgap::Result<Search> {
     let source = Source::new(
         project().join("sweeps/test.ron"),
         format!("Search(\n{body}\n)"),
     );
-    Hunt::parse(&source, &Wishes::default()).unwrap()
+    Search::parse(&source, &Overrides::default())
+}
+
+fn search(body: &str) -> Search {
+    parse(body).unwrap()
 }
 
 fn error(body: &str) -> String {
-    let source = Source::new(
-        project().join("sweeps/test.ron"),
-        format!("Search(\n{body}\n)"),
-    );
-    Hunt::parse(&source, &Wishes::default())
-        .unwrap_err()
-        .to_string()
+    parse(body).unwrap_err().to_string()
 }
 
-fn judge(hunt: &Hunt, genes: &[[f64; 10]]) -> Judged {
+fn evaluate(search: &Search, genes: &[[f64; 10]]) -> EvaluatedRobot {
     let genome = Genome::new(genes.iter().map(|g| Gene::clamped(*g)).collect()).unwrap();
-    let trial = hunt.evaluate(0, &genome).unwrap();
-    hunt.judge(&trial).unwrap()
+    search.evaluate(0, &genome).unwrap()
 }
 
 /// An active cube whose driven face looks along +x (0), −x, +y, −y, +z (4), −z (5), under a passive one.
@@ -63,7 +62,8 @@ const QUICK: &str =
 
 #[test]
 fn every_reason_to_fail_is_reached_and_has_no_fitness() {
-    let of = |extra: &str, genes: &[[f64; 10]]| judge(&hunt(&format!("{QUICK} {extra}")), genes);
+    let of =
+        |extra: &str, genes: &[[f64; 10]]| evaluate(&search(&format!("{QUICK} {extra}")), genes);
     // A second servo whose plate would be glued onto the first one's.
     let mut on_servo = walker(4.0);
     on_servo[1] = [
@@ -157,7 +157,7 @@ fn every_reason_to_fail_is_reached_and_has_no_fitness() {
             0.07634973077337981,
         ],
     ];
-    for (expected, judged) in [
+    for (expected, robot) in [
         (Reason::DoesNotDevelop, of("", &on_servo)),
         (Reason::PlateBlocked, of("", &blocked)),
         (Reason::Toppled, of("", &leaning)),
@@ -176,8 +176,8 @@ fn every_reason_to_fail_is_reached_and_has_no_fitness() {
         // A kilometre down a slope of ice.
         (
             Reason::Diverged,
-            judge(
-                &hunt(
+            evaluate(
+                &search(
                     "strategy: Evolution(), duration_s: 20.0, repeats: 1, failures: (unstable: false),
                      set: {\"floor.slope_rad\": 0.5, \"floor.friction\": 0.0},",
                 ),
@@ -185,55 +185,16 @@ fn every_reason_to_fail_is_reached_and_has_no_fitness() {
             ),
         ),
     ] {
-        assert_eq!(judged.failure.as_ref().map(|f| f.reason), Some(expected), "{judged:?}");
-        assert_eq!(judged.fitness, None);
+        assert_eq!(robot.failure().map(|f| f.reason), Some(expected), "{robot:?}");
+        assert_eq!(robot.fitness(), None);
     }
 }
 
 #[test]
 fn a_lone_passive_cube_is_legal_and_goes_nowhere() {
-    let judged = judge(&hunt(QUICK), &[[0.1; 10]]);
-    assert!(judged.failure.is_none(), "{judged:?}");
-    assert!(judged.fitness.unwrap() < 1e-3, "{judged:?}");
-}
-
-#[test]
-fn grid_and_cma_es_keep_the_contract_of_strategies() {
-    let start = "start: Morphology(\"../morphologies/tripod.ron\"), duration_s: 1.0,
-        development: (amplitude_rad: (0.0, 1.1), frequency_hz: (0.5, 1.5), offset_rad: (-1.0, 1.0)),";
-    let grid = "strategy: Grid(genes: [(module: 1, gene: \"amplitude\", values: [0.2, 0.8]), (gene: \"phase\", values: [0, 0.5, 1])]),";
-    let brain = "strategy: CmaEs(evaluations: 25, genes: [\"amplitude\", \"phase\"]),";
-    for (strategy, budget) in [(grid, 6), (brain, 25)] {
-        let hunt = hunt(&format!("{strategy} {start}"));
-        let mut history: Vec<Evaluated> = Vec::new();
-        loop {
-            let proposed = hunt.plan.strategy().propose(&history).unwrap();
-            // Pure: asked again, the same; asked in the middle of a batch, the rest of it.
-            assert_eq!(proposed, hunt.plan.strategy().propose(&history).unwrap());
-            if proposed.is_empty() {
-                break;
-            }
-            let evaluated: Vec<Evaluated> = proposed
-                .iter()
-                .map(|genome| Evaluated {
-                    genome: genome.clone(),
-                    fitness: Some(genome.genes()[1].values()[6]).filter(|f| *f > 0.2),
-                    descriptors: Vec::new(),
-                })
-                .collect();
-            let mut partial = history.clone();
-            partial.push(evaluated[0].clone());
-            assert_eq!(
-                hunt.plan.strategy().propose(&partial).unwrap()[..proposed.len() - 1],
-                proposed[1..]
-            );
-            history.extend(evaluated);
-            assert!(history.len() <= budget);
-            // A fixed body: one gene a module.
-            assert!(history.iter().all(|e| e.genome.len() == 4));
-        }
-        assert_eq!((history.len(), hunt.plan.budget()), (budget, budget));
-    }
+    let robot = evaluate(&search(QUICK), &[[0.1; 10]]);
+    assert!(robot.failure().is_none(), "{robot:?}");
+    assert!(robot.fitness().unwrap() < 1e-3, "{robot:?}");
 }
 
 #[test]
@@ -412,10 +373,54 @@ fn threads_and_kill_9_do_not_change_a_bit_and_everything_is_written() {
     }
 }
 
+#[test]
+fn in_memory_and_in_a_folder_the_bits_are_the_same_also_after_an_interruption() {
+    let folder = tempfile::tempdir().unwrap();
+    let search = search(SMALL);
+    let whole = search.run(&RunOptions::default()).unwrap();
+    assert_eq!(whole.robots.len(), search.strategy().budget());
+
+    let stop = AtomicBool::new(false);
+    let halfway = |progress: Progress| stop.store(progress.done >= 7, Ordering::Relaxed);
+    let interrupted = RunOptions {
+        stop: Some(&stop),
+        progress: Some(&halfway),
+        ..RunOptions::default()
+    };
+    let part = search
+        .run_in(folder.path(), Mode::Start, &interrupted)
+        .unwrap();
+    assert_eq!(part.ending, Ending::Interrupted);
+    assert!(part.robots.len() < whole.robots.len());
+    let resumed = search
+        .run_in(folder.path(), Mode::Resume, &RunOptions::default())
+        .unwrap();
+    assert_eq!(resumed, whole);
+    // What is complete is used as it is.
+    let first = std::sync::Mutex::new(None);
+    let hear = |progress: Progress| {
+        first.lock().unwrap().get_or_insert(progress.done);
+    };
+    let options = RunOptions {
+        progress: Some(&hear),
+        ..RunOptions::default()
+    };
+    let again = search.run_in(folder.path(), Mode::Start, &options).unwrap();
+    // All of the first batch is there before anything is simulated.
+    let first = first.into_inner().unwrap().unwrap();
+    assert_eq!((&again, first), (&whole, whole.batches[0]));
+    // Equal to the bit, which `==` does not say of zeros.
+    let bits = |results: &realgap::search::SearchResults| -> Vec<Option<u64>> {
+        let fitness = results.robots.iter().map(EvaluatedRobot::fitness);
+        fitness.map(|f| f.map(f64::to_bits)).collect()
+    };
+    assert_eq!(bits(&resumed), bits(&whole));
+}
+
 fn wait_for_robots(folder: &Path, count: usize) {
     let started = Instant::now();
     while started.elapsed() < Duration::from_secs(60) {
-        if let Ok(store) = realgap::store::Store::read(folder)
+        if let Ok(store) = Store::<RobotRow>::look(folder)
             && store
                 .finished()
                 .is_ok_and(|finished| finished.len() >= count)

@@ -3,16 +3,17 @@
 use std::path::Path;
 
 use rand::RngExt as _;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use crate::random::Numbered;
 use crate::simulation::parameter::{Assignment, ParameterSet, by_name};
 use crate::{Error, Result};
 
 /// A parameter that is only known to be in a range.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Uncertain")]
-pub struct Uncertain {
+pub struct UncertainRange {
     /// Name, as `realgap parameters` lists it.
     pub name: String,
     /// Lower end.
@@ -21,19 +22,19 @@ pub struct Uncertain {
     pub high: f64,
 }
 
-/// Values of parameters that differ from repeat to repeat.
+/// Parameters whose values differ from repeat to repeat, because nobody knows them better.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Doubt {
-    ranges: Vec<Uncertain>,
+pub struct UncertainParameters {
+    ranges: Vec<UncertainRange>,
     points: Vec<ParameterSet>,
 }
 
-impl Doubt {
+impl UncertainParameters {
     /// Ranges, drawn evenly, and points of which every repeat gets one. Ranges overrule points.
     ///
     /// # Errors
     /// Unknown parameters, ends out of bounds or in the wrong order.
-    pub fn new(ranges: Vec<Uncertain>, points: Vec<ParameterSet>) -> Result<Self> {
+    pub fn new(ranges: Vec<UncertainRange>, points: Vec<ParameterSet>) -> Result<Self> {
         for (index, range) in ranges.iter().enumerate() {
             let at = |error: Error| error.field(format!("parameters[{index}]"));
             let parameter = by_name(&range.name).map_err(at)?;
@@ -49,21 +50,21 @@ impl Doubt {
     }
 
     /// True where every repeat has the same values.
-    pub fn is_none(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.ranges.is_empty() && self.points.is_empty()
-    }
-
-    /// The points.
-    pub fn points(&self) -> &[ParameterSet] {
-        &self.points
     }
 
     /// Values of one repeat: depends on seed and repeat alone.
     ///
     /// # Errors
-    /// None for a checked doubt.
+    /// None for what [`UncertainParameters::new`] has checked.
     pub fn draw(&self, seed: u64, repeat: u64) -> Result<ParameterSet> {
-        let mut rng = Numbered::UncertainParameter.generator(seed, repeat);
+        let mut key = [0_u8; 32];
+        key[..8].copy_from_slice(&seed.to_le_bytes());
+        key[8..16].copy_from_slice(&repeat.to_le_bytes());
+        let mut rng = ChaCha8Rng::from_seed(key);
+        // Noise and strategies have the streams below 100 (`simulation`, `search`).
+        rng.set_stream(101);
         let mut set = match self.points.len() {
             0 => ParameterSet::new(),
             count => self.points[rng.random_range(0..count)].clone(),
@@ -78,7 +79,7 @@ impl Doubt {
 }
 
 /// File of a results folder with the points that cannot be told apart from its best one.
-pub const INDISTINGUISHABLE_FILE: &str = "indistinguishable.csv";
+const INDISTINGUISHABLE_FILE: &str = "indistinguishable.csv";
 
 /// The points of a results folder that cannot be told apart from its best one.
 ///
@@ -88,7 +89,7 @@ pub fn read_indistinguishable(folder: &Path) -> Result<Vec<ParameterSet>> {
     let path = folder.join(INDISTINGUISHABLE_FILE);
     let bytes = std::fs::read(&path).map_err(|e| {
         Error::io("read the indistinguishable points", &path, &e)
-            .hint("name a folder that `realgap sweep` or `realgap tune` has written")
+            .hint("name a folder that a sweep or tuning has written")
     })?;
     let torn =
         |e: csv::Error| Error::invalid(format!("cannot read the points: {e}")).at_file(&path);

@@ -1,6 +1,6 @@
 //! Operators: from parents to one child.
 //!
-//! One file and one line in [`OPERATORS`] add another; `tests/search.rs` holds every one to the same contract.
+//! One file and one line in [`OPERATORS`] add another; `tests/strategy_contract.rs` holds every one to the same contract.
 
 mod gaussian;
 mod length;
@@ -9,7 +9,6 @@ mod uniform;
 
 use rand::Rng;
 
-use crate::file::look_up;
 use crate::robot::genome::{Gene, Genome};
 use crate::{Error, Result};
 
@@ -83,9 +82,7 @@ pub const OPERATORS: &[&dyn Operator] = &[
 /// # Errors
 /// An unknown name.
 pub fn operator_named(name: &str) -> Result<&'static dyn Operator> {
-    look_up("operator", name, OPERATORS.iter().copied(), |operator| {
-        operator.name()
-    })
+    super::by_name("operator", name, OPERATORS, |operator| operator.name())
 }
 
 /// The child of these genes, or the parent where they are no genome.

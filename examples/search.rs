@@ -1,0 +1,34 @@
+//! Which robot of up to four modules walks farthest on a floor that is known to a range only? No file, no database.
+//!
+//! ```console
+//! cargo run --release --example search
+//! ```
+#![allow(clippy::print_stdout)]
+
+use realgap::optimization::RunOptions;
+use realgap::search::{Evolution, FinalsSettings, Search};
+
+fn main() -> realgap::Result<()> {
+    let evolution = Evolution {
+        population: 8,
+        generations: 4,
+        ..Evolution::default()
+    };
+    let finals = FinalsSettings {
+        count: 2,
+        repeats: 20,
+        ..FinalsSettings::default()
+    };
+    let search = Search::builder(evolution)
+        .uncertain("floor.friction", 0.4, 0.6)
+        .duration_s(5.0)
+        .repeats(4)
+        .finals(finals)
+        .build()?;
+    let options = RunOptions::default();
+    let results = search.run(&options)?;
+    for finalist in search.finalists(&results, &options)? {
+        println!("{}", finalist.card());
+    }
+    Ok(())
+}

@@ -1,0 +1,276 @@
+//! The best robots, looked at again: other solver settings, and draws that the search has not seen.
+
+use serde::{Deserialize, Serialize};
+
+use super::evaluate::Repeats;
+use super::objective::Travel;
+use super::problem::Search;
+use super::robot::{EvaluatedRobot, mean_displacement_m};
+use super::run::SearchResults;
+use crate::optimization::{RunOptions, pool};
+use crate::prediction::ensemble::{self, Ensemble, Forecast};
+use crate::prediction::{Card, Finals, Rerun, Success, SuccessRule};
+use crate::robot::morphology::Morphology;
+use crate::simulation::parameter::ParameterSet;
+use crate::simulation::{JointKind, Solver};
+use crate::warning::{Code, Warning};
+use crate::{Error, Result};
+
+/// How the best are looked at again.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FinalsSettings {
+    /// How many robots.
+    pub count: usize,
+    /// Repeats of each with draws that the search has not seen, for its prediction card and its rank.
+    pub repeats: usize,
+    /// Largest change of the mean displacement under other solver settings that it survives, as a share.
+    pub tolerance: f64,
+}
+
+impl Default for FinalsSettings {
+    fn default() -> Self {
+        Self {
+            count: 5,
+            repeats: 50,
+            tolerance: 0.25,
+        }
+    }
+}
+
+/// A change of the solver's settings.
+type Change = fn(&mut Solver);
+
+/// Other settings under which a robot must walk the same, with a name each.
+const RERUNS: [(&str, Change); 5] = [
+    ("half timestep", |s| s.timestep_s *= 0.5),
+    ("double timestep", |s| s.timestep_s *= 2.0),
+    ("half substeps", |s| s.substeps = (s.substeps / 2).max(1)),
+    ("double substeps", |s| s.substeps *= 2),
+    ("other joint kind", |s| {
+        s.joint = match s.joint {
+            JointKind::Impulse => JointKind::Multibody,
+            JointKind::Multibody => JointKind::Impulse,
+        }
+    }),
+];
+
+/// One of the best robots.
+#[derive(Debug, Clone)]
+pub struct Finalist {
+    /// As the search saw it.
+    pub evaluated: EvaluatedRobot,
+    /// The robot.
+    pub robot: Morphology,
+    /// Repeats with new draws.
+    pub ensemble: Ensemble,
+    /// Its rank, and how it did under other settings.
+    pub finals: Finals,
+    /// What the repeats say.
+    prediction: Card,
+}
+
+impl Finalist {
+    /// What the repeats say.
+    pub fn prediction(&self) -> &Forecast {
+        &self.prediction.prediction
+    }
+
+    /// How likely it gets far enough; `None` where the run without noise goes nowhere.
+    pub fn success(&self) -> Option<&Success> {
+        self.prediction.success.as_ref()
+    }
+
+    /// The prediction card.
+    pub fn card(&self) -> Card {
+        Card {
+            finals: Some(self.finals.clone()),
+            ..self.prediction.clone()
+        }
+    }
+}
+
+impl Search {
+    /// Seed of the finalists' repeats: draws that the search has not seen.
+    pub fn finals_seed(&self) -> u64 {
+        self.seed().wrapping_add(1 << 32)
+    }
+
+    /// The best different robots, best first.
+    fn best(&self, robots: &[EvaluatedRobot]) -> Result<Vec<(EvaluatedRobot, Morphology)>> {
+        let mut order: Vec<&EvaluatedRobot> =
+            robots.iter().filter(|r| r.fitness().is_some()).collect();
+        // Stable: of equals the earlier.
+        order.sort_by(|a, b| {
+            let [a, b] = [a, b].map(|r| r.fitness().unwrap_or(f64::NEG_INFINITY));
+            b.total_cmp(&a)
+        });
+        let mut best: Vec<(EvaluatedRobot, Morphology)> = Vec::new();
+        for evaluated in order {
+            if best.len() == self.finals.count {
+                break;
+            }
+            let name = self.robot_name(evaluated.index);
+            let robot = self.body().build(&name, &evaluated.genome)?;
+            // Other genomes may mean the same robot.
+            let is_new = best.iter().all(|(_, known)| {
+                known.modules() != robot.modules() || known.glue() != robot.glue()
+            });
+            if is_new {
+                best.push((evaluated.clone(), robot));
+            }
+        }
+        Ok(best)
+    }
+
+    /// Looks at the best robots again and ranks them: survivors of the reruns first, by the fitness with new draws.
+    /// The progress is that of the finalists.
+    ///
+    /// # Errors
+    /// Interrupted; settings that cannot be simulated.
+    pub fn finalists(
+        &self,
+        results: &SearchResults,
+        options: &RunOptions<'_>,
+    ) -> Result<Vec<Finalist>> {
+        pool(options.jobs)?.install(|| self.look_again(&results.robots, options))
+    }
+
+    fn look_again(
+        &self,
+        robots: &[EvaluatedRobot],
+        options: &RunOptions<'_>,
+    ) -> Result<Vec<Finalist>> {
+        let best = self.best(robots)?;
+        let count = best.len();
+        let mut finalists = Vec::new();
+        for (evaluated, robot) in best {
+            let mut reruns = Vec::new();
+            for (settings, change) in RERUNS {
+                stopped(options)?;
+                let (seed, repeats) = (self.seed(), self.repeats);
+                let again = self.repeats_of(&robot, seed, repeats, Some(change))?;
+                reruns.push(self.rerun(settings, &evaluated, &again));
+            }
+            let finalist = self.predict(evaluated, robot, reruns, options)?;
+            stopped(options)?;
+            finalists.push(finalist);
+            options.tell(finalists.len(), count, None);
+        }
+        finalists.sort_by(|a, b| {
+            let key = |f: &Finalist| f.finals.fitness.unwrap_or(f64::NEG_INFINITY);
+            let survives = |f: &Finalist| f.finals.survives;
+            (survives(b).cmp(&survives(a))).then(key(b).total_cmp(&key(a)))
+        });
+        for (index, finalist) in finalists.iter_mut().enumerate() {
+            finalist.finals.rank = index + 1;
+        }
+        Ok(finalists)
+    }
+
+    fn rerun(&self, settings: &'static str, evaluated: &EvaluatedRobot, again: &Repeats) -> Rerun {
+        match again {
+            Err(failure) => Rerun {
+                settings,
+                mean_displacement_m: None,
+                change: None,
+                failure: Some(failure.to_string()),
+                survives: false,
+            },
+            Ok(repeats) => {
+                let now_m = mean_displacement_m(repeats);
+                let change = evaluated
+                    .mean_displacement_m()
+                    .map(|before_m| (now_m - before_m) / before_m);
+                Rerun {
+                    settings,
+                    mean_displacement_m: Some(now_m),
+                    change,
+                    failure: None,
+                    survives: change.is_some_and(|c| c.abs() <= self.finals.tolerance),
+                }
+            }
+        }
+    }
+
+    fn predict(
+        &self,
+        evaluated: EvaluatedRobot,
+        robot: Morphology,
+        reruns: Vec<Rerun>,
+        options: &RunOptions<'_>,
+    ) -> Result<Finalist> {
+        let ensemble = self.repeat_again(&robot, options)?;
+        let finals = Finals {
+            // Known once all finalists are.
+            rank: 0,
+            survives: reruns.iter().all(|rerun| rerun.survives),
+            objective: self.objective.label(),
+            unit: self.objective.measure.unit(),
+            search_fitness: evaluated.fitness(),
+            fitness: self.fitness_of(&ensemble),
+            reruns,
+        };
+        let prediction = Card::new(robot.name(), &ensemble, SuccessRule::HalfOfNoiseFree)?
+            .with_parameters(&self.set)
+            .with_noise_from(&self.noise_from);
+        Ok(Finalist {
+            evaluated,
+            robot,
+            ensemble,
+            finals,
+            prediction,
+        })
+    }
+
+    /// Repeats of a robot with draws that the search has not seen.
+    fn repeat_again(&self, robot: &Morphology, options: &RunOptions<'_>) -> Result<Ensemble> {
+        let base = self.experiment(robot);
+        let seed = self.finals_seed();
+        // `run_each` takes no errors, and draws of checked ranges have none.
+        let drawn: Result<Vec<ParameterSet>> = (0..self.finals.repeats as u64)
+            .map(|number| self.uncertain.draw(seed, number))
+            .collect();
+        let drawn = drawn?;
+        let mut ensemble = ensemble::run_each(
+            &base,
+            |number| drawn[number as usize].apply(&base),
+            &self.noise,
+            seed,
+            self.finals.repeats,
+            options.stop_flag(),
+            |_| (),
+        )?;
+        if !self.uncertain.is_empty() {
+            ensemble.warnings.push(Warning::new(
+                Code::UncertainParameters,
+                "repeats differ in the parameters that tuning left open, too; the run without noise has the fixed values",
+            ));
+        }
+        Ok(ensemble)
+    }
+
+    /// The objective of an ensemble; `None` where a repeat diverged.
+    fn fitness_of(&self, ensemble: &Ensemble) -> Option<f64> {
+        let repeats: Vec<Travel> = ensemble
+            .motions()
+            .map(|(_, motion)| Travel {
+                displacement_m: motion.net_displacement_m(),
+                path_length_m: motion.path.path_length_m(),
+                turned_rad: motion.turned_rad,
+            })
+            .collect();
+        let all_walked = repeats.len() == ensemble.repeats.len() && !repeats.is_empty();
+        let body_length_m = self.body().length_m();
+        all_walked.then(|| self.objective.of(&repeats, body_length_m, self.duration_s))
+    }
+}
+
+fn stopped(options: &RunOptions<'_>) -> Result<()> {
+    if options.is_stopped() {
+        return Err(Error::interrupted(
+            "interrupted while the best robots were looked at again",
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,85 @@
+//! Every strategy by its name in files.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{DeserializeOwned, Deserializer, EnumAccess, MapAccess, VariantAccess, Visitor};
+use serde::{Deserialize, Serialize};
+
+use super::{StrategySettings, cma_es, evolution, grid, map_elites};
+
+/// Writes what a file may name as its strategy.
+macro_rules! strategies {
+    ($($name:ident $settings:ty;)*) => {
+        /// Names of all strategies in files, each followed by its settings in brackets.
+        pub const STRATEGIES: &[&str] = &[$(stringify!($name)),*];
+
+        #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+        enum Name {
+            $($name,)*
+        }
+
+        fn settings<'de, A: VariantAccess<'de>>(
+            name: Name,
+            variant: A,
+        ) -> Result<Box<dyn StrategySettings>, A::Error> {
+            match name {
+                $(Name::$name => {
+                    let settings = PhantomData::<$settings>;
+                    Ok(Box::new(variant.struct_variant(&[], Fields(settings))?))
+                })*
+            }
+        }
+    };
+}
+
+// One line adds a strategy: its name in files and its settings.
+strategies! {
+    Evolution evolution::Evolution;
+    MapElites map_elites::MapElites;
+    Grid grid::GridSettings;
+    CmaEs cma_es::CmaEsSettings;
+}
+
+/// The settings of whichever strategy a file names.
+#[derive(Debug)]
+pub struct StrategyFile(pub Box<dyn StrategySettings>);
+
+impl<'de> Deserialize<'de> for StrategyFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer
+            .deserialize_enum("Strategy", STRATEGIES, AnyStrategy)
+            .map(Self)
+    }
+}
+
+struct AnyStrategy;
+
+impl<'de> Visitor<'de> for AnyStrategy {
+    type Value = Box<dyn StrategySettings>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a strategy with its settings in brackets")
+    }
+
+    fn visit_enum<A: EnumAccess<'de>>(self, access: A) -> Result<Self::Value, A::Error> {
+        let (name, variant) = access.variant::<Name>()?;
+        settings(name, variant)
+    }
+}
+
+/// The fields of one struct, wherever they stand.
+struct Fields<T>(PhantomData<T>);
+
+impl<'de, T: DeserializeOwned> Visitor<'de> for Fields<T> {
+    type Value = T;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("settings in brackets")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, fields: A) -> Result<T, A::Error> {
+        T::deserialize(MapAccessDeserializer::new(fields))
+    }
+}

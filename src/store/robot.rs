@@ -1,0 +1,198 @@
+//! What is kept of one evaluated robot of a search.
+
+use rusqlite::{Connection, Transaction, params};
+
+use super::checksum::{Checksum, from_bytes, to_bytes};
+use super::row::{Checked, Row, Table};
+
+/// An evaluated robot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobotRow {
+    /// Position in the search's order, from 0.
+    pub index: usize,
+    /// The genome, ten numbers a module.
+    pub genome: Vec<f64>,
+    /// What came of it.
+    pub outcome: RobotOutcome,
+}
+
+/// What came of a robot.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RobotOutcome {
+    /// Every repeat was simulated to its end.
+    Walked {
+        /// What the search made large.
+        fitness: f64,
+        /// What each repeat did, in order.
+        repeats: Vec<TravelRow>,
+        /// The descriptors that the search's strategy asks for, in its order.
+        descriptors: Vec<f64>,
+    },
+    /// It has no fitness.
+    Failed {
+        /// Why, by its short name.
+        reason: String,
+        /// What was seen.
+        seen: String,
+    },
+}
+
+/// What one repeat of a robot did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TravelRow {
+    /// From start to end in the plane, metres.
+    pub displacement_m: f64,
+    /// Along the path, metres.
+    pub path_length_m: f64,
+    /// Change of the heading, radians.
+    pub turned_rad: f64,
+}
+
+/// What stands in the column `status` of a robot that walked.
+const WALKED: &str = "walked";
+
+/// A row as SQLite holds it.
+struct Columns {
+    genome: Vec<u8>,
+    status: String,
+    seen: String,
+    fitness: Option<f64>,
+    /// Blobs of displacements, path lengths, headings and descriptors.
+    lists: [Vec<u8>; 4],
+}
+
+impl Columns {
+    fn of(row: &RobotRow) -> Self {
+        let genome = to_bytes(&row.genome);
+        match &row.outcome {
+            RobotOutcome::Failed { reason, seen } => Self {
+                genome,
+                status: reason.clone(),
+                seen: seen.clone(),
+                fitness: None,
+                lists: Default::default(),
+            },
+            RobotOutcome::Walked {
+                fitness,
+                repeats,
+                descriptors,
+            } => {
+                let list = |value: fn(&TravelRow) -> f64| {
+                    to_bytes(&repeats.iter().map(value).collect::<Vec<_>>())
+                };
+                Self {
+                    genome,
+                    status: WALKED.to_owned(),
+                    seen: String::new(),
+                    // SQLite has no NaN: it is kept as nothing.
+                    fitness: Some(*fitness).filter(|fitness| !fitness.is_nan()),
+                    lists: [
+                        list(|travel| travel.displacement_m),
+                        list(|travel| travel.path_length_m),
+                        list(|travel| travel.turned_rad),
+                        to_bytes(descriptors),
+                    ],
+                }
+            }
+        }
+    }
+
+    fn row(self, index: usize) -> RobotRow {
+        let outcome = if self.status == WALKED {
+            let [displacements_m, lengths_m, turned_rad, descriptors] =
+                self.lists.map(|bytes| from_bytes(&bytes));
+            let repeats = displacements_m.iter().zip(&lengths_m).zip(&turned_rad);
+            RobotOutcome::Walked {
+                fitness: self.fitness.unwrap_or(f64::NAN),
+                repeats: repeats
+                    .map(|((displacement_m, path_length_m), turned_rad)| TravelRow {
+                        displacement_m: *displacement_m,
+                        path_length_m: *path_length_m,
+                        turned_rad: *turned_rad,
+                    })
+                    .collect(),
+                descriptors,
+            }
+        } else {
+            RobotOutcome::Failed {
+                reason: self.status,
+                seen: self.seen,
+            }
+        };
+        RobotRow {
+            index,
+            genome: from_bytes(&self.genome),
+            outcome,
+        }
+    }
+
+    fn checksum(&self, index: usize) -> i64 {
+        let checksum = Checksum::of(RobotRow::NAME)
+            .whole(index as i64)
+            .bytes(&self.genome)
+            .text(&self.status)
+            .text(&self.seen)
+            .number(self.fitness);
+        let all = self.lists.iter();
+        all.fold(checksum, |checksum, list| checksum.bytes(list))
+            .finish()
+    }
+}
+
+impl Row for RobotRow {
+    fn index(&self) -> usize {
+        self.index
+    }
+}
+
+impl Table for RobotRow {
+    const NAME: &'static str = "robot";
+    const TABLES: &'static str = "CREATE TABLE robot (
+        id INTEGER PRIMARY KEY, genome BLOB NOT NULL, status TEXT NOT NULL, seen TEXT NOT NULL, fitness REAL,
+        displacement_m BLOB NOT NULL, path_length_m BLOB NOT NULL, turned_rad BLOB NOT NULL,
+        descriptors BLOB NOT NULL, checksum INTEGER NOT NULL) STRICT;";
+
+    fn insert(&self, transaction: &Transaction<'_>) -> rusqlite::Result<i64> {
+        let columns = Columns::of(self);
+        let checksum = columns.checksum(self.index);
+        let [displacements, lengths, turned, descriptors] = &columns.lists;
+        transaction
+            .prepare_cached("INSERT INTO robot VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)")?
+            .execute(params![
+                self.index as i64,
+                columns.genome,
+                columns.status,
+                columns.seen,
+                columns.fitness,
+                displacements,
+                lengths,
+                turned,
+                descriptors,
+                checksum
+            ])?;
+        Ok(checksum)
+    }
+
+    fn read(connection: &Connection, from: i64, to: i64) -> rusqlite::Result<Vec<Checked<Self>>> {
+        let mut statement = connection.prepare_cached(
+            "SELECT id, genome, status, seen, fitness, displacement_m, path_length_m, turned_rad, descriptors, checksum
+             FROM robot WHERE id >= ?1 AND id < ?2 ORDER BY id",
+        )?;
+        let rows = statement.query_map([from, to], |row| {
+            let index = row.get::<_, i64>(0)? as usize;
+            let columns = Columns {
+                genome: row.get(1)?,
+                status: row.get(2)?,
+                seen: row.get(3)?,
+                fitness: row.get(4)?,
+                lists: [row.get(5)?, row.get(6)?, row.get(7)?, row.get(8)?],
+            };
+            Ok(Checked {
+                stored: row.get(9)?,
+                computed: columns.checksum(index),
+                row: columns.row(index),
+            })
+        })?;
+        rows.collect()
+    }
+}
