@@ -136,11 +136,12 @@ fn fit(study: &Study, body: &ParameterSet) -> Result<ParameterSet> {
     let ranges = study.definition().grid.ranges();
     let n = ranges.len();
     let set = |x: &DVector<f64>| -> ParameterSet {
-        let values = ranges.iter().zip(x.iter()).map(|(range, x)| Assignment {
-            parameter: range.parameter,
-            value: range.from + x.clamp(0.0, 1.0) * (range.to - range.from),
-        });
-        body.clone().with_all(&values.collect())
+        let values: Vec<f64> = ranges
+            .iter()
+            .zip(x.iter())
+            .map(|(range, x)| range.from + x.clamp(0.0, 1.0) * (range.to - range.from))
+            .collect();
+        body.clone().with_all(&study.parameter_set(&values))
     };
     let score = |x: &DVector<f64>| -> Result<f64> {
         let e = evaluate(study, &set(x), |_| ())?;

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use crate::unit::LengthUnit;
+
 /// Result with the crate's [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -58,6 +60,70 @@ struct Parts {
     found: Option<String>,
     allowed: Option<String>,
     hint: Option<String>,
+    advice: Vec<Advice>,
+}
+
+impl Parts {
+    /// The hint, and what `advice` offers: "do this, or that".
+    fn hint_with(&self, advice: &[Advice], words: impl Fn(&Advice) -> String) -> Option<String> {
+        let ways: Vec<String> = advice.iter().map(words).collect();
+        let ways = match ways.as_slice() {
+            [] => None,
+            [one] => Some(one.clone()),
+            [first, last] => Some(format!("{first} or {last}")),
+            [first @ .., last] => Some(format!("{}, or {last}", first.join(", "))),
+        };
+        match (&self.hint, ways) {
+            (Some(hint), Some(ways)) => Some(format!("{hint}; {ways}")),
+            (hint, ways) => hint.clone().or(ways),
+        }
+    }
+}
+
+/// A way out of an error that a caller of the library takes through an argument, a user of the command line through an
+/// option. [`Display`](fmt::Display) speaks to the former; the command line has its own words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Advice {
+    /// Go on with what is stored already.
+    Resume,
+    /// Throw away what is stored, and start anew.
+    Restart,
+    /// Write into another folder.
+    OtherFolder,
+    /// Run in parallel on fewer threads.
+    FewerThreads,
+    /// Let another optimizer search.
+    OtherOptimizer,
+    /// Draw other random numbers.
+    OtherSeed,
+    /// Read the file in this unit of length.
+    Unit(LengthUnit),
+    /// Name the recordings.
+    Recordings,
+    /// Give values that a calibration has found.
+    CalibratedValues,
+    /// Compare with a metric that needs no basis of principal components.
+    MetricWithoutBasis,
+}
+
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Resume => f.write_str("resume what is stored"),
+            Self::Restart => f.write_str("start anew"),
+            Self::OtherFolder => f.write_str("choose another folder"),
+            Self::FewerThreads => f.write_str("use fewer threads"),
+            Self::OtherOptimizer => f.write_str("choose another optimizer"),
+            Self::OtherSeed => f.write_str("choose another seed"),
+            Self::Unit(unit) => write!(f, "read it in {unit}"),
+            Self::Recordings => f.write_str("name the recordings, e.g. FOLDER/*.csv"),
+            Self::CalibratedValues => f.write_str("give values, e.g. those of a sweep's best.ron"),
+            Self::MetricWithoutBasis => f.write_str(
+                "choose a metric without a basis, e.g. rms, which needs no first design",
+            ),
+        }
+    }
 }
 
 impl Error {
@@ -71,6 +137,7 @@ impl Error {
             found: None,
             allowed: None,
             hint: None,
+            advice: Vec::new(),
         }))
     }
 
@@ -154,6 +221,38 @@ impl Error {
         self
     }
 
+    /// What the user can do next, where the error does not say so yet.
+    #[must_use]
+    pub fn or_hint(self, hint: impl fmt::Display) -> Self {
+        if self.0.hint.is_some() {
+            self
+        } else {
+            self.hint(hint)
+        }
+    }
+
+    /// One more way out, in the order of preference; each program says how it is taken.
+    #[must_use]
+    pub fn advise(mut self, advice: Advice) -> Self {
+        self.0.advice.push(advice);
+        self
+    }
+
+    /// The ways out, in the order of preference.
+    pub fn advice(&self) -> &[Advice] {
+        &self.0.advice
+    }
+
+    /// The same error whose ways out are said in a program's own words, e.g. with its options.
+    #[must_use]
+    pub fn with_advice_as(mut self, words: impl Fn(&Advice) -> String) -> Self {
+        let advice = std::mem::take(&mut self.0.advice);
+        if let Some(hint) = self.0.hint_with(&advice, words) {
+            self.0.hint = Some(hint);
+        }
+        self
+    }
+
     /// The same error as a wrong use of a command: for values that came from an option, not from a file.
     #[must_use]
     pub fn into_usage(mut self) -> Self {
@@ -174,11 +273,6 @@ impl Error {
     /// The file, if the error belongs to one.
     pub fn file(&self) -> Option<&Path> {
         self.0.file.as_deref()
-    }
-
-    /// What the user can do next, if known.
-    pub fn hint_text(&self) -> Option<&str> {
-        self.0.hint.as_deref()
     }
 
     /// The field or column concerned, if known.
@@ -208,10 +302,11 @@ impl fmt::Display for Error {
             write!(f, "{field}: ")?;
         }
         write!(f, "{}", p.message)?;
+        let hint = p.hint_with(&p.advice, Advice::to_string);
         for (label, text) in [
             ("found:  ", &p.found),
             ("allowed:", &p.allowed),
-            ("hint:   ", &p.hint),
+            ("hint:   ", &hint),
         ] {
             if let Some(text) = text {
                 write!(f, "\n  {label} {text}")?;

@@ -69,6 +69,8 @@ pub mod file;
 pub mod optimization;
 pub mod plot;
 pub mod prediction;
+pub mod quantity;
+pub mod random;
 pub mod results;
 pub mod robot;
 pub mod search;
@@ -79,7 +81,7 @@ pub mod trajectory;
 pub mod unit;
 pub mod warning;
 
-pub use error::{Error, ErrorKind, Result};
+pub use error::{Advice, Error, ErrorKind, Result};
 pub use warning::Warning;
 
 /// The pages of `docs/`, shipped with the code they describe.

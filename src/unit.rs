@@ -101,6 +101,16 @@ impl LengthUnit {
     }
 }
 
+impl fmt::Display for LengthUnit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Metre => "metres",
+            Self::Centimetre => "centimetres",
+            Self::Millimetre => "millimetres",
+        })
+    }
+}
+
 /// A number of things in words: `1 recording`, `3 recordings`.
 ///
 /// ```

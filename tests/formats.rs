@@ -114,7 +114,11 @@ fn errors_name_file_line_column_and_what_to_do() {
             "run.csv:1:1: y_m: ",
             "found:   t_s, x_m",
         ),
-        ("t_s,x_cm,y_cm\n0,0,0\n", "run.csv:1:1: x_m: ", "--unit cm"),
+        (
+            "t_s,x_cm,y_cm\n0,0,0\n",
+            "run.csv:1:1: x_m: ",
+            "read it in centimetres",
+        ),
         (
             "t_s;x_m;y_m\n0;0;0\n",
             "run.csv:1:1: t_s: ",

@@ -407,7 +407,7 @@ fn bad_input_is_answered_with_what_to_do() {
         (
             vec!["--recordings", &long, "--group", "robot"],
             1,
-            vec!["no such column", "robot", "condition, run, t_s"],
+            vec!["unknown column", "robot", "condition, run, t_s"],
         ),
         (
             vec!["--recordings", &long, "--group", "run"],
@@ -417,7 +417,7 @@ fn bad_input_is_answered_with_what_to_do() {
         (
             vec!["--recordings", standin, "--group", "condition"],
             1,
-            vec!["no such column"],
+            vec!["unknown column"],
         ),
         (
             vec!["--recordings", standin, "--metric", "rsm"],

@@ -37,10 +37,12 @@ fn check(table: &str, rows: &[Row], name: impl Fn(&str) -> String) -> f64 {
         let Value::Object(fields) = &json else {
             panic!("a row is an object");
         };
-        assert_eq!(
-            fields.keys().map(String::as_str).collect::<Vec<_>>(),
-            columns
-        );
+        // A metric that the reference libraries do not have is no fault of this table.
+        let unknown: Vec<&&str> = columns
+            .iter()
+            .filter(|c| !fields.contains_key(**c))
+            .collect();
+        assert!(unknown.is_empty(), "{unknown:?}");
         for (column, text) in columns.iter().zip(expected) {
             let place = format!("{table}: {} {column}", row.trajectory);
             match &fields[*column] {
@@ -137,19 +139,21 @@ fn the_turned_curve_differs_by_the_rounding_of_its_file_only() {
     let row = &compare_all(&curves[0], &curves, Components::default()).unwrap()[TURNED];
     // Half a unit of the 12th decimal in x and y, for a point and for the start, in both files.
     let point_m = 4.0 * 0.5e-12 * 2.0_f64.sqrt();
-    for value_m in [row.rms_m, row.hausdorff_m, row.discrete_frechet_m] {
-        assert!(value_m <= point_m, "{value_m:e}");
+    for column in ["rms_m", "hausdorff_m", "discrete_frechet_m"] {
+        let value_m = row.distance(column).unwrap();
+        assert!(value_m <= point_m, "{column}: {value_m:e}");
     }
-    assert!(row.dtw_sum_m <= 182.0 * point_m);
+    assert!(row.distance("dtw_sum_m").unwrap() <= 182.0 * point_m);
     // These average the rounding away, and hold to the strict bound.
-    for value_m in [
-        row.pca_coefficients_m,
-        row.pca_4_coefficients_m,
-        row.pca_cluster_m,
-        row.displacement_error_m,
-        row.umeyama_ape_rmse_m,
+    assert!(row.pca_4_coefficients_m <= ZERO);
+    for column in [
+        "pca_coefficients_m",
+        "pca_cluster_m",
+        "displacement_error_m",
+        "umeyama_ape_rmse_m",
     ] {
-        assert!(value_m <= ZERO, "{value_m:e}");
+        let value_m = row.distance(column).unwrap();
+        assert!(value_m <= ZERO, "{column}: {value_m:e}");
     }
 }
 

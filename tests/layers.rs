@@ -8,13 +8,18 @@ use std::path::{Path, PathBuf};
 /// Rooms from the ground up, each with the rooms it may use. A room inside another (`simulation::parameter`) has rules of
 /// its own; who may use a room may use the rooms inside it.
 const PERMITTED: &[(&str, &[&str])] = &[
-    ("error", &[]),
+    ("error", &["unit"]),
     ("warning", &[]),
     ("unit", &[]),
-    ("statistics", &["error"]),
+    ("quantity", &["error", "unit"]),
+    ("random", &[]),
+    ("statistics", &["error", "random"]),
     ("file", &["error"]),
     ("trajectory", &["error", "warning", "unit", "file"]),
-    ("comparison", &["error", "warning", "unit", "trajectory"]),
+    (
+        "comparison",
+        &["error", "warning", "unit", "file", "trajectory"],
+    ),
     ("robot::morphology", &["error", "warning", "unit", "file"]),
     ("robot::genome", &["error", "file", "robot::morphology"]),
     (
@@ -23,6 +28,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "error",
             "warning",
             "unit",
+            "random",
             "robot::morphology",
             "trajectory",
         ],
@@ -31,8 +37,10 @@ const PERMITTED: &[(&str, &[&str])] = &[
         "simulation::parameter",
         &[
             "error",
+            "file",
             "warning",
             "unit",
+            "quantity",
             "robot::morphology",
             "simulation",
         ],
@@ -53,16 +61,17 @@ const PERMITTED: &[(&str, &[&str])] = &[
         "export",
         &[
             "error",
+            "file",
             "warning",
             "unit",
             "robot::morphology",
             "simulation",
         ],
     ),
-    ("store", &["error"]),
+    ("store", &["error", "file"]),
     (
         "optimization",
-        &["error", "statistics", "simulation::parameter", "store"],
+        &["error", "file", "statistics", "quantity", "store"],
     ),
     (
         "calibration::identification",
@@ -70,6 +79,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "error",
             "warning",
             "unit",
+            "statistics",
             "robot::morphology",
             "trajectory",
             "simulation",
@@ -82,6 +92,8 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "error",
             "warning",
             "unit",
+            "quantity",
+            "random",
             "statistics",
             "file",
             "trajectory",
@@ -135,6 +147,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
         &[
             "error",
             "file",
+            "random",
             "statistics",
             "robot::genome",
             "optimization",
@@ -147,6 +160,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "error",
             "warning",
             "unit",
+            "random",
             "statistics",
             "file",
             "trajectory",
@@ -282,7 +296,7 @@ fn used_rooms(code: &str) -> Vec<String> {
                 .take_while(|c| c.is_alphanumeric() || matches!(c, '_' | ':'))
                 .collect();
             rooms.push(match path.as_str() {
-                "Error" | "Result" | "ErrorKind" => "error".to_owned(),
+                "Error" | "Result" | "ErrorKind" | "Advice" => "error".to_owned(),
                 "Warning" => "warning".to_owned(),
                 path => room_of(path.trim_end_matches(':')).to_owned(),
             });
@@ -348,6 +362,27 @@ fn the_library_never_prints() {
         .map(|(file, _, _)| file)
         .collect();
     assert!(offences.is_empty(), "{offences:?}");
+}
+
+/// The command line's options are its own: an error says what can be done ([`realgap::Advice`]), the command line how.
+#[test]
+fn the_library_names_no_option_of_the_command_line() {
+    let is_option = |line: &str| {
+        line.match_indices("--").any(|(position, _)| {
+            let rest = &line[position + 2..];
+            rest.starts_with(|c: char| c.is_ascii_lowercase())
+        })
+    };
+    assert!(is_option("hint(\"go on with --resume\")"));
+    let mut offences = Vec::new();
+    for (file, room, code) in code() {
+        // Cargo's own options are for who builds the library.
+        let lines = code.lines().filter(|line| !line.contains("features"));
+        for line in lines.filter(|line| room != "cli" && is_option(line)) {
+            offences.push(format!("{file}: {}", line.trim()));
+        }
+    }
+    assert!(offences.is_empty(), "{}", offences.join("\n"));
 }
 
 #[test]

@@ -10,7 +10,7 @@ use crate::comparison::{Components, Metric};
 use crate::error::Error;
 use crate::optimization::Grid;
 use crate::robot::morphology::Morphology;
-use crate::simulation::parameter::ParameterSet;
+use crate::simulation::parameter::{Parameter, ParameterSet};
 use crate::simulation::{Experiment, Noise};
 use crate::trajectory::Recording;
 use crate::unit::LengthUnit;
@@ -56,8 +56,10 @@ pub struct Definition {
     pub unit: LengthUnit,
     /// Fixed parameter values.
     pub set: ParameterSet,
-    /// The parameters that vary.
+    /// The parameters that vary, and how far.
     pub grid: Grid,
+    /// The parameters of [`Definition::grid`], in its order.
+    pub parameters: Vec<&'static Parameter>,
     /// How far apart two trajectories are.
     pub metric: &'static dyn Metric,
     /// How many principal components the `pca` metric keeps.

@@ -5,7 +5,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
 use super::definition::StartRule;
 use super::rest::{FaceOdds, face_at_end};
@@ -13,6 +12,7 @@ use super::study::Study;
 use crate::calibration::identification::is_at_rest;
 use crate::comparison::pose_errors;
 use crate::error::{Error, Result};
+use crate::file::sha256;
 use crate::simulation::parameter::ParameterSet;
 use crate::simulation::{self, Experiment};
 use crate::statistics::{mean, median, standard_deviation};
@@ -175,7 +175,7 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
         if fixed.value(name).is_none() {
             warnings.push(Warning::new(
                 Code::FreeParameter,
-                format!("{name} is free in the study and no value is given: its default is used (--parameters best.ron, or --set {name}=...)"),
+                format!("{name} is free in the study and no value is given: its default is used"),
             ));
         }
     }
@@ -216,11 +216,7 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
 
 /// The study's fingerprint with the hashes of hundreds of recordings folded into one.
 fn provenance(study: &Study) -> BTreeMap<String, String> {
-    let mut all = Sha256::new();
-    for sha256 in &study.definition().recordings_sha256 {
-        all.update(sha256.as_bytes());
-    }
-    let digest: String = all.finalize().iter().map(|b| format!("{b:02x}")).collect();
+    let digest = sha256(study.definition().recordings_sha256.concat());
     study
         .fingerprint()
         .entries()

@@ -140,16 +140,12 @@ impl Definition {
         }
         set = set.with_all(&overrides.set);
 
-        let mut ranges = Vec::new();
+        let (mut ranges, mut parameters) = (Vec::new(), Vec::new());
         for (index, range) in file.parameters.iter().enumerate() {
             let checked = by_name(&range.name)
                 .and_then(|p| {
-                    Range::new(
-                        p,
-                        range.from,
-                        range.to,
-                        overrides.points.unwrap_or(range.points),
-                    )
+                    let points = overrides.points.unwrap_or(range.points);
+                    Ok((p, Range::new(p, range.from, range.to, points)?))
                 })
                 .map_err(|e| match overrides.points {
                     Some(points) if !(2..=MAX_POINTS).contains(&points) => {
@@ -157,7 +153,8 @@ impl Definition {
                     }
                     _ => source.at(&format!("parameters[{index}]"), e),
                 })?;
-            ranges.push(checked);
+            parameters.push(checked.0);
+            ranges.push(checked.1);
         }
         let grid = Grid::new(ranges).map_err(|e| source.at("parameters", e))?;
         let metric = match overrides.metric {
@@ -215,6 +212,7 @@ impl Definition {
             unit: overrides.unit,
             set,
             grid,
+            parameters,
             metric,
             components,
             seed: overrides.seed.unwrap_or(file.seed),

@@ -1,10 +1,10 @@
 //! Where the best point lies when reality is sampled again: intervals and correlations.
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::optimization::Grid;
+use crate::random::Once;
 use crate::statistics::{mean, quantile, resamples, standard_deviation};
 
 /// Best parameter values of many resamples of the recordings.
@@ -43,8 +43,7 @@ impl BestDraws {
     ) -> Option<Self> {
         let cells = thin(grid, points);
         let recordings = cells.first()?.recordings.len();
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(1);
+        let mut rng = Once::BestPoint.generator(seed);
         let draws = resamples(recordings, DRAWS, seed)
             .iter()
             .map(|resample| {

@@ -1,13 +1,13 @@
 //! The best score that each value of one parameter allows.
 
 use crate::optimization::Range;
-use crate::simulation::parameter::Parameter;
+use crate::quantity::Quantity;
 
 /// Profile of the score along one parameter, all others at their best (profile likelihood, Raue et al. 2009).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     /// The parameter.
-    pub parameter: &'static Parameter,
+    pub parameter: Quantity,
     /// Values of the parameter, increasing: the study's grid; points between them count for the nearest.
     pub values: Vec<f64>,
     /// Lowest score at each value; `None` where nothing was tried or everything diverged.

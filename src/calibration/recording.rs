@@ -3,10 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest, Sha256};
-
 use super::overrides::Overrides;
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
+use crate::file::sha256;
 use crate::robot::morphology::Morphology;
 use crate::trajectory::{self, Recording, Source};
 use crate::unit::counted;
@@ -30,7 +29,8 @@ pub(super) fn find(study: &Path, own_globs: &[String], overrides: &Overrides) ->
         return Err(Error::invalid("the study names no recordings")
             .at_file(study)
             .field("recordings")
-            .hint("name them in the file: recordings: [\"../runs/*.csv\"]"));
+            .hint("name them in the file: recordings: [\"../runs/*.csv\"]")
+            .advise(Advice::Recordings));
     }
     let unique = recording_paths(globs, base)?;
     let mut found = Found {
@@ -44,10 +44,7 @@ pub(super) fn find(study: &Path, own_globs: &[String], overrides: &Overrides) ->
             break;
         }
         let bytes = trajectory::read_bytes(path)?;
-        let sha256: String = Sha256::digest(&bytes)
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect();
+        let sha256 = sha256(&bytes);
         for recording in trajectory::parse_all(path, bytes, overrides.unit)? {
             if overrides.part.is_none_or(|part| part.contains(index)) {
                 found.sha256.push(sha256.clone());
@@ -151,8 +148,7 @@ fn different_robots(recordings: &[Recording]) -> Option<Warning> {
 }
 
 fn stand_in(recordings: &[Recording]) -> Option<Warning> {
-    let mut metas = recordings.iter().filter_map(|r| r.meta.as_ref());
-    metas.any(|meta| meta.source == Source::StandIn).then(|| {
+    (Source::of(recordings) == Source::StandIn).then(|| {
         Warning::new(
             Code::StandIn,
             "the recordings are stand-ins made by a simulator, not recorded from hardware",

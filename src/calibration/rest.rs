@@ -121,10 +121,8 @@ pub fn resting_odds(
         .collect::<Result<Vec<_>>>()?;
     let free = study
         .definition()
-        .grid
-        .ranges()
+        .parameters
         .iter()
-        .map(|range| range.parameter)
         .filter(|parameter| fixed.value(parameter.name).is_none());
     let (mut values, mut at_default) = (BTreeMap::new(), Vec::new());
     for parameter in free {
@@ -139,7 +137,7 @@ pub fn resting_odds(
         warnings.push(Warning::new(
             Code::FreeParameter,
             format!(
-                "simulated resting faces: no value is given for {}; the defaults are used (--parameters best.ron, or --set NAME=VALUE)",
+                "simulated resting faces: no value is given for {}; the defaults are used",
                 at_default.join(", ")
             ),
         ));

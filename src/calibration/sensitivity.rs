@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::definition::StartRule;
 use super::score::{basis, outcome_scores};
 use super::study::Study;
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 use crate::simulation::Noise;
 use crate::simulation::parameter::{self, Assignment, Parameter, ParameterSet};
 use crate::statistics::{mean, standard_deviation};
@@ -144,7 +144,8 @@ pub fn sensitivity(study: &Study, progress: impl Fn(usize, usize) + Sync) -> Res
     let Some(at_point) = scores[0] else {
         return Err(study.definition().at_file(
             Error::invalid("the point itself diverges, so nothing can be said about changes of it")
-                .hint("try the best values of a sweep, a shorter timestep or more substeps"),
+                .hint("try a shorter timestep or more substeps")
+                .advise(Advice::CalibratedValues),
         ));
     };
     let starts: Vec<f64> = starts

@@ -2,11 +2,10 @@
 
 use std::fmt;
 
-use rand::SeedableRng;
 use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
 
 use crate::error::{Error, Result};
+use crate::random::Once;
 
 /// Which recordings are kept from the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,7 +28,7 @@ impl fmt::Display for Split {
 /// Shuffled order of the recordings; the same for the same seed.
 pub(super) fn shuffled(recordings: usize, seed: u64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..recordings).collect();
-    order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+    order.shuffle(&mut Once::Split.generator(seed));
     order
 }
 

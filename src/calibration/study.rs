@@ -119,14 +119,10 @@ impl Study {
     /// The study's parameters with these values, in the study's order.
     pub fn parameter_set(&self, values: &[f64]) -> ParameterSet {
         self.definition
-            .grid
-            .ranges()
+            .parameters
             .iter()
             .zip(values)
-            .map(|(range, &value)| Assignment {
-                parameter: range.parameter,
-                value,
-            })
+            .map(|(&parameter, &value)| Assignment { parameter, value })
             .collect()
     }
 

@@ -9,7 +9,7 @@ use super::method::{Method, Termination, Tuned};
 use super::score::{PointScore, Scores, basis};
 use super::study::Study;
 use crate::comparison::Basis;
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 use crate::optimization::{
     Brief, Ending, Evaluation, History, Optimizer, Proposal, Told, UnitPoint, drive, pool,
     space_filling,
@@ -120,7 +120,7 @@ impl<'a, P: FnMut(usize, Option<f64>)> Tuning<'a, P> {
                     design + batch
                 ));
             return Err(if needs_basis {
-                error.hint("a metric without a basis, e.g. rms, needs no design of 64")
+                error.advise(Advice::MetricWithoutBasis)
             } else {
                 error
             });

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::comparison::{self, Comparison, Components, Context, Metric, Row};
+use realgap::comparison::{self, Comparison, Components, Context, Metric, Row, position_metrics};
 use realgap::plot::{Overlay, OverlayPath, Side, TextTable, draw_overlay, quantity};
-use realgap::trajectory::{self, Recording};
+use realgap::trajectory::{self, Recording, Source};
 use realgap::unit::{LengthUnit, Unit};
 use realgap::{Error, Result, Warning};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::option::{Format, UnitOption};
 use super::terminal;
@@ -53,7 +53,7 @@ impl Compare {
     pub fn run(self) -> Result<ExitCode> {
         let chosen = match self.metric.as_str() {
             "all" => None,
-            name => Some(comparison::by_name(name).map_err(|e| e.field("--metric").into_usage())?),
+            name => Some(comparison::by_name(name).map_err(Error::into_usage)?),
         };
         if let Some(plot) = &self.plot {
             realgap::plot::check_picture_path(plot)?;
@@ -95,7 +95,8 @@ impl Compare {
     }
 
     fn print_all(&self, comparison: &Comparison<'_>) -> Result<()> {
-        let rows = comparison.rows()?;
+        let metrics = position_metrics();
+        let rows = comparison.rows(&metrics)?;
         terminal::print_warnings(rows.iter().flat_map(|row| &row.warnings));
         if self.format == Format::Json {
             terminal::print(terminal::json(&rows)?);
@@ -105,22 +106,27 @@ impl Compare {
         let names = rows.iter().map(|row| (row.trajectory.clone(), Side::Right));
         let mut table =
             TextTable::new([("metric".to_owned(), Side::Left)].into_iter().chain(names));
-        let objects: Vec<Map<String, Value>> = rows.iter().map(object).collect::<Result<_>>()?;
-        let Some(first) = objects.first() else {
-            return Ok(());
+        let mut push = |label: &str, cell: &dyn Fn(&Row) -> String| {
+            let cells = rows.iter().map(cell);
+            table.push(
+                std::iter::once(label.to_owned())
+                    .chain(cells)
+                    .collect::<Vec<_>>(),
+            );
         };
-        for key in first
-            .keys()
-            .filter(|key| !matches!(key.as_str(), "trajectory" | "reference"))
-        {
-            let label = key.strip_suffix("_m").unwrap_or(key).to_owned();
-            let cells = objects.iter().map(|object| match &object[key] {
-                Value::Number(n) if key.ends_with("_m") => {
-                    quantity(n.as_f64().unwrap_or(f64::NAN), Unit::Metre)
-                }
-                value => value.to_string(),
+        push("net_displacement", &|row| {
+            quantity(row.net_displacement_m, Unit::Metre)
+        });
+        push("pca_components", &|row| row.pca_components.to_string());
+        push("pca_4_coefficients", &|row| {
+            quantity(row.pca_4_coefficients_m, Unit::Metre)
+        });
+        for (index, metric) in metrics.iter().enumerate() {
+            let column = metric.column();
+            push(column.strip_suffix("_m").unwrap_or(column), &|row| {
+                let distance = row.distances[index];
+                quantity(distance.value, distance.unit)
             });
-            table.push(std::iter::once(label).chain(cells).collect::<Vec<_>>());
         }
         terminal::print(format!(
             "distance from {} ({} principal components kept)\n{}",
@@ -214,11 +220,7 @@ impl Compare {
         others: &[Recording],
     ) -> Result<()> {
         let scores = self.scores(comparison, metric, others)?;
-        let stand_in = std::iter::once(reference).chain(others).any(|r| {
-            r.meta
-                .as_ref()
-                .is_some_and(|meta| meta.source == trajectory::Source::StandIn)
-        });
+        let source = Source::of(std::iter::once(reference).chain(others));
         let overlay = Overlay {
             title: format!(
                 "{} against {}",
@@ -232,10 +234,9 @@ impl Compare {
             subtitle: format!(
                 "metric {}{}",
                 metric.name(),
-                if stand_in {
-                    "; stand-in recordings, not hardware"
-                } else {
-                    ""
+                match source {
+                    Source::StandIn => format!("; {}", source.recordings_label()),
+                    Source::Real => String::new(),
                 }
             ),
             reference: OverlayPath {
@@ -256,12 +257,5 @@ impl Compare {
             unit: metric.unit(),
         };
         draw_overlay(&overlay, plot)
-    }
-}
-
-fn object(row: &Row) -> Result<Map<String, Value>> {
-    match serde_json::to_value(row) {
-        Ok(Value::Object(object)) => Ok(object),
-        _ => Err(Error::invalid("cannot write JSON")),
     }
 }

@@ -306,11 +306,7 @@ fn write(
     ensembles: &[(&RepeatCase, Repeats)],
     report: &Report,
 ) -> Result<()> {
-    let stand_in = ready.definition.recordings.iter().any(|r| {
-        r.meta
-            .as_ref()
-            .is_some_and(|meta| meta.source == Source::StandIn)
-    });
+    let real_label = Source::of(&ready.definition.recordings).reality_label();
     let results: Vec<(&str, EnsembleResult<'_>)> = ensembles
         .iter()
         .zip(&report.cases)
@@ -320,11 +316,7 @@ fn write(
                 summary: &said.summary,
                 reality: said.reality.as_ref(),
                 real_paths_m: case.real.iter().map(|(_, p)| p.xy_m().to_vec()).collect(),
-                real_label: if stand_in {
-                    "stand-in for reality"
-                } else {
-                    "reality"
-                },
+                real_label,
                 title: format!("{}: repeats under noise", case.name),
             };
             (case.name.as_str(), result)

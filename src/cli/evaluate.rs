@@ -7,7 +7,7 @@ use clap::Args;
 use realgap::Result;
 use realgap::calibration::identification::StartState;
 use realgap::calibration::{Average, Evaluation, Overrides, evaluate};
-use realgap::comparison;
+use realgap::comparison::Pose;
 use realgap::plot::{Side, TextTable};
 use realgap::simulation::parameter::ParameterSet;
 use realgap::unit::counted;
@@ -47,7 +47,7 @@ impl Evaluate {
             set: self.values.parameter_set()?,
             start_state: self.start.map(StartState::from),
             // The report is of pose errors, whatever the study optimises.
-            metric: Some(comparison::by_name("pose")?),
+            metric: Some(&Pose),
             ..self.recordings.overrides()?
         };
         let study = read_study(&self.study, &overrides)?;

@@ -134,16 +134,7 @@ impl Gap {
         });
         bar.finish_and_clear();
         let found = found?;
-        let stand_in = definition.recordings.iter().any(|r| {
-            r.meta
-                .as_ref()
-                .is_some_and(|meta| meta.source == Source::StandIn)
-        });
-        let real_label = if stand_in {
-            "stand-in for reality"
-        } else {
-            "reality"
-        };
+        let real_label = Source::of(&definition.recordings).reality_label();
         write_report(&folder, "gap.json", &found)?;
         draw_gap(&folder, &found, real_label)?;
         terminal::print_warnings(&found.warnings);

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use realgap::calibration::identification::{Identification, Interval, LengthReading, identify};
 use realgap::calibration::{BestFile, Definition, Overrides, RestingOdds, StartRule, resting_odds};
-use realgap::comparison;
+use realgap::comparison::Pose;
 use realgap::file::{check_writable, write_atomic, write_ron};
 use realgap::plot::{Side, TextTable};
 use realgap::simulation::parameter::{Assignment, ParameterSet};
@@ -62,7 +62,7 @@ impl Identify {
         let overrides = Overrides {
             set: self.values.parameter_set()?,
             // Nothing is compared here; what tossed bodies are compared by asks least of a study's recordings.
-            metric: Some(comparison::by_name("pose")?),
+            metric: Some(&Pose),
             ..self.recordings.overrides()?
         };
         let study = read_definition(&self.study, &overrides)?;

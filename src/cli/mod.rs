@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, each one library call plus printing.
 
+mod advice;
 mod answer;
 mod check;
 mod compare;
@@ -8,7 +9,6 @@ mod develop;
 mod ensemble;
 mod evaluate;
 mod export;
-mod flag;
 mod forecast;
 mod gap;
 mod genome;
@@ -90,7 +90,6 @@ pub fn main() -> ExitCode {
         Ok(_) if terminal::output_lost() => ExitCode::FAILURE,
         Ok(code) => code,
         Err(error) => {
-            let error = flag::in_options(error);
             terminal::print_error(&error);
             ExitCode::from(match error.kind() {
                 ErrorKind::Usage => 2,

@@ -11,7 +11,7 @@ use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{JointKind, Solver};
 use realgap::unit::LengthUnit;
 use realgap::warning::Code;
-use realgap::{Result, Warning, optimization};
+use realgap::{Error, Result, Warning, optimization};
 
 /// How results are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -147,7 +147,7 @@ impl Recordings {
 pub fn metric_option(name: Option<&str>) -> Result<Option<&'static dyn Metric>> {
     name.map(comparison::by_name)
         .transpose()
-        .map_err(|error| error.field("--metric").into_usage())
+        .map_err(Error::into_usage)
 }
 
 /// How many threads work in parallel.
@@ -185,8 +185,7 @@ pub struct Values {
 
 /// clap prints the message itself, so the error is given as plain text.
 fn parse_assignment(text: &str) -> std::result::Result<Assignment, String> {
-    text.parse()
-        .map_err(|error: realgap::Error| error.to_string())
+    text.parse().map_err(|error: Error| error.to_string())
 }
 
 impl Values {

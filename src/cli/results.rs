@@ -51,9 +51,7 @@ enum ResultsFormat {
 
 impl Results {
     pub fn run(self) -> Result<ExitCode> {
-        let mut listing = Listing::read(&self.folder)?
-            .sorted(self.sort.as_deref())
-            .map_err(|e| e.field("--sort"))?;
+        let mut listing = Listing::read(&self.folder)?.sorted(self.sort.as_deref())?;
         if !self.per_recording {
             listing = listing.without_details();
         }

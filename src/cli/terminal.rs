@@ -5,6 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use realgap::{Error, Warning};
 
+use super::advice;
+
 /// Whether a stream wants colours: a terminal, and `NO_COLOR` unset or empty.
 fn wants_colour(is_terminal: bool) -> bool {
     is_terminal && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
@@ -51,7 +53,7 @@ pub fn print_error(error: &Error) {
     } else {
         "error:"
     };
-    note(format!("{label} {error}"));
+    note(format!("{label} {}", advice::in_options(error.clone())));
 }
 
 /// Prints warnings to standard error, each once.
@@ -64,7 +66,7 @@ pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>) {
     let mut seen = std::collections::BTreeSet::new();
     for warning in warnings {
         if seen.insert(warning) {
-            note(format!("{label} {warning}"));
+            note(format!("{label} {}", advice::warning_in_options(warning)));
         }
     }
 }

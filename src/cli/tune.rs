@@ -4,10 +4,10 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
-use realgap::Result;
 use realgap::calibration::{TuneOptions, tune};
 use realgap::optimization::{OPTIMIZERS, optimizer_by_name};
 use realgap::plot::quantity;
+use realgap::{Error, Result};
 
 use super::answer::StudyOptions;
 use super::{interrupt, progress};
@@ -46,8 +46,7 @@ fn optimizers() -> String {
 impl Tune {
     pub fn run(self) -> Result<ExitCode> {
         let tuning = TuneOptions {
-            optimizer: optimizer_by_name(&self.optimizer)
-                .map_err(|e| e.field("--optimizer").into_usage())?,
+            optimizer: optimizer_by_name(&self.optimizer).map_err(Error::into_usage)?,
             budget: self.budget,
             patience: self.patience,
         };

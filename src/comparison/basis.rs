@@ -5,7 +5,6 @@ use std::borrow::Cow;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::saved_basis::SavedBasis;
 use crate::error::{Error, Result};
 use crate::trajectory::{POINTS, Prepared};
 use crate::warning::{Code, Warning};
@@ -65,8 +64,7 @@ impl Components {
 ///
 /// A basis can be saved (serde) and used again, so that numbers of different comparisons can be compared;
 /// only the kept components are saved.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "SavedBasis", into = "SavedBasis")]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Basis {
     pub(super) mean_m: Vec<f64>,
     /// Orthonormal, most variance first; at least `kept` of them.

@@ -107,6 +107,11 @@ pub trait Metric: Sync {
     fn is_symmetric(&self) -> bool {
         true
     }
+    /// Whether the distance is made of the two parts that [`pose_errors`](super::pose_errors) tells apart, so that a
+    /// report can say how much of it is position and how much rotation.
+    fn is_pose(&self) -> bool {
+        false
+    }
     /// The distance; everything that [`Metric::needs`] names is present.
     ///
     /// # Errors

@@ -24,4 +24,4 @@ pub use pointwise::{Displacement, Rms};
 pub use pose::{Pose, PoseErrors, Rotation, pose_errors};
 pub use registry::{DEFAULT_METRIC, METRICS, by_name};
 pub use shape::{Dtw, Frechet, Hausdorff};
-pub use table::{Comparison, Row, compare_all};
+pub use table::{Comparison, Distance, Row, compare_all, position_metrics};

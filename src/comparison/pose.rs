@@ -77,6 +77,9 @@ impl Metric for Pose {
     fn is_symmetric(&self) -> bool {
         false
     }
+    fn is_pose(&self) -> bool {
+        true
+    }
     fn measure(&self, pair: &Pair<'_>, context: &Context<'_>) -> Result<Measurement> {
         let body_length_m = context.body_length_m.unwrap_or(f64::NAN);
         let errors = pose_errors(pair.real, pair.simulated, body_length_m)?;

@@ -7,7 +7,8 @@ use super::pca::Pca;
 use super::pointwise::{Displacement, Rms};
 use super::pose::{Pose, Rotation};
 use super::shape::{Dtw, Frechet, Hausdorff};
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::file::look_up;
 
 /// Name of the metric that is used unless another is asked for.
 pub const DEFAULT_METRIC: &str = "pca";
@@ -41,15 +42,8 @@ pub const METRICS: &[&dyn Metric] = &[
 /// # Errors
 /// An unknown name; the error lists the known ones.
 pub fn by_name(name: &str) -> Result<&'static dyn Metric> {
-    METRICS
-        .iter()
-        .copied()
-        .find(|metric| metric.name() == name)
-        .ok_or_else(|| {
-            let known: Vec<&str> = METRICS.iter().map(|metric| metric.name()).collect();
-            Error::invalid("unknown metric")
-                .field("metric")
-                .found(name)
-                .allowed(known.join(", "))
-        })
+    look_up("metric", name, METRICS.iter().copied(), |metric| {
+        metric.name()
+    })
+    .map_err(|error| error.field("metric"))
 }

@@ -1,6 +1,6 @@
 //! A basis as it is written to disk, checked when it comes back.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::basis::{Basis, VECTOR, dot};
 use crate::error::{Error, Result};
@@ -8,23 +8,29 @@ use crate::error::{Error, Result};
 /// The kept part of a [`Basis`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct SavedBasis {
+struct SavedBasis {
     trajectories: usize,
     explained_variance_ratio: Vec<f64>,
     mean_m: Vec<f64>,
     components: Vec<Vec<f64>>,
 }
 
-impl From<Basis> for SavedBasis {
-    fn from(basis: Basis) -> Self {
-        let mut components = basis.components;
-        components.truncate(basis.kept);
-        Self {
-            trajectories: basis.trajectories,
-            explained_variance_ratio: basis.explained_variance_ratio,
-            mean_m: basis.mean_m,
-            components,
-        }
+impl Serialize for Basis {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let saved = SavedBasis {
+            trajectories: self.trajectories,
+            explained_variance_ratio: self.explained_variance_ratio.clone(),
+            mean_m: self.mean_m.clone(),
+            components: self.components[..self.kept].to_vec(),
+        };
+        saved.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Basis {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        let saved = SavedBasis::deserialize(deserializer)?;
+        Self::try_from(saved).map_err(serde::de::Error::custom)
     }
 }
 

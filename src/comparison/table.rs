@@ -1,20 +1,18 @@
-//! Every position metric of several trajectories against one reference.
+//! Several trajectories against one reference: a row each, a column a metric.
 
 use std::path::PathBuf;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::basis::{Basis, Components};
-use super::evo::{Ape, Rpe, UmeyamaApe};
 use super::metric::{Context, Metric, Pair};
-use super::pointwise::{Displacement, Rms};
-use super::shape::{Dtw, Frechet, Hausdorff};
-use super::{Pca, PcaCluster};
-use crate::error::Result;
+use super::registry::METRICS;
 use crate::trajectory::{Prepared, Recording, prepare};
+use crate::unit::Unit;
 use crate::warning::Warning;
 
-/// One trajectory against the reference: all distances in metres. The names of the fields are the names of the columns.
+/// One trajectory against the reference. Written (serde) as one flat object, whose keys are the names of the fields and
+/// the columns of the metrics.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     /// Name of the trajectory (file stem).
@@ -23,33 +21,49 @@ pub struct Row {
     pub reference: String,
     /// Distance from its first to its last point.
     pub net_displacement_m: f64,
-    /// Metric `displacement`.
-    pub displacement_error_m: f64,
-    /// Number of components kept for `pca_coefficients_m`.
+    /// Number of components kept for the metric `pca`.
     pub pca_components: usize,
-    /// Metric `pca`.
-    pub pca_coefficients_m: f64,
     /// Metric `pca` with 4 components (all there are, if fewer).
     pub pca_4_coefficients_m: f64,
-    /// Metric `pca-cluster`.
-    pub pca_cluster_m: f64,
-    /// Metric `rms`.
-    pub rms_m: f64,
-    /// Metric `hausdorff`.
-    pub hausdorff_m: f64,
-    /// Metric `frechet`.
-    pub discrete_frechet_m: f64,
-    /// Metric `dtw`.
-    pub dtw_sum_m: f64,
-    /// Metric `ape`.
-    pub ape_rmse_m: f64,
-    /// Metric `umeyama-ape`.
-    pub umeyama_ape_rmse_m: f64,
-    /// Metric `rpe`.
-    pub rpe_rmse_m: f64,
+    /// One distance a metric, in the order asked for.
+    #[serde(flatten, serialize_with = "as_columns")]
+    pub distances: Vec<Distance>,
     /// What the reader should know; not a column.
     #[serde(skip)]
     pub warnings: Vec<Warning>,
+}
+
+/// A distance in the column of its metric.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Distance {
+    /// [`Metric::column`].
+    pub column: &'static str,
+    /// The distance in `unit`.
+    pub value: f64,
+    /// [`Metric::unit`].
+    pub unit: Unit,
+}
+
+impl Row {
+    /// The distance in this column; `None` where no metric of the row has it.
+    pub fn distance(&self, column: &str) -> Option<f64> {
+        let found = self.distances.iter().find(|d| d.column == column);
+        found.map(|distance| distance.value)
+    }
+}
+
+fn as_columns<S: Serializer>(distances: &[Distance], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(distances.iter().map(|d| (d.column, d.value)))
+}
+
+/// The metrics that need nothing but positions, in the order of [`METRICS`]: those of `realgap compare --metric all`.
+pub fn position_metrics() -> Vec<&'static dyn Metric> {
+    let mut metrics = METRICS.to_vec();
+    metrics.retain(|metric| {
+        let needs = metric.needs();
+        !needs.orientation && !needs.body_length
+    });
+    metrics
 }
 
 /// Recordings prepared together, with the basis of all of them.
@@ -74,12 +88,15 @@ impl<'a> Comparison<'a> {
         reference: &'a Recording,
         others: &'a [Recording],
         components: Components,
-    ) -> Result<Self> {
+    ) -> crate::Result<Self> {
         let at_file = |recording: &'a Recording| {
             prepare(&recording.trajectory).map_err(|error| error.at_file(&recording.path))
         };
         let reference_prepared = at_file(reference)?;
-        let others_prepared = others.iter().map(at_file).collect::<Result<Vec<_>>>()?;
+        let others_prepared = others
+            .iter()
+            .map(at_file)
+            .collect::<crate::Result<Vec<_>>>()?;
         let mut distinct: Vec<(&Recording, Option<PathBuf>)> = Vec::new();
         let mut in_basis = Vec::new();
         let all = std::iter::once((reference, &reference_prepared))
@@ -131,58 +148,58 @@ impl<'a> Comparison<'a> {
         })
     }
 
-    /// One row per other recording, in the order given.
+    /// One row per other recording, in the order given; a column for each of the metrics, e.g. [`position_metrics`].
     ///
     /// # Errors
-    /// A distance that is not a finite number.
-    pub fn rows(&self) -> Result<Vec<Row>> {
+    /// A metric that needs more than the two motions and their basis, or a distance that is not a finite number.
+    pub fn rows(&self, metrics: &[&dyn Metric]) -> crate::Result<Vec<Row>> {
         let pairs = (0..self.others.len()).filter_map(|index| self.pair(index));
         self.others
             .iter()
             .zip(pairs)
             .map(|(other, pair)| {
-                self.row(other, &pair)
+                self.row(other, &pair, metrics)
                     .map_err(|error| error.at_file(&other.path))
             })
             .collect()
     }
 
-    fn row(&self, other: &Recording, pair: &Pair<'_>) -> Result<Row> {
+    fn row(
+        &self,
+        other: &Recording,
+        pair: &Pair<'_>,
+        metrics: &[&dyn Metric],
+    ) -> crate::Result<Row> {
         let context = Context {
             basis: Some(&self.basis),
             body_length_m: None,
         };
         let mut warnings: Vec<Warning> = Vec::new();
-        let mut value = |metric: &dyn Metric| {
-            metric.compare(pair, &context).map(|score| {
-                for warning in score.warnings {
-                    if !warnings.contains(&warning) {
-                        warnings.push(warning);
-                    }
+        let mut distances = Vec::with_capacity(metrics.len());
+        for metric in metrics {
+            let score = metric.compare(pair, &context)?;
+            for warning in score.warnings {
+                if !warnings.contains(&warning) {
+                    warnings.push(warning);
                 }
-                score.value
-            })
-        };
+            }
+            distances.push(Distance {
+                column: metric.column(),
+                value: score.value,
+                unit: score.unit,
+            });
+        }
         Ok(Row {
             trajectory: other.name.clone(),
             reference: self.reference.name.clone(),
             net_displacement_m: pair.simulated_prepared.net_displacement_m(),
-            displacement_error_m: value(&Displacement)?,
             pca_components: self.basis.kept(),
-            pca_coefficients_m: value(&Pca)?,
             pca_4_coefficients_m: self.basis.discrepancy_with_m(
                 4,
                 pair.real_prepared,
                 pair.simulated_prepared,
             ),
-            pca_cluster_m: value(&PcaCluster)?,
-            rms_m: value(&Rms)?,
-            hausdorff_m: value(&Hausdorff)?,
-            discrete_frechet_m: value(&Frechet)?,
-            dtw_sum_m: value(&Dtw)?,
-            ape_rmse_m: value(&Ape)?,
-            umeyama_ape_rmse_m: value(&UmeyamaApe)?,
-            rpe_rmse_m: value(&Rpe)?,
+            distances,
             warnings,
         })
     }
@@ -196,6 +213,6 @@ pub fn compare_all(
     reference: &Recording,
     others: &[Recording],
     components: Components,
-) -> Result<Vec<Row>> {
-    Comparison::new(reference, others, components)?.rows()
+) -> crate::Result<Vec<Row>> {
+    Comparison::new(reference, others, components)?.rows(&position_metrics())
 }

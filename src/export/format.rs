@@ -1,9 +1,6 @@
-//! What an export format is, and the registry of all of them.
+//! What an export format is.
 
-use super::mjcf::Mjcf;
 use super::robot::Robot;
-use super::urdf::Urdf;
-use crate::error::{Error, Result};
 use crate::warning::Warning;
 
 /// A robot as text.
@@ -32,24 +29,4 @@ impl std::fmt::Debug for dyn Format {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Format({})", self.name())
     }
-}
-
-/// Every known format.
-pub const FORMATS: &[&dyn Format] = &[&Mjcf, &Urdf];
-
-/// The format called `name`.
-///
-/// # Errors
-/// An unknown name.
-pub fn format_named(name: &str) -> Result<&'static dyn Format> {
-    FORMATS
-        .iter()
-        .copied()
-        .find(|format| format.name() == name)
-        .ok_or_else(|| {
-            let known: Vec<&str> = FORMATS.iter().map(|format| format.name()).collect();
-            Error::invalid("unknown export format")
-                .found(name)
-                .allowed(known.join(", "))
-        })
 }

@@ -20,9 +20,11 @@
 
 mod format;
 mod mjcf;
+mod registry;
 mod robot;
 mod urdf;
 mod xml;
 
-pub use format::{Exported, FORMATS, Format, format_named};
+pub use format::{Exported, Format};
+pub use registry::{FORMATS, format_named};
 pub use robot::Robot;

@@ -6,7 +6,7 @@ use serde::de::DeserializeOwned;
 
 use super::outline::{Entry, Stop, check_depth};
 use super::source::{MAX_NESTING, Source};
-use super::suggestion::nearest_name;
+use super::suggestion::{shorten, unknown_name};
 use crate::{Error, Result};
 
 /// Parses a RON text into `T`. Optional fields may be written without `Some(...)`.
@@ -67,10 +67,10 @@ fn translate(source: &Source, error: &SpannedError) -> Error {
         Code::ExceededRecursionLimit => spot.here(too_deep()),
         Code::NoSuchStructField {
             expected, found, ..
-        } => spot.here(unknown("unknown field", found, expected)),
+        } => spot.here(unknown_name("field", found, expected.iter().copied())),
         Code::NoSuchEnumVariant {
             expected, found, ..
-        } => spot.here(unknown("unknown name", found, expected)),
+        } => spot.here(unknown_name("name", found, expected.iter().copied())),
         Code::MissingStructField { field, .. } => spot.in_container(
             Error::invalid(format!("the field `{field}` is missing"))
                 .hint(format!("add `{field}: ...`")),
@@ -104,20 +104,6 @@ fn translate(source: &Source, error: &SpannedError) -> Error {
             Some(allowed) => spot.wrong_kind(allowed),
             None => spot.syntax(code, end),
         },
-    }
-}
-
-fn unknown(problem: &str, found: &str, expected: &[&'static str]) -> Error {
-    let error = Error::invalid(problem)
-        .found(shorten(found))
-        .allowed(if expected.is_empty() {
-            "nothing".to_owned()
-        } else {
-            expected.join(", ")
-        });
-    match nearest_name(found, expected.iter().copied()) {
-        Some(name) => error.hint(format!("did you mean `{name}`?")),
-        None => error,
     }
 }
 
@@ -257,15 +243,4 @@ impl Spot<'_> {
             other => self.here(Error::invalid(format!("this is not RON: {other}"))),
         }
     }
-}
-
-/// One line of at most 60 characters, for messages.
-fn shorten(text: &str) -> String {
-    const LONGEST: usize = 60;
-    let one_line: String = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    if one_line.chars().count() <= LONGEST {
-        return one_line;
-    }
-    let start: String = one_line.chars().take(LONGEST - 4).collect();
-    start + " ..."
 }

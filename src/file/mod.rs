@@ -29,6 +29,7 @@
 //! ```
 
 mod decode;
+mod hash;
 mod input;
 mod outline;
 mod output;
@@ -36,7 +37,8 @@ mod source;
 mod suggestion;
 
 pub use decode::{parse_ron, write_ron};
+pub use hash::sha256;
 pub(crate) use input::read_limited;
 pub use output::{check_writable, write_atomic};
 pub use source::{MAX_FILE_BYTES, MAX_NESTING, Source};
-pub use suggestion::nearest_name;
+pub use suggestion::{look_up, nearest_name, unknown_name};

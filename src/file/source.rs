@@ -1,10 +1,8 @@
 //! A text and where it came from.
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest as _, Sha256};
-
+use super::hash::sha256;
 use super::input::read_limited;
 use super::outline::{self, Entry};
 use crate::{Error, Result};
@@ -93,11 +91,7 @@ impl Source {
 
     /// SHA-256 of the text as 64 lower-case hexadecimal digits, for provenance.
     pub fn sha256(&self) -> String {
-        let mut hex = String::with_capacity(64);
-        for byte in Sha256::digest(self.text.as_bytes()) {
-            let _infallible = write!(hex, "{byte:02x}");
-        }
-        hex
+        sha256(&self.text)
     }
 
     /// Line and column (from 1) of the value at `path`, e.g. `glue[3].child`; of the nearest enclosing

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 use crate::store::Storage;
 
 /// How a drive ended.
@@ -35,7 +35,8 @@ pub fn pool(jobs: usize) -> Result<rayon::ThreadPool> {
         .num_threads(jobs.max(1))
         .build()
         .map_err(|e| {
-            Error::conflict(format!("cannot start {jobs} threads: {e}")).hint("use fewer --jobs")
+            Error::conflict(format!("cannot start {jobs} threads: {e}"))
+                .advise(Advice::FewerThreads)
         })
 }
 

@@ -1,13 +1,13 @@
 //! Every combination of evenly spaced values.
 
 use crate::error::{Error, Result};
-use crate::simulation::parameter::{Parameter, Scale};
+use crate::quantity::{Quantity, Scale};
 
 /// Evenly spaced values of one parameter, both ends included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
-    /// The parameter.
-    pub parameter: &'static Parameter,
+    /// What varies.
+    pub parameter: Quantity,
     /// First value.
     pub from: f64,
     /// Last value, greater than the first.
@@ -26,7 +26,8 @@ impl Range {
     ///
     /// # Errors
     /// Values out of the parameter's bounds, `from` not below `to`, fewer than 2 or too many points.
-    pub fn new(parameter: &'static Parameter, from: f64, to: f64, points: usize) -> Result<Self> {
+    pub fn new(parameter: impl Into<Quantity>, from: f64, to: f64, points: usize) -> Result<Self> {
+        let parameter = parameter.into();
         for value in [from, to] {
             // Inner values of a whole-number parameter are rounded, so only the ends must be whole.
             parameter.check(value)?;
@@ -136,7 +137,7 @@ impl Grid {
         for (index, range) in ranges.iter().enumerate() {
             if ranges[..index]
                 .iter()
-                .any(|other| other.parameter == range.parameter)
+                .any(|other| other.parameter.name == range.parameter.name)
             {
                 return Err(Error::invalid("a parameter stands twice")
                     .field("parameters")
@@ -205,17 +206,36 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::parameter::by_name;
+    use crate::unit::Unit;
 
-    fn range(name: &str, from: f64, to: f64, points: usize) -> Range {
-        Range::new(by_name(name).unwrap(), from, to, points).unwrap()
+    const FRICTION: Quantity = Quantity {
+        name: "friction",
+        unit: Unit::One,
+        bounds: (0.0, 10.0),
+        whole: false,
+        scale: Scale::Linear,
+    };
+    const RESTITUTION: Quantity = Quantity {
+        name: "restitution",
+        bounds: (0.0, 1.0),
+        ..FRICTION
+    };
+    const COUNT: Quantity = Quantity {
+        name: "count",
+        bounds: (1.0, 256.0),
+        whole: true,
+        ..FRICTION
+    };
+
+    fn range(quantity: Quantity, from: f64, to: f64, points: usize) -> Range {
+        Range::new(quantity, from, to, points).unwrap()
     }
 
     #[test]
     fn both_ends_are_exact_and_the_last_range_varies_fastest() {
         let grid = Grid::new(vec![
-            range("floor.friction", 0.05, 1.0, 21),
-            range("floor.restitution", 0.0, 0.9, 21),
+            range(FRICTION, 0.05, 1.0, 21),
+            range(RESTITUTION, 0.0, 0.9, 21),
         ])
         .unwrap();
         assert_eq!(grid.len(), 441);
@@ -230,14 +250,13 @@ mod tests {
 
     #[test]
     fn senseless_ranges_are_refused() {
-        let friction = by_name("floor.friction").unwrap();
-        assert!(Range::new(friction, 0.5, 0.5, 3).is_err());
-        assert!(Range::new(friction, -0.1, 0.5, 3).is_err());
-        assert!(Range::new(friction, 0.1, f64::NAN, 3).is_err());
-        assert!(Range::new(friction, 0.1, 0.5, 1).is_err());
-        assert!(Range::new(by_name("solver.substeps").unwrap(), 1.0, 4.0, 3).is_err());
+        assert!(Range::new(FRICTION, 0.5, 0.5, 3).is_err());
+        assert!(Range::new(FRICTION, -0.1, 0.5, 3).is_err());
+        assert!(Range::new(FRICTION, 0.1, f64::NAN, 3).is_err());
+        assert!(Range::new(FRICTION, 0.1, 0.5, 1).is_err());
+        assert!(Range::new(COUNT, 1.0, 4.0, 3).is_err());
         assert!(Grid::new(vec![]).is_err());
-        let twice = range("floor.friction", 0.0, 1.0, 3);
+        let twice = range(FRICTION, 0.0, 1.0, 3);
         assert!(Grid::new(vec![twice, twice]).is_err());
     }
 }

@@ -63,19 +63,12 @@ impl<'a> Map<'a> {
     fn new(study: &'a Study, answer: &'a Answer, summary: &Summary) -> Self {
         let definition = study.definition();
         let cells = cells(study, answer);
-        let stand_in = definition
-            .recordings
-            .iter()
-            .any(|r| r.meta.as_ref().is_some_and(|m| m.source == Source::StandIn));
-        let kind = if stand_in {
-            "stand-in recordings, not hardware"
-        } else {
-            "recordings"
-        };
+        let source = Source::of(&definition.recordings);
         let mut subtitle = format!(
-            "{}: {} {kind}",
+            "{}: {} {}",
             definition.morphology.name(),
-            definition.recordings.len()
+            definition.recordings.len(),
+            source.recordings_label()
         );
         if let Method::Tune(tuned) = &answer.method {
             subtitle += &format!("; {} points chosen by {}", summary.points, tuned.optimizer);
@@ -333,7 +326,6 @@ impl<'a> Map<'a> {
                 counted(definition.recordings.len(), "recording")
             )
         };
-        let stand_in = self.subtitle.contains("stand-in");
         let grid = PanelGrid {
             title: format!(
                 "{}: {what}, {} above each",
@@ -346,11 +338,9 @@ impl<'a> Map<'a> {
                 .iter()
                 .map(|prepared| prepared.xy_m().to_vec())
                 .collect(),
-            reality_label: if stand_in {
-                "stand-in for reality".to_owned()
-            } else {
-                "reality".to_owned()
-            },
+            reality_label: Source::of(&definition.recordings)
+                .reality_label()
+                .to_owned(),
             unit: self.answer.scores.unit,
         };
         draw_panels(&grid, path)

@@ -240,7 +240,7 @@ fn pose(study: &Study, answer: &Answer) -> Result<Option<PoseSummary>> {
     let Some(best) = answer.scores.best else {
         return Ok(None);
     };
-    if study.definition().metric.name() != "pose" {
+    if !study.definition().metric.is_pose() {
         return Ok(None);
     }
     let values = &answer.scores.points[best].values;

@@ -1,9 +1,10 @@
 //! What tells robots apart in an archive: one line in [`DESCRIPTORS`] adds another.
 
+use crate::Result;
+use crate::file::look_up;
 use crate::robot::morphology::Morphology;
 use crate::statistics::mean;
 use crate::unit::Unit;
-use crate::{Error, Result};
 
 use super::objective::Travel;
 
@@ -102,13 +103,7 @@ pub const DESCRIPTORS: &[Descriptor] = &[
 /// # Errors
 /// An unknown name, with the known ones.
 pub fn descriptor_named(name: &str) -> Result<&'static Descriptor> {
-    DESCRIPTORS
-        .iter()
-        .find(|descriptor| descriptor.name == name)
-        .ok_or_else(|| {
-            let known: Vec<&str> = DESCRIPTORS.iter().map(|d| d.name).collect();
-            Error::invalid("unknown descriptor")
-                .found(name)
-                .allowed(known.join(", "))
-        })
+    look_up("descriptor", name, DESCRIPTORS, |descriptor| {
+        descriptor.name
+    })
 }

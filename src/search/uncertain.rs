@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use rand::RngExt as _;
-use rand::SeedableRng as _;
-use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
+use crate::random::Numbered;
 use crate::simulation::parameter::{Assignment, ParameterSet, by_name};
 use crate::{Error, Result};
 
@@ -59,12 +58,7 @@ impl UncertainParameters {
     /// # Errors
     /// None for what [`UncertainParameters::new`] has checked.
     pub fn draw(&self, seed: u64, repeat: u64) -> Result<ParameterSet> {
-        let mut key = [0_u8; 32];
-        key[..8].copy_from_slice(&seed.to_le_bytes());
-        key[8..16].copy_from_slice(&repeat.to_le_bytes());
-        let mut rng = ChaCha8Rng::from_seed(key);
-        // Noise and strategies have the streams below 100 (`simulation`, `search`).
-        rng.set_stream(101);
+        let mut rng = Numbered::UncertainParameter.generator(seed, repeat);
         let mut set = match self.points.len() {
             0 => ParameterSet::new(),
             count => self.points[rng.random_range(0..count)].clone(),

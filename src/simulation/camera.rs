@@ -2,8 +2,9 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::noise::{CAMERA_STREAM, generator, normal};
+use super::noise::normal;
 use crate::error::{Error, Result};
+use crate::random::Numbered;
 use crate::trajectory::Trajectory;
 
 /// Standard deviations of a camera's errors, normal and independent from sample to sample.
@@ -42,7 +43,7 @@ impl Camera {
     /// # Errors
     /// None for a valid trajectory.
     pub fn record(&self, truth: &Trajectory, seed: u64, repeat: u64) -> Result<Trajectory> {
-        let mut rng = generator(seed, repeat, CAMERA_STREAM);
+        let mut rng = Numbered::Camera.generator(seed, repeat);
         let mut draw = |sd: f64| sd * normal(&mut rng);
         let mut positions = Vec::with_capacity(truth.len());
         let mut orientations = Vec::with_capacity(truth.len());

@@ -15,6 +15,7 @@ mod friction;
 mod kinematics;
 mod noise;
 mod outcome;
+mod part_state;
 mod posture;
 mod run;
 mod servo;
@@ -31,7 +32,8 @@ pub use experiment::{
 };
 pub use noise::Noise;
 pub use outcome::{Divergence, Outcome};
+pub use part_state::PartState;
 pub use posture::Posture;
 pub use run::{Run, run, watch};
 pub use settle::{Settling, settle};
-pub use watch::{HingeState, PartState, Push, Snapshot};
+pub use watch::{HingeState, Push, Snapshot};

@@ -1,14 +1,13 @@
 //! What makes repeats of one experiment differ: random starts, servos, masses and frictions.
 
 use nalgebra::{UnitQuaternion, Vector3};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use super::distribution::{Distribution, Use};
 use super::experiment::{Experiment, Perturbation};
 use crate::error::{Error, Result};
+use crate::random::{Generator, Numbered};
 
 /// Distributions of the errors that a repeat draws, all independent. A field that is not named is no error.
 ///
@@ -51,16 +50,6 @@ pub struct Noise {
     /// Friction of all modules in this run, relative.
     pub friction_run_relative: Distribution,
 }
-
-/// Streams of random numbers of one repeat: changing one kind of error must not change the others.
-const START_STREAM: u64 = 1;
-pub(super) const CAMERA_STREAM: u64 = 2;
-const GAIN_STREAM: u64 = 3;
-const PHASE_STREAM: u64 = 4;
-const LATENCY_STREAM: u64 = 5;
-const MASS_STREAM: u64 = 6;
-const CUBE_FRICTION_STREAM: u64 = 7;
-const RUN_FRICTION_STREAM: u64 = 8;
 
 impl Noise {
     /// How exactly a robot can be put down by hand: 1 mm, 1° of tilt and heading.
@@ -160,7 +149,7 @@ impl Noise {
     fn draw(&self, experiment: &Experiment, seed: u64, repeat: u64) -> Perturbation {
         let hinges = experiment.assembly.hinges.len();
         let modules = experiment.assembly.module_names.len();
-        let mut rng = generator(seed, repeat, START_STREAM);
+        let mut rng = Numbered::Start.generator(seed, repeat);
         let shift_x_m = self.start_position_m.draw(normal(&mut rng));
         let shift_y_m = self.start_position_m.draw(normal(&mut rng));
         let lift_m = self.start_height_m.draw(normal(&mut rng));
@@ -177,39 +166,35 @@ impl Noise {
         let servo_zero_rad = (0..hinges)
             .map(|_| self.servo_zero_rad.draw(normal(&mut rng)))
             .collect();
-        let normals = |stream: u64, count: usize| {
-            let mut rng = generator(seed, repeat, stream);
+        // A stream a kind of error: changing one kind must not change the others.
+        let normals = |stream: Numbered, count: usize| {
+            let mut rng = stream.generator(seed, repeat);
             (0..count).map(move |_| normal(&mut rng))
         };
-        let draws = |field: Distribution, stream: u64, count: usize| -> Vec<f64> {
+        let draws = |field: Distribution, stream: Numbered, count: usize| -> Vec<f64> {
             normals(stream, count).map(|z| field.draw(z)).collect()
         };
-        let factors = |field: Distribution, stream: u64, count: usize| -> Vec<f64> {
+        let factors = |field: Distribution, stream: Numbered, count: usize| -> Vec<f64> {
             normals(stream, count).map(|z| field.factor(z)).collect()
         };
         Perturbation {
             shift_world_m: Vector3::new(shift_x_m, shift_y_m, lift_m),
             turn_world_rad: turn.scaled_axis(),
             servo_zero_rad,
-            servo_gain_factor: factors(self.servo_gain_relative, GAIN_STREAM, hinges),
-            servo_phase_rad: draws(self.servo_phase_rad, PHASE_STREAM, hinges),
-            servo_latency_s: draws(self.servo_latency_s, LATENCY_STREAM, hinges),
-            mass_factor: factors(self.mass_relative, MASS_STREAM, modules),
-            friction_factor: factors(self.friction_cube_relative, CUBE_FRICTION_STREAM, modules),
-            run_friction_factor: factors(self.friction_run_relative, RUN_FRICTION_STREAM, 1)[0],
+            servo_gain_factor: factors(self.servo_gain_relative, Numbered::ServoGain, hinges),
+            servo_phase_rad: draws(self.servo_phase_rad, Numbered::ServoPhase, hinges),
+            servo_latency_s: draws(self.servo_latency_s, Numbered::ServoLatency, hinges),
+            mass_factor: factors(self.mass_relative, Numbered::ModuleMass, modules),
+            friction_factor: factors(
+                self.friction_cube_relative,
+                Numbered::ModuleFriction,
+                modules,
+            ),
+            run_friction_factor: factors(self.friction_run_relative, Numbered::RunFriction, 1)[0],
         }
     }
 }
 
-pub(super) fn generator(seed: u64, repeat: u64, stream: u64) -> ChaCha8Rng {
-    let mut key = [0_u8; 32];
-    key[..8].copy_from_slice(&seed.to_le_bytes());
-    key[8..16].copy_from_slice(&repeat.to_le_bytes());
-    let mut rng = ChaCha8Rng::from_seed(key);
-    rng.set_stream(stream);
-    rng
-}
-
-pub(super) fn normal(rng: &mut ChaCha8Rng) -> f64 {
+pub(super) fn normal(rng: &mut Generator) -> f64 {
     StandardNormal.sample(rng)
 }

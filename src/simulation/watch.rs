@@ -1,8 +1,9 @@
 //! A look at a whole robot during a run: every part and every hinge, not the tracked module alone.
 
-use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use nalgebra::{Point3, Vector3};
 
 use super::kinematics::robot_from_part_at_zero;
+use super::part_state::PartState;
 use super::world::World;
 use crate::error::{Error, Result};
 use crate::robot::morphology::Assembly;
@@ -34,43 +35,6 @@ impl Push {
                 "a part below {} that no hinge holds",
                 assembly.parts.len()
             )))
-    }
-}
-
-/// One rigid part as the engine sees it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PartState {
-    /// Pose of the part frame (centre of its first solid, axes of the robot at zero angles).
-    pub world_from_part: Isometry3<f64>,
-    /// Centre of mass, world frame, metres.
-    pub centre_world_m: Vector3<f64>,
-    /// Velocity of the centre of mass, world frame, m/s.
-    pub velocity_world_m_s: Vector3<f64>,
-    /// Angular velocity, world frame, rad/s.
-    pub angular_velocity_world_rad_s: Vector3<f64>,
-    /// Mass, kg.
-    pub mass_kg: f64,
-    /// Inertia about the centre of mass, along the world's axes, kg m².
-    pub inertia_world_kg_m2: Matrix3<f64>,
-}
-
-impl PartState {
-    /// Kinetic energy, J.
-    pub fn kinetic_energy_j(&self) -> f64 {
-        let spin = self.angular_velocity_world_rad_s;
-        0.5 * self.mass_kg * self.velocity_world_m_s.norm_squared()
-            + 0.5 * spin.dot(&(self.inertia_world_kg_m2 * spin))
-    }
-
-    /// Momentum, kg m/s.
-    pub fn momentum_world_kg_m_s(&self) -> Vector3<f64> {
-        self.velocity_world_m_s * self.mass_kg
-    }
-
-    /// Angular momentum about the world's origin, kg m²/s.
-    pub fn angular_momentum_world_kg_m2_s(&self) -> Vector3<f64> {
-        self.inertia_world_kg_m2 * self.angular_velocity_world_rad_s
-            + self.centre_world_m.cross(&self.momentum_world_kg_m_s())
     }
 }
 

@@ -16,8 +16,8 @@ use super::engine::{Real, narrow, wide};
 use super::experiment::{Experiment, FrictionModel, JointKind};
 use super::friction::Friction;
 use super::kinematics::robot_from_part_at_zero;
+use super::part_state::PartState;
 use super::servo::Command;
-use super::watch::PartState;
 use crate::robot::morphology::{Assembly, Part, Role};
 
 /// Rigid motion of the whole robot at the start.

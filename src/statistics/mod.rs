@@ -8,7 +8,7 @@ mod proportion;
 mod rank;
 mod significance;
 
-pub use bootstrap::{Resample, resamples};
+pub use bootstrap::{Resample, percentile_interval, resamples};
 pub use describe::{mean, median, quantile, standard_deviation};
 pub use proportion::{Proportion, normal_quantile};
 pub use significance::{PValueMethod, SampleTest, kolmogorov_smirnov, mann_whitney, spearman};

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, ErrorCode, OpenFlags, OptionalExtension as _};
 
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 
 /// Opens for writing. WAL with `synchronous = NORMAL`: a killed process loses at most the
 /// transaction under way, a power cut at most the last few; neither corrupts the file.
@@ -89,24 +89,26 @@ pub(super) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 }
 
 /// What to do about results that are not what was written.
-pub(super) const DAMAGED_HINT: &str = "nothing in this file can be trusted any more: take it from a backup, or let another folder have new results";
+pub(super) const DAMAGED_HINT: &str =
+    "nothing in this file can be trusted any more: take it from a backup; to make the results anew";
 
 /// An error of SQLite while `doing` something with the results at `path`.
 pub(super) fn sql(path: &Path, doing: &str, error: &rusqlite::Error) -> Error {
     let plain = Error::conflict(format!("cannot {doing}: {error}")).at_file(path);
     match error.sqlite_error_code() {
-        Some(ErrorCode::DiskFull) => {
-            plain.hint("free some disk space, then resume; what was stored so far is safe")
+        Some(ErrorCode::DiskFull) => plain
+            .hint("free some disk space; what was stored so far is safe")
+            .advise(Advice::Resume),
+        Some(ErrorCode::ReadOnly | ErrorCode::CannotOpen | ErrorCode::PermissionDenied) => plain
+            .hint("check the permissions of the folder")
+            .advise(Advice::OtherFolder),
+        Some(ErrorCode::SystemIoFailure) => plain
+            .hint("the disk may be full or failing; free some space")
+            .advise(Advice::Resume),
+        // Or a value of another type than the column's: SQLite itself would never have stored it.
+        Some(ErrorCode::NotADatabase | ErrorCode::DatabaseCorrupt) | None => {
+            plain.hint(DAMAGED_HINT).advise(Advice::OtherFolder)
         }
-        Some(ErrorCode::ReadOnly | ErrorCode::CannotOpen | ErrorCode::PermissionDenied) => {
-            plain.hint("check the permissions of the folder, or choose another one")
-        }
-        Some(ErrorCode::SystemIoFailure) => {
-            plain.hint("the disk may be full or failing; free some space, then resume")
-        }
-        Some(ErrorCode::NotADatabase | ErrorCode::DatabaseCorrupt) => plain.hint(DAMAGED_HINT),
-        // A value of another type than the column's: SQLite itself would never have stored it.
-        None => plain.hint(DAMAGED_HINT),
         _ => plain,
     }
 }

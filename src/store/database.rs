@@ -15,7 +15,7 @@ use super::opening::{COMPLETE, ENDING, UNFINISHED};
 use super::row::Table;
 use super::storage::Storage;
 use super::trial::{Trial, TrialScore};
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 
 /// Name of the store inside a results folder.
 pub const STORE_FILE: &str = "results.sqlite";
@@ -79,6 +79,7 @@ impl<R> Store<R> {
             .found(what)
             .allowed("what was written, to the bit")
             .hint(DAMAGED_HINT)
+            .advise(Advice::OtherFolder)
     }
 
     /// The fingerprint that the store was created with.
@@ -163,7 +164,8 @@ impl<R: Table> Store<R> {
             (store, Content::Nothing) => store.set_up(fingerprint),
             (store, Content::Tables) => Err(Error::conflict("the folder already holds results")
                 .at_file(&store.path)
-                .hint("resume them, or choose another folder")),
+                .advise(Advice::Resume)
+                .advise(Advice::OtherFolder)),
         }
     }
 
@@ -285,7 +287,7 @@ impl<R: Table> Store<R> {
         Err(Error::conflict("the folder holds results of another kind")
             .at_file(&self.path)
             .allowed(format!("a store of rows `{}`", R::NAME))
-            .hint("choose another folder"))
+            .advise(Advice::OtherFolder))
     }
 
     pub(super) fn set_up(mut self, fingerprint: &Fingerprint) -> Result<Self> {
@@ -548,12 +550,13 @@ fn content(connection: &Connection, path: &Path) -> Result<Content> {
         0 if tables == 0 => Ok(Content::Nothing),
         0 => Err(Error::conflict("this is no store of results")
             .at_file(path)
-            .hint("choose another folder")),
-        older if older < LAYOUT => Err(other_layout(path, older).hint(
-            "an earlier version wrote these results and still reads them; this version makes them anew in another folder",
-        )),
+            .advise(Advice::OtherFolder)),
+        older if older < LAYOUT => Err(other_layout(path, older)
+            .hint("an earlier version wrote these results, and still reads them; to make them anew")
+            .advise(Advice::OtherFolder)),
         newer => Err(other_layout(path, newer)
-            .hint("a later version wrote these results: use that one, or another folder")),
+            .hint("a later version wrote these results: use that one")
+            .advise(Advice::OtherFolder)),
     }
 }
 

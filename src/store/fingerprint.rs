@@ -1,6 +1,6 @@
 //! Everything that decides the results of a study, as named texts that can be compared.
 
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 
 /// Entries that say which program made the results.
 const VERSIONS: [&str; 2] = ["realgap", "engine"];
@@ -46,11 +46,12 @@ impl Fingerprint {
                 let error = Error::conflict("the stored results belong to a different study")
                     .field(name.clone())
                     .found(format!("now {}, stored {}", text(now), text(then)))
-                    .allowed("the same study, unchanged");
+                    .allowed("the same study, unchanged")
+                    .advise(Advice::OtherFolder);
                 return Err(if VERSIONS.contains(&name.as_str()) {
-                    error.hint("these results can still be listed; go on with the version that made them, or make them anew in another folder")
+                    error.hint("they can still be listed; go on with the version that made them; to make them anew")
                 } else {
-                    error.hint("undo the change, or choose another folder")
+                    error.hint("undo the change")
                 });
             }
         }

@@ -7,6 +7,7 @@ use super::database::Store;
 use super::robot::{RobotOutcome, RobotRow};
 use super::trial::{Trial, TrialScore};
 use crate::error::{Error, Result};
+use crate::file::unknown_name;
 
 /// Everything that a store says about its rows, without the files of the study or search.
 #[derive(Debug, Clone, PartialEq)]
@@ -246,10 +247,10 @@ impl Listing {
             .position(|known| known.name == name && sortable(&known));
         let Some(place) = place else {
             let known = self.columns.iter().filter(sortable);
-            let known: Vec<&str> = known.map(|c| c.name.as_str()).collect();
-            return Err(Error::usage("there is no such column to sort by")
-                .found(name)
-                .allowed(known.join(", ")));
+            let known = known.map(|c| c.name.as_str());
+            return Err(unknown_name("column", name, known)
+                .field("sort")
+                .into_usage());
         };
         let sign = if name == "fitness" { -1.0 } else { 1.0 };
         let key = |row: &Vec<Cell>| match &row[place] {

@@ -5,7 +5,7 @@ use std::io::{Read as _, Write as _};
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 
 /// Name of the file that is locked.
 const LOCK_FILE: &str = ".lock";
@@ -42,7 +42,8 @@ impl FolderLock {
             Err(TryLockError::WouldBlock) => {
                 let error = Error::conflict("another process is writing into this folder")
                     .at_file(folder)
-                    .hint("wait until it has finished, or choose another folder");
+                    .hint("wait until it has finished")
+                    .advise(Advice::OtherFolder);
                 Err(match holder(&mut file) {
                     Some(holder) => error.found(holder),
                     None => error,

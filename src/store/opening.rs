@@ -5,7 +5,7 @@ use std::path::Path;
 use super::database::{Content, Store, remove};
 use super::fingerprint::Fingerprint;
 use super::row::Table;
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 
 /// What to do with results that are already in the folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -70,7 +70,8 @@ impl<R: Table> Store<R> {
             Error::conflict(format!("the folder holds an unfinished {what}"))
                 .at_file(folder)
                 .found(format!("{count} of {expected}"))
-                .hint("resume it, or choose another folder"),
+                .advise(Advice::Resume)
+                .advise(Advice::OtherFolder),
         )
     }
 

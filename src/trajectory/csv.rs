@@ -6,12 +6,9 @@ use super::Trajectory;
 use super::format::{Format, Parsed, Rendered};
 use super::sample::{Layout, Samples};
 use super::text::{Cell, Separator, cut, excerpt, push_number};
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 use crate::unit::LengthUnit;
 use crate::warning::{Code, Warning};
-
-/// Columns by which recordings in one file are told apart, from the outermost to the innermost.
-pub const GROUP_COLUMNS: [&str; 2] = ["condition", "run"];
 
 const QUATERNION: [&str; 4] = ["qw", "qx", "qy", "qz"];
 const LINEAR: [&str; 3] = ["vx", "vy", "vz"];
@@ -53,6 +50,70 @@ impl Format for Csv {
             trajectory,
             warnings,
         })
+    }
+
+    fn columns<'a>(&self, text: &'a str) -> Vec<&'a str> {
+        let mut cells = Vec::new();
+        let header = text.lines().find(|line| !line.trim().is_empty());
+        match cut(header.unwrap_or_default(), 1, Separator::Comma, &mut cells) {
+            Ok(()) => cells.iter().map(|cell| cell.text).collect(),
+            // Reading the samples will say what is wrong with the header.
+            Err(_) => Vec::new(),
+        }
+    }
+
+    fn parse_groups(
+        &self,
+        text: &str,
+        unit: LengthUnit,
+        group_columns: &[&str],
+    ) -> Result<Vec<(Vec<String>, Parsed)>> {
+        let mut table = Table::open(text, unit, group_columns)?;
+        let mut groups: Vec<(Vec<String>, Samples)> = Vec::new();
+        let mut index_of: HashMap<Vec<String>, usize> = HashMap::new();
+        let mut current: Option<usize> = None;
+        let key_columns = table.group_columns.clone();
+        while let Some((line, cells)) = table.rows.next()? {
+            let value = |&column: &usize| cells.get(column).map_or("", |cell: &Cell<'_>| cell.text);
+            let same = current.is_some_and(|index| {
+                let values = key_columns.iter().map(value);
+                groups[index].0.iter().map(String::as_str).eq(values)
+            });
+            let index = match current {
+                Some(index) if same => index,
+                _ => {
+                    let key: Vec<String> =
+                        key_columns.iter().map(value).map(str::to_owned).collect();
+                    *index_of.entry(key).or_insert_with_key(|key| {
+                        groups.push((key.clone(), Samples::new(unit)));
+                        groups.len() - 1
+                    })
+                }
+            };
+            current = Some(index);
+            groups[index].1.push(&table.layout, cells, line)?;
+        }
+        if groups.is_empty() {
+            return Err(Error::invalid("too few points for a trajectory")
+                .at_line(1, 1)
+                .found("no sample")
+                .allowed("at least 2 samples"));
+        }
+        let mut parsed = Vec::with_capacity(groups.len());
+        for (key, samples) in groups {
+            let (trajectory, mut warnings) = samples
+                .finish(&table.layout)
+                .map_err(|error| error.field(format!("group {}", key.join("/"))))?;
+            warnings.splice(0..0, table.warnings.iter().cloned());
+            parsed.push((
+                key,
+                Parsed {
+                    trajectory,
+                    warnings,
+                },
+            ));
+        }
+        Ok(parsed)
     }
 
     fn render(&self, trajectory: &Trajectory) -> Rendered {
@@ -104,82 +165,6 @@ impl Format for Csv {
             warnings: Vec::new(),
         }
     }
-}
-
-/// The recordings of a long-format file, in order of first appearance, each with its group's values.
-///
-/// # Errors
-/// As [`Csv`], and a group column that the file does not have.
-pub(super) fn parse_groups(
-    text: &str,
-    unit: LengthUnit,
-    group_columns: &[&str],
-) -> Result<Vec<(Vec<String>, Parsed)>> {
-    let mut table = Table::open(text, unit, group_columns)?;
-    let mut groups: Vec<(Vec<String>, Samples)> = Vec::new();
-    let mut index_of: HashMap<Vec<String>, usize> = HashMap::new();
-    let mut current: Option<usize> = None;
-    let key_columns = table.group_columns.clone();
-    while let Some((line, cells)) = table.rows.next()? {
-        let value = |&column: &usize| cells.get(column).map_or("", |cell: &Cell<'_>| cell.text);
-        let same = current.is_some_and(|index| {
-            let values = key_columns.iter().map(value);
-            groups[index].0.iter().map(String::as_str).eq(values)
-        });
-        let index = match current {
-            Some(index) if same => index,
-            _ => {
-                let key: Vec<String> = key_columns.iter().map(value).map(str::to_owned).collect();
-                *index_of.entry(key).or_insert_with_key(|key| {
-                    groups.push((key.clone(), Samples::new(unit)));
-                    groups.len() - 1
-                })
-            }
-        };
-        current = Some(index);
-        groups[index].1.push(&table.layout, cells, line)?;
-    }
-    if groups.is_empty() {
-        return Err(Error::invalid("too few points for a trajectory")
-            .at_line(1, 1)
-            .found("no sample")
-            .allowed("at least 2 samples"));
-    }
-    let mut parsed = Vec::with_capacity(groups.len());
-    for (key, samples) in groups {
-        let (trajectory, mut warnings) = samples
-            .finish(&table.layout)
-            .map_err(|error| error.field(format!("group {}", key.join("/"))))?;
-        warnings.splice(0..0, table.warnings.iter().cloned());
-        parsed.push((
-            key,
-            Parsed {
-                trajectory,
-                warnings,
-            },
-        ));
-    }
-    Ok(parsed)
-}
-
-/// The names of [`GROUP_COLUMNS`] that the header of `text` has; empty unless one of them is `run`.
-pub(super) fn group_columns_of(text: &str) -> Vec<&'static str> {
-    let columns = columns_of(text);
-    if !columns.contains(&"run") {
-        return Vec::new();
-    }
-    let has = |name: &&str| columns.contains(name);
-    GROUP_COLUMNS.into_iter().filter(has).collect()
-}
-
-/// The names in the header; none where it cannot be read.
-pub(super) fn columns_of(text: &str) -> Vec<&str> {
-    let mut cells = Vec::new();
-    let header = text.lines().find(|line| !line.trim().is_empty());
-    if cut(header.unwrap_or_default(), 1, Separator::Comma, &mut cells).is_err() {
-        return Vec::new();
-    }
-    cells.iter().map(|cell| cell.text).collect()
 }
 
 /// A CSV text whose header has been understood.
@@ -364,9 +349,13 @@ impl<'c, 'a> Header<'c, 'a> {
                 .any(|name| name.ends_with(suffix) || name.ends_with(&format!("{suffix}_s")))
         };
         if length && has("_cm") {
-            error.hint("the file is in centimetres: read it with --unit cm")
+            error
+                .hint("the file is in centimetres")
+                .advise(Advice::Unit(LengthUnit::Centimetre))
         } else if length && has("_mm") {
-            error.hint("the file is in millimetres: read it with --unit mm")
+            error
+                .hint("the file is in millimetres")
+                .advise(Advice::Unit(LengthUnit::Millimetre))
         } else if found.len() == 1 && found[0].contains([';', '\t']) {
             error.hint("columns are separated by commas")
         } else if found.iter().all(|name| name.parse::<f64>().is_ok()) {

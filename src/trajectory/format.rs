@@ -1,7 +1,7 @@
 //! What a file format of trajectories is.
 
 use super::Trajectory;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::unit::LengthUnit;
 use crate::warning::Warning;
 
@@ -39,6 +39,25 @@ pub trait Format: Sync {
     /// # Errors
     /// Anything that is not a trajectory in this format, with line and column.
     fn parse(&self, text: &str, unit: LengthUnit) -> Result<Parsed>;
+    /// The names of the columns, for formats that name them; none where the text has no such names.
+    fn columns<'a>(&self, text: &'a str) -> Vec<&'a str> {
+        let _ = text;
+        Vec::new()
+    }
+    /// Reads every recording of a text that holds several: rows with the same values of `group_columns`, in order of
+    /// first appearance, each with those values.
+    ///
+    /// # Errors
+    /// As [`Format::parse`]; a column that is not there; a format that cannot hold several recordings.
+    fn parse_groups(
+        &self,
+        text: &str,
+        unit: LengthUnit,
+        group_columns: &[&str],
+    ) -> Result<Vec<(Vec<String>, Parsed)>> {
+        let _ = (text, unit, group_columns);
+        Err(Error::invalid("files of this format hold one recording each").found(self.name()))
+    }
     /// Writes a trajectory, in metres.
     fn render(&self, trajectory: &Trajectory) -> Rendered;
 }

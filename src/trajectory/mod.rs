@@ -16,13 +16,14 @@ mod state;
 mod text;
 mod tum;
 
-pub use csv::{Csv, GROUP_COLUMNS};
+pub use csv::Csv;
 pub use format::{Format, Parsed, Rendered};
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
 pub use prepare::{POINTS, Prepared, prepare};
 pub use recording::{Meta, Recording, Source};
 pub use registry::{
-    FORMATS, format_of, parse_all, read, read_all, read_bytes, read_groups, read_sets, write,
+    FORMATS, GROUP_COLUMNS, format_of, parse_all, read, read_all, read_bytes, read_groups,
+    read_sets, write,
 };
 pub use resample::{Interpolator, resample};
 pub use state::{State, Trajectory};

@@ -16,6 +16,35 @@ pub enum Source {
     StandIn,
 }
 
+impl Source {
+    /// Where several recordings come from: stand-ins as soon as one of them is, for then their answer is no answer about
+    /// hardware. Recordings that do not say are taken for real ones.
+    pub fn of<'a>(recordings: impl IntoIterator<Item = &'a Recording>) -> Self {
+        let mut metas = recordings.into_iter().filter_map(|r| r.meta.as_ref());
+        if metas.any(|meta| meta.source == Self::StandIn) {
+            Self::StandIn
+        } else {
+            Self::Real
+        }
+    }
+
+    /// What stands in a picture's legend for what was recorded.
+    pub fn reality_label(self) -> &'static str {
+        match self {
+            Self::Real => "reality",
+            Self::StandIn => "stand-in for reality",
+        }
+    }
+
+    /// What recordings are called in a caption.
+    pub fn recordings_label(self) -> &'static str {
+        match self {
+            Self::Real => "recordings",
+            Self::StandIn => "stand-in recordings, not hardware",
+        }
+    }
+}
+
 /// Metadata of a set of recordings, from `meta.ron` beside the files.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -5,16 +5,19 @@
 
 use std::path::Path;
 
-use super::csv::{Csv, GROUP_COLUMNS, columns_of, group_columns_of, parse_groups};
+use super::csv::Csv;
 use super::format::{Format, Parsed};
 use super::meta::read_meta_beside;
 use super::text::{MAX_FILE_BYTES, decode_text, read_text};
 use super::tum::Tum;
 use super::{Recording, Trajectory};
 use crate::error::{Error, Result};
-use crate::file::{read_limited, write_atomic};
+use crate::file::{read_limited, unknown_name, write_atomic};
 use crate::unit::LengthUnit;
 use crate::warning::Warning;
+
+/// Columns by which recordings in one file are told apart, from the outermost to the innermost.
+pub const GROUP_COLUMNS: [&str; 2] = ["condition", "run"];
 
 /// Every known format.
 pub const FORMATS: &[&dyn Format] = &[&Csv, &Tum];
@@ -38,13 +41,9 @@ pub fn format_of(path: &Path) -> Result<&'static dyn Format> {
                 .flat_map(|format| format.extensions())
                 .map(|e| format!(".{e}"))
                 .collect();
-            Error::invalid("unknown kind of trajectory file")
-                .at_file(path)
-                .found(match extension {
-                    Some(extension) => format!(".{extension}"),
-                    None => "no extension".to_owned(),
-                })
-                .allowed(known.join(", "))
+            let found = extension.map_or_else(|| "no extension".to_owned(), |e| format!(".{e}"));
+            let known = known.iter().map(String::as_str);
+            unknown_name("kind of trajectory file", &found, known).at_file(path)
         })
 }
 
@@ -71,7 +70,7 @@ pub fn read(path: impl AsRef<Path>, unit: LengthUnit) -> Result<Recording> {
 /// `<file stem>/<value>/<value>...`.
 ///
 /// # Errors
-/// As [`read`]; a grouping column that the file lacks; an extension other than `.csv`.
+/// As [`read`]; a grouping column that the file lacks; a format that holds one recording only.
 pub fn read_groups(
     path: impl AsRef<Path>,
     unit: LengthUnit,
@@ -79,13 +78,8 @@ pub fn read_groups(
 ) -> Result<Vec<Recording>> {
     let path = path.as_ref();
     let format = format_of(path)?;
-    if format.name() != Csv.name() {
-        return Err(Error::invalid("only CSV files can hold several recordings")
-            .at_file(path)
-            .found(format.name()));
-    }
     let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
-    groups(path, &text, unit, group_columns)
+    groups(path, format, &text, unit, group_columns)
 }
 
 /// Reads whatever is in the file: its groups if it is a CSV file with a column `run`, else one recording.
@@ -119,11 +113,12 @@ pub fn parse_all(
     let path = path.as_ref();
     let format = format_of(path)?;
     let text = decode_text(path, bytes, MAX_FILE_BYTES, "trajectory")?;
-    if format.name() == Csv.name() {
-        let columns = group_columns_of(&text);
-        if !columns.is_empty() {
-            return groups(path, &text, unit, &columns);
-        }
+    let columns = format.columns(&text);
+    let [_, run] = GROUP_COLUMNS;
+    if columns.contains(&run) {
+        let mut group_columns = GROUP_COLUMNS.to_vec();
+        group_columns.retain(|name| columns.contains(name));
+        return groups(path, format, &text, unit, &group_columns);
     }
     let parsed = format
         .parse(&text, unit)
@@ -144,13 +139,9 @@ pub fn read_sets(
 ) -> Result<Vec<(String, Recording)>> {
     let path = path.as_ref();
     let [outer, run] = GROUP_COLUMNS;
-    let is_csv = format_of(path)?.name() == Csv.name();
+    let format = format_of(path)?;
     let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
-    let columns = if is_csv {
-        columns_of(&text)
-    } else {
-        Vec::new()
-    };
+    let columns = format.columns(&text);
     let has = |name: &str| columns.contains(&name);
     let set_column = match set_column {
         Some(column) if column == run => {
@@ -163,12 +154,10 @@ pub fn read_sets(
         Some(column) => {
             for needed in [column, run] {
                 if !has(needed) {
-                    return Err(Error::invalid("there is no such column to group the runs by")
+                    return Err(unknown_name("column to group the runs by", needed, columns.iter().copied())
                         .at_file(path)
                         .field("group")
-                        .found(needed)
-                        .allowed(columns.join(", "))
-                        .hint("grouped recordings are rows such as condition,run,t_s,x_m,y_m: one column names the set, `run` the repeat"));
+                        .or_hint("grouped recordings are rows such as condition,run,t_s,x_m,y_m: one column names the set, `run` the repeat"));
                 }
             }
             Some(column)
@@ -179,7 +168,8 @@ pub fn read_sets(
         let all = parse_all(path, text.into_bytes(), unit)?;
         return Ok(all.into_iter().map(|r| (String::new(), r)).collect());
     };
-    parse_groups(&text, unit, &[column, run])
+    format
+        .parse_groups(&text, unit, &[column, run])
         .map_err(|error| error.at_file(path))?
         .into_iter()
         .map(|(key, parsed)| {
@@ -191,11 +181,13 @@ pub fn read_sets(
 
 fn groups(
     path: &Path,
+    format: &dyn Format,
     text: &str,
     unit: LengthUnit,
     group_columns: &[&str],
 ) -> Result<Vec<Recording>> {
-    parse_groups(text, unit, group_columns)
+    format
+        .parse_groups(text, unit, group_columns)
         .map_err(|error| error.at_file(path))?
         .into_iter()
         .map(|(key, parsed)| recording(path, format!("{}/{}", stem(path), key.join("/")), parsed))

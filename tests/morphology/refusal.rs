@@ -337,8 +337,8 @@ fn names_must_be_unique_and_plain() {
 #[test]
 fn glue_must_name_modules() {
     insta::assert_snapshot!(refusal(&cubes("(parent: \"a\", face: PosX, child: \"d\")")), @r#"
-    robot.ron:8:45: glue[0].child: no module has this name
-      found:   "d"
+    robot.ron:8:45: glue[0].child: unknown module
+      found:   d
       allowed: a, b, c
     "#);
     insta::assert_snapshot!(
@@ -360,8 +360,8 @@ fn glue_must_name_modules() {
     insta::assert_snapshot!(
         refusal(&cubes("(parent: \"a\", face: PosX, child: \"b\"), (parent: \"b\", face: PosX, child: \"c\")")
             .replace("\n)", "\n    track: \"core\",\n)")), @r#"
-    robot.ron:9:12: track: no module has this name
-      found:   "core"
+    robot.ron:9:12: track: unknown module
+      found:   core
       allowed: a, b, c
     "#);
 }

@@ -1,11 +1,13 @@
 //! Confidence intervals by drawing recordings again.
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
+
+use crate::statistics::{percentile_interval, resamples};
 
 /// Resamples of the bootstrap.
 const RESAMPLES: usize = 1000;
+/// Share of the resampled estimates on either side of an interval of 95 %.
+const TAIL: f64 = 0.025;
 
 /// An estimate with its 95 % confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -53,28 +55,14 @@ pub(super) fn intervals<const N: usize>(
             high: f64::INFINITY,
         }));
     }
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut draws: Vec<[f64; N]> = Vec::with_capacity(RESAMPLES);
-    for _ in 0..RESAMPLES {
-        let mut weights = vec![0.0; recordings];
-        for _ in 0..recordings {
-            weights[rng.random_range(0..recordings)] += 1.0;
-        }
-        draws.extend(estimate(&weights));
-    }
+    let draws: Vec<[f64; N]> = resamples(recordings, RESAMPLES, seed)
+        .iter()
+        .filter_map(|resample| estimate(&resample.counts()))
+        .collect();
     Some(std::array::from_fn(|index| {
-        let mut sorted: Vec<f64> = draws.iter().map(|draw| draw[index]).collect();
-        sorted.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            sorted
-                .get((share * sorted.len() as f64) as usize)
-                .copied()
-                .unwrap_or(values[index])
-        };
-        Interval {
-            value: values[index],
-            low: at(0.025),
-            high: at(0.975),
-        }
+        let drawn: Vec<f64> = draws.iter().map(|draw| draw[index]).collect();
+        let value = values[index];
+        let (low, high) = percentile_interval(&drawn, TAIL).unwrap_or((value, value));
+        Interval { value, low, high }
     }))
 }

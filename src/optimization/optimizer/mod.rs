@@ -23,7 +23,8 @@ use random::Random;
 
 pub use random::space_filling;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::file::look_up;
 
 /// A point of the searched space: one coordinate a parameter, each in 0 to 1.
 pub type UnitPoint = Vec<f64>;
@@ -124,17 +125,10 @@ pub const OPTIMIZERS: &[&dyn Optimizer] =
 /// # Errors
 /// An unknown name, with the known ones.
 pub fn optimizer_by_name(name: &str) -> Result<&'static dyn Optimizer> {
-    OPTIMIZERS
-        .iter()
-        .copied()
-        .find(|optimizer| optimizer.name() == name)
-        .ok_or_else(|| {
-            let known: Vec<&str> = OPTIMIZERS.iter().map(|o| o.name()).collect();
-            Error::invalid("unknown optimizer")
-                .field("optimizer")
-                .found(name)
-                .allowed(known.join(", "))
-        })
+    look_up("optimizer", name, OPTIMIZERS.iter().copied(), |optimizer| {
+        optimizer.name()
+    })
+    .map_err(|error| error.field("optimizer"))
 }
 
 impl std::fmt::Debug for dyn Optimizer {

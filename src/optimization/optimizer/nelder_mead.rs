@@ -4,7 +4,7 @@ use argmin::core::{CostFunction, IterState, Problem, Solver, State, TerminationS
 
 use super::replay::Replay;
 use super::{Brief, History, Optimizer, Proposal, UnitPoint};
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 
 /// Nelder–Mead with restarts from the best points of the first design.
 pub(super) struct NelderMead;
@@ -31,7 +31,8 @@ impl CostFunction for Costs<'_> {
 
 fn refused(error: &argmin::core::Error) -> Error {
     Error::conflict(format!("the simplex cannot go on: {error}"))
-        .hint("choose another --optimizer or another --seed")
+        .advise(Advice::OtherOptimizer)
+        .advise(Advice::OtherSeed)
 }
 
 /// `start` and one more point along each axis, towards the middle.

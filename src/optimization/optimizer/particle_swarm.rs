@@ -7,7 +7,7 @@ use rand_xoshiro::rand_core::SeedableRng;
 
 use super::replay::Replay;
 use super::{Brief, History, Optimizer, Proposal};
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 
 /// Particle swarm.
 pub(super) struct Swarm;
@@ -30,7 +30,8 @@ impl CostFunction for Costs<'_> {
 
 fn refused(error: &argmin::core::Error) -> Error {
     Error::conflict(format!("the swarm cannot go on: {error}"))
-        .hint("choose another --optimizer or another --seed")
+        .advise(Advice::OtherOptimizer)
+        .advise(Advice::OtherSeed)
 }
 
 impl Optimizer for Swarm {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::sample::Sample;
 use crate::calibration::{Overrides, recording_paths, recording_warnings};
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 use crate::trajectory::{self, Recording};
 use crate::warning::Warning;
 
@@ -33,7 +33,8 @@ pub struct SetOfRuns {
 pub fn read_sets(overrides: &Overrides, group_column: Option<&str>) -> Result<Vec<SetOfRuns>> {
     if overrides.recordings.is_empty() {
         return Err(
-            Error::usage("without a study, the recordings must be named").field("recordings"),
+            Error::usage("without a study, the recordings must be named")
+                .advise(Advice::Recordings),
         );
     }
     let limit = overrides.limit_recordings.unwrap_or(usize::MAX).max(1);

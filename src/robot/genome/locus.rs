@@ -1,6 +1,7 @@
 //! What each of the ten numbers of a gene means: the one table.
 
-use crate::{Error, Result};
+use crate::Result;
+use crate::file::look_up;
 
 /// The meaning of one number of a gene. Every number is from 0 to 1, whatever it means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -68,14 +69,7 @@ impl Locus {
     /// # Errors
     /// An unknown name, with the known ones.
     pub fn named(name: &str) -> Result<Self> {
-        Self::ALL
-            .into_iter()
-            .find(|locus| locus.name() == name)
-            .ok_or_else(|| {
-                Error::invalid("a gene has no number of this name")
-                    .found(name)
-                    .allowed(Self::ALL.map(Self::name).join(", "))
-            })
+        look_up("number of a gene", name, Self::ALL, |locus| locus.name())
     }
 
     /// True where 0 and 1 are neighbours: a mutation that leaves at one end comes back at the other.

@@ -13,7 +13,7 @@ use super::module::{Drive, DriveAxis, Module, Plate};
 use super::tree::quarter_turns_flaw;
 use super::{Blueprint, Morphology};
 use crate::Error;
-use crate::file::nearest_name;
+use crate::file::unknown_name;
 
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, rename = "morphology")]
@@ -221,22 +221,8 @@ impl MorphologyFile {
 }
 
 fn unknown_module(name: &str, path: String, modules: &[Module]) -> Flaw {
-    let names = || modules.iter().map(|module| module.name.as_str());
-    let mut allowed = names().take(12).collect::<Vec<_>>().join(", ");
-    if modules.len() > 12 {
-        allowed.push_str(", ...");
-    }
-    let shown: String = name.chars().take(Module::MAX_NAME).collect();
-    let flaw = Flaw::new(
-        path,
-        Error::invalid("no module has this name")
-            .found(format!("{shown:?}"))
-            .allowed(allowed),
-    );
-    match nearest_name(name, names()) {
-        Some(near) => flaw.hint(&format!("did you mean `{near}`?")),
-        None => flaw,
-    }
+    let names = modules.iter().map(|module| module.name.as_str());
+    Flaw::new(path, unknown_name("module", name, names))
 }
 
 fn required<T>(value: Option<T>, default: Option<T>, field: &str, at: &str) -> Checked<T> {

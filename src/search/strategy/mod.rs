@@ -20,8 +20,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::Result;
 use crate::robot::genome::Genome;
-use crate::{Error, Result};
 
 pub use archive::{Archive, Axis};
 pub use cma_es::{CmaEs, CmaEsSettings};
@@ -98,22 +98,4 @@ pub trait StrategySettings: fmt::Debug + Send + Sync {
     /// # Errors
     /// Settings that cannot be used here; `field` starts with `strategy` or `start`.
     fn strategy(&self, space: &Space) -> Result<Box<dyn Strategy>>;
-}
-
-/// The entry of a registry that has this name.
-fn by_name<T: ?Sized>(
-    kind: &str,
-    name: &str,
-    all: &'static [&'static T],
-    name_of: impl Fn(&T) -> &'static str,
-) -> Result<&'static T> {
-    all.iter()
-        .copied()
-        .find(|entry| name_of(entry) == name)
-        .ok_or_else(|| {
-            let names: Vec<&str> = all.iter().map(|entry| name_of(entry)).collect();
-            Error::invalid(format!("unknown {kind}"))
-                .found(name)
-                .allowed(names.join(", "))
-        })
 }

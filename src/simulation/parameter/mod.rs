@@ -14,7 +14,11 @@ mod solver;
 
 pub use assignment::{Assignment, ParameterSet};
 
-use crate::error::{Error, Result};
+pub use crate::quantity::Scale;
+
+use crate::error::Result;
+use crate::file::unknown_name;
+use crate::quantity::Quantity;
 use crate::robot::morphology::Assembly;
 use crate::simulation::Experiment;
 use crate::unit::Unit;
@@ -41,15 +45,6 @@ pub struct Parameter {
     set: fn(&mut Experiment, f64),
 }
 
-/// How a search walks along a parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scale {
-    /// Equal steps are equal differences.
-    Linear,
-    /// Equal steps are equal ratios, where the searched range lies above 0.
-    Log,
-}
-
 /// A small change of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Nudge {
@@ -57,6 +52,18 @@ pub enum Nudge {
     Share(f64),
     /// This much, in the parameter's unit.
     Absolute(f64),
+}
+
+impl From<&Parameter> for Quantity {
+    fn from(parameter: &Parameter) -> Self {
+        Self {
+            name: parameter.name,
+            unit: parameter.unit,
+            bounds: parameter.bounds,
+            whole: parameter.whole,
+            scale: parameter.scale,
+        }
+    }
 }
 
 impl PartialEq for Parameter {
@@ -86,22 +93,18 @@ pub static PARAMETERS: &[&[Parameter]] = &[
 /// # Errors
 /// An unknown name; the error lists the nearest known ones.
 pub fn by_name(name: &str) -> Result<&'static Parameter> {
-    all()
-        .find(|parameter| parameter.name == name)
-        .ok_or_else(|| {
-            let group = name.split('.').next().unwrap_or(name);
-            let mut near: Vec<&str> = all()
-                .map(|p| p.name)
-                .filter(|known| known.starts_with(group))
-                .collect();
-            if near.is_empty() {
-                near = all().map(|p| p.name).collect();
-            }
-            Error::invalid("there is no such parameter")
-                .found(format!("\"{name}\""))
-                .allowed(near.join(", "))
-                .hint("`realgap parameters` lists all of them")
-        })
+    if let Some(known) = all().find(|parameter| parameter.name == name) {
+        return Ok(known);
+    }
+    let group = name.split('.').next().unwrap_or(name);
+    let mut near: Vec<&str> = all()
+        .map(|p| p.name)
+        .filter(|known| known.starts_with(group))
+        .collect();
+    if near.is_empty() {
+        near = all().map(|p| p.name).collect();
+    }
+    Err(unknown_name("parameter", name, near).or_hint("`realgap parameters` lists all of them"))
 }
 
 impl Parameter {
@@ -110,20 +113,7 @@ impl Parameter {
     /// # Errors
     /// A value out of bounds, not finite, or not whole where it must be.
     pub fn check(&self, value: f64) -> Result<()> {
-        let (low, high) = self.bounds;
-        let in_bounds = value >= low && value <= high;
-        if in_bounds && (!self.whole || value.fract() == 0.0) {
-            return Ok(());
-        }
-        let kind = if self.whole {
-            "whole numbers from "
-        } else {
-            ""
-        };
-        Err(Error::invalid("out of bounds")
-            .field(self.name)
-            .found(value)
-            .allowed(format!("{kind}{low} to {high} {}", self.unit.symbol()).trim_end()))
+        Quantity::from(self).check(value)
     }
 
     /// A new experiment with this parameter set to `value`.
@@ -164,10 +154,7 @@ impl Parameter {
 
     /// Name and unit for an axis or table: `floor.friction` or `floor.height_m (m)`.
     pub fn label(&self) -> String {
-        match self.unit {
-            Unit::One => self.name.to_owned(),
-            unit => format!("{} ({})", self.name, unit.symbol()),
-        }
+        Quantity::from(self).label()
     }
 }
 

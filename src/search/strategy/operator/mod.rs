@@ -9,6 +9,7 @@ mod uniform;
 
 use rand::Rng;
 
+use crate::file::look_up;
 use crate::robot::genome::{Gene, Genome};
 use crate::{Error, Result};
 
@@ -82,7 +83,9 @@ pub const OPERATORS: &[&dyn Operator] = &[
 /// # Errors
 /// An unknown name.
 pub fn operator_named(name: &str) -> Result<&'static dyn Operator> {
-    super::by_name("operator", name, OPERATORS, |operator| operator.name())
+    look_up("operator", name, OPERATORS.iter().copied(), |operator| {
+        operator.name()
+    })
 }
 
 /// The child of these genes, or the parent where they are no genome.

@@ -6,6 +6,7 @@ mod tournament;
 use rand::Rng;
 
 use crate::Result;
+use crate::file::look_up;
 
 /// Picks a parent by its fitness; larger is better, negative infinity is a failure, NaN worse than that.
 pub trait Selection: Sync {
@@ -27,7 +28,9 @@ pub const SELECTIONS: &[&dyn Selection] = &[&tournament::Tournament, &rank::Rank
 /// # Errors
 /// An unknown name.
 pub fn selection_named(name: &str) -> Result<&'static dyn Selection> {
-    super::by_name("selection", name, SELECTIONS, |selection| selection.name())
+    look_up("selection", name, SELECTIONS.iter().copied(), |selection| {
+        selection.name()
+    })
 }
 
 /// Fitness as it is compared: NaN below everything.
