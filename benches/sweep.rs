@@ -7,10 +7,9 @@
     reason = "shipped files are sound, and a bench has nobody to report to"
 )]
 
-use std::sync::atomic::AtomicBool;
-
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use realgap::calibration::{Definition, Mode, Overrides, Study, sweep};
+use realgap::calibration::{Mode, Overrides, Study};
+use realgap::optimization::RunOptions;
 
 fn sweeps(criterion: &mut Criterion) {
     let overrides = Overrides {
@@ -18,16 +17,19 @@ fn sweeps(criterion: &mut Criterion) {
         ..Overrides::default()
     };
     let path = format!("{}/sweeps/tripod_self.ron", env!("CARGO_MANIFEST_DIR"));
-    let definition = Definition::read(path, &overrides).expect("a shipped study is sound");
-    let study = Study::new(definition).expect("a shipped study is sound");
-    let never = AtomicBool::new(false);
+    let study = Study::read(path, &overrides).expect("a shipped study is sound");
     let mut group = criterion.benchmark_group("sweep of 25 points, 20 s each");
     group.sample_size(10);
     for jobs in [1, 2] {
         group.bench_function(BenchmarkId::new("threads", jobs), |b| {
             b.iter(|| {
                 let folder = tempfile::tempdir().expect("a temporary folder");
-                sweep(&study, folder.path(), Mode::Start, jobs, &never, |_| ())
+                let run = RunOptions {
+                    jobs,
+                    ..RunOptions::default()
+                };
+                study
+                    .sweep_into(folder.path(), Mode::Start, &run)
                     .expect("a sound sweep")
             });
         });

@@ -15,8 +15,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use realgap::calibration::identification::{LengthReading, StartState, identify};
-use realgap::calibration::{BestFile, Evaluation, Overrides, Part, Study, evaluate};
+use realgap::calibration::{BestFile, Evaluation, Overrides, Part, Study};
 use realgap::file::{write_atomic, write_ron};
+use realgap::optimization::RunOptions;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::{Error, Result};
 
@@ -73,7 +74,7 @@ fn run() -> Result<()> {
         say(format!("fitted on part {fold} of {FOLDS}: {best}"));
         report(
             "  the same recordings, flight start",
-            &evaluate(&training, &best, |_| ())?,
+            &training.evaluate(&best, &RunOptions::default())?,
         );
         let mut held_out = Vec::new();
         for (label, start) in [
@@ -81,7 +82,7 @@ fn run() -> Result<()> {
             ("first-sample start", StartState::FirstSample),
         ] {
             for other in (0..FOLDS).filter(|other| *other != fold) {
-                let result = evaluate(&open(other, start)?, &best, |_| ())?;
+                let result = open(other, start)?.evaluate(&best, &RunOptions::default())?;
                 report(&format!("  held out: part {other}, {label}"), &result);
                 held_out.push(format!(
                     "{:.2} +- {:.2} % and {:.2} +- {:.2} deg from the {label}",
@@ -144,7 +145,7 @@ fn fit(study: &Study, body: &ParameterSet) -> Result<ParameterSet> {
         body.clone().with_all(&study.parameter_set(&values))
     };
     let score = |x: &DVector<f64>| -> Result<f64> {
-        let e = evaluate(study, &set(x), |_| ())?;
+        let e = study.evaluate(&set(x), &RunOptions::default())?;
         let outside: f64 = x.iter().map(|v| (v - v.clamp(0.0, 1.0)).abs()).sum();
         Ok(e.position_percent.mean / 100.0 + e.rotation_deg.mean.to_radians() + outside)
     };

@@ -11,10 +11,9 @@
 #![allow(clippy::print_stdout)]
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
-use realgap::calibration::{Answer, Mode, Overrides, Study, TuneOptions, sweep, tune};
-use realgap::optimization::{Grid, OPTIMIZERS};
+use realgap::calibration::{Answer, Overrides, Study, TuneOptions};
+use realgap::optimization::{Grid, OPTIMIZERS, RunOptions};
 use realgap::{Error, Result};
 
 const BUDGET: usize = 100;
@@ -58,18 +57,8 @@ fn main() -> Result<()> {
         .get(2)
         .and_then(|n| n.parse().ok())
         .ok_or_else(usage)?;
-    let jobs = std::thread::available_parallelism().map_or(1, usize::from);
-    let never = AtomicBool::new(false);
-    let folder = std::env::temp_dir().join(format!("optimizer_race_{}", std::process::id()));
     let study = Study::read(path, &overrides(1, &arguments))?;
-    let whole = sweep(
-        &study,
-        &folder.join("sweep"),
-        Mode::Restart,
-        jobs,
-        &never,
-        |_| (),
-    )?;
+    let whole = study.sweep(&RunOptions::default())?;
     let grid = &study.definition().grid;
     let cells = target(grid, &whole);
     let count = cells.iter().filter(|inside| **inside).count();
@@ -91,16 +80,7 @@ fn main() -> Result<()> {
                 budget: BUDGET,
                 patience: None,
             };
-            let folder = folder.join(optimizer.name());
-            let answer = tune(
-                &study,
-                &folder,
-                Mode::Restart,
-                jobs,
-                &options,
-                &never,
-                |_, _| (),
-            )?;
+            let answer = study.tune(&options, &RunOptions::default())?;
             let arrival = answer
                 .scores
                 .points
@@ -125,5 +105,5 @@ fn main() -> Result<()> {
         }
         println!("{:<15} {}", optimizer.name(), arrivals.join(", "));
     }
-    std::fs::remove_dir_all(&folder).map_err(|e| Error::io("tidy up", &folder, &e))
+    Ok(())
 }

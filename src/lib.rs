@@ -82,6 +82,7 @@ pub mod unit;
 pub mod warning;
 
 pub use error::{Advice, Error, ErrorKind, Result};
+pub use optimization::{Progress, RunOptions};
 pub use warning::Warning;
 
 /// The pages of `docs/`, shipped with the code they describe.

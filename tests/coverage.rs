@@ -5,10 +5,9 @@
 mod common;
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
-use realgap::calibration::{INTERVAL_LEVEL, Mode, Overrides, Study, TuneOptions, sweep, tune};
-use realgap::optimization::optimizer_by_name;
+use realgap::calibration::{INTERVAL_LEVEL, Overrides, Study, TuneOptions};
+use realgap::optimization::{RunOptions, optimizer_by_name};
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Camera, Experiment, Noise, run};
 use realgap::trajectory::write;
@@ -63,26 +62,15 @@ fn covers(seed: u64, search: Search) -> bool {
         ),
     );
     let study = Study::read(path, &Overrides::default()).unwrap();
-    let never = AtomicBool::new(false);
-    let results = folder.path().join("results");
     let answer = match search {
-        Search::Sweep => sweep(&study, &results, Mode::Start, 2, &never, |_| ()).unwrap(),
+        Search::Sweep => study.sweep(&RunOptions::default()).unwrap(),
         Search::Tune(optimizer) => {
             let options = TuneOptions {
                 optimizer: optimizer_by_name(optimizer).unwrap(),
                 budget: 24,
                 patience: None,
             };
-            tune(
-                &study,
-                &results,
-                Mode::Start,
-                2,
-                &options,
-                &never,
-                |_, _| (),
-            )
-            .unwrap()
+            study.tune(&options, &RunOptions::default()).unwrap()
         }
     };
     let (low, high) = answer.draws.unwrap().interval(0, INTERVAL_LEVEL);

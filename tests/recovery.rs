@@ -3,17 +3,14 @@
 
 mod common;
 
-use std::sync::atomic::AtomicBool;
-
-use realgap::calibration::{Definition, Mode, Overrides, Study, sweep};
-use realgap::results;
+use realgap::calibration::{Definition, Overrides, Study};
+use realgap::optimization::RunOptions;
 
 const FRICTION: f64 = 0.43;
 const RESTITUTION: f64 = 0.36;
 
 #[test]
 fn the_hidden_floor_lies_in_the_indistinguishable_set() {
-    let results = tempfile::tempdir().unwrap();
     // Every second point of the shipped grid; the hidden values are among them.
     let overrides = Overrides {
         points: Some(11),
@@ -27,8 +24,7 @@ fn the_hidden_floor_lies_in_the_indistinguishable_set() {
         Some(RESTITUTION)
     );
     let study = Study::new(definition).unwrap();
-    let never = AtomicBool::new(false);
-    let result = sweep(&study, results.path(), Mode::Start, 2, &never, |_| ()).unwrap();
+    let result = study.sweep(&RunOptions::default()).unwrap();
     let uncertainty = result.uncertainty.as_ref().unwrap();
     let truth = result
         .scores
@@ -55,16 +51,8 @@ fn the_hidden_floor_lies_in_the_indistinguishable_set() {
         "{:?}",
         best.values
     );
-    let summary = results::write(results.path(), &study, &result).unwrap();
-    assert!(
-        summary.verdicts[0].identified,
-        "{}",
-        summary.verdicts[0].text
-    );
-    assert!(
-        !summary.verdicts[1].identified,
-        "{}",
-        summary.verdicts[1].text
-    );
-    assert!(summary.verdicts[1].text.contains("not determined"));
+    let verdicts = &result.report.verdicts;
+    assert!(verdicts[0].identified, "{}", verdicts[0].text);
+    assert!(!verdicts[1].identified, "{}", verdicts[1].text);
+    assert!(verdicts[1].text.contains("not determined"));
 }

@@ -1,10 +1,13 @@
 //! The answer of a study: the best point, and how sure it is.
 
+use std::fmt;
+
 use rayon::prelude::*;
 
 use super::audit::Audit;
 use super::definition::StartRule;
 use super::method::Method;
+use super::report::{Evidence, Report};
 use super::score::Scores;
 use super::study::Study;
 use super::validation::Validation;
@@ -18,7 +21,7 @@ use crate::simulation::Noise;
 use crate::statistics::standard_deviation;
 use crate::store::OutcomeStatus;
 
-/// Result of a sweep or of tuning.
+/// Result of a sweep or of tuning; its `Display` is the report.
 #[derive(Debug, Clone)]
 pub struct Answer {
     /// How the points were chosen.
@@ -33,10 +36,14 @@ pub struct Answer {
     pub draws: Option<BestDraws>,
     /// The best score along each parameter.
     pub profiles: Vec<Profile>,
-    /// What the numerical settings change; `None` where nothing has a score.
-    pub audit: Option<Audit>,
-    /// How the fit does on recordings it has not seen; `None` where none are held out.
-    pub validation: Option<Validation>,
+    /// What all of it says: the best point, verdicts, what numerics change, how held-out recordings fare.
+    pub report: Report,
+}
+
+impl fmt::Display for Answer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.report.fmt(f)
+    }
 }
 
 /// Confidence level of the indistinguishable set.
@@ -85,7 +92,16 @@ impl Answer {
             // Whoever interrupts does not want to wait for more simulations.
             Ending::Interrupted => None,
         };
-        let validation = Validation::new(study, &scores)?;
+        let evidence = Evidence {
+            method: &method,
+            ending,
+            scores: &scores,
+            uncertainty: uncertainty.as_ref(),
+            draws: draws.as_ref(),
+            audit,
+            validation: Validation::new(study, &scores)?,
+        };
+        let report = Report::new(study, &evidence)?;
         Ok(Self {
             method,
             ending,
@@ -93,8 +109,7 @@ impl Answer {
             uncertainty,
             draws,
             profiles,
-            audit,
-            validation,
+            report,
         })
     }
 }
@@ -162,7 +177,7 @@ fn repeats(study: &Study, scores: &Scores, values: &[f64], noise: &Noise) -> Res
         .into_par_iter()
         .map(|repeat| {
             let timestep_factor = 0.5_f64.powf(repeat as f64 / (REPEATS - 1) as f64);
-            let outcome = study.evaluate_perturbed(&set, noise, repeat, timestep_factor)?;
+            let outcome = study.simulate_perturbed(&set, noise, repeat, timestep_factor)?;
             if outcome.status != OutcomeStatus::Completed {
                 return Ok(None);
             }

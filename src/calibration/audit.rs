@@ -39,7 +39,7 @@ impl Audit {
     /// Re-runs the best point; `None` where nothing has a score.
     ///
     /// # Errors
-    /// As [`Study::evaluate`].
+    /// As [`Study::simulate`].
     pub fn new(study: &Study, scores: &Scores, profiles: &[Profile]) -> Result<Option<Self>> {
         let Some(best) = scores.best else {
             return Ok(None);
@@ -48,7 +48,7 @@ impl Audit {
         let solver = study.experiment(0, &point.values)?.solver;
         let mut rows = Vec::new();
         for (setting, change) in changes(&solver) {
-            let trial = study.evaluate_with_solver(&point.values, change)?;
+            let trial = study.simulate_with_solver(&point.values, change)?;
             let score = Scores::with_basis(study, &[trial], scores.basis.clone())?.points[0].score;
             rows.push(AuditRow {
                 setting,

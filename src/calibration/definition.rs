@@ -1,8 +1,9 @@
 //! What a study says: robot, recordings, parameters, metric; validated, but nothing is made ready to run yet.
 
+use std::fmt;
 use std::path::PathBuf;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::split::Split;
 use crate::calibration::identification::StartState;
@@ -12,7 +13,7 @@ use crate::optimization::Grid;
 use crate::robot::morphology::Morphology;
 use crate::simulation::parameter::{Parameter, ParameterSet};
 use crate::simulation::{Experiment, Noise};
-use crate::trajectory::Recording;
+use crate::trajectory::{Recording, Source};
 use crate::unit::LengthUnit;
 use crate::warning::Warning;
 
@@ -76,7 +77,44 @@ pub struct Definition {
     pub warnings: Vec<Warning>,
 }
 
+/// Where the runs of a study start, for reports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StartUsed {
+    /// At rest on the floor.
+    Settled,
+    /// From each recording.
+    FromRecording(StartState),
+}
+
+impl fmt::Display for StartUsed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Settled => "settled on the floor",
+            Self::FromRecording(state) => state.label(),
+        })
+    }
+}
+
+impl Serialize for StartUsed {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
 impl Definition {
+    /// Where its runs start.
+    pub fn start_used(&self) -> StartUsed {
+        match self.start {
+            StartRule::Settled => StartUsed::Settled,
+            StartRule::FromRecording => StartUsed::FromRecording(self.start_state),
+        }
+    }
+
+    /// Where its recordings come from.
+    pub fn source(&self) -> Source {
+        Source::of(&self.recordings)
+    }
+
     /// The error with the study's file, where it has one.
     pub(crate) fn at_file(&self, error: Error) -> Error {
         match &self.path {

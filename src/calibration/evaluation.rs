@@ -6,13 +6,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::definition::StartRule;
+use super::definition::StartUsed;
 use super::rest::{FaceOdds, face_at_end};
 use super::study::Study;
 use crate::calibration::identification::is_at_rest;
 use crate::comparison::pose_errors;
 use crate::error::{Error, Result};
 use crate::file::sha256;
+use crate::optimization::RunOptions;
 use crate::simulation::parameter::ParameterSet;
 use crate::simulation::{self, Experiment};
 use crate::statistics::{mean, median, standard_deviation};
@@ -76,7 +77,7 @@ pub struct Evaluation {
     /// CPU milliseconds per simulated second.
     pub cpu_ms_per_s: f64,
     /// Which start state the runs have.
-    pub start: &'static str,
+    pub start: StartUsed,
     /// Parameter values that the study, files and command line fix.
     pub parameters: BTreeMap<String, f64>,
     /// Versions, settings and input hashes.
@@ -88,29 +89,30 @@ pub struct Evaluation {
     pub rows: Vec<RecordingErrors>,
 }
 
-/// Simulates every case with the study's fixed values and `set`, in parallel on the current rayon pool, and measures pose
-/// errors. `progress` hears how many cases are done, from any thread. The result does not depend on the threads.
-///
-/// # Errors
-/// Recordings without orientations, or not a single simulation that ends.
-pub fn evaluate(
-    study: &Study,
-    set: &ParameterSet,
-    progress: impl Fn(usize) + Sync,
-) -> Result<Evaluation> {
-    let done = AtomicUsize::new(0);
-    let cases: Vec<Vec<(usize, RecordingErrors)>> = (0..study.cases().len())
-        .into_par_iter()
-        .map(|case| {
-            let rows = evaluate_case(study, case, &study.experiment_with(case, set)?);
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
-            rows
-        })
-        .collect::<Result<_>>()?;
-    let mut rows: Vec<(usize, RecordingErrors)> = cases.into_iter().flatten().collect();
-    rows.sort_by_key(|(recording, _)| *recording);
-    let rows: Vec<RecordingErrors> = rows.into_iter().map(|(_, row)| row).collect();
-    summarise(study, set, rows)
+impl Study {
+    /// How well the study's fixed values and `set` predict its recordings: simulates every start once and measures pose errors.
+    ///
+    /// # Errors
+    /// Recordings without orientations, not a single simulation that ends, or the run was stopped.
+    pub fn evaluate(&self, set: &ParameterSet, run: &RunOptions<'_>) -> Result<Evaluation> {
+        let done = AtomicUsize::new(0);
+        let total = self.cases().len();
+        let cases: Vec<Vec<(usize, RecordingErrors)>> = run.install(|| {
+            (0..total)
+                .into_par_iter()
+                .map(|case| {
+                    run.go_on()?;
+                    let rows = evaluate_case(self, case, &self.experiment_with(case, set)?);
+                    run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
+                    rows
+                })
+                .collect::<Result<_>>()
+        })??;
+        let mut rows: Vec<(usize, RecordingErrors)> = cases.into_iter().flatten().collect();
+        rows.sort_by_key(|(recording, _)| *recording);
+        let rows: Vec<RecordingErrors> = rows.into_iter().map(|(_, row)| row).collect();
+        summarise(self, set, rows)
+    }
 }
 
 fn evaluate_case(
@@ -200,10 +202,7 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
         over_45_deg: over,
         resting_faces: resting_faces(&rows),
         cpu_ms_per_s: 1e3 * cpu_s / simulated_s,
-        start: match definition.start {
-            StartRule::Settled => "settled on the floor",
-            StartRule::FromRecording => definition.start_state.label(),
-        },
+        start: definition.start_used(),
         parameters: fixed
             .iter()
             .map(|a| (a.parameter.name.to_owned(), a.value))

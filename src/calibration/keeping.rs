@@ -1,15 +1,17 @@
-//! How a study's results are kept: opening the store, explaining it, marking its end.
+//! Where a study's trials go: memory, or the store of a results folder that explains itself.
 
+use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::Path;
 
 use super::score::PointScore;
 use super::study::Study;
 use crate::error::Result;
 use crate::optimization::Ending;
-use crate::store::{Fingerprint, Mode, Store, TrialScore};
+use crate::store::{Fingerprint, Memory, Mode, Storage, Store, Trial, TrialScore};
 
-/// One run that keeps its results.
-pub(super) struct Keeping<'a> {
+/// What a run that keeps its results needs to know of itself.
+pub(super) struct Kept<'a> {
     pub study: &'a Study,
     pub fingerprint: Fingerprint,
     /// `sweep` or `tune`.
@@ -18,50 +20,35 @@ pub(super) struct Keeping<'a> {
     pub expected: usize,
 }
 
-impl Keeping<'_> {
-    /// The store in `folder`, described.
-    pub fn open(&self, folder: &Path, mode: Mode) -> Result<Store> {
-        let what = format!("{} of this study", self.kind);
-        let expected = format!("{} points", self.expected);
-        let mut store = Store::open(folder, &self.fingerprint, mode, &what, &expected)?;
-        self.describe(&mut store)?;
-        Ok(store)
+/// Where trials go.
+pub(super) enum Keeping {
+    Memory(Memory<Trial>),
+    Folder(Box<Store>),
+}
+
+impl Keeping {
+    /// Memory, or the store of a folder as the mode asks, described.
+    pub fn open(kept: &Kept<'_>, folder: Option<(&Path, Mode)>) -> Result<Self> {
+        let Some((folder, mode)) = folder else {
+            return Ok(Self::Memory(Memory::default()));
+        };
+        let what = format!("{} of this study", kept.kind);
+        let expected = format!("{} points", kept.expected);
+        let mut store = Store::open(folder, &kept.fingerprint, mode, &what, &expected)?;
+        describe(kept, &mut store)?;
+        Ok(Self::Folder(Box::new(store)))
     }
 
-    /// What somebody with nothing but the store needs to read it.
-    fn describe(&self, store: &mut Store) -> Result<()> {
-        let definition = self.study.definition();
-        let ranges = definition.grid.ranges().iter();
-        let list = |names: Vec<&str>| serde_json::json!(names).to_string();
-        store.describe([
-            ("kind", self.kind.to_owned()),
-            ("study", definition.name.clone()),
-            ("study text", definition.text.clone()),
-            ("metric", definition.metric.name().to_owned()),
-            ("unit", definition.metric.unit().label().to_owned()),
-            (
-                "parameters",
-                list(ranges.clone().map(|r| r.parameter.name).collect()),
-            ),
-            (
-                "parameter units",
-                list(ranges.map(|r| r.parameter.unit.label()).collect()),
-            ),
-            (
-                "recordings",
-                list(
-                    definition
-                        .recordings
-                        .iter()
-                        .map(|r| r.name.as_str())
-                        .collect(),
-                ),
-            ),
-        ])
+    /// All trials, by index.
+    pub fn trials(&self) -> Result<Vec<Trial>> {
+        self.rows_within(0..i64::MAX as usize)
     }
 
-    /// Keeps scores beside the trials.
-    pub fn score(&self, store: &mut Store, points: &[PointScore]) -> Result<()> {
+    /// Keeps scores beside the trials, for readers of the folder.
+    pub fn score(&mut self, points: &[PointScore]) -> Result<()> {
+        let Self::Folder(store) = self else {
+            return Ok(());
+        };
         let scores: Vec<TrialScore> = points
             .iter()
             .map(|point| TrialScore {
@@ -75,10 +62,57 @@ impl Keeping<'_> {
     }
 
     /// Notes how the run ended.
-    pub fn end(&self, store: &mut Store, ending: Ending) -> Result<()> {
-        if ending == Ending::Complete {
-            store.complete()?;
+    pub fn end(&mut self, ending: Ending) -> Result<()> {
+        match self {
+            Self::Folder(store) if ending == Ending::Complete => store.complete(),
+            _ => Ok(()),
         }
-        Ok(())
     }
+}
+
+impl Storage<Trial> for Keeping {
+    fn finished(&self) -> Result<BTreeSet<usize>> {
+        match self {
+            Self::Memory(memory) => memory.finished(),
+            Self::Folder(store) => store.finished(),
+        }
+    }
+
+    fn insert(&mut self, rows: &[Trial]) -> Result<()> {
+        match self {
+            Self::Memory(memory) => memory.insert(rows),
+            Self::Folder(store) => store.insert(rows),
+        }
+    }
+
+    fn rows_within(&self, range: Range<usize>) -> Result<Vec<Trial>> {
+        match self {
+            Self::Memory(memory) => memory.rows_within(range),
+            Self::Folder(store) => store.rows_within(range),
+        }
+    }
+}
+
+/// What somebody with nothing but the store needs to read it.
+fn describe(kept: &Kept<'_>, store: &mut Store) -> Result<()> {
+    let definition = kept.study.definition();
+    let ranges = definition.grid.ranges().iter();
+    let list = |names: Vec<&str>| serde_json::json!(names).to_string();
+    let recordings = definition.recordings.iter().map(|r| r.name.as_str());
+    store.describe([
+        ("kind", kept.kind.to_owned()),
+        ("study", definition.name.clone()),
+        ("study text", definition.text.clone()),
+        ("metric", definition.metric.name().to_owned()),
+        ("unit", definition.metric.unit().label().to_owned()),
+        (
+            "parameters",
+            list(ranges.clone().map(|r| r.parameter.name).collect()),
+        ),
+        (
+            "parameter units",
+            list(ranges.map(|r| r.parameter.unit.label()).collect()),
+        ),
+        ("recordings", list(recordings.collect())),
+    ])
 }

@@ -1,7 +1,7 @@
 //! A study: experiment + recordings + parameters + metric, read from RON and made ready to evaluate.
 //!
 //! [`Definition::read`] parses the file, [`Study::new`] turns it into cases (one simulation each),
-//! [`Study::evaluate`] simulates one point, [`Scores::new`] compares all points with reality.
+//! [`Study::simulate`] simulates one point, [`Scores::new`] compares all points with reality.
 
 pub mod identification;
 
@@ -21,6 +21,7 @@ mod posterior;
 mod profile;
 mod recording;
 mod repeat;
+mod report;
 mod rest;
 mod score;
 mod sensitivity;
@@ -31,13 +32,14 @@ mod tune;
 mod uncertainty;
 mod validation;
 mod values;
+mod verdict;
 
 pub use crate::store::Mode;
 pub use answer::{Answer, INTERVAL_LEVEL, LEVEL};
 pub use audit::{Audit, AuditRow};
 pub use case::{Case, Target};
-pub use definition::{Definition, StartRule};
-pub use evaluation::{Average, Evaluation, RecordingErrors, evaluate};
+pub use definition::{Definition, StartRule, StartUsed};
+pub use evaluation::{Average, Evaluation, RecordingErrors};
 pub use method::{Method, Termination, Tuned};
 pub use noise::read_noise;
 pub use overrides::{Overrides, Part};
@@ -45,15 +47,16 @@ pub use posterior::{BestDraws, ScoredPoint};
 pub use profile::Profile;
 pub use recording::{recording_paths, recording_warnings};
 pub use repeat::RepeatCase;
-pub use rest::{FaceOdds, RestingOdds, resting_odds};
+pub use report::{Best, Correlation, HowSure, PoseErrors, Report};
+pub use rest::{FaceOdds, RestingOdds};
 pub use score::{PointScore, Scores};
-pub use sensitivity::{Effect, Sensitivity, sensitivity};
+pub use sensitivity::{Effect, Sensitivity};
 pub use split::Split;
 pub use study::Study;
-pub use sweep::sweep;
-pub use tune::{TuneOptions, tune};
+pub use tune::TuneOptions;
 pub use uncertainty::{
     Uncertainty, UncertaintySource, bootstrap_indistinguishable, spread_indistinguishable,
 };
 pub use validation::{Fold, Validation};
 pub use values::{BestFile, read_parameters};
+pub use verdict::Verdict;

@@ -6,10 +6,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::definition::{Definition, StartRule};
+use super::definition::{Definition, StartRule, StartUsed};
 use super::study::Study;
 use crate::calibration::identification::{face_down, is_at_rest};
 use crate::error::{Error, Result};
+use crate::optimization::RunOptions;
 use crate::robot::morphology::Face;
 use crate::simulation::parameter::ParameterSet;
 use crate::simulation::{self, Experiment};
@@ -68,7 +69,7 @@ pub struct RestingOdds {
     /// Which of the values are defaults because the study leaves them free and none was given.
     pub at_default: Vec<String>,
     /// Which start state the runs have.
-    pub start: &'static str,
+    pub start: StartUsed,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
 }
@@ -79,16 +80,26 @@ pub(super) fn face_at_end(motion: &Trajectory, experiment: &Experiment) -> Optio
     Some(face_down(last, &experiment.floor.normal_world()).name())
 }
 
-/// Simulates every recording that ends at rest once, from its start to its end, with the study's fixed values and then
-/// `identified`, in parallel on the current rayon pool. `progress` hears how many are done, from any thread. The result
-/// does not depend on the threads.
-///
-/// # Errors
-/// A study whose runs do not start from recordings, no recording that ends at rest, or settings that cannot be simulated.
-pub fn resting_odds(
+impl Definition {
+    /// Simulates every recording that ends at rest once, from its start to its end, with the study's fixed values and then
+    /// `identified`.
+    ///
+    /// # Errors
+    /// A study whose runs do not start from recordings, no recording that ends at rest, settings that cannot be simulated, or
+    /// the run was stopped.
+    pub fn resting_odds(
+        self,
+        identified: &ParameterSet,
+        run: &RunOptions<'_>,
+    ) -> Result<RestingOdds> {
+        run.install(|| resting_odds(self, identified, run))?
+    }
+}
+
+fn resting_odds(
     mut definition: Definition,
     identified: &ParameterSet,
-    progress: impl Fn(usize) + Sync,
+    run: &RunOptions<'_>,
 ) -> Result<RestingOdds> {
     if definition.start == StartRule::Settled {
         return Err(definition.at_file(
@@ -111,11 +122,13 @@ pub fn resting_odds(
     let fixed = definition.set.clone().with_all(identified);
     let study = Study::new(definition)?;
     let done = AtomicUsize::new(0);
-    let ends = (0..study.cases().len())
+    let total = study.cases().len();
+    let ends = (0..total)
         .into_par_iter()
         .map(|case| {
+            run.go_on()?;
             let end = ends_of(&study, case, &fixed);
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
+            run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
             end
         })
         .collect::<Result<Vec<_>>>()?;
@@ -153,7 +166,7 @@ pub fn resting_odds(
             .map(|a| a.parameter.name.to_owned())
             .collect(),
         at_default,
-        start: study.definition().start_state.label(),
+        start: study.definition().start_used(),
         warnings,
     })
 }

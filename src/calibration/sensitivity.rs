@@ -9,6 +9,7 @@ use super::definition::StartRule;
 use super::score::{basis, outcome_scores};
 use super::study::Study;
 use crate::error::{Advice, Error, Result};
+use crate::optimization::RunOptions;
 use crate::simulation::Noise;
 use crate::simulation::parameter::{self, Assignment, Parameter, ParameterSet};
 use crate::statistics::{mean, standard_deviation};
@@ -66,12 +67,17 @@ pub struct Sensitivity {
 /// Perturbed repeats of the point.
 const REPEATS: u64 = 16;
 
-/// Tries a small change of every registered parameter around the study's fixed values, in parallel on the current rayon
-/// pool. `progress` hears how many simulations are done, from any thread.
-///
-/// # Errors
-/// A point that itself diverges, or a metric that cannot compare.
-pub fn sensitivity(study: &Study, progress: impl Fn(usize, usize) + Sync) -> Result<Sensitivity> {
+impl Study {
+    /// Tries a small change of every registered parameter around the study's fixed values.
+    ///
+    /// # Errors
+    /// A point that itself diverges, a metric that cannot compare, or the run was stopped.
+    pub fn sensitivity(&self, run: &RunOptions<'_>) -> Result<Sensitivity> {
+        run.install(|| sensitivity(self, run))?
+    }
+}
+
+fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
     let base = ParameterSet::new();
     let experiment = study.experiment_with(0, &base)?;
     let nudged: Vec<(&'static Parameter, f64, [Option<f64>; 2])> = parameter::all()
@@ -96,21 +102,22 @@ pub fn sensitivity(study: &Study, progress: impl Fn(usize, usize) + Sync) -> Res
     };
     let total = tasks.len() + repeats as usize;
     let done = AtomicUsize::new(0);
-    let report = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+    let report = || run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
     // A value that cannot be simulated (a radius wider than the cube) has no effect to tell, but is no failure.
     let outcomes: Vec<Option<Vec<Outcome>>> = tasks
         .par_iter()
         .map(|task| {
-            let outcomes = study.evaluate_set(task).ok();
+            run.go_on()?;
+            let outcomes = study.simulate_set(task).ok();
             report();
-            outcomes
+            Ok(outcomes)
         })
-        .collect();
+        .collect::<Result<_>>()?;
     let starts: Vec<Outcome> = (0..repeats)
         .into_par_iter()
         .map(|repeat| {
             let noise = Noise::careful_start();
-            let outcome = study.evaluate_perturbed(&tasks[0], &noise, repeat, 1.0);
+            let outcome = study.simulate_perturbed(&tasks[0], &noise, repeat, 1.0);
             report();
             outcome
         })

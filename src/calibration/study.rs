@@ -130,16 +130,16 @@ impl Study {
     ///
     /// # Errors
     /// A metric that cannot compare; a diverged simulation is an outcome, not an error.
-    pub fn evaluate(&self, index: usize) -> Result<Trial> {
-        self.evaluate_values(index, self.definition.grid.values(index))
+    pub fn simulate(&self, index: usize) -> Result<Trial> {
+        self.simulate_values(index, self.definition.grid.values(index))
     }
 
     /// Simulates every case at these values, as trial number `index`; cases run in parallel on the current rayon pool.
     ///
     /// # Errors
-    /// As [`Study::evaluate`].
-    pub fn evaluate_values(&self, index: usize, values: Vec<f64>) -> Result<Trial> {
-        let outcomes = self.evaluate_set(&self.parameter_set(&values))?;
+    /// As [`Study::simulate`].
+    pub(super) fn simulate_values(&self, index: usize, values: Vec<f64>) -> Result<Trial> {
+        let outcomes = self.simulate_set(&self.parameter_set(&values))?;
         Ok(Trial {
             index,
             values,
@@ -180,8 +180,8 @@ impl Study {
     /// Simulates case 0 with these parameters under `noise`, repeat number `repeat`, at `timestep_factor` times the timestep.
     ///
     /// # Errors
-    /// As [`Study::evaluate`].
-    pub fn evaluate_perturbed(
+    /// As [`Study::simulate`].
+    pub(super) fn simulate_perturbed(
         &self,
         set: &ParameterSet,
         noise: &Noise,
@@ -190,25 +190,25 @@ impl Study {
     ) -> Result<Outcome> {
         let mut experiment = self.experiment_with(0, set)?;
         experiment.solver.timestep_s *= timestep_factor;
-        self.evaluate_case(0, &noise.perturb(&experiment, self.definition.seed, repeat))
+        self.simulate_case(0, &noise.perturb(&experiment, self.definition.seed, repeat))
     }
 
     /// Simulates every case with these parameters; cases run in parallel on the current rayon pool.
     ///
     /// # Errors
-    /// As [`Study::evaluate`].
-    pub fn evaluate_set(&self, set: &ParameterSet) -> Result<Vec<Outcome>> {
+    /// As [`Study::simulate`].
+    pub(super) fn simulate_set(&self, set: &ParameterSet) -> Result<Vec<Outcome>> {
         (0..self.cases.len())
             .into_par_iter()
-            .map(|case| self.evaluate_case(case, &self.experiment_with(case, set)?))
+            .map(|case| self.simulate_case(case, &self.experiment_with(case, set)?))
             .collect()
     }
 
     /// Simulates every case at these values with other numerical settings.
     ///
     /// # Errors
-    /// As [`Study::evaluate`], and settings that cannot be simulated.
-    pub(super) fn evaluate_with_solver(
+    /// As [`Study::simulate`], and settings that cannot be simulated.
+    pub(super) fn simulate_with_solver(
         &self,
         values: &[f64],
         change: impl Fn(&mut Solver) + Sync,
@@ -218,7 +218,7 @@ impl Study {
             .map(|case| {
                 let mut experiment = self.experiment(case, values)?;
                 change(&mut experiment.solver);
-                self.evaluate_case(case, &experiment)
+                self.simulate_case(case, &experiment)
             })
             .collect::<Result<_>>()?;
         Ok(Trial {
@@ -248,7 +248,7 @@ impl Study {
         self.held_out.iter().filter(|held_out| !**held_out).count()
     }
 
-    fn evaluate_case(&self, case: usize, experiment: &Experiment) -> Result<Outcome> {
+    fn simulate_case(&self, case: usize, experiment: &Experiment) -> Result<Outcome> {
         let run = simulation::run(experiment)?;
         let motion = match run.outcome {
             simulation::Outcome::Completed(motion) => motion,

@@ -1,51 +1,62 @@
-//! The sweep: every point of a study, stored as it comes, scored at the end.
+//! The sweep: every point of a study, kept as it comes, scored at the end.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use super::answer::Answer;
-use super::keeping::Keeping;
+use super::keeping::{Keeping, Kept};
 use super::method::Method;
 use super::score::Scores;
 use super::study::Study;
 use crate::error::Result;
-use crate::optimization::{Evaluation, drive, pool};
+use crate::optimization::{Evaluation, RunOptions, drive};
 use crate::store::Mode;
 
-/// Evaluates every point of the study's grid into the store in `folder`.
-///
-/// The result does not depend on `jobs`, nor on how often the sweep was interrupted and resumed.
-///
-/// # Errors
-/// A folder in use, results of another study in it, a full disk, or a metric that cannot compare.
-pub fn sweep(
-    study: &Study,
-    folder: &Path,
-    mode: Mode,
-    jobs: usize,
-    stop: &AtomicBool,
-    progress: impl FnMut(usize),
-) -> Result<Answer> {
+impl Study {
+    /// Simulates every point of the study's grid and says what cannot be told from the best.
+    ///
+    /// The answer does not depend on the threads.
+    ///
+    /// # Errors
+    /// A grid too large to be swept, or a metric that cannot compare.
+    pub fn sweep(&self, run: &RunOptions<'_>) -> Result<Answer> {
+        sweep(self, None, run)
+    }
+
+    /// As [`Study::sweep`], with every trial kept in `folder` as it comes: an interrupted sweep can go on, and the answer has
+    /// the same bits however often that happened.
+    ///
+    /// # Errors
+    /// As [`Study::sweep`]; a folder in use, results of another study in it, a full disk.
+    pub fn sweep_into(&self, folder: &Path, mode: Mode, run: &RunOptions<'_>) -> Result<Answer> {
+        sweep(self, Some((folder, mode)), run)
+    }
+}
+
+fn sweep(study: &Study, folder: Option<(&Path, Mode)>, run: &RunOptions<'_>) -> Result<Answer> {
     let grid = &study.definition().grid;
     grid.check_size()
         .map_err(|e| study.definition().at_file(e))?;
     let points = grid.len();
-    let keeping = Keeping {
+    let kept = Kept {
         study,
         fingerprint: study.fingerprint(),
         kind: "sweep",
         expected: points,
     };
-    let mut store = keeping.open(folder, mode)?;
-    let evaluation = Evaluation { points, jobs, stop };
+    let mut keeping = Keeping::open(&kept, folder)?;
+    let evaluation = Evaluation {
+        points,
+        jobs: run.jobs,
+        stop: run.stop_flag(),
+    };
     let ending = drive(
         &evaluation,
-        &mut store,
-        |index| study.evaluate(index),
-        progress,
+        &mut keeping,
+        |index| study.simulate(index),
+        |done| run.tell(done, points, None),
     )?;
-    let scores = Scores::new(study, &store.trials()?)?;
-    keeping.score(&mut store, &scores.points)?;
-    keeping.end(&mut store, ending)?;
-    pool(jobs)?.install(|| Answer::new(study, Method::Sweep, ending, scores))
+    let scores = Scores::new(study, &keeping.trials()?)?;
+    keeping.score(&scores.points)?;
+    keeping.end(ending)?;
+    run.install(|| Answer::new(study, Method::Sweep, ending, scores))?
 }

@@ -1,20 +1,19 @@
 //! Tuning: an optimizer chooses the points, stored as they come.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use super::answer::Answer;
-use super::keeping::Keeping;
+use super::keeping::{Keeping, Kept};
 use super::method::{Method, Termination, Tuned};
 use super::score::{PointScore, Scores, basis};
 use super::study::Study;
 use crate::comparison::Basis;
 use crate::error::{Advice, Error, Result};
 use crate::optimization::{
-    Brief, Ending, Evaluation, History, Optimizer, Proposal, Told, UnitPoint, drive, pool,
-    space_filling,
+    Brief, Ending, Evaluation, History, Optimizer, Proposal, RunOptions, Told, UnitPoint,
+    default_optimizer, drive, space_filling,
 };
-use crate::store::{Mode, Store};
+use crate::store::{Mode, Storage};
 
 /// How to tune.
 #[derive(Debug, Clone, Copy)]
@@ -30,51 +29,75 @@ pub struct TuneOptions {
 /// Runs of the first design from which the basis of the `pca` metric is fitted (DESIGN, section 4).
 const BASIS_DESIGN: usize = 64;
 
-/// Evaluates the points that an optimizer asks for into the store in `folder`.
-///
-/// A metric with a basis gets it from the recordings and a space-filling first design, frozen before the optimizer
-/// begins. The result depends on the study, the optimizer, its seed and the budget, not on `jobs` nor on how often it was
-/// interrupted and resumed; a larger budget goes on where a smaller one ended. `progress` hears the points finished
-/// and the best score so far.
-///
-/// # Errors
-/// As [`sweep`](super::sweep); a budget that does not hold the first design and one batch.
-pub fn tune(
+impl Default for TuneOptions {
+    /// A hundred points that CMA-ES chooses.
+    fn default() -> Self {
+        Self {
+            optimizer: default_optimizer(),
+            budget: 100,
+            patience: None,
+        }
+    }
+}
+
+impl Study {
+    /// Simulates the points that an optimizer asks for and says what cannot be told from the best.
+    ///
+    /// A metric with a basis gets it from the recordings and a space-filling first design, frozen before the optimizer
+    /// begins. The answer depends on the study, the optimizer, its seed and the budget, not on the threads.
+    ///
+    /// # Errors
+    /// A budget that does not hold the first design and one batch, or a metric that cannot compare.
+    pub fn tune(&self, options: &TuneOptions, run: &RunOptions<'_>) -> Result<Answer> {
+        tune(self, None, options, run)
+    }
+
+    /// As [`Study::tune`], with every trial kept in `folder` as it comes: the answer has the same bits however often the run
+    /// was interrupted and resumed, and a larger budget goes on where a smaller one ended.
+    ///
+    /// # Errors
+    /// As [`Study::tune`]; a folder in use, results of another study in it, a full disk.
+    pub fn tune_into(
+        &self,
+        folder: &Path,
+        mode: Mode,
+        options: &TuneOptions,
+        run: &RunOptions<'_>,
+    ) -> Result<Answer> {
+        tune(self, Some((folder, mode)), options, run)
+    }
+}
+
+fn tune(
     study: &Study,
-    folder: &Path,
-    mode: Mode,
-    jobs: usize,
+    folder: Option<(&Path, Mode)>,
     options: &TuneOptions,
-    stop: &AtomicBool,
-    progress: impl FnMut(usize, Option<f64>),
+    run: &RunOptions<'_>,
 ) -> Result<Answer> {
-    let mut tuning = Tuning::open(study, folder, mode, jobs, options, stop, progress)?;
-    let termination = tuning.run()?;
+    let mut tuning = Tuning::open(study, folder, options, run)?;
+    let termination = tuning.search()?;
     let ending = match termination {
         Termination::Interrupted => Ending::Interrupted,
         _ => Ending::Complete,
     };
     let scores = tuning.scores()?;
-    tuning.keeping.score(&mut tuning.store, &scores.points)?;
-    tuning.keeping.end(&mut tuning.store, ending)?;
+    tuning.keeping.score(&scores.points)?;
+    tuning.keeping.end(ending)?;
     let method = Method::Tune(Tuned {
         optimizer: options.optimizer.name(),
         budget: options.budget,
         design: tuning.design.len(),
         termination,
     });
-    pool(jobs)?.install(|| Answer::new(study, method, ending, scores))
+    run.install(|| Answer::new(study, method, ending, scores))?
 }
 
-struct Tuning<'a, P> {
+struct Tuning<'a> {
     study: &'a Study,
     options: &'a TuneOptions,
     brief: Brief,
-    keeping: Keeping<'a>,
-    store: Store,
-    jobs: usize,
-    stop: &'a AtomicBool,
-    progress: P,
+    run: &'a RunOptions<'a>,
+    keeping: Keeping,
     design: Vec<UnitPoint>,
     basis: Option<Basis>,
     told: Vec<Told>,
@@ -82,15 +105,12 @@ struct Tuning<'a, P> {
     since_best: usize,
 }
 
-impl<'a, P: FnMut(usize, Option<f64>)> Tuning<'a, P> {
+impl<'a> Tuning<'a> {
     fn open(
         study: &'a Study,
-        folder: &Path,
-        mode: Mode,
-        jobs: usize,
+        folder: Option<(&Path, Mode)>,
         options: &'a TuneOptions,
-        stop: &'a AtomicBool,
-        progress: P,
+        run: &'a RunOptions<'a>,
     ) -> Result<Self> {
         let definition = study.definition();
         let points: Vec<usize> = definition
@@ -132,23 +152,19 @@ impl<'a, P: FnMut(usize, Option<f64>)> Tuning<'a, P> {
         if options.optimizer.depends_on_budget() {
             fingerprint = fingerprint.with("budget", options.budget);
         }
-        let keeping = Keeping {
+        let kept = Kept {
             study,
             fingerprint,
             kind: "tune",
             expected: options.budget,
         };
-        let store = keeping.open(folder, mode)?;
         Ok(Self {
             study,
             options,
             design: space_filling(brief.dimensions(), 0, design, brief.seed),
             brief,
-            keeping,
-            store,
-            jobs,
-            stop,
-            progress,
+            run,
+            keeping: Keeping::open(&kept, folder)?,
             basis: None,
             told: Vec::new(),
             best: None,
@@ -156,12 +172,12 @@ impl<'a, P: FnMut(usize, Option<f64>)> Tuning<'a, P> {
         })
     }
 
-    fn run(&mut self) -> Result<Termination> {
+    fn search(&mut self) -> Result<Termination> {
         let design = self.design.clone();
         if self.evaluate(&design)? == Ending::Interrupted {
             return Ok(Termination::Interrupted);
         }
-        let trials = self.store.trials_within(0..design.len())?;
+        let trials = self.keeping.rows_within(0..design.len())?;
         self.basis = basis(self.study, trials.iter().flat_map(|trial| &trial.outcomes))?;
         self.tell(&design)?;
         loop {
@@ -195,21 +211,20 @@ impl<'a, P: FnMut(usize, Option<f64>)> Tuning<'a, P> {
         let ranges = self.study.definition().grid.ranges();
         let evaluation = Evaluation {
             points: offset + candidates.len(),
-            jobs: self.jobs,
-            stop: self.stop,
+            jobs: self.run.jobs,
+            stop: self.run.stop_flag(),
         };
-        let (progress, best) = (&mut self.progress, self.best);
         drive(
             &evaluation,
-            &mut self.store,
+            &mut self.keeping,
             |index| {
                 let point = candidates[index - offset].iter().zip(ranges);
                 let values = point
                     .map(|(coordinate, range)| range.at(*coordinate))
                     .collect();
-                self.study.evaluate_values(index, values)
+                self.study.simulate_values(index, values)
             },
-            |done| progress(done, best),
+            |done| self.run.tell(done, self.options.budget, self.best),
         )
     }
 
@@ -217,8 +232,8 @@ impl<'a, P: FnMut(usize, Option<f64>)> Tuning<'a, P> {
     fn tell(&mut self, candidates: &[UnitPoint]) -> Result<()> {
         let offset = self.told.len();
         let trials = self
-            .store
-            .trials_within(offset..offset + candidates.len())?;
+            .keeping
+            .rows_within(offset..offset + candidates.len())?;
         let scores = Scores::with_basis(self.study, &trials, self.basis.clone())?;
         for (point, scored) in candidates.iter().zip(&scores.points) {
             self.notice(scored);
@@ -227,8 +242,9 @@ impl<'a, P: FnMut(usize, Option<f64>)> Tuning<'a, P> {
                 score: scored.score,
             });
         }
-        self.keeping.score(&mut self.store, &scores.points)?;
-        (self.progress)(self.told.len(), self.best);
+        self.keeping.score(&scores.points)?;
+        self.run
+            .tell(self.told.len(), self.options.budget, self.best);
         Ok(())
     }
 
@@ -244,7 +260,7 @@ impl<'a, P: FnMut(usize, Option<f64>)> Tuning<'a, P> {
 
     /// Scores of everything evaluated, also of a batch that was interrupted.
     fn scores(&self) -> Result<Scores> {
-        let trials = self.store.trials()?;
+        let trials = self.keeping.trials()?;
         match &self.basis {
             Some(basis) => Scores::with_basis(self.study, &trials, Some(basis.clone())),
             None => Scores::new(self.study, &trials),

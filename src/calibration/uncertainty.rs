@@ -12,6 +12,16 @@ pub enum UncertaintySource {
     Ensemble,
 }
 
+impl UncertaintySource {
+    /// For people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Bootstrap => "bootstrap over recordings",
+            Self::Ensemble => "perturbed starts of the best point",
+        }
+    }
+}
+
 /// The set of points that fit as well as the best within the uncertainty of the scores.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {

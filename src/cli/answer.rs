@@ -4,11 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::calibration::UncertaintySource;
 use realgap::calibration::{Answer, Mode, Overrides, Split, Study};
 use realgap::optimization::Ending;
-use realgap::plot::quantity;
-use realgap::results::{self, Summary};
+use realgap::results;
 use realgap::unit::counted;
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
@@ -113,21 +111,26 @@ impl StudyOptions {
         folder: &Path,
         wall_s: f64,
     ) -> Result<ExitCode> {
-        let summary = results::write(folder, study, answer)?;
+        results::write(folder, study, answer)?;
+        let report = &answer.report;
         terminal::print_warnings(
-            summary
+            report
                 .warnings
                 .iter()
                 .filter(|w| !study.warnings().contains(w)),
         );
         match self.format {
-            Format::Json => terminal::print(terminal::json(&summary)?),
-            Format::Table => print(&summary, folder, study, wall_s, self.jobs()),
+            Format::Json => terminal::print(terminal::json(report)?),
+            Format::Table => terminal::print(format!(
+                "{answer}\n  {wall_s:.1} s on {}\n  results in {}: summary.json, best.ron, points.csv and pictures",
+                counted(self.jobs(), "thread"),
+                folder.display()
+            )),
         }
         if answer.ending == Ending::Interrupted {
             return Err(Error::interrupted(format!(
                 "interrupted after {} of {} points; all of them are saved",
-                summary.points, summary.points_total
+                report.points, report.points_total
             ))
             .at_file(folder)
             .hint(format!(
@@ -135,77 +138,11 @@ impl StudyOptions {
                 self.study.display()
             )));
         }
-        if summary.best.is_none() {
+        if report.best.is_none() {
             return Err(Error::invalid("every point diverged, so there is no best one")
                 .at_file(&self.study)
                 .hint("check the robot with `realgap simulate`, then a shorter timestep or more substeps"));
         }
         Ok(ExitCode::SUCCESS)
     }
-}
-
-fn print(summary: &Summary, folder: &Path, study: &Study, wall_s: f64, jobs: usize) {
-    let mut lines = vec![format!(
-        "{}: {} of {}, {}, {wall_s:.1} s on {}",
-        summary.study,
-        summary.points,
-        counted(summary.points_total, "point"),
-        counted(summary.recordings, "recording"),
-        counted(jobs, "thread"),
-    )];
-    let unit = study.definition().metric.unit();
-    if let Some(best) = &summary.best {
-        let values: Vec<String> = best
-            .parameters
-            .iter()
-            .map(|(name, value)| format!("{name} = {value:.4}"))
-            .collect();
-        lines.push(format!("  best: {}", values.join(", ")));
-        lines.push(format!(
-            "  {} discrepancy {}",
-            summary.metric,
-            quantity(best.score, unit)
-        ));
-        if let Some(pose) = &summary.pose {
-            lines.push(format!(
-                "  mean position error {:.2} % of the body length, mean rotation error {:.2} deg",
-                pose.position_percent, pose.rotation_deg
-            ));
-        }
-    }
-    if let Some(validation) = &summary.validation {
-        lines.push(format!(
-            "  held out ({}): {} where the fitted recordings have {} (difference {} +- {})",
-            validation.split,
-            quantity(validation.held_out_score, unit),
-            quantity(validation.fit_score, unit),
-            quantity(validation.held_out_score - validation.fit_score, unit),
-            quantity(validation.difference_standard_error, unit),
-        ));
-    }
-    if let Some(uncertainty) = &summary.uncertainty {
-        let source = match uncertainty.source {
-            UncertaintySource::Bootstrap => "bootstrap over recordings",
-            UncertaintySource::Ensemble => "perturbed starts of the best point",
-        };
-        lines.push(format!(
-            "  {} of {} points cannot be told apart from it at {:.0} % ({source})",
-            uncertainty.indistinguishable,
-            summary.points,
-            100.0 * uncertainty.level
-        ));
-    }
-    let verdicts = summary.verdicts.iter();
-    lines.extend(verdicts.map(|verdict| format!("  {}", verdict.text)));
-    if let Some(audit) = &summary.audit {
-        lines.push(format!(
-            "  half and double timestep and substeps change the score by up to {}",
-            quantity(audit.largest_change, unit)
-        ));
-    }
-    lines.push(format!(
-        "  results in {}: summary.json, best.ron, points.csv and pictures",
-        folder.display()
-    ));
-    terminal::print(lines.join("\n"));
 }

@@ -6,8 +6,9 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::Result;
 use realgap::calibration::identification::StartState;
-use realgap::calibration::{Average, Evaluation, Overrides, evaluate};
+use realgap::calibration::{Average, Evaluation, Overrides};
 use realgap::comparison::Pose;
+use realgap::optimization::RunOptions;
 use realgap::plot::{Side, TextTable};
 use realgap::simulation::parameter::ParameterSet;
 use realgap::unit::counted;
@@ -51,14 +52,15 @@ impl Evaluate {
             ..self.recordings.overrides()?
         };
         let study = read_study(&self.study, &overrides)?;
-        let pool = self.jobs.pool()?;
         let bar = progress::bar(study.cases().len(), "evaluating");
+        let follow = progress::follow(&bar);
+        let run = RunOptions {
+            jobs: self.jobs.count(),
+            progress: Some(&follow),
+            ..RunOptions::default()
+        };
         // Every value is in the study's own set by now.
-        let result = pool.install(|| {
-            evaluate(&study, &ParameterSet::new(), |done| {
-                bar.set_position(done as u64)
-            })
-        });
+        let result = study.evaluate(&ParameterSet::new(), &run);
         bar.finish_and_clear();
         let mut result = result?;
         terminal::print_warnings(&result.warnings);

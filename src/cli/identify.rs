@@ -5,9 +5,10 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use realgap::calibration::identification::{Identification, Interval, LengthReading, identify};
-use realgap::calibration::{BestFile, Definition, Overrides, RestingOdds, StartRule, resting_odds};
+use realgap::calibration::{BestFile, Definition, Overrides, RestingOdds, StartRule};
 use realgap::comparison::Pose;
 use realgap::file::{check_writable, write_atomic, write_ron};
+use realgap::optimization::RunOptions;
 use realgap::plot::{Side, TextTable};
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::unit::counted;
@@ -142,7 +143,12 @@ fn simulate_rest(
         .map(|(name, value)| Assignment::new(name, *value))
         .collect::<Result<ParameterSet>>()?;
     let bar = progress::bar(found.rest.at_rest, "simulating");
-    let odds = resting_odds(study, &identified, |done| bar.set_position(done as u64));
+    let follow = progress::follow(&bar);
+    let run = RunOptions {
+        progress: Some(&follow),
+        ..RunOptions::default()
+    };
+    let odds = study.resting_odds(&identified, &run);
     bar.finish_and_clear();
     let odds = odds?;
     let warnings = odds.warnings.clone();

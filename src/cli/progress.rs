@@ -1,8 +1,24 @@
 //! A progress bar with rate and time left; quiet where standard error is not a terminal.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use realgap::optimization::Progress;
+
+/// What keeps a bar where the run is.
+pub fn follow(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {
+    let begun = AtomicBool::new(false);
+    move |progress| {
+        bar.set_length(progress.total as u64);
+        if !begun.swap(true, Ordering::Relaxed) {
+            // Rate and time left count from here, not from what an earlier run did.
+            bar.set_position(progress.done as u64);
+            bar.reset_eta();
+        }
+        bar.set_position(progress.done as u64);
+    }
+}
 
 /// A bar of `total` steps. It draws nothing in the first instants, so short work stays quiet.
 pub fn bar(total: usize, what: &str) -> ProgressBar {

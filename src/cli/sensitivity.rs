@@ -5,7 +5,8 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::Result;
-use realgap::calibration::{Overrides, Sensitivity as Effects, Study, sensitivity};
+use realgap::calibration::{Overrides, Sensitivity as Effects, Study};
+use realgap::optimization::RunOptions;
 use realgap::plot::{
     Bar, BarChart, Side, TextTable, check_picture_path, draw_bars, number, quantity,
 };
@@ -52,12 +53,13 @@ impl Sensitivity {
         };
         let study = read_study(&self.study, &overrides)?;
         let bar = progress::bar(0, "nudging");
-        let result = self.jobs.pool()?.install(|| {
-            sensitivity(&study, |done, total| {
-                bar.set_length(total as u64);
-                bar.set_position(done as u64);
-            })
-        });
+        let follow = progress::follow(&bar);
+        let run = RunOptions {
+            jobs: self.jobs.count(),
+            progress: Some(&follow),
+            ..RunOptions::default()
+        };
+        let result = study.sensitivity(&run);
         bar.finish_and_clear();
         let result = result?;
         terminal::print_warnings(&result.warnings);

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 use realgap::Result;
-use realgap::calibration::sweep;
+use realgap::optimization::RunOptions;
 
 use super::answer::StudyOptions;
 use super::{interrupt, progress};
@@ -31,24 +31,14 @@ impl Sweep {
         let folder = options.folder(&study, "");
         let stop = interrupt::stop_flag()?;
         let bar = progress::bar(study.definition().grid.len(), "sweeping");
+        let follow = progress::follow(&bar);
         let started = Instant::now();
-        let mut first = None;
-        let result = sweep(
-            &study,
-            &folder,
-            options.mode(),
-            options.jobs(),
-            stop,
-            |done| {
-                if first.is_none() {
-                    first = Some(done);
-                    // Rate and time left count from here, not from what an earlier run did.
-                    bar.set_position(done as u64);
-                    bar.reset_eta();
-                }
-                bar.set_position(done as u64);
-            },
-        );
+        let run = RunOptions {
+            jobs: options.jobs(),
+            stop: Some(stop),
+            progress: Some(&follow),
+        };
+        let result = study.sweep_into(&folder, options.mode(), &run);
         bar.finish_and_clear();
         let wall_s = started.elapsed().as_secs_f64();
         options.finish("sweep", &study, &result?, &folder, wall_s)

@@ -4,8 +4,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
-use realgap::calibration::{TuneOptions, tune};
-use realgap::optimization::{OPTIMIZERS, optimizer_by_name};
+use realgap::calibration::TuneOptions;
+use realgap::optimization::{OPTIMIZERS, Progress, RunOptions, optimizer_by_name};
 use realgap::plot::quantity;
 use realgap::{Error, Result};
 
@@ -57,20 +57,19 @@ impl Tune {
         let bar = progress::bar(self.budget, "tuning");
         let started = Instant::now();
         let unit = study.definition().metric.unit();
-        let result = tune(
-            &study,
-            &folder,
-            options.mode(),
-            options.jobs(),
-            &tuning,
-            stop,
-            |done, best| {
-                bar.set_position(done as u64);
-                if let Some(best) = best {
-                    bar.set_message(format!("tuning, best {}", quantity(best, unit)));
-                }
-            },
-        );
+        let follow = progress::follow(&bar);
+        let say = |progress: Progress| {
+            follow(progress);
+            if let Some(best) = progress.best {
+                bar.set_message(format!("tuning, best {}", quantity(best, unit)));
+            }
+        };
+        let run = RunOptions {
+            jobs: options.jobs(),
+            stop: Some(stop),
+            progress: Some(&say),
+        };
+        let result = study.tune_into(&folder, options.mode(), &tuning, &run);
         bar.finish_and_clear();
         let wall_s = started.elapsed().as_secs_f64();
         options.finish("tune", &study, &result?, &folder, wall_s)

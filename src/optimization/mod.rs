@@ -10,7 +10,7 @@ mod options;
 pub use driver::{Ending, Evaluation, drive, pool};
 pub use grid::{Grid, MAX_POINTS, Range};
 pub use optimizer::{
-    Brief, History, OPTIMIZERS, Optimizer, Proposal, Told, UnitPoint, optimizer_by_name,
-    space_filling,
+    Brief, History, OPTIMIZERS, Optimizer, Proposal, Told, UnitPoint, default_optimizer,
+    optimizer_by_name, space_filling,
 };
 pub use options::{Progress, RunOptions};

@@ -3,6 +3,9 @@
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::driver::pool;
+use crate::error::{Error, Result};
+
 /// How far a run is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
@@ -54,6 +57,26 @@ impl RunOptions<'_> {
     pub fn stop_flag(&self) -> &AtomicBool {
         static NEVER: AtomicBool = AtomicBool::new(false);
         self.stop.unwrap_or(&NEVER)
+    }
+
+    /// For work that is nothing before it is whole.
+    ///
+    /// # Errors
+    /// Somebody asked to stop.
+    pub(crate) fn go_on(&self) -> Result<()> {
+        if self.is_stopped() {
+            return Err(Error::interrupted("interrupted before the end")
+                .hint("run it again; the same numbers come out"));
+        }
+        Ok(())
+    }
+
+    /// Does `work` on so many threads.
+    ///
+    /// # Errors
+    /// More threads than the system gives.
+    pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> Result<R> {
+        Ok(pool(self.jobs)?.install(work))
     }
 
     /// Tells whoever listens.

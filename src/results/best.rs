@@ -2,22 +2,17 @@
 
 use std::path::Path;
 
-use super::summary::Summary;
 use crate::calibration::{Answer, BestFile, Study};
 use crate::error::Result;
 use crate::file::{write_atomic, write_ron};
 use crate::unit::counted;
 
-pub(super) fn write(
-    folder: &Path,
-    study: &Study,
-    answer: &Answer,
-    summary: &Summary,
-) -> Result<()> {
-    let Some(best) = &summary.best else {
+pub(super) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
+    let report = &answer.report;
+    let Some(best) = &report.best else {
         return Ok(());
     };
-    let verdicts: Vec<&str> = summary
+    let verdicts: Vec<&str> = report
         .verdicts
         .iter()
         .map(|verdict| verdict.text.as_str())
@@ -32,11 +27,11 @@ pub(super) fn write(
         description: format!(
             "Best of {} of the study {} ({}, {} = {} {}). {}.",
             counted(answer.scores.points.len(), "point"),
-            summary.study,
-            counted(summary.recordings, "recording"),
-            summary.metric,
+            report.study,
+            counted(report.recordings, "recording"),
+            report.metric,
             best.score,
-            summary.unit,
+            report.unit.label(),
             verdicts.join(". "),
         ),
         parameters: fixed.chain(best.parameters.clone()).collect(),

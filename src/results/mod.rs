@@ -6,9 +6,7 @@ mod ensemble;
 mod gap;
 mod picture;
 mod search;
-mod summary;
 mod table;
-mod verdict;
 
 use std::path::Path;
 
@@ -18,14 +16,15 @@ use crate::error::{Error, Result};
 pub use ensemble::{EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report};
 pub use gap::draw_gap;
 pub use search::{BestRobot, SearchSummary, write_search};
-pub use summary::{Best, Correlation, Summary};
-pub use verdict::Verdict;
 
-/// Writes everything into `folder`, next to the store, and returns the summary.
+/// Writes what an answer holds into `folder`, next to the store where there is one: tables, pictures, the report, the best
+/// values.
 ///
 /// # Errors
 /// A full disk or an unwritable folder.
-pub fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<Summary> {
+pub fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
+    std::fs::create_dir_all(folder)
+        .map_err(|e| Error::io("make the results folder", folder, &e))?;
     remove_old(folder)?;
     table::write_points(folder, study, answer)?;
     table::write_indistinguishable(folder, study, answer)?;
@@ -34,11 +33,9 @@ pub fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<Summary> {
     if let Method::Tune(tuned) = &answer.method {
         convergence::write_trials(folder, study, answer, tuned)?;
     }
-    let summary = Summary::new(study, answer)?;
-    summary.write(folder)?;
-    best::write(folder, study, answer, &summary)?;
-    picture::draw(folder, study, answer, &summary)?;
-    Ok(summary)
+    write_report(folder, "summary.json", &answer.report)?;
+    best::write(folder, study, answer)?;
+    picture::draw(folder, study, answer)
 }
 
 /// Removes what an earlier run wrote for people: a heat map must not outlive its study.

@@ -9,18 +9,17 @@ use crate::plot::{
     AxisSpec, Curve, HeatMap, Panel, PanelGrid, ScoreScale, Truth, draw_curve, draw_heat_map,
     draw_panels,
 };
-use crate::trajectory::{Prepared, Source};
+use crate::trajectory::Prepared;
 use crate::unit::counted;
 
 use super::convergence;
-use super::summary::Summary;
 
 /// Draws everything that the points evaluated so far allow.
-pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer, summary: &Summary) -> Result<()> {
+pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
     if answer.scores.points.is_empty() {
         return Ok(());
     }
-    let map = Map::new(study, answer, summary);
+    let map = Map::new(study, answer);
     let ranges = study.definition().grid.ranges();
     if ranges.len() > 1 {
         map.draw_profiles(folder)?;
@@ -60,7 +59,8 @@ struct Map<'a> {
 }
 
 impl<'a> Map<'a> {
-    fn new(study: &'a Study, answer: &'a Answer, summary: &Summary) -> Self {
+    fn new(study: &'a Study, answer: &'a Answer) -> Self {
+        let report = &answer.report;
         let definition = study.definition();
         let cells = cells(study, answer);
         let source = Source::of(&definition.recordings);
@@ -71,12 +71,12 @@ impl<'a> Map<'a> {
             source.recordings_label()
         );
         if let Method::Tune(tuned) = &answer.method {
-            subtitle += &format!("; {} points chosen by {}", summary.points, tuned.optimizer);
+            subtitle += &format!("; {} points chosen by {}", report.points, tuned.optimizer);
         }
-        if !summary.complete {
+        if !report.complete {
             subtitle += &format!(
                 " - INCOMPLETE: {} of {} points",
-                summary.points, summary.points_total
+                report.points, report.points_total
             );
         }
         Self {

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use realgap::calibration::identification::{LengthReading, StartState, identify};
-use realgap::calibration::{Definition, Overrides, Part, Study, evaluate, read_parameters};
+use realgap::calibration::{Definition, Overrides, Part, Study, read_parameters};
+use realgap::optimization::RunOptions;
 use realgap::simulation::parameter::ParameterSet;
 
 use super::standin::study;
@@ -81,7 +82,9 @@ fn the_committed_fit_reaches_the_goal_on_tosses_it_has_not_seen() {
             ..Overrides::default()
         };
         let study = Study::read(study(), &overrides).unwrap();
-        evaluate(&study, &ParameterSet::new(), |_| ()).unwrap()
+        study
+            .evaluate(&ParameterSet::new(), &RunOptions::default())
+            .unwrap()
     };
     let first = errors(StartState::FirstSample);
     assert_eq!(first.recordings, 199);

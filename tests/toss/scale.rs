@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use realgap::calibration::identification::StartState;
-use realgap::calibration::{Overrides, Scores, Study, evaluate};
+use realgap::calibration::{Overrides, Scores, Study};
 use realgap::comparison::by_name;
+use realgap::optimization::RunOptions;
 use realgap::simulation::parameter::ParameterSet;
 
 use super::standin::{EXACT, Tracker, cube, tosses, write};
@@ -51,7 +52,7 @@ fn scores_and_errors_are_those_of_true_lengths() {
             let a = study(right.path(), &right_glob, metric, start, "1");
             let b = study(short.path(), &short_glob, metric, start, "0.5");
             let score = |p: &Study| {
-                let trials = [p.evaluate(0).unwrap(), p.evaluate(1).unwrap()];
+                let trials = [p.simulate(0).unwrap(), p.simulate(1).unwrap()];
                 let scores = Scores::new(p, &trials).unwrap();
                 let points: Vec<f64> = scores
                     .points
@@ -84,8 +85,8 @@ fn scores_and_errors_are_those_of_true_lengths() {
     );
     let none = ParameterSet::new();
     let (a, b) = (
-        evaluate(&a, &none, |_| ()).unwrap(),
-        evaluate(&b, &none, |_| ()).unwrap(),
+        a.evaluate(&none, &RunOptions::default()).unwrap(),
+        b.evaluate(&none, &RunOptions::default()).unwrap(),
     );
     assert!((a.position_percent.mean - b.position_percent.mean).abs() < 1e-5);
     assert_eq!(a.resting_faces, b.resting_faces);
@@ -97,7 +98,7 @@ fn a_scale_that_is_not_set_right_changes_the_run() {
     let glob = write(folder.path(), &tosses(&cube(), &EXACT, 2));
     let mean = |scale: &str| {
         let p = study(folder.path(), &glob, "pose", StartState::FirstSample, scale);
-        evaluate(&p, &ParameterSet::new(), |_| ())
+        p.evaluate(&ParameterSet::new(), &RunOptions::default())
             .unwrap()
             .position_percent
             .mean

@@ -120,6 +120,11 @@ pub trait Optimizer: Sync {
 pub const OPTIMIZERS: &[&dyn Optimizer] =
     &[&FullGrid, &Random, &NelderMead, &Swarm, &CmaEs, &Bayesian];
 
+/// The optimizer of those who name none.
+pub fn default_optimizer() -> &'static dyn Optimizer {
+    &CmaEs
+}
+
 /// The optimizer with this name.
 ///
 /// # Errors

@@ -1,8 +1,14 @@
 //! What the recordings say about each parameter, in plain language.
 
+use std::fmt;
+
 use serde::Serialize;
 
-use crate::calibration::{Answer, INTERVAL_LEVEL, Study};
+use super::answer::INTERVAL_LEVEL;
+use super::posterior::BestDraws;
+use super::score::Scores;
+use super::study::Study;
+use super::uncertainty::Uncertainty;
 use crate::optimization::Range;
 
 /// One parameter's best value and the range that fits as well.
@@ -29,12 +35,23 @@ pub struct Verdict {
 /// Above this share of the searched range a parameter counts as not determined.
 const UNIDENTIFIED_SHARE: f64 = 0.5;
 
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
 /// One verdict per parameter; none where no point has a score.
-pub(super) fn verdicts(study: &Study, answer: &Answer) -> Vec<Verdict> {
-    let (Some(best), Some(uncertainty)) = (answer.scores.best, &answer.uncertainty) else {
+pub(super) fn verdicts(
+    study: &Study,
+    scores: &Scores,
+    uncertainty: Option<&Uncertainty>,
+    draws: Option<&BestDraws>,
+) -> Vec<Verdict> {
+    let (Some(best), Some(uncertainty)) = (scores.best, uncertainty) else {
         return Vec::new();
     };
-    let points = &answer.scores.points;
+    let points = &scores.points;
     let ranges = study.definition().grid.ranges();
     ranges
         .iter()
@@ -47,10 +64,7 @@ pub(super) fn verdicts(study: &Study, answer: &Answer) -> Vec<Verdict> {
             let values: Vec<f64> = set.map(|(point, _)| point.values[dimension]).collect();
             let low = values.iter().copied().fold(f64::INFINITY, f64::min);
             let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let interval = answer
-                .draws
-                .as_ref()
-                .map(|draws| draws.interval(dimension, INTERVAL_LEVEL));
+            let interval = draws.map(|draws| draws.interval(dimension, INTERVAL_LEVEL));
             verdict(range, points[best].values[dimension], (low, high), interval)
         })
         .collect()

@@ -1,24 +1,28 @@
-//! `summary.json`: the answer with its uncertainty and where it comes from.
+//! What an answer says, put into numbers and sentences.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::fmt;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
+use super::audit::Audit;
+use super::method::{Method, Tuned};
+use super::posterior::BestDraws;
+use super::score::Scores;
+use super::study::Study;
+use super::uncertainty::{Uncertainty, UncertaintySource};
+use super::validation::Validation;
 use super::verdict::{Verdict, verdicts};
-use crate::calibration::UncertaintySource;
-use crate::calibration::{Answer, Audit, Method, Study, Tuned, Validation};
 use crate::comparison::pose_errors;
-use crate::error::{Error, Result};
-use crate::file::write_atomic;
+use crate::error::Result;
 use crate::optimization::Ending;
-use crate::plot::quantity;
 use crate::simulation;
+use crate::unit::{Unit, counted, quantity};
 use crate::warning::{Code, Warning};
 
-/// The answer of a answer.
+/// What a sweep or tuning says, with how sure it is and where it comes from; its `Display` is for people.
 #[derive(Debug, Clone, Serialize)]
-pub struct Summary {
+pub struct Report {
     /// Name of the study.
     pub study: String,
     /// What it is for.
@@ -38,11 +42,12 @@ pub struct Summary {
     /// The metric.
     pub metric: &'static str,
     /// Its unit.
-    pub unit: &'static str,
+    #[serde(serialize_with = "as_label")]
+    pub unit: Unit,
     /// The best point; `None` when every point diverged.
     pub best: Option<Best>,
     /// How sure the best point is.
-    pub uncertainty: Option<UncertaintySummary>,
+    pub uncertainty: Option<HowSure>,
     /// What the recordings say about each parameter.
     pub verdicts: Vec<Verdict>,
     /// How the best values of two parameters move together when reality is sampled again.
@@ -54,7 +59,7 @@ pub struct Summary {
     /// Principal components kept and the share of the variance each explains, where the metric uses them.
     pub components: Option<Vec<f64>>,
     /// Pose errors of the best point, where the recordings have orientations.
-    pub pose: Option<PoseSummary>,
+    pub pose: Option<PoseErrors>,
     /// Versions, settings and input hashes.
     pub provenance: BTreeMap<String, String>,
     /// What the reader should know.
@@ -85,7 +90,7 @@ pub struct Correlation {
 
 /// How sure the best point is.
 #[derive(Debug, Clone, Serialize)]
-pub struct UncertaintySummary {
+pub struct HowSure {
     /// Where it comes from.
     pub source: UncertaintySource,
     /// Confidence level.
@@ -100,17 +105,99 @@ pub struct UncertaintySummary {
 
 /// Mean over recordings of the pose errors of the best point.
 #[derive(Debug, Clone, Serialize)]
-pub struct PoseSummary {
+pub struct PoseErrors {
     /// Mean position error, percent of the body length.
     pub position_percent: f64,
     /// Mean rotation error, degrees.
     pub rotation_deg: f64,
 }
 
-impl Summary {
-    pub(super) fn new(study: &Study, answer: &Answer) -> Result<Self> {
+/// What a report is made from.
+pub(super) struct Evidence<'a> {
+    pub method: &'a Method,
+    pub ending: Ending,
+    pub scores: &'a Scores,
+    pub uncertainty: Option<&'a Uncertainty>,
+    pub draws: Option<&'a BestDraws>,
+    pub audit: Option<Audit>,
+    pub validation: Option<Validation>,
+}
+
+fn as_label<S: Serializer>(unit: &Unit, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    serializer.serialize_str(unit.label())
+}
+
+impl fmt::Display for Report {
+    /// A line for the study, and one for each thing that the report says.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}: {} of {}, {}",
+            self.study,
+            self.points,
+            counted(self.points_total, "point"),
+            counted(self.recordings, "recording"),
+        )?;
+        if let Some(best) = &self.best {
+            let values: Vec<String> = best
+                .parameters
+                .iter()
+                .map(|(name, value)| format!("{name} = {value:.4}"))
+                .collect();
+            write!(
+                f,
+                "\n  best: {}\n  {} discrepancy {}",
+                values.join(", "),
+                self.metric,
+                quantity(best.score, self.unit)
+            )?;
+        }
+        if let Some(pose) = &self.pose {
+            write!(
+                f,
+                "\n  mean position error {:.2} % of the body length, mean rotation error {:.2} deg",
+                pose.position_percent, pose.rotation_deg
+            )?;
+        }
+        if let Some(validation) = &self.validation {
+            write!(
+                f,
+                "\n  held out ({}): {} where the fitted recordings have {} (difference {} +- {})",
+                validation.split,
+                quantity(validation.held_out_score, self.unit),
+                quantity(validation.fit_score, self.unit),
+                quantity(validation.held_out_score - validation.fit_score, self.unit),
+                quantity(validation.difference_standard_error, self.unit),
+            )?;
+        }
+        if let Some(sure) = &self.uncertainty {
+            write!(
+                f,
+                "\n  {} of {} points cannot be told apart from it at {:.0} % ({})",
+                sure.indistinguishable,
+                self.points,
+                100.0 * sure.level,
+                sure.source.label()
+            )?;
+        }
+        for verdict in &self.verdicts {
+            write!(f, "\n  {verdict}")?;
+        }
+        if let Some(audit) = &self.audit {
+            write!(
+                f,
+                "\n  half and double timestep and substeps change the score by up to {}",
+                quantity(audit.largest_change, self.unit)
+            )?;
+        }
+        Ok(())
+    }
+}
+
+impl Report {
+    pub(super) fn new(study: &Study, evidence: &Evidence<'_>) -> Result<Self> {
         let definition = study.definition();
-        let scores = &answer.scores;
+        let scores = evidence.scores;
         let best = scores.best.and_then(|best| {
             let point = &scores.points[best];
             point.score.map(|score| Best {
@@ -123,7 +210,7 @@ impl Summary {
                 displacement_error_m: point.displacement_error_m,
             })
         });
-        let points_total = match &answer.method {
+        let points_total = match evidence.method {
             Method::Sweep => definition.grid.len(),
             Method::Tune(tuned) => tuned.budget,
         };
@@ -142,13 +229,13 @@ impl Summary {
                 ),
             ));
         }
-        if answer.ending == Ending::Interrupted {
+        if evidence.ending == Ending::Interrupted {
             warnings.push(Warning::new(
                 Code::Incomplete,
                 format!("only {} of {points_total} points were evaluated: the best of these may not be the best of all", scores.points.len()),
             ));
         }
-        if let Some(audit) = &answer.audit
+        if let Some(audit) = &evidence.audit
             && !audit.unresolved.is_empty()
         {
             warnings.push(Warning::new(
@@ -161,7 +248,7 @@ impl Summary {
             ));
         }
         warnings.extend(
-            answer
+            evidence
                 .validation
                 .as_ref()
                 .and_then(|validation| validation.warning()),
@@ -175,29 +262,29 @@ impl Summary {
         Ok(Self {
             study: definition.name.clone(),
             description: definition.description.clone(),
-            complete: answer.ending == Ending::Complete,
+            complete: evidence.ending == Ending::Complete,
             points: scores.points.len(),
             points_total,
-            tuning: match &answer.method {
+            tuning: match evidence.method {
                 Method::Tune(tuned) => Some(tuned.clone()),
                 Method::Sweep => None,
             },
             diverged,
             recordings: definition.recordings.len(),
             metric: definition.metric.name(),
-            unit: definition.metric.unit().label(),
+            unit: definition.metric.unit(),
             best,
-            uncertainty: answer.uncertainty.as_ref().map(|u| UncertaintySummary {
+            uncertainty: evidence.uncertainty.map(|u| HowSure {
                 source: u.source,
                 level: u.level,
                 best_score_sd: u.best_score_sd,
                 simulation_sd: u.simulation_sd,
                 indistinguishable: u.indistinguishable.iter().filter(|is_in| **is_in).count(),
             }),
-            verdicts: verdicts(study, answer),
-            correlations: correlations(study, answer),
-            audit: answer.audit.clone(),
-            validation: answer.validation.clone(),
+            verdicts: verdicts(study, scores, evidence.uncertainty, evidence.draws),
+            correlations: correlations(study, evidence.draws),
+            audit: evidence.audit.clone(),
+            validation: evidence.validation.clone(),
             components: scores.basis.as_ref().map(|b| {
                 b.explained_variance_ratio()
                     .iter()
@@ -205,23 +292,15 @@ impl Summary {
                     .copied()
                     .collect()
             }),
-            pose: pose(study, answer)?,
+            pose: pose(study, scores)?,
             provenance: study.fingerprint().entries().iter().cloned().collect(),
             warnings,
         })
     }
-
-    pub(super) fn write(&self, folder: &Path) -> Result<()> {
-        let path = folder.join("summary.json");
-        let mut text = serde_json::to_string_pretty(self)
-            .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")).at_file(&path))?;
-        text.push('\n');
-        write_atomic(&path, text.as_bytes())
-    }
 }
 
-fn correlations(study: &Study, answer: &Answer) -> Vec<Correlation> {
-    let Some(draws) = &answer.draws else {
+fn correlations(study: &Study, draws: Option<&BestDraws>) -> Vec<Correlation> {
+    let Some(draws) = draws else {
         return Vec::new();
     };
     let ranges = study.definition().grid.ranges();
@@ -235,15 +314,15 @@ fn correlations(study: &Study, answer: &Answer) -> Vec<Correlation> {
         .collect()
 }
 
-/// Simulates the best point once more and measures its pose errors.
-fn pose(study: &Study, answer: &Answer) -> Result<Option<PoseSummary>> {
-    let Some(best) = answer.scores.best else {
+/// Simulates the best point once more and measures its pose errors, where the metric is about poses.
+fn pose(study: &Study, scores: &Scores) -> Result<Option<PoseErrors>> {
+    let Some(best) = scores.best else {
         return Ok(None);
     };
     if !study.definition().metric.is_pose() {
         return Ok(None);
     }
-    let values = &answer.scores.points[best].values;
+    let values = &scores.points[best].values;
     let (mut position, mut rotation_rad, mut count) = (0.0, 0.0, 0.0);
     for (index, case) in study.cases().iter().enumerate() {
         let experiment = study.experiment(index, values)?;
@@ -263,7 +342,7 @@ fn pose(study: &Study, answer: &Answer) -> Result<Option<PoseSummary>> {
             count += 1.0;
         }
     }
-    Ok(Some(PoseSummary {
+    Ok(Some(PoseErrors {
         position_percent: 100.0 * position / count,
         rotation_deg: (rotation_rad / count).to_degrees(),
     }))
