@@ -77,6 +77,7 @@ pub mod search;
 pub mod simulation;
 pub mod statistics;
 pub mod store;
+pub mod table;
 pub mod trajectory;
 pub mod unit;
 pub mod warning;

@@ -10,6 +10,14 @@ use std::fmt;
 
 pub use number::{DisplayUnit, number, quantity};
 
+/// Writes a unit as its label, e.g. `m`: for fields of reports.
+pub(crate) fn as_label<S: serde::Serializer>(
+    unit: &Unit,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(unit.label())
+}
+
 /// Standard magnitude of gravity used by default, in m/s², along −z of the world.
 pub const GRAVITY_M_S2: f64 = 9.81;
 

@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use nalgebra::Vector3;
+use realgap::RunOptions;
 use realgap::prediction::ensemble::{
     BEHAVIOURS, Ensemble, Envelope, Forecast, Kind, LEVELS, Motion, Quantiles, Reality, Repeat,
     behaviours, cut_m, repeat, rms_m, run,
@@ -75,12 +76,11 @@ fn tripod(duration_s: f64) -> Experiment {
 }
 
 fn simulate(experiment: &Experiment, noise: &Noise, repeats: usize, jobs: usize) -> Ensemble {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(jobs)
-        .build()
-        .unwrap();
-    let never = AtomicBool::new(false);
-    pool.install(|| run(experiment, noise, 5, repeats, &never, |_| ()).unwrap())
+    let options = RunOptions {
+        jobs,
+        ..RunOptions::default()
+    };
+    run(experiment, noise, 5, repeats, &options).unwrap()
 }
 
 #[test]
@@ -337,7 +337,11 @@ fn the_same_bits_come_out_on_one_thread_and_on_two_and_for_one_repeat_alone() {
 #[test]
 fn a_stopped_ensemble_says_that_it_is_incomplete() {
     let stop = AtomicBool::new(true);
-    let found = run(&tripod(0.5), &Noise::careful_repeat(), 1, 10, &stop, |_| ()).unwrap();
+    let options = RunOptions {
+        stop: Some(&stop),
+        ..RunOptions::default()
+    };
+    let found = run(&tripod(0.5), &Noise::careful_repeat(), 1, 10, &options).unwrap();
     assert!(!found.is_complete() && found.repeats.is_empty());
     let summary = Forecast::new(&found).unwrap();
     assert!(!summary.complete && summary.displacement_m.is_none());
@@ -365,8 +369,8 @@ fn an_ensemble_without_noise_says_so() {
 
 #[test]
 fn bad_input_is_refused() {
-    let never = AtomicBool::new(false);
-    assert!(run(&tripod(0.5), &Noise::careful_repeat(), 1, 0, &never, |_| ()).is_err());
+    let options = RunOptions::default();
+    assert!(run(&tripod(0.5), &Noise::careful_repeat(), 1, 0, &options).is_err());
     let error = Envelope::new(&[], 1.0, BODY_M).unwrap_err().to_string();
     assert!(error.contains("diverged"), "{error}");
 }

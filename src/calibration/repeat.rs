@@ -1,10 +1,15 @@
 //! What an ensemble of a study repeats, and the recordings it is held against.
 
+use std::path::Path;
+
+use super::definition::{Definition, StartRule};
+use super::overrides::Overrides;
 use super::study::Study;
-use crate::error::Result;
-use crate::simulation::Experiment;
+use crate::error::{Error, Result};
 use crate::simulation::parameter::ParameterSet;
+use crate::simulation::{Experiment, Noise, Sampling};
 use crate::trajectory::Prepared;
+use crate::warning::{Code, Warning};
 
 /// One experiment of a study to be repeated, with the recordings that should show what its repeats show.
 #[derive(Debug, Clone)]
@@ -17,12 +22,99 @@ pub struct RepeatCase {
     pub real: Vec<(String, Prepared)>,
 }
 
+/// A study whose experiments are to be repeated.
+#[derive(Debug)]
+pub struct Repeatable {
+    /// What the study says.
+    pub definition: Definition,
+    /// Its experiments: one where the start is settled, else one a recording.
+    pub cases: Vec<RepeatCase>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Samples per second of a run without recordings.
+const RATE_HZ: f64 = 60.0;
+
+impl Repeatable {
+    /// Reads a study to be repeated; one that names no recordings must say itself where and how long the runs are.
+    ///
+    /// # Errors
+    /// As [`Study::read`].
+    pub fn read(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
+        let path = path.as_ref();
+        let alone = Definition::read_without_recordings(path, overrides)?;
+        if alone.recording_globs.is_empty() && overrides.recordings.is_empty() {
+            Self::without_recordings(alone)
+        } else {
+            Self::new(Study::read(path, overrides)?)
+        }
+    }
+
+    /// A study with its recordings.
+    ///
+    /// # Errors
+    /// A start state that cannot be refined as the study asks.
+    pub fn new(study: Study) -> Result<Self> {
+        Ok(Self {
+            cases: study.repeat_cases(&ParameterSet::new())?,
+            warnings: study.warnings().to_vec(),
+            definition: study.into_definition(),
+        })
+    }
+
+    fn without_recordings(definition: Definition) -> Result<Self> {
+        let settled = definition.start == StartRule::Settled;
+        let Some(duration_s) = definition.duration_s.filter(|_| settled) else {
+            return Err(definition.at_file(
+                Error::invalid(
+                    "without recordings the study has to say itself where and how long the runs are",
+                )
+                .hint("add `duration_s` and `start: Settled` to the study, or name recordings"),
+            ));
+        };
+        let mut experiment = definition.experiment();
+        experiment.duration_s = duration_s;
+        experiment.sampling = Sampling::Rate(RATE_HZ);
+        experiment.check().map_err(|e| definition.at_file(e))?;
+        Ok(Self {
+            cases: vec![RepeatCase {
+                name: definition.name.clone(),
+                experiment,
+                real: Vec::new(),
+            }],
+            warnings: vec![Warning::new(
+                Code::NoRecordings,
+                "the study names no recordings: nothing says whether these confidences are honest",
+            )],
+            definition,
+        })
+    }
+
+    /// How the study says that its repeats differ.
+    ///
+    /// # Errors
+    /// It does not say.
+    pub fn noise(&self) -> Result<Noise> {
+        self.definition.noise.ok_or_else(|| {
+            self.definition.at_file(
+                Error::invalid(
+                    "the study does not say how repeats differ, so all of them would be the same run",
+                )
+                .field("noise")
+                .found("no such section")
+                .hint("add e.g. noise: (start_heading_rad: Normal(0.0175), friction_run_relative: LogNormal(0.05))"),
+            )
+        })
+    }
+}
+
 impl Study {
     /// The experiments to repeat: one where the start is settled, else one a recording.
     ///
     /// # Errors
     /// A start state that cannot be refined as the study asks.
-    pub fn repeat_cases(&self, set: &ParameterSet) -> Result<Vec<RepeatCase>> {
+    pub(super) fn repeat_cases(&self, set: &ParameterSet) -> Result<Vec<RepeatCase>> {
         let single = self.cases().len() == 1;
         (0..self.cases().len())
             .map(|index| {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::audit::Audit;
 use super::method::{Method, Tuned};
@@ -17,7 +17,7 @@ use crate::comparison::pose_errors;
 use crate::error::Result;
 use crate::optimization::Ending;
 use crate::simulation;
-use crate::unit::{Unit, counted, quantity};
+use crate::unit::{Unit, as_label, counted, quantity};
 use crate::warning::{Code, Warning};
 
 /// What a sweep or tuning says, with how sure it is and where it comes from; its `Display` is for people.
@@ -121,10 +121,6 @@ pub(super) struct Evidence<'a> {
     pub draws: Option<&'a BestDraws>,
     pub audit: Option<Audit>,
     pub validation: Option<Validation>,
-}
-
-fn as_label<S: Serializer>(unit: &Unit, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-    serializer.serialize_str(unit.label())
 }
 
 impl fmt::Display for Report {

@@ -6,20 +6,14 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::calibration::{Overrides, read_noise};
 use realgap::comparison::{Components, DEFAULT_METRIC, Metric, by_name};
-use realgap::plot::{Side, TextTable, number, quantity};
-use realgap::prediction::gap::{
-    Estimate, GapOptions, NoiseFloor, Scoring, Side as GapSide, StudyGap, noise_floor, read_sets,
-    study_gap,
-};
-use realgap::results::{draw_gap, write_report};
-use realgap::trajectory::Source;
-use realgap::unit::{Unit, counted};
+use realgap::optimization::RunOptions;
+use realgap::prediction::gap::{FloorReport, GapOptions, Scoring, StudyGap, read_sets};
+use realgap::results::{write_gap, write_report};
 use realgap::{Error, Result, Warning};
-use serde::Serialize;
 
 use super::kind::read_study;
-use super::option::{Format, Jobs, Recordings, Values, metric_option};
-use super::{forecast, interrupt, progress, terminal};
+use super::option::{Format, Jobs, MOST_REPEATS, Recordings, Values, metric_option};
+use super::{interrupt, progress, terminal};
 
 /// How many noise floors is the simulation away from reality, and until when may it be trusted?
 ///
@@ -46,7 +40,7 @@ pub struct Gap {
     #[arg(long, value_name = "FILE", requires = "study")]
     noise: Option<PathBuf>,
     /// Number of repeats under noise of each start
-    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=forecast::MOST_REPEATS))]
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=MOST_REPEATS))]
     repeats: u32,
     /// Seed of noise and resamples [default: the study's, or 1]
     #[arg(long, value_name = "SEED")]
@@ -59,21 +53,6 @@ pub struct Gap {
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
-}
-
-/// Noise floors of sets of recordings.
-#[derive(Debug, Serialize)]
-struct FloorReport {
-    seed: u64,
-    version: &'static str,
-    sets: Vec<SetReport>,
-}
-
-#[derive(Debug, Serialize)]
-struct SetReport {
-    set: String,
-    #[serde(flatten)]
-    floor: NoiseFloor,
 }
 
 impl Gap {
@@ -126,21 +105,28 @@ impl Gap {
             .unwrap_or_else(|| PathBuf::from("results").join(format!("{}_gap", definition.name)));
         let stop = interrupt::stop_flag()?;
         let bar = progress::bar(0, "simulating");
-        let found = self.jobs.pool()?.install(|| {
-            study_gap(&study, &options, stop, |done, total| {
-                bar.set_length(total as u64);
-                bar.set_position(done as u64);
-            })
-        });
+        let follow = progress::follow(&bar);
+        let run = RunOptions {
+            jobs: self.jobs.count(),
+            stop: Some(stop),
+            progress: Some(&follow),
+        };
+        let found = StudyGap::new(&study, &options, &run);
         bar.finish_and_clear();
         let found = found?;
-        let real_label = Source::of(&definition.recordings).reality_label();
-        write_report(&folder, "gap.json", &found)?;
-        draw_gap(&folder, &found, real_label)?;
+        write_gap(&folder, &found)?;
         terminal::print_warnings(&found.warnings);
+        let pictures = if found.confidence.is_some() {
+            "gap.json, rmse.png, confidence.png and .svg"
+        } else {
+            "gap.json, rmse.png and .svg"
+        };
         match self.format {
             Format::Json => terminal::print(terminal::json(&found)?),
-            Format::Table => print(&found, &folder),
+            Format::Table => terminal::print(format!(
+                "{found}\n  results in {}: {pictures}",
+                folder.display()
+            )),
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -159,155 +145,26 @@ impl Gap {
             seed,
         };
         let sets = read_sets(&self.recordings.overrides()?, self.group.as_deref())?;
-        let pool = self.jobs.pool()?;
-        let mut reports = Vec::new();
-        for set in sets {
-            let mut floor = pool.install(|| noise_floor(&set.runs, &scoring))?;
-            floor.warnings.extend(set.warnings);
-            reports.push(SetReport {
-                set: set.name,
-                floor,
-            });
-        }
-        if reports.iter().all(|report| report.floor.pairs == 0) {
-            return Err(
-                Error::invalid("there is no noise floor without repeats of the same run")
-                    .field("recordings")
-                    .found(counted(
-                        reports.iter().map(|r| r.floor.recordings).sum(),
-                        "recording",
-                    ))
-                    .allowed("two or more recordings in a set")
-                    .hint("record the same run again, at least five times"),
-            );
-        }
-        for report in &reports {
-            let named = report
+        let run = RunOptions {
+            jobs: self.jobs.count(),
+            ..RunOptions::default()
+        };
+        let report = FloorReport::new(sets, &scoring, &run)?;
+        for set in &report.sets {
+            let named = set
                 .floor
                 .warnings
                 .iter()
-                .map(|w| Warning::new(w.code, format!("{}: {}", report.set, w.message)));
+                .map(|w| Warning::new(w.code, format!("{}: {}", set.set, w.message)));
             terminal::print_warnings(&named.collect::<Vec<_>>());
         }
-        let report = FloorReport {
-            seed,
-            version: env!("CARGO_PKG_VERSION"),
-            sets: reports,
-        };
         if let Some(folder) = &self.output {
             write_report(folder, "gap.json", &report)?;
         }
         match self.format {
             Format::Json => terminal::print(terminal::json(&report)?),
-            Format::Table => print_floors(&report, &scoring.metrics),
+            Format::Table => terminal::print(report.to_string()),
         }
         Ok(ExitCode::SUCCESS)
     }
-}
-
-/// `3.1 cm (2.0 to 4.4)`.
-fn estimate(estimate: &Estimate, unit: Unit) -> String {
-    let value = quantity(estimate.value, unit);
-    match (estimate.low, estimate.high) {
-        (Some(low), Some(high)) => {
-            format!(
-                "{value} ({} to {})",
-                quantity(low, unit),
-                quantity(high, unit)
-            )
-        }
-        _ => value,
-    }
-}
-
-fn print_floors(report: &FloorReport, metrics: &[&'static dyn Metric]) {
-    let mut columns = vec![
-        ("set".to_owned(), Side::Left),
-        ("runs".to_owned(), Side::Right),
-    ];
-    columns.extend(
-        metrics
-            .iter()
-            .map(|metric| (metric.name().to_owned(), Side::Right)),
-    );
-    let mut table = TextTable::new(columns);
-    for set in &report.sets {
-        let mut row = vec![set.set.clone(), set.floor.recordings.to_string()];
-        for (index, metric) in metrics.iter().enumerate() {
-            row.push(match set.floor.metrics.get(index) {
-                Some(floor) => estimate(&floor.floor, metric.unit()),
-                None => "-".to_owned(),
-            });
-        }
-        table.push(row);
-    }
-    terminal::print(format!(
-        "noise floor: mean distance between repeats (95 % interval over recordings)\n{}",
-        table.render(terminal::stdout_wants_colour()).trim_end()
-    ));
-}
-
-fn print(gap: &StudyGap, folder: &Path) {
-    let mut table = TextTable::new([
-        ("metric", Side::Left),
-        ("noise floor", Side::Right),
-        ("simulation", Side::Left),
-        ("gap", Side::Right),
-        ("gap ratio", Side::Right),
-    ]);
-    for row in &gap.metrics {
-        let unit = by_name(row.metric).map_or(Unit::One, |metric| metric.unit());
-        let floor = row.floor.map_or("-".to_owned(), |f| estimate(&f, unit));
-        let mut push = |name: &str, floor: &str, what: &str, side: &Option<GapSide>| {
-            if let Some(side) = side {
-                table.push([
-                    name.to_owned(),
-                    floor.to_owned(),
-                    what.to_owned(),
-                    estimate(&side.gap, unit),
-                    side.ratio
-                        .map_or("-".to_owned(), |ratio| estimate(&ratio, Unit::One)),
-                ]);
-            }
-        };
-        push(row.metric, &floor, "without noise", &row.ideal);
-        push("", "", "repeats, mean", &row.repeats);
-    }
-    let mut lines = vec![
-        format!(
-            "{}: {} of {}, {} under noise each (95 % intervals over recordings)",
-            gap.study,
-            counted(gap.recordings, "recording"),
-            counted(gap.starts, "start"),
-            counted(gap.repeats, "repeat")
-        ),
-        table
-            .render(terminal::stdout_wants_colour())
-            .trim_end()
-            .to_owned(),
-    ];
-    if let Some(fitness) = &gap.displacement {
-        lines.push(format!(
-            "  displacement: real {}, repeats {}; drawn alike? p = {} (Mann-Whitney), {} (Kolmogorov-Smirnov)",
-            quantity(fitness.real_mean_m, Unit::Metre),
-            quantity(fitness.simulated_mean_m, Unit::Metre),
-            number(fitness.mann_whitney.p_value),
-            number(fitness.kolmogorov_smirnov.p_value)
-        ));
-    }
-    if let Some(confidence) = &gap.confidence {
-        let dropped = confidence.drop_in_words();
-        lines.push(format!(
-            "  confidence: {:.0} % of real runs inside the {:.0} % region, mean over time; {dropped}",
-            100.0 * confidence.over_time,
-            100.0 * confidence.level
-        ));
-    }
-    let pictures = if gap.confidence.is_some() {
-        "gap.json, rmse.png, confidence.png and .svg"
-    } else {
-        "gap.json, rmse.png and .svg"
-    };
-    lines.push(format!("  results in {}: {pictures}", folder.display()));
-    terminal::print(lines.join("\n"));
 }

@@ -9,7 +9,6 @@ mod develop;
 mod ensemble;
 mod evaluate;
 mod export;
-mod forecast;
 mod gap;
 mod genome;
 mod identify;

@@ -13,6 +13,9 @@ use realgap::unit::LengthUnit;
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning, optimization};
 
+/// Most repeats: the distances of all pairs are held in memory.
+pub const MOST_REPEATS: i64 = 5000;
+
 /// How results are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum Format {

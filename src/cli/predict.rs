@@ -1,29 +1,20 @@
 //! `realgap predict`: the prediction card of any robot.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
 use realgap::calibration::read_noise;
-use realgap::plot::quantity;
-use realgap::prediction::ensemble::{self, Ensemble, Forecast};
-use realgap::results::{
-    EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report,
-};
+use realgap::optimization::RunOptions;
+use realgap::prediction::{Card, SuccessRule, ensemble};
+use realgap::results::write_prediction;
 use realgap::robot::morphology::Morphology;
-use realgap::simulation::{ENGINE_VERSION, Experiment, Noise, Sampling};
-use realgap::statistics::Proportion;
-use realgap::unit::Unit;
+use realgap::simulation::{Experiment, Noise, Sampling};
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
-use serde::Serialize;
 
-use super::option::{Format, Jobs, Values, recording_unused};
-use super::{forecast, interrupt, progress, terminal};
-
-/// A robot that gets less far than this share of its body length without noise goes nowhere.
-const NOWHERE_BODY_LENGTHS: f64 = 0.1;
+use super::option::{Format, Jobs, MOST_REPEATS, Values, recording_unused};
+use super::{interrupt, progress, terminal};
 
 /// Say what a robot will do before anybody builds it: how far, which behaviours, how likely
 ///
@@ -43,7 +34,7 @@ pub struct Predict {
     #[arg(long, value_name = "FILE")]
     noise: Option<PathBuf>,
     /// Number of repeats
-    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=forecast::MOST_REPEATS))]
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=MOST_REPEATS))]
     repeats: u32,
     /// Seed of all draws
     #[arg(long, value_name = "SEED", default_value_t = 1)]
@@ -61,38 +52,18 @@ pub struct Predict {
     format: Format,
 }
 
-/// How likely the robot gets far enough.
-#[derive(Debug, Serialize)]
-struct Success {
-    least_displacement_m: f64,
-    /// Who said so.
-    rule: &'static str,
-    probability: Proportion,
-}
-
-/// The card.
-#[derive(Debug, Serialize)]
-struct Card {
-    morphology: String,
-    parameters: BTreeMap<String, f64>,
-    noise_from: String,
-    engine: &'static str,
-    version: &'static str,
-    success: Option<Success>,
-    prediction: Forecast,
-    warnings: Vec<Warning>,
-}
-
 impl Predict {
     pub fn run(self) -> Result<ExitCode> {
-        if let Some(least_m) = self.success_m
-            && !(least_m.is_finite() && least_m > 0.0)
-        {
-            return Err(Error::usage("success must be a distance")
-                .field("--success-m")
-                .found(least_m)
-                .allowed("more than 0 m"));
-        }
+        let rule = match self.success_m {
+            Some(least_m) if least_m.is_finite() && least_m > 0.0 => SuccessRule::AtLeast(least_m),
+            Some(least_m) => {
+                return Err(Error::usage("success must be a distance")
+                    .field("--success-m")
+                    .found(least_m)
+                    .allowed("more than 0 m"));
+            }
+            None => SuccessRule::HalfOfNoiseFree,
+        };
         let morphology = Morphology::read(&self.morphology)?;
         let values = self.values.parameter_set()?;
         let mut experiment = Experiment::new(morphology.assemble());
@@ -112,55 +83,36 @@ impl Predict {
                 (Noise::unmeasured_robot(), "estimate".to_owned())
             }
         };
-        let stop = interrupt::stop_flag()?;
-        let pool = self.jobs.pool()?;
         let bar = progress::bar(self.repeats as usize, "repeating");
-        let repeats = pool.install(|| {
-            ensemble::run(
-                &experiment,
-                &noise,
-                self.seed,
-                self.repeats as usize,
-                stop,
-                |done| bar.set_position(done as u64),
-            )
-        });
+        let follow = progress::follow(&bar);
+        let run = RunOptions {
+            jobs: self.jobs.count(),
+            stop: Some(interrupt::stop_flag()?),
+            progress: Some(&follow),
+        };
+        let repeats = ensemble::run(&experiment, &noise, self.seed, self.repeats as usize, &run);
         bar.finish_and_clear();
         let repeats = repeats?;
-        let prediction = Forecast::new(&repeats)?;
-        warnings.extend(prediction.warnings.iter().cloned());
-        let success = self.success(&repeats, &mut warnings);
-        let card = Card {
-            morphology: morphology.name().to_owned(),
-            parameters: values
-                .iter()
-                .map(|a| (a.parameter.name.to_owned(), a.value))
-                .collect(),
-            noise_from,
-            engine: ENGINE_VERSION,
-            version: env!("CARGO_PKG_VERSION"),
-            success,
-            prediction,
-            warnings,
-        };
+        let card = Card::new(morphology.name(), &repeats, rule)?
+            .with_parameters(&values)
+            .with_noise_from(noise_from)
+            .with_warnings(warnings);
         terminal::print_warnings(&card.warnings);
         if let Some(folder) = &self.output {
-            write_report(folder, "prediction.json", &card)?;
-            let result = EnsembleResult {
-                ensemble: &repeats,
-                summary: &card.prediction,
-                reality: None,
-                real_paths_m: Vec::new(),
-                real_label: "reality",
-                title: format!("{}: what it will do", card.morphology),
-            };
-            remove_pictures(folder, "prediction")?;
-            draw_repeats(folder, "prediction", &result)?;
-            write_repeats(folder, &[(&card.morphology, result)])?;
+            write_prediction(folder, &card, &repeats)?;
         }
         match self.format {
             Format::Json => terminal::print(terminal::json(&card)?),
-            Format::Table => self.print(&card),
+            Format::Table => {
+                let mut text = card.to_string();
+                if let Some(folder) = &self.output {
+                    text += &format!(
+                        "\n  results in {}: prediction.json, repeats.csv, prediction.png and .svg",
+                        folder.display()
+                    );
+                }
+                terminal::print(text);
+            }
         }
         if !repeats.is_complete() {
             return Err(Error::interrupted(format!(
@@ -175,71 +127,5 @@ impl Predict {
                 .hint("check the robot with `realgap simulate`, then a shorter timestep or more substeps"));
         }
         Ok(ExitCode::SUCCESS)
-    }
-
-    fn success(&self, repeats: &Ensemble, warnings: &mut Vec<Warning>) -> Option<Success> {
-        let (least_displacement_m, rule) = match self.success_m {
-            Some(least_m) => (least_m, "--success-m"),
-            None => {
-                let far_m = repeats
-                    .noise_free
-                    .get()
-                    .map(|motion| motion.net_displacement_m())
-                    .filter(|m| *m >= NOWHERE_BODY_LENGTHS * repeats.body_length_m);
-                let Some(far_m) = far_m else {
-                    warnings.push(Warning::new(
-                        Code::NoSuccessRule,
-                        "without noise the robot goes nowhere (or diverges), so half of that is no success; say what is with --success-m",
-                    ));
-                    return None;
-                };
-                (0.5 * far_m, "half of the run without noise")
-            }
-        };
-        Some(Success {
-            least_displacement_m,
-            rule,
-            probability: repeats.success(least_displacement_m),
-        })
-    }
-
-    fn print(&self, card: &Card) {
-        let prediction = &card.prediction;
-        let mut lines = vec![format!(
-            "{}: {} repeats of {} s under noise ({}), {:.1} CPU s",
-            card.morphology,
-            prediction.repeats,
-            prediction.duration_s,
-            card.noise_from,
-            prediction.cpu_s
-        )];
-        if let Some(success) = &card.success {
-            lines.push(format!(
-                "  P(success)        {}: net displacement of at least {} ({})",
-                forecast::percent(&success.probability),
-                quantity(success.least_displacement_m, Unit::Metre),
-                success.rule
-            ));
-        }
-        lines.extend(forecast::lines(prediction));
-        if let Some(speed) = &prediction.speed_m_s {
-            lines.push(format!(
-                "  speed             {:.1} mm/s, standard deviation {:.1} mm/s (net displacement per time)",
-                1e3 * speed.mean,
-                1e3 * speed.standard_deviation
-            ));
-        }
-        lines.push(forecast::behaviours(
-            prediction,
-            None,
-            terminal::stdout_wants_colour(),
-        ));
-        if let Some(folder) = &self.output {
-            lines.push(format!(
-                "  results in {}: prediction.json, repeats.csv, prediction.png and .svg",
-                folder.display()
-            ));
-        }
-        terminal::print(lines.join("\n"));
     }
 }

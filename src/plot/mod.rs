@@ -37,10 +37,10 @@ mod panel;
 mod path;
 mod picture;
 mod scale;
-mod table;
 #[cfg(test)]
 mod tests;
 
+pub use crate::table::{Side, TextTable};
 pub use crate::unit::{DisplayUnit, number, quantity};
 pub use axis::{AxisSpec, Truth};
 pub use bar::{Bar, BarChart, draw_bars};
@@ -55,4 +55,3 @@ pub use panel::{Panel, PanelGrid, draw_panels};
 pub use path::PathPoint;
 pub use picture::check_picture_path;
 pub use scale::ScoreScale;
-pub use table::{Side, TextTable};

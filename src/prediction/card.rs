@@ -5,12 +5,12 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-use super::ensemble::{Ensemble, Forecast, Motion, Quantiles};
+use super::ensemble::{Ensemble, Forecast, Motion, percent};
 use crate::error::{Error, Result};
 use crate::simulation::ENGINE_VERSION;
 use crate::simulation::parameter::ParameterSet;
 use crate::statistics::Proportion;
-use crate::unit::{Unit, quantity};
+use crate::unit::{Unit, as_label, quantity};
 use crate::warning::{Code, Warning};
 
 /// A robot that gets less far than this share of its body length without noise goes nowhere.
@@ -118,15 +118,10 @@ pub struct Finals {
     pub reruns: Vec<Rerun>,
 }
 
-fn as_label<S: Serializer>(unit: &Unit, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-    serializer.serialize_str(unit.label())
-}
-
 /// What one robot will do.
 ///
 /// ```
-/// use std::sync::atomic::AtomicBool;
-///
+/// use realgap::RunOptions;
 /// use realgap::prediction::{Card, SuccessRule, ensemble};
 /// use realgap::robot::morphology::Morphology;
 /// use realgap::simulation::{Experiment, Noise};
@@ -135,7 +130,7 @@ fn as_label<S: Serializer>(unit: &Unit, serializer: S) -> std::result::Result<S:
 /// let mut experiment = Experiment::new(robot.assemble());
 /// experiment.duration_s = 1.0;
 /// let noise = Noise::unmeasured_robot();
-/// let repeats = ensemble::run(&experiment, &noise, 1, 4, &AtomicBool::new(false), |_| ())?;
+/// let repeats = ensemble::run(&experiment, &noise, 1, 4, &RunOptions::default())?;
 ///
 /// let card = Card::new(robot.name(), &repeats, SuccessRule::AtLeast(0.01))?;
 /// assert!(card.success.as_ref().is_some_and(|success| success.probability.trials == 4));
@@ -219,12 +214,6 @@ impl Card {
     }
 }
 
-/// `62 % (95 %: 55 to 68 %)`.
-fn percent(p: &Proportion) -> String {
-    let [share, low, high] = [p.share, p.low, p.high].map(|share| 100.0 * share);
-    format!("{share:.0} % (95 %: {low:.0} to {high:.0} %)")
-}
-
 impl fmt::Display for Card {
     /// For people: a line for each thing that it says.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -247,52 +236,20 @@ impl fmt::Display for Card {
                 success.rule.label()
             )?;
         }
-        if let Some(spread) = &prediction.displacement_m {
-            write_displacement(f, spread)?;
-        }
-        if let Some(m) = prediction.noise_free_displacement_m {
-            write!(f, "\n    without noise   {}", metres(m))?;
-        }
-        if let Some(turned) = &prediction.turned_rad {
-            let [mean, sd] = [turned.mean, turned.standard_deviation].map(f64::to_degrees);
+        f.write_str(&prediction.numbers())?;
+        if let Some(speed) = &prediction.speed_m_s {
+            let [mean, sd] = [speed.mean, speed.standard_deviation].map(|m_s| 1e3 * m_s);
             write!(
                 f,
-                "\n  turned            {mean:.0} deg, standard deviation {sd:.0} deg"
+                "\n  speed             {mean:.1} mm/s, standard deviation {sd:.1} mm/s (net displacement per time)"
             )?;
         }
-        if prediction.diverged.count > 0 {
-            write!(f, "\n  diverged          {}", percent(&prediction.diverged))?;
-        }
-        for behaviour in &prediction.behaviours.list {
-            write!(
-                f,
-                "\n  {:<17} {}, net displacement {}",
-                behaviour.name,
-                percent(&behaviour.probability),
-                metres(behaviour.mean_displacement_m)
-            )?;
-        }
+        write!(f, "\n{}", prediction.behaviour_table(None))?;
         match &self.finals {
             Some(finals) => write!(f, "\n{finals}"),
             None => Ok(()),
         }
     }
-}
-
-fn write_displacement(f: &mut fmt::Formatter<'_>, spread: &Quantiles) -> fmt::Result {
-    let metres = |m: f64| quantity(m, Unit::Metre);
-    write!(
-        f,
-        "\n  net displacement  mean {}, standard deviation {}\
-         \n    quantiles       5 %: {}, 25 %: {}, 50 %: {}, 75 %: {}, 95 %: {}",
-        metres(spread.mean),
-        metres(spread.standard_deviation),
-        metres(spread.q05),
-        metres(spread.q25),
-        metres(spread.q50),
-        metres(spread.q75),
-        metres(spread.q95)
-    )
 }
 
 impl fmt::Display for Finals {

@@ -6,5 +6,7 @@
 mod card;
 pub mod ensemble;
 pub mod gap;
+mod report;
 
 pub use card::{Card, Finals, Rerun, Success, SuccessRule};
+pub use report::{EnsembleCase, EnsembleOptions, EnsembleReport};

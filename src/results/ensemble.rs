@@ -7,20 +7,20 @@ use serde::Serialize;
 use crate::error::{Error, Result};
 use crate::file::write_atomic;
 use crate::plot::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
-use crate::prediction::ensemble::{Behaviours, Ensemble, Forecast, LEVELS, Reality};
+use crate::prediction::ensemble::{Behaviours, Ensemble, Forecast, LEVELS};
+use crate::prediction::{Card, EnsembleReport};
+use crate::trajectory::Source;
 
 /// More paths of one behaviour than this are not told apart in a picture.
 const PATHS_DRAWN: usize = 120;
 
 /// An ensemble with what is said about it.
 #[derive(Debug)]
-pub struct EnsembleResult<'a> {
+pub(super) struct EnsembleResult<'a> {
     /// The repeats.
     pub ensemble: &'a Ensemble,
     /// What they have in common.
     pub summary: &'a Forecast,
-    /// How they compare with recordings, where there are any.
-    pub reality: Option<&'a Reality>,
     /// Prepared paths of the recordings, true lengths, metres.
     pub real_paths_m: Vec<Vec<[f64; 2]>>,
     /// What the recordings are called, e.g. `stand-in for reality`.
@@ -40,11 +40,65 @@ pub fn write_report(folder: &Path, name: &str, report: &impl Serialize) -> Resul
     write_atomic(folder.join(name), format!("{json}\n").as_bytes())
 }
 
+/// At most so many starts are drawn.
+const PICTURES: usize = 12;
+
+/// Writes what an ensemble report holds: `ensemble.json`, `repeats.csv`, and a picture for each of the first starts.
+///
+/// # Errors
+/// A full disk or an unwritable folder.
+pub fn write_ensemble(folder: &Path, report: &EnsembleReport) -> Result<()> {
+    write_report(folder, "ensemble.json", report)?;
+    let results: Vec<(&str, EnsembleResult<'_>)> = report
+        .cases
+        .iter()
+        .map(|case| {
+            let result = EnsembleResult {
+                ensemble: &case.ensemble,
+                summary: &case.forecast,
+                real_paths_m: case.real_paths_m.clone(),
+                real_label: report.source.reality_label(),
+                title: format!("{}: repeats under noise", case.case),
+            };
+            (case.case.as_str(), result)
+        })
+        .collect();
+    write_repeats(folder, &results)?;
+    remove_pictures(folder, "ensemble")?;
+    for (index, (_, result)) in results.iter().enumerate().take(PICTURES) {
+        // The first has the name that is always there; more than one are numbered.
+        let stem = match index {
+            0 => "ensemble".to_owned(),
+            _ => format!("ensemble_{index:03}"),
+        };
+        draw_repeats(folder, &stem, result)?;
+    }
+    Ok(())
+}
+
+/// Writes a prediction card and the repeats behind it: `prediction.json`, `repeats.csv`, `prediction.png` and `.svg`.
+///
+/// # Errors
+/// A full disk or an unwritable folder.
+pub fn write_prediction(folder: &Path, card: &Card, repeats: &Ensemble) -> Result<()> {
+    write_report(folder, "prediction.json", card)?;
+    let result = EnsembleResult {
+        ensemble: repeats,
+        summary: &card.prediction,
+        real_paths_m: Vec::new(),
+        real_label: Source::Real.reality_label(),
+        title: format!("{}: what it will do", card.robot),
+    };
+    remove_pictures(folder, "prediction")?;
+    draw_repeats(folder, "prediction", &result)?;
+    write_repeats(folder, &[(&card.robot, result)])
+}
+
 /// Writes one row a repeat: what was drawn and what came of it. `cases` are ensembles with a name each.
 ///
 /// # Errors
 /// A full disk or an unwritable folder.
-pub fn write_repeats(folder: &Path, cases: &[(&str, EnsembleResult<'_>)]) -> Result<()> {
+fn write_repeats(folder: &Path, cases: &[(&str, EnsembleResult<'_>)]) -> Result<()> {
     let path = folder.join("repeats.csv");
     let csv_error = |e: csv::Error| Error::invalid(format!("cannot write {}: {e}", path.display()));
     let mut writer = csv::Writer::from_writer(Vec::new());
@@ -145,7 +199,7 @@ fn behaviour(behaviours: &Behaviours, number: u64) -> String {
 ///
 /// # Errors
 /// A folder that cannot be read or changed.
-pub fn remove_pictures(folder: &Path, stem: &str) -> Result<()> {
+pub(super) fn remove_pictures(folder: &Path, stem: &str) -> Result<()> {
     let entries = std::fs::read_dir(folder)
         .map_err(|e| Error::io("look into the results folder", folder, &e))?;
     for entry in entries.flatten() {
@@ -168,7 +222,7 @@ pub fn remove_pictures(folder: &Path, stem: &str) -> Result<()> {
 ///
 /// # Errors
 /// A full disk or an unwritable folder.
-pub fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>) -> Result<()> {
+pub(super) fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>) -> Result<()> {
     let Some(envelope) = &case.summary.envelope else {
         return Ok(());
     };

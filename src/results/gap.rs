@@ -2,18 +2,19 @@
 
 use std::path::Path;
 
-use super::ensemble::remove_pictures;
+use super::ensemble::{remove_pictures, write_report};
 use crate::error::Result;
 use crate::plot::{AxisSpec, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
 use crate::prediction::gap::StudyGap;
 use crate::unit::{Unit, counted};
 
-/// Draws what a gap has over time into `folder`; pictures of an earlier one are removed. `real_label` names the recordings, e.g.
-/// `stand-in for reality`.
+/// Writes what a gap report holds: `gap.json`, and pictures of what it has over time; those of an earlier one are removed.
 ///
 /// # Errors
 /// A full disk or an unwritable folder.
-pub fn draw_gap(folder: &Path, gap: &StudyGap, real_label: &str) -> Result<()> {
+pub fn write_gap(folder: &Path, gap: &StudyGap) -> Result<()> {
+    write_report(folder, "gap.json", gap)?;
+    let real_label = gap.source.reality_label();
     for stem in ["confidence", "rmse"] {
         remove_pictures(folder, stem)?;
     }

@@ -13,8 +13,8 @@ use std::path::Path;
 use crate::calibration::{Answer, Method, Study};
 use crate::error::{Error, Result};
 
-pub use ensemble::{EnsembleResult, draw_repeats, remove_pictures, write_repeats, write_report};
-pub use gap::draw_gap;
+pub use ensemble::{write_ensemble, write_prediction, write_report};
+pub use gap::write_gap;
 pub use search::{BestRobot, SearchSummary, write_search};
 
 /// Writes what an answer holds into `folder`, next to the store where there is one: tables, pictures, the report, the best

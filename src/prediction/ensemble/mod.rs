@@ -14,6 +14,7 @@ mod forecast;
 mod quantiles;
 mod reality;
 mod run;
+mod words;
 
 pub use behaviour::{BEHAVIOURS, Behaviour, Behaviours, Kind, behaviours, cut_m};
 pub use distance::rms_m;
@@ -21,4 +22,6 @@ pub use envelope::{Envelope, LEVELS, Region};
 pub use forecast::Forecast;
 pub use quantiles::{QUANTILES, Quantiles};
 pub use reality::{Coverage, RealRun, Reality};
-pub use run::{Ensemble, Motion, Repeat, repeat, run, run_each};
+pub(crate) use run::run_each;
+pub use run::{Ensemble, Motion, Repeat, repeat, run};
+pub(crate) use words::percent;

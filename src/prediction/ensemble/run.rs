@@ -6,6 +6,7 @@ use std::time::Duration;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
+use crate::optimization::RunOptions;
 use crate::simulation::{self, Experiment, Noise, Outcome, Perturbation, Run};
 use crate::trajectory::{Prepared, prepare};
 use crate::warning::{Code, Warning};
@@ -79,10 +80,10 @@ impl Ensemble {
     }
 }
 
-/// Simulates `repeats` repeats of `experiment` under `noise`, in parallel on the current rayon pool.
+/// Simulates `repeats` repeats of `experiment` under `noise`.
 ///
-/// The result does not depend on the threads. `progress` hears how many repeats are done, from any thread.
-/// Once `stop` is set no repeat is begun; those that are done are returned ([`Ensemble::is_complete`]).
+/// The result does not depend on the threads. Once the run is stopped no repeat is begun; those that are done are returned
+/// ([`Ensemble::is_complete`]).
 /// A perturbation that the experiment already has is replaced by each draw.
 ///
 /// # Errors
@@ -92,19 +93,19 @@ pub fn run(
     noise: &Noise,
     seed: u64,
     repeats: usize,
-    stop: &AtomicBool,
-    progress: impl Fn(usize) + Sync,
+    run: &RunOptions<'_>,
 ) -> Result<Ensemble> {
     let same = |_| experiment.clone();
-    run_each(experiment, same, noise, seed, repeats, stop, progress)
+    let tell = |done| run.tell(done, repeats, None);
+    run.install(|| run_each(experiment, same, noise, seed, repeats, run.stop(), tell))?
 }
 
-/// As [`run`], with an experiment of its own for every repeat: `vary` gives that of a repeat by its number, e.g. with another draw of
+/// As [`run`] on the current rayon pool, with an experiment of its own for every repeat: `vary` gives that of a repeat by its number, e.g. with another draw of
 /// uncertain parameters. `experiment` is the one without noise.
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_each(
+pub(crate) fn run_each(
     experiment: &Experiment,
     vary: impl Fn(u64) -> Experiment + Sync,
     noise: &Noise,

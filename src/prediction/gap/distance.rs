@@ -8,6 +8,7 @@ use super::floor::{self, NoiseFloor, Pairs};
 use super::sample::{CaseRuns, Heard, Sample, Scoring, distance};
 use crate::error::{Error, Result};
 use crate::statistics::{Resample, mean, resamples};
+use crate::unit::{Unit, as_label};
 use crate::warning::{Code, Warning};
 
 /// A gap and how many noise floors it is.
@@ -26,7 +27,8 @@ pub struct MetricGap {
     /// Name of the metric.
     pub metric: &'static str,
     /// Unit of floor and gaps.
-    pub unit: &'static str,
+    #[serde(serialize_with = "as_label")]
+    pub unit: Unit,
     /// Real against real.
     pub floor: Option<Estimate>,
     /// The run without noise against reality.
@@ -92,7 +94,7 @@ pub fn distances(real: &[Sample], cases: &[CaseRuns], scoring: &Scoring) -> Resu
         };
         metrics.push(MetricGap {
             metric: metric.name(),
-            unit: metric.unit().label(),
+            unit: metric.unit(),
             floor: floor.metrics.get(index).map(|floor| floor.floor),
             ideal: side(&ideal),
             repeats: side(&repeats),

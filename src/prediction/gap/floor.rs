@@ -8,6 +8,7 @@ use super::sample::{Heard, Sample, Scoring, distance};
 use crate::comparison::{Context, Metric};
 use crate::error::Result;
 use crate::statistics::{Resample, resamples};
+use crate::unit::{Unit, as_label};
 use crate::warning::{Code, Warning};
 
 /// Below this many recordings an interval over them is a guess.
@@ -19,7 +20,8 @@ pub struct MetricFloor {
     /// Name of the metric.
     pub metric: &'static str,
     /// Unit of the values.
-    pub unit: &'static str,
+    #[serde(serialize_with = "as_label")]
+    pub unit: Unit,
     /// Mean distance over all pairs of different recordings.
     pub floor: Estimate,
 }
@@ -142,7 +144,7 @@ pub(super) fn measure(
             heard.merge(said);
             metrics.push(MetricFloor {
                 metric: metric.name(),
-                unit: metric.unit().label(),
+                unit: metric.unit(),
                 floor: Estimate::new(pairs.mean(), &draws, |draw| pairs.mean_of(draw)),
             });
             all_pairs.push(pairs);

@@ -1,7 +1,7 @@
 //! How large is the gap, measured in reality's own spread, and until when may the simulation be trusted?
 //!
 //! [`noise_floor`] is the distance between repeats of the same real run; [`distances`] adds the gap, simulation against reality, and
-//! the gap ratio; [`OverTime`] and [`Confidence`] say the same over time. All of them work on any [`Sample`]s; [`study_gap`]
+//! the gap ratio; [`OverTime`] and [`Confidence`] say the same over time. All of them work on any [`Sample`]s; [`StudyGap::new`]
 //! simulates what a study needs, [`read_sets`] reads repeats that have no study.
 
 mod confidence;
@@ -13,6 +13,7 @@ mod over_time;
 mod sample;
 mod set;
 mod study;
+mod words;
 
 pub use confidence::{Confidence, LEVEL_INDEX};
 pub use distance::{Distances, MetricGap, Side, distances};
@@ -21,5 +22,5 @@ pub use fitness::Fitness;
 pub use floor::{MetricFloor, NoiseFloor, noise_floor};
 pub use over_time::OverTime;
 pub use sample::{CaseRuns, Sample, Scoring};
-pub use set::{SetOfRuns, read_sets};
-pub use study::{GapOptions, StudyGap, study_gap};
+pub use set::{FloorReport, SetFloor, SetOfRuns, read_sets};
+pub use study::{GapOptions, StudyGap};

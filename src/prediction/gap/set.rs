@@ -2,10 +2,15 @@
 
 use std::path::Path;
 
-use super::sample::Sample;
+use serde::Serialize;
+
+use super::floor::{NoiseFloor, noise_floor};
+use super::sample::{Sample, Scoring};
 use crate::calibration::{Overrides, recording_paths, recording_warnings};
 use crate::error::{Advice, Error, Result};
+use crate::optimization::RunOptions;
 use crate::trajectory::{self, Recording};
+use crate::unit::{Unit, counted};
 use crate::warning::Warning;
 
 /// Name of the set of recordings that no column puts into another.
@@ -78,4 +83,66 @@ pub fn read_sets(overrides: &Overrides, group_column: Option<&str>) -> Result<Ve
             })
         })
         .collect()
+}
+
+/// Noise floors of sets of recordings; its `Display` is for people.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FloorReport {
+    /// Seed of the resamples.
+    pub seed: u64,
+    /// Version of this crate.
+    pub version: &'static str,
+    /// Name and unit of the metrics, in order.
+    #[serde(skip)]
+    pub metrics: Vec<(&'static str, Unit)>,
+    /// One floor a set.
+    pub sets: Vec<SetFloor>,
+}
+
+/// The noise floor of one set.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SetFloor {
+    /// Name of the set.
+    pub set: String,
+    /// Its floor, with the warnings of the set.
+    #[serde(flatten)]
+    pub floor: NoiseFloor,
+}
+
+impl FloorReport {
+    /// The noise floor of every set.
+    ///
+    /// # Errors
+    /// A metric that cannot compare the recordings, or not a single pair of recordings to compare.
+    pub fn new(sets: Vec<SetOfRuns>, scoring: &Scoring, run: &RunOptions<'_>) -> Result<Self> {
+        let mut floors = Vec::new();
+        for set in sets {
+            let mut floor = run.install(|| noise_floor(&set.runs, scoring))??;
+            floor.warnings.extend(set.warnings);
+            floors.push(SetFloor {
+                set: set.name,
+                floor,
+            });
+        }
+        if floors.iter().all(|set| set.floor.pairs == 0) {
+            let recordings = floors.iter().map(|set| set.floor.recordings).sum();
+            return Err(
+                Error::invalid("there is no noise floor without repeats of the same run")
+                    .field("recordings")
+                    .found(counted(recordings, "recording"))
+                    .allowed("two or more recordings in a set")
+                    .hint("record the same run again, at least five times"),
+            );
+        }
+        Ok(Self {
+            seed: scoring.seed,
+            version: env!("CARGO_PKG_VERSION"),
+            metrics: scoring
+                .metrics
+                .iter()
+                .map(|metric| (metric.name(), metric.unit()))
+                .collect(),
+            sets: floors,
+        })
+    }
 }

@@ -1,7 +1,7 @@
 //! The gap of a study: its simulations, with and without noise, against its recordings.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -12,11 +12,13 @@ use super::fitness::Fitness;
 use super::over_time::OverTime;
 use super::sample::{CaseRuns, Sample, Scoring};
 use crate::calibration::Study;
-use crate::comparison::Metric;
+use crate::comparison::{self, Metric};
 use crate::error::{Error, Result};
+use crate::optimization::RunOptions;
 use crate::prediction::ensemble;
 use crate::simulation::parameter::ParameterSet;
 use crate::simulation::{self, ENGINE_VERSION, Noise, Run};
+use crate::trajectory::Source;
 use crate::warning::{Code, Warning};
 
 /// What to simulate and how to compare.
@@ -43,6 +45,8 @@ pub struct StudyGap {
     pub parameters: BTreeMap<String, f64>,
     /// Number of recordings.
     pub recordings: usize,
+    /// Where they come from.
+    pub source: Source,
     /// Starts that were simulated: 1 where the recordings share it.
     pub starts: usize,
     /// Repeats under noise of each start; 0 without an ensemble.
@@ -67,19 +71,41 @@ pub struct StudyGap {
     pub warnings: Vec<Warning>,
 }
 
-/// Simulates a study's starts, without noise and under it, in parallel on the current rayon pool, and compares them with its
-/// recordings.
-///
-/// `progress` hears how many simulations of how many are done, from any thread. Repeat k is repeat k of `realgap ensemble`.
-///
-/// # Errors
-/// Every run diverged, a metric that cannot compare, no repeats asked for, or `stop` was set.
-pub fn study_gap(
-    study: &Study,
-    options: &GapOptions,
-    stop: &AtomicBool,
-    progress: impl Fn(usize, usize) + Sync,
-) -> Result<StudyGap> {
+impl GapOptions {
+    /// The study's own metric, and two that everybody understands; its noise and seed; 200 repeats.
+    ///
+    /// # Errors
+    /// None: the metrics are known.
+    pub fn of(study: &Study) -> Result<Self> {
+        let definition = study.definition();
+        let mut metrics = vec![definition.metric];
+        for name in ["rms", "displacement"] {
+            let metric = comparison::by_name(name)?;
+            if metrics.iter().all(|known| known.name() != name) {
+                metrics.push(metric);
+            }
+        }
+        Ok(Self {
+            metrics,
+            noise: definition.noise,
+            repeats: 200,
+            seed: definition.seed,
+        })
+    }
+}
+
+impl StudyGap {
+    /// Simulates a study's starts, without noise and under it, and compares them with its recordings. Repeat k is repeat k of an
+    /// [ensemble](crate::prediction::ensemble::run()).
+    ///
+    /// # Errors
+    /// Every run diverged, a metric that cannot compare, no repeats asked for, or the run was stopped.
+    pub fn new(study: &Study, options: &GapOptions, run: &RunOptions<'_>) -> Result<Self> {
+        run.install(|| study_gap(study, options, run))?
+    }
+}
+
+fn study_gap(study: &Study, options: &GapOptions, run: &RunOptions<'_>) -> Result<StudyGap> {
     let definition = study.definition();
     if options.repeats == 0 {
         return Err(Error::invalid("an ensemble needs repeats")
@@ -109,18 +135,15 @@ pub fn study_gap(
         let runs: Vec<Option<Sample>> = (0..=repeats as u64)
             .into_par_iter()
             .map(|number| {
-                if stop.load(Ordering::Relaxed) {
-                    return Err(Error::interrupted("interrupted before the comparison")
-                        .hint("run the command again; the same repeats come out the same"));
-                }
-                let run = match (number.checked_sub(1), &noise) {
+                run.go_on()?;
+                let simulated = match (number.checked_sub(1), &noise) {
                     (Some(repeat), Some(noise)) => {
                         ensemble::repeat(&experiment, noise, options.seed, repeat)?
                     }
                     _ => simulation::run(&experiment)?,
                 };
-                progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
-                completed(run, number)
+                run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
+                completed(simulated, number)
             })
             .collect::<Result<_>>()?;
         let mut runs = runs.into_iter();
@@ -168,6 +191,7 @@ pub fn study_gap(
             .map(|a| (a.parameter.name.to_owned(), a.value))
             .collect(),
         recordings: real.len(),
+        source: definition.source(),
         starts: cases.len(),
         repeats,
         seed: options.seed,

@@ -1,4 +1,6 @@
-//! Text tables for the terminal.
+//! Tables as plain text.
+//!
+//! A [`TextTable`] is what reports print; its columns line up whatever they hold.
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
@@ -39,7 +41,7 @@ impl TextTable {
     /// The text, each line ended by a line feed; `bold_header` for terminals that understand it.
     ///
     /// ```
-    /// use realgap::plot::{Side, TextTable};
+    /// use realgap::table::{Side, TextTable};
     /// let mut table = TextTable::new([("trajectory", Side::Left), ("pca", Side::Right)]);
     /// table.push(["run_1", "1.23 cm"]);
     /// table.push(["run_2", "12.3 cm"]);

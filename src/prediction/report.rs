@@ -1,0 +1,221 @@
+//! What repeats of a study under noise say, and whether its recordings agree.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::Serialize;
+
+use super::ensemble::{self, Ensemble, Forecast, Reality};
+use crate::calibration::{RepeatCase, Repeatable};
+use crate::error::Result;
+use crate::optimization::{Progress, RunOptions};
+use crate::simulation::{ENGINE_VERSION, Noise};
+use crate::trajectory::Source;
+use crate::warning::Warning;
+
+/// More cases than this are not printed one by one.
+const CASES_PRINTED: usize = 3;
+
+/// How a study is repeated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnsembleOptions {
+    /// How repeats differ.
+    pub noise: Noise,
+    /// Who says so, e.g. a file.
+    pub noise_from: String,
+    /// Repeats of each start.
+    pub repeats: usize,
+    /// Seed of all draws.
+    pub seed: u64,
+}
+
+/// The repeats of one start.
+#[derive(Debug, Clone, Serialize)]
+pub struct EnsembleCase {
+    /// The study's name, or the recording's where every recording has its own start.
+    pub case: String,
+    /// The repeats themselves; not written with the report.
+    #[serde(skip)]
+    pub ensemble: Ensemble,
+    /// Prepared paths of its recordings, true lengths, metres; not written with the report.
+    #[serde(skip)]
+    pub real_paths_m: Vec<Vec<[f64; 2]>>,
+    /// What the repeats have in common.
+    #[serde(rename = "summary")]
+    pub forecast: Forecast,
+    /// How recordings compare with them; `None` where there are none.
+    pub reality: Option<Reality>,
+}
+
+/// What repeats of a study under noise say; its `Display` is for people.
+#[derive(Debug, Clone, Serialize)]
+pub struct EnsembleReport {
+    /// Name of the study.
+    pub study: String,
+    /// Name of the robot.
+    pub morphology: String,
+    /// Whether every repeat of every start is here.
+    pub complete: bool,
+    /// Fixed values of the simulation.
+    pub parameters: BTreeMap<String, f64>,
+    /// Who says how repeats differ.
+    pub noise_from: String,
+    /// Engine and its version.
+    pub engine: &'static str,
+    /// Version of this crate.
+    pub version: &'static str,
+    /// Where the recordings come from.
+    pub source: Source,
+    /// All recordings against the ensembles of their starts.
+    pub reality: Option<Reality>,
+    /// One ensemble a start.
+    pub cases: Vec<EnsembleCase>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+impl EnsembleReport {
+    /// Repeats every start of a study. Once the run is stopped no repeat is begun; what is done is reported as incomplete.
+    ///
+    /// # Errors
+    /// Noise or settings that cannot be simulated, no repeats at all.
+    pub fn new(
+        study: &Repeatable,
+        options: &EnsembleOptions,
+        run: &RunOptions<'_>,
+    ) -> Result<Self> {
+        let total = study.cases.len() * options.repeats;
+        let mut ensembles: Vec<(&RepeatCase, Ensemble)> = Vec::new();
+        for case in &study.cases {
+            // A case that is not begun says nothing; the first at least says so itself.
+            if run.is_stopped() && !ensembles.is_empty() {
+                break;
+            }
+            let before = ensembles.len() * options.repeats;
+            let tell = |progress: Progress| run.tell(before + progress.done, total, None);
+            let run = RunOptions {
+                progress: Some(&tell),
+                ..*run
+            };
+            let repeats = ensemble::run(
+                &case.experiment,
+                &options.noise,
+                options.seed,
+                options.repeats,
+                &run,
+            )?;
+            ensembles.push((case, repeats));
+        }
+        run.install(|| Self::of(study, ensembles, &options.noise_from))?
+    }
+
+    fn of(
+        study: &Repeatable,
+        ensembles: Vec<(&RepeatCase, Ensemble)>,
+        noise_from: &str,
+    ) -> Result<Self> {
+        let definition = &study.definition;
+        let complete = ensembles.len() == study.cases.len()
+            && ensembles.iter().all(|(_, repeats)| repeats.is_complete());
+        let cases = ensembles
+            .into_iter()
+            .map(|(case, ensemble)| EnsembleCase::new(case, ensemble))
+            .collect::<Result<Vec<_>>>()?;
+        let parts: Vec<&Reality> = cases
+            .iter()
+            .filter_map(|case| case.reality.as_ref())
+            .collect();
+        let mut warnings = study.warnings.clone();
+        warnings.extend(cases.iter().flat_map(|case| case.forecast.warnings.clone()));
+        warnings.sort();
+        warnings.dedup();
+        Ok(Self {
+            study: definition.name.clone(),
+            morphology: definition.morphology.name().to_owned(),
+            complete,
+            parameters: definition
+                .set
+                .iter()
+                .map(|a| (a.parameter.name.to_owned(), a.value))
+                .collect(),
+            noise_from: noise_from.to_owned(),
+            engine: ENGINE_VERSION,
+            version: env!("CARGO_PKG_VERSION"),
+            source: definition.source(),
+            reality: Reality::pooled(&parts),
+            cases,
+            warnings,
+        })
+    }
+
+    /// Repeats that were simulated, of all starts together.
+    pub fn repeats(&self) -> usize {
+        self.cases.iter().map(|case| case.forecast.repeats).sum()
+    }
+
+    /// Whether not a single repeat came to its end.
+    pub fn is_lost(&self) -> bool {
+        let lost = |case: &EnsembleCase| case.forecast.displacement_m.is_none();
+        self.cases.iter().all(lost)
+    }
+}
+
+impl EnsembleCase {
+    fn new(case: &RepeatCase, ensemble: Ensemble) -> Result<Self> {
+        let forecast = Forecast::new(&ensemble)?;
+        let real: Vec<_> = case.real.iter().map(|(n, p)| (n.as_str(), p)).collect();
+        let reality = forecast
+            .envelope
+            .as_ref()
+            .and_then(|envelope| Reality::new(&ensemble, envelope, &forecast.behaviours, &real));
+        Ok(Self {
+            case: case.name.clone(),
+            real_paths_m: case.real.iter().map(|(_, p)| p.xy_m().to_vec()).collect(),
+            ensemble,
+            forecast,
+            reality,
+        })
+    }
+}
+
+impl fmt::Display for EnsembleReport {
+    /// Each start where there are few, then all recordings against the ensembles.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.cases.len() <= CASES_PRINTED {
+            for (index, case) in self.cases.iter().enumerate() {
+                if index > 0 {
+                    writeln!(f)?;
+                }
+                write!(f, "{case}")?;
+            }
+        } else {
+            write!(
+                f,
+                "{}: {} recordings with an ensemble of {} repeats each",
+                self.study,
+                self.cases.len(),
+                self.cases[0].forecast.repeats
+            )?;
+        }
+        match &self.reality {
+            Some(reality) => write!(f, "\n{reality}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for EnsembleCase {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let forecast = &self.forecast;
+        write!(
+            f,
+            "{}: {} repeats of {} s, {:.1} CPU s{}\n{}",
+            self.case,
+            forecast.repeats,
+            forecast.duration_s,
+            forecast.cpu_s,
+            forecast.numbers(),
+            forecast.behaviour_table(self.reality.as_ref())
+        )
+    }
+}
