@@ -54,9 +54,33 @@
 //! # Ok::<(), realgap::Error>(())
 //! ```
 //!
-//! A whole sweep is [`calibration::Study::read`], [`calibration::sweep()`] and [`results::write`]; the command
-//! `realgap sweep` does nothing else. Errors are one type, [`Error`]; warnings are values that travel with
-//! results; the library never prints.
+//! Recordings, a robot and what is not known of it are a [`calibration::Study`]; what it answers says how sure it is:
+//!
+//! ```
+//! use realgap::calibration::Study;
+//! use realgap::robot::morphology::Morphology;
+//! use realgap::unit::LengthUnit;
+//! use realgap::{RunOptions, comparison, trajectory};
+//!
+//! let real = trajectory::read("real_trajectories/tripod_standin/run_00.csv", LengthUnit::Metre)?;
+//! let study = Study::builder("friction", Morphology::read("morphologies/tripod.ron")?)
+//!     .recording(real)
+//!     .duration_s(2.0)
+//!     .vary("floor.friction", 0.1, 0.9, 5)
+//!     .metric(comparison::by_name("rms")?)
+//!     .build()?;
+//! let answer = study.sweep(&RunOptions::default())?;
+//! println!("{answer}");
+//! assert!(answer.report.verdicts[0].low <= answer.report.verdicts[0].best);
+//! # Ok::<(), realgap::Error>(())
+//! ```
+//!
+//! [`RunOptions`] say on how many threads, who hears of the progress, and what stops it. A store that survives a crash
+//! ([`Study::sweep_into`](calibration::Study::sweep_into)) and pictures ([`results::write`]) are steps of their own. Ensembles
+//! ([`prediction::EnsembleReport`]), gaps ([`prediction::gap::StudyGap`]) and cards ([`prediction::Card`]) are values that print
+//! themselves, too. Short programs for each lie in `examples/`.
+//!
+//! Errors are one type, [`Error`]; warnings are values that travel with results; the library never prints.
 //!
 //! Units are SI and stand in the names, frames too: [`guide::conventions`]. Why things are as they are:
 //! [`guide::design`]. What was measured: [`guide::fidelity`]. Words: [`guide::glossary`].

@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use sha2::{Digest, Sha256};
-
 use super::definition::{Definition, StartRule};
 use super::recording::warnings_for;
 use super::split::Split;
@@ -11,6 +9,7 @@ use super::study::Study;
 use crate::calibration::identification::StartState;
 use crate::comparison::{self, Components, DEFAULT_METRIC, Metric};
 use crate::error::{Error, Result};
+use crate::file::sha256;
 use crate::optimization::{Grid, Range};
 use crate::robot::morphology::Morphology;
 use crate::simulation::Noise;
@@ -158,10 +157,15 @@ impl StudyBuilder {
     /// # Errors
     /// No recordings, nothing that varies, unknown parameters, values out of bounds, and as [`Study::new`].
     pub fn build(self) -> Result<Study> {
-        let ranges = self
+        let parameters = self
             .ranges
             .iter()
-            .map(|(name, from, to, points)| Range::new(by_name(name)?, *from, *to, *points))
+            .map(|(name, ..)| by_name(name))
+            .collect::<Result<Vec<_>>>()?;
+        let ranges = parameters
+            .iter()
+            .zip(&self.ranges)
+            .map(|(parameter, (_, from, to, points))| Range::new(*parameter, *from, *to, *points))
             .collect::<Result<_>>()?;
         let set = self
             .fixed
@@ -201,6 +205,7 @@ impl StudyBuilder {
             unit: LengthUnit::Metre,
             set,
             grid: Grid::new(ranges)?,
+            parameters,
             metric,
             components: self.components,
             seed: self.seed,
@@ -214,11 +219,4 @@ impl StudyBuilder {
 /// Hash of what was recorded, in place of that of a file.
 fn samples_sha256(recording: &Recording) -> String {
     sha256(format!("{:?}", recording.trajectory).as_bytes())
-}
-
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
 }

@@ -1,7 +1,27 @@
-//! A study: experiment + recordings + parameters + metric, read from RON and made ready to evaluate.
+//! A study: recordings + experiment + parameters + metric, and what answers it.
 //!
-//! [`Definition::read`] parses the file, [`Study::new`] turns it into cases (one simulation each),
-//! [`Study::simulate`] simulates one point, [`Scores::new`] compares all points with reality.
+//! [`Study::read`] reads one from a file, [`Study::builder`] makes one in Rust. [`Study::sweep`] tries every point of its grid,
+//! [`Study::tune`] lets an optimizer choose; both give an [`Answer`]: the best point, everything that cannot be told from it, an
+//! interval and a [`Verdict`] a parameter. [`Study::evaluate`] checks given values, [`Study::sensitivity`] says which parameters
+//! matter.
+//!
+//! ```
+//! use realgap::RunOptions;
+//! use realgap::calibration::{Overrides, Study, TuneOptions};
+//! use realgap::optimization::optimizer_by_name;
+//!
+//! let overrides = Overrides {
+//!     metric: Some(realgap::comparison::by_name("rms")?),
+//!     limit_recordings: Some(2),
+//!     ..Overrides::default()
+//! };
+//! let study = Study::read("sweeps/tripod_self.ron", &overrides)?;
+//! let options = TuneOptions { optimizer: optimizer_by_name("random")?, budget: 4, patience: None };
+//! let answer = study.tune(&options, &RunOptions::default())?;
+//! assert_eq!(answer.scores.points.len(), 4);
+//! assert_eq!(answer.report.verdicts[0].parameter, "floor.friction");
+//! # Ok::<(), realgap::Error>(())
+//! ```
 
 pub mod identification;
 

@@ -11,7 +11,7 @@ use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{JointKind, Solver};
 use realgap::unit::LengthUnit;
 use realgap::warning::Code;
-use realgap::{Error, Result, Warning, optimization};
+use realgap::{Error, Result, Warning};
 
 /// Most repeats: the distances of all pairs are held in memory.
 pub const MOST_REPEATS: i64 = 5000;
@@ -167,11 +167,6 @@ impl Jobs {
         self.jobs
             .or_else(|| std::thread::available_parallelism().ok())
             .map_or(1, NonZeroUsize::get)
-    }
-
-    /// That many threads.
-    pub fn pool(&self) -> Result<rayon::ThreadPool> {
-        optimization::pool(self.count())
     }
 }
 

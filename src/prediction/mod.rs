@@ -1,7 +1,27 @@
 //! What the simulation says about reality, and how far it can be trusted.
 //!
 //! [`ensemble`] repeats one robot under noise; a [`Card`] says what the repeats mean for somebody who wants to build the
-//! robot; [`gap`] holds such repeats against recordings, in units of reality's own noise floor.
+//! robot; an [`EnsembleReport`] holds the repeats of a study against its recordings, and [`gap`] says how many of reality's own
+//! noise floors lie between the two.
+//!
+//! ```
+//! use realgap::RunOptions;
+//! use realgap::calibration::{Overrides, Repeatable};
+//! use realgap::prediction::{EnsembleOptions, EnsembleReport};
+//!
+//! let overrides = Overrides { limit_recordings: Some(2), ..Overrides::default() };
+//! let study = Repeatable::read("sweeps/tripod_self.ron", &overrides)?;
+//! let options = EnsembleOptions {
+//!     noise: study.noise()?,
+//!     noise_from: "the study".to_owned(),
+//!     repeats: 4,
+//!     seed: 1,
+//! };
+//! let report = EnsembleReport::new(&study, &options, &RunOptions::default())?;
+//! assert_eq!(report.cases[0].forecast.repeats, 4);
+//! assert!(report.to_string().contains("energy score"));
+//! # Ok::<(), realgap::Error>(())
+//! ```
 
 mod card;
 pub mod ensemble;

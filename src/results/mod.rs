@@ -1,4 +1,27 @@
-//! What a results folder holds for people: tables, pictures, a summary, the best values.
+//! What a results folder holds for people: tables, pictures, a report, the best values.
+//!
+//! Everything that is written here is put together elsewhere: [`write`] takes an [`Answer`], [`write_ensemble`] an
+//! [`EnsembleReport`](crate::prediction::EnsembleReport), [`write_gap`] a [`StudyGap`](crate::prediction::gap::StudyGap).
+//!
+//! ```
+//! use realgap::calibration::Study;
+//! use realgap::robot::morphology::Morphology;
+//! use realgap::unit::LengthUnit;
+//! use realgap::{RunOptions, comparison, results, trajectory};
+//!
+//! let study = Study::builder("friction", Morphology::read("morphologies/tripod.ron")?)
+//!     .recording(trajectory::read("real_trajectories/tripod_standin/run_00.csv", LengthUnit::Metre)?)
+//!     .duration_s(1.0)
+//!     .vary("floor.friction", 0.2, 0.8, 2)
+//!     .metric(comparison::by_name("rms")?)
+//!     .build()?;
+//! let answer = study.sweep(&RunOptions::default())?;
+//! let folder = std::env::temp_dir().join(format!("realgap_results_{}", std::process::id()));
+//! results::write(&folder, &study, &answer)?;
+//! assert!(folder.join("points.csv").is_file() && folder.join("curve.png").is_file());
+//! # std::fs::remove_dir_all(&folder).expect("it was just written");
+//! # Ok::<(), realgap::Error>(())
+//! ```
 
 mod best;
 mod convergence;

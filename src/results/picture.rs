@@ -63,7 +63,7 @@ impl<'a> Map<'a> {
         let report = &answer.report;
         let definition = study.definition();
         let cells = cells(study, answer);
-        let source = Source::of(&definition.recordings);
+        let source = definition.source();
         let mut subtitle = format!(
             "{}: {} {}",
             definition.morphology.name(),
@@ -338,9 +338,7 @@ impl<'a> Map<'a> {
                 .iter()
                 .map(|prepared| prepared.xy_m().to_vec())
                 .collect(),
-            reality_label: Source::of(&definition.recordings)
-                .reality_label()
-                .to_owned(),
+            reality_label: definition.source().reality_label().to_owned(),
             unit: self.answer.scores.unit,
         };
         draw_panels(&grid, path)

@@ -4,6 +4,20 @@
 //! [`Forecast`] holds all of it. [`Reality`] holds an ensemble against recorded paths. Paper 003 (section 4) predicted one path and saw it
 //! in 15 % of the trials; this is the prediction it asks for instead.
 //!
+//! ```
+//! use realgap::RunOptions;
+//! use realgap::prediction::ensemble::{Forecast, run};
+//! use realgap::robot::morphology::Morphology;
+//! use realgap::simulation::{Experiment, Noise};
+//!
+//! let mut experiment = Experiment::new(Morphology::read("morphologies/tripod.ron")?.assemble());
+//! experiment.duration_s = 1.0;
+//! let repeats = run(&experiment, &Noise::unmeasured_robot(), 1, 6, &RunOptions::default())?;
+//! let forecast = Forecast::new(&repeats)?;
+//! assert!(forecast.displacement_m.is_some_and(|spread| spread.q05 <= spread.q95));
+//! # Ok::<(), realgap::Error>(())
+//! ```
+//!
 //! Needs no recordings. Same experiment, noise and seed → same bits, whatever the threads; repeat k alone is the
 //! same as repeat k of the ensemble ([`Noise::perturb`](crate::simulation::Noise::perturb)).
 

@@ -97,7 +97,17 @@ pub fn run(
 ) -> Result<Ensemble> {
     let same = |_| experiment.clone();
     let tell = |done| run.tell(done, repeats, None);
-    run.install(|| run_each(experiment, same, noise, seed, repeats, run.stop(), tell))?
+    run.install(|| {
+        run_each(
+            experiment,
+            same,
+            noise,
+            seed,
+            repeats,
+            run.stop_flag(),
+            tell,
+        )
+    })?
 }
 
 /// As [`run`] on the current rayon pool, with an experiment of its own for every repeat: `vary` gives that of a repeat by its number, e.g. with another draw of

@@ -2,7 +2,21 @@
 //!
 //! [`noise_floor`] is the distance between repeats of the same real run; [`distances`] adds the gap, simulation against reality, and
 //! the gap ratio; [`OverTime`] and [`Confidence`] say the same over time. All of them work on any [`Sample`]s; [`StudyGap::new`]
-//! simulates what a study needs, [`read_sets`] reads repeats that have no study.
+//! simulates what a study needs, [`read_sets`] and [`FloorReport`] are for repeats that have no study.
+//!
+//! ```
+//! use realgap::RunOptions;
+//! use realgap::calibration::{Overrides, Study};
+//! use realgap::prediction::gap::{GapOptions, StudyGap};
+//!
+//! let overrides = Overrides { limit_recordings: Some(3), ..Overrides::default() };
+//! let study = Study::read("sweeps/tripod_self.ron", &overrides)?;
+//! let options = GapOptions { repeats: 2, ..GapOptions::of(&study)? };
+//! let gap = StudyGap::new(&study, &options, &RunOptions::default())?;
+//! assert!(gap.metrics[0].floor.is_some_and(|floor| floor.value > 0.0));
+//! println!("{gap}");
+//! # Ok::<(), realgap::Error>(())
+//! ```
 
 mod confidence;
 mod distance;

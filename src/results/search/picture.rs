@@ -57,7 +57,6 @@ pub(super) fn draw(
     let result = EnsembleResult {
         ensemble: &best.ensemble,
         summary: best.prediction(),
-        reality: None,
         real_paths_m: Vec::new(),
         real_label: "reality",
         title: format!("{}: what the best robot will do", best.robot.name()),
