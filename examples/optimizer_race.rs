@@ -5,8 +5,9 @@
 //! cargo run --release --example optimizer_race -- sweeps/cube_toss.ron 3 '../shared/data/cube_tosses/*.csv' 100
 //! ```
 //!
-//! Arguments: study, seeds, glob of recordings, number of recordings. The sweep says which points of its grid cannot be told
-//! from the best; an optimizer has arrived with the first point whose nearest point of the grid is one of them.
+//! Arguments: study, seeds, glob of recordings ("" for the study's own), number of recordings, names of optimizers (all
+//! where none is named). The sweep says which points of its grid cannot be told from the best; an optimizer has arrived with
+//! the first point whose nearest point of the grid is one of them.
 
 #![allow(clippy::print_stdout)]
 
@@ -20,7 +21,12 @@ const BUDGET: usize = 100;
 
 fn overrides(seed: u64, arguments: &[String]) -> Overrides {
     Overrides {
-        recordings: arguments.get(3).cloned().into_iter().collect(),
+        recordings: arguments
+            .get(3)
+            .filter(|glob| !glob.is_empty())
+            .cloned()
+            .into_iter()
+            .collect(),
         limit_recordings: arguments.get(4).and_then(|text| text.parse().ok()),
         seed: Some(seed),
         ..Overrides::default()
@@ -68,10 +74,12 @@ fn main() -> Result<()> {
         grid.len()
     );
     println!(
-        "{:<15} points until there, by seed 1 to {seeds} (budget {BUDGET})",
+        "{:<15} points until there and best score after {BUDGET}, by seed 1 to {seeds}",
         "optimizer"
     );
-    for optimizer in OPTIMIZERS {
+    let named = arguments.get(5..).unwrap_or_default();
+    let wanted = |name: &str| named.is_empty() || named.iter().any(|n| n == name);
+    for optimizer in OPTIMIZERS.iter().filter(|o| wanted(o.name())) {
         let mut arrivals = Vec::new();
         for seed in 1..=seeds {
             let study = Study::read(path, &overrides(seed, &arguments))?;
@@ -86,22 +94,16 @@ fn main() -> Result<()> {
                 .points
                 .iter()
                 .position(|point| cells[cell(grid, &point.values)]);
-            let best = answer
-                .scores
-                .best
-                .map(|best| cell(grid, &answer.scores.points[best].values));
-            arrivals.push(match arrival {
-                Some(index) => format!(
-                    "{}{}",
-                    index + 1,
-                    if best.is_some_and(|best| cells[best]) {
-                        ""
-                    } else {
-                        " (but its best lies outside)"
-                    }
-                ),
-                None => "not".to_owned(),
-            });
+            let best = answer.scores.best.map(|best| &answer.scores.points[best]);
+            let arrived = arrival.map_or("not".to_owned(), |index| (index + 1).to_string());
+            let outside = match best {
+                Some(best) if arrival.is_some() && !cells[cell(grid, &best.values)] => {
+                    " (but its best lies outside)"
+                }
+                _ => "",
+            };
+            let score = best.and_then(|best| best.score).unwrap_or(f64::NAN);
+            arrivals.push(format!("{arrived}: {score:.4}{outside}"));
         }
         println!("{:<15} {}", optimizer.name(), arrivals.join(", "));
     }

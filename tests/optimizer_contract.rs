@@ -150,3 +150,59 @@ fn one_parameter_is_enough() {
         assert!(found < 0.03, "{} ends {found} away", optimizer.name());
     }
 }
+
+/// Arithmetic alone, so that it has the same bits everywhere.
+fn bumpy(point: &UnitPoint) -> f64 {
+    let axes = point.iter().enumerate();
+    axes.map(|(axis, c)| {
+        let off = c - 0.3 - 0.1 * axis as f64;
+        let tooth = (7.0 * c) % 1.0;
+        (1.0 + axis as f64) * off * off + 0.05 * tooth * (1.0 - tooth)
+    })
+    .sum()
+}
+
+/// tests/golden/optimizer_points.csv holds what argmin 0.11.0 chose, its swarm with rand 0.9 and rand_xoshiro 0.7.
+#[test]
+fn simplex_and_swarm_choose_the_very_points_that_argmin_chose() {
+    let text = include_str!("golden/optimizer_points.csv");
+    let mut table = csv::Reader::from_reader(text.as_bytes());
+    let rows: Vec<csv::StringRecord> = table.records().map(|row| row.unwrap()).collect();
+    let mut searches = 0;
+    for rows in rows.chunk_by(|a, b| (0..5).all(|column| a[column] == b[column])) {
+        let optimizer = OPTIMIZERS.iter().find(|o| o.name() == &rows[0][0]).unwrap();
+        let number = |column: usize| rows[0][column].parse::<usize>().unwrap();
+        let (dimensions, seed, design) = (number(1), number(2) as u64, number(3));
+        let fails = &rows[0][4] == "true";
+        let evaluate = |point: UnitPoint| Told {
+            score: (!fails || point[0] < 0.85).then(|| bumpy(&point)),
+            point,
+        };
+        let brief = Brief {
+            points: vec![11; dimensions],
+            budget: rows.len(),
+            seed,
+        };
+        let design: Vec<Told> = space_filling(dimensions, 0, design, seed)
+            .into_iter()
+            .map(evaluate)
+            .collect();
+        let mut told = Vec::new();
+        while told.len() < rows.len() {
+            let history = History {
+                design: &design,
+                told: &told,
+            };
+            let Proposal::Evaluate(batch) = optimizer.propose(&brief, &history).unwrap() else {
+                panic!("{} ends", optimizer.name());
+            };
+            told.extend(batch.into_iter().map(evaluate));
+        }
+        for (index, (row, told)) in rows.iter().zip(&told).enumerate() {
+            let golden: Vec<f64> = row[5].split(' ').map(|c| c.parse().unwrap()).collect();
+            assert_eq!(told.point, golden, "{} point {index}", optimizer.name());
+        }
+        searches += 1;
+    }
+    assert_eq!(searches, 7);
+}

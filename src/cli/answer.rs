@@ -122,9 +122,10 @@ impl StudyOptions {
         match self.format {
             Format::Json => terminal::print(terminal::json(report)?),
             Format::Table => terminal::print(format!(
-                "{answer}\n  {wall_s:.1} s on {}\n  results in {}: summary.json, best.ron, points.csv and pictures",
+                "{answer}\n  {wall_s:.1} s on {}\n  results in {}: summary.json, best.ron, points.csv\n  pictures there: {}",
                 counted(self.jobs(), "thread"),
-                folder.display()
+                folder.display(),
+                pictures(folder).join(", ")
             )),
         }
         if answer.ending == Ending::Interrupted {
@@ -145,4 +146,17 @@ impl StudyOptions {
         }
         Ok(ExitCode::SUCCESS)
     }
+}
+
+/// Names of the pictures in a folder.
+fn pictures(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .filter(|name| name.ends_with(".png"))
+        .collect();
+    names.sort();
+    names
 }

@@ -1,12 +1,12 @@
 //! `realgap results`: what a results folder holds.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use realgap::file::write_atomic;
 use realgap::plot::{Side, TextTable, number};
-use realgap::store::{Cell, Listing, to_parquet};
+use realgap::store::{Cell, Listing};
 use realgap::{Error, Result};
 
 use super::terminal;
@@ -60,14 +60,7 @@ impl Results {
             ResultsFormat::Table => table(&listing).into_bytes(),
             ResultsFormat::Csv => csv(&listing)?,
             ResultsFormat::Json => json(&listing)?.into_bytes(),
-            ResultsFormat::Parquet => {
-                let Some(path) = &self.output else {
-                    return Err(Error::usage("Parquet is no text")
-                        .field("--format parquet")
-                        .hint("name a file with --output trials.parquet"));
-                };
-                to_parquet(&listing, path)?
-            }
+            ResultsFormat::Parquet => parquet(&listing, self.output.as_deref())?,
         };
         match &self.output {
             Some(path) => write_atomic(path, &bytes)?,
@@ -114,6 +107,25 @@ fn csv(listing: &Listing) -> Result<Vec<u8>> {
     writer
         .into_inner()
         .map_err(|e| Error::invalid(format!("cannot write the table: {e}")))
+}
+
+#[cfg(feature = "parquet")]
+fn parquet(listing: &Listing, output: Option<&Path>) -> Result<Vec<u8>> {
+    let Some(path) = output else {
+        return Err(Error::usage("Parquet is no text")
+            .field("--format parquet")
+            .hint("name a file with --output trials.parquet"));
+    };
+    realgap::store::to_parquet(listing, path)
+}
+
+#[cfg(not(feature = "parquet"))]
+fn parquet(_listing: &Listing, _output: Option<&Path>) -> Result<Vec<u8>> {
+    Err(
+        Error::usage("this program was built without the feature `parquet`")
+            .field("--format parquet")
+            .hint("build it with `cargo build --release --features parquet`, or use --format csv"),
+    )
 }
 
 fn json(listing: &Listing) -> Result<String> {

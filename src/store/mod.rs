@@ -30,6 +30,7 @@ mod fingerprint;
 mod listing;
 mod lock;
 mod opening;
+#[cfg(feature = "parquet")]
 mod parquet;
 mod robot;
 mod row;
@@ -43,6 +44,7 @@ pub use fingerprint::Fingerprint;
 pub use listing::{Cell, Column, ColumnKind, Listing};
 pub use lock::FolderLock;
 pub use opening::Mode;
+#[cfg(feature = "parquet")]
 pub use parquet::to_parquet;
 pub use robot::{RobotOutcome, RobotRow, TravelRow};
 pub use row::Row;

@@ -1,13 +1,14 @@
 //! Optimizers: each a pure function from what has been told so far to what should be tried next.
 //!
 //! An optimizer holds no state. The driver shows it the whole history and gets the next batch; the same history gives the
-//! same batch, so a run can be interrupted anywhere and goes on with the same bits. Libraries that own their loop are
+//! same batch, so a run can be interrupted anywhere and goes on with the same bits. Algorithms that are loops are
 //! replayed from the start on every call (`replay`), which costs microseconds where a simulation costs milliseconds.
 //!
 //! Adding an optimizer is one file and one line in [`OPTIMIZERS`]; tests/optimizer_contract.rs runs over all of them.
 
 mod bayesian;
 mod cma_es;
+mod gaussian_process;
 mod grid;
 mod nelder_mead;
 mod particle_swarm;
@@ -112,7 +113,7 @@ pub trait Optimizer: Sync {
     /// The next batch.
     ///
     /// # Errors
-    /// A library that refuses what it was told.
+    /// None of those here; an own optimizer may refuse what it was told.
     fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal>;
 }
 

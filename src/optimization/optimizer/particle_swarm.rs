@@ -1,37 +1,111 @@
-//! A swarm of particles, from the `argmin` library.
+//! A swarm of particles (Zambrano-Bigiarini, Clerc & Rojas 2013, chapter II, section A).
 
-use argmin::core::{CostFunction, PopulationState, Problem, Solver, State};
-use argmin::solver::particleswarm::{Particle, ParticleSwarm};
+use std::convert::Infallible;
+use std::f64::consts::LN_2;
+
+use rand::Rng;
+use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::SeedableRng;
 
-use super::replay::Replay;
-use super::{Brief, History, Optimizer, Proposal};
-use crate::error::{Advice, Error, Result};
+use super::replay::{Replay, Unknown};
+use super::{Brief, History, Optimizer, Proposal, UnitPoint};
+use crate::error::Result;
 
 /// Particle swarm.
 pub(super) struct Swarm;
 
 /// Particles: few, for budgets of a hundred simulations.
 const PARTICLES: usize = 10;
+/// Share of its velocity that a particle keeps (Clerc 2006).
+const INERTIA: f64 = 1.0 / (2.0 * LN_2);
+/// How strongly it is drawn to its own best point, and to that of all.
+const ATTRACTION: f64 = 0.5 + LN_2;
 
-type SolverState = PopulationState<Particle<Vec<f64>, f64>, f64>;
+struct Particle {
+    position: UnitPoint,
+    velocity: Vec<f64>,
+    best: UnitPoint,
+    best_score: f64,
+}
 
-struct Costs<'a>(&'a Replay<'a>);
-
-impl CostFunction for Costs<'_> {
-    type Param = Vec<f64>;
-    type Output = f64;
-
-    fn cost(&self, point: &Vec<f64>) -> std::result::Result<f64, argmin::core::Error> {
-        Ok(self.0.cost(point.iter().copied()))
+impl Particle {
+    fn new(position: UnitPoint, velocity: Vec<f64>, score: f64) -> Self {
+        Self {
+            best: position.clone(),
+            best_score: score,
+            position,
+            velocity,
+        }
     }
 }
 
-fn refused(error: &argmin::core::Error) -> Error {
-    Error::conflict(format!("the swarm cannot go on: {error}"))
-        .advise(Advice::OtherOptimizer)
-        .advise(Advice::OtherSeed)
+/// A number between two others, in whichever order; nothing is drawn where they are equal.
+fn between(a: f64, b: f64, random: &mut Xoshiro256PlusPlus) -> f64 {
+    if a == b {
+        return a;
+    }
+    // 52 bits as the fraction of a number from 1 to 2.
+    let from_one_to_two = f64::from_bits((1023 << 52) | (random.next_u64() >> 12));
+    (from_one_to_two - 1.0) * (a - b).abs() + a.min(b)
+}
+
+/// Positions over the whole range, then velocities up to it in both directions.
+fn scatter(dimensions: usize, random: &mut Xoshiro256PlusPlus) -> Vec<(UnitPoint, Vec<f64>)> {
+    let mut draw = |low| -> Vec<Vec<f64>> {
+        (0..PARTICLES)
+            .map(|_| (0..dimensions).map(|_| between(low, 1.0, random)).collect())
+            .collect()
+    };
+    let positions = draw(0.0);
+    positions.into_iter().zip(draw(-1.0)).collect()
+}
+
+fn search(brief: &Brief, history: &History<'_>) -> std::result::Result<Infallible, Unknown> {
+    let mut replay = Replay::new(history.told);
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(brief.seed);
+    let known = history.best_of_design();
+    let mut particles: Vec<Particle> = if known.len() >= PARTICLES {
+        let at_rest = vec![0.0; brief.dimensions()];
+        known[..PARTICLES]
+            .iter()
+            .map(|(point, score)| Particle::new((*point).clone(), at_rest.clone(), *score))
+            .collect()
+    } else {
+        let begun = scatter(brief.dimensions(), &mut random);
+        let scores = replay.scores(begun.iter().map(|(position, _)| position.as_slice()))?;
+        let all = begun.into_iter().zip(scores);
+        all.map(|((position, velocity), score)| Particle::new(position, velocity, score))
+            .collect()
+    };
+    particles.sort_by(|a, b| a.best_score.total_cmp(&b.best_score));
+    let (mut best, mut best_score) = (particles[0].best.clone(), particles[0].best_score);
+    loop {
+        for particle in &mut particles {
+            let mut pull = |to: &UnitPoint| -> Vec<f64> {
+                let ways = to.iter().zip(&particle.position);
+                ways.map(|(to, from)| between(0.0, to - from, &mut random) * ATTRACTION)
+                    .collect()
+            };
+            let (to_own, to_all) = (pull(&particle.best), pull(&best));
+            for axis in 0..brief.dimensions() {
+                let velocity = &mut particle.velocity[axis];
+                *velocity = *velocity * INERTIA + to_own[axis] + to_all[axis];
+                let position = &mut particle.position[axis];
+                *position = (*position + *velocity).clamp(0.0, 1.0);
+            }
+        }
+        let scores = replay.scores(particles.iter().map(|p| p.position.as_slice()))?;
+        for (particle, score) in particles.iter_mut().zip(scores) {
+            if score < particle.best_score {
+                particle.best.clone_from(&particle.position);
+                particle.best_score = score;
+                if score < best_score {
+                    best.clone_from(&particle.position);
+                    best_score = score;
+                }
+            }
+        }
+    }
 }
 
 impl Optimizer for Swarm {
@@ -40,7 +114,7 @@ impl Optimizer for Swarm {
     }
 
     fn doc(&self) -> &'static str {
-        "Particle swarm of 10 (Zambrano-Bigiarini et al. 2013, argmin)."
+        "Particle swarm of 10 (Zambrano-Bigiarini et al. 2013)."
     }
 
     fn batch(&self, _brief: &Brief) -> usize {
@@ -48,31 +122,7 @@ impl Optimizer for Swarm {
     }
 
     fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal> {
-        let replay = Replay::new(history.told);
-        let n = brief.dimensions();
-        let mut solver = ParticleSwarm::new((vec![0.0; n], vec![1.0; n]), PARTICLES)
-            .with_rng_generator(Xoshiro256PlusPlus::seed_from_u64(brief.seed));
-        let mut problem = Problem::new(Costs(&replay));
-        let mut state = SolverState::new();
-        let best = history.best_of_design();
-        if best.len() >= PARTICLES {
-            let at_rest = vec![0.0; n];
-            let particles = best.iter().take(PARTICLES);
-            state = state.population(
-                particles
-                    .map(|(point, score)| Particle::new((*point).clone(), *score, at_rest.clone()))
-                    .collect(),
-            );
-        }
-        (state, _) = solver.init(&mut problem, state).map_err(|e| refused(&e))?;
-        loop {
-            let asked = replay.asked();
-            if !asked.is_empty() {
-                return Ok(Proposal::Evaluate(asked));
-            }
-            (state, _) = solver
-                .next_iter(&mut problem, state)
-                .map_err(|e| refused(&e))?;
-        }
+        let Err(Unknown(points)) = search(brief, history);
+        Ok(Proposal::Evaluate(points))
     }
 }
