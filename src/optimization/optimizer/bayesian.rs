@@ -10,18 +10,18 @@ pub(super) struct Bayesian;
 /// Candidates in one batch.
 const BATCH: usize = 2;
 /// Points that the kernel is fitted to, and those that the process knows at most. Work grows with the cube of either.
-const FITTED: usize = 100;
-const KNOWN: usize = 400;
+const FITTED: usize = 80;
+const KNOWN: usize = 300;
 /// Places where improvement is computed: all over the range, and around each of the best points.
-const ANYWHERE: usize = 512;
-const NEARBY: usize = 64;
+const ANYWHERE: usize = 256;
+const NEARBY: usize = 32;
 /// Points with surroundings, and their widths, share of the range.
 const FAVOURITES: usize = 3;
 const WIDTHS: [f64; 3] = [0.2, 0.05, 0.01];
 /// Candidates that are improved upon, from which first step to which last.
-const CLIMBERS: usize = 4;
+const CLIMBERS: usize = 3;
 const FIRST_STEP: f64 = 0.05;
-const LAST_STEP: f64 = 1e-4;
+const LAST_STEP: f64 = 1e-3;
 /// A candidate nearer than this to a known point along every axis tells nothing new: a simulation has no noise of its own.
 const APART: f64 = 1e-4;
 
