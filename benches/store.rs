@@ -2,19 +2,20 @@
 #![allow(clippy::unwrap_used)]
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use realgap::store::{Fingerprint, Outcome, OutcomeStatus, Store, Trial, TrialScore};
+use realgap::store::{CaseOutcome, CaseResult, CaseRow, Fingerprint, Store, Trial, TrialScore};
 
 /// A trial with the prepared path of a walk and scores against ten recordings.
 fn trial(index: usize) -> Trial {
     Trial {
         index,
         values: vec![0.3, 0.4],
-        outcomes: vec![Outcome {
-            status: OutcomeStatus::Completed,
+        cases: vec![CaseRow {
             steps: 4800,
-            net_displacement_m: 0.6,
-            scores: vec![0.01; 10],
-            path_xy_m: vec![[0.1, 0.2]; 182],
+            outcome: CaseOutcome::Completed(CaseResult {
+                net_displacement_m: 0.6,
+                scores: vec![0.01; 10],
+                path_xy_m: vec![[0.1, 0.2]; 182],
+            }),
         }],
     }
 }

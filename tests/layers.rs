@@ -137,6 +137,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "warning",
             "simulation",
             "optimization",
+            "trajectory",
             "calibration",
             "prediction::ensemble",
         ],

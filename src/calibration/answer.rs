@@ -7,19 +7,19 @@ use rayon::prelude::*;
 use super::audit::Audit;
 use super::definition::StartRule;
 use super::method::Method;
+use super::posterior::{BestDraws, ScoredPoint};
+use super::profile::Profile;
 use super::report::{Evidence, Report};
 use super::score::Scores;
 use super::study::Study;
-use super::validation::Validation;
-use crate::calibration::{
-    BestDraws, Profile, ScoredPoint, Uncertainty, bootstrap_indistinguishable,
-    spread_indistinguishable,
+use super::uncertainty::{
+    LEVEL, Uncertainty, bootstrap_indistinguishable, spread_indistinguishable,
 };
+use super::validation::Validation;
 use crate::error::Result;
 use crate::optimization::Ending;
 use crate::simulation::Noise;
 use crate::statistics::standard_deviation;
-use crate::store::OutcomeStatus;
 
 /// Result of a sweep or of tuning; its `Display` is the report.
 #[derive(Debug, Clone)]
@@ -46,10 +46,6 @@ impl fmt::Display for Answer {
     }
 }
 
-/// Confidence level of the indistinguishable set.
-pub const LEVEL: f64 = 0.95;
-/// Confidence level of the interval of each parameter.
-pub const INTERVAL_LEVEL: f64 = 0.90;
 /// Perturbed repeats of the best point: how much a score depends on the very start.
 const REPEATS: u64 = 16;
 
@@ -177,11 +173,11 @@ fn repeats(study: &Study, scores: &Scores, values: &[f64], noise: &Noise) -> Res
         .into_par_iter()
         .map(|repeat| {
             let timestep_factor = 0.5_f64.powf(repeat as f64 / (REPEATS - 1) as f64);
-            let outcome = study.simulate_perturbed(&set, noise, repeat, timestep_factor)?;
-            if outcome.status != OutcomeStatus::Completed {
+            let row = study.simulate_perturbed(&set, noise, repeat, timestep_factor)?;
+            let Some(result) = row.completed() else {
                 return Ok(None);
-            }
-            let scores = scores.outcome_scores(study, values, 0, &outcome)?;
+            };
+            let scores = scores.of_result(study, values, 0, result)?;
             Ok(Some(scores.iter().sum::<f64>() / scores.len() as f64))
         })
         .collect::<Result<_>>()?;

@@ -56,7 +56,7 @@ mod values;
 mod verdict;
 
 pub use crate::store::Mode;
-pub use answer::{Answer, INTERVAL_LEVEL, LEVEL};
+pub use answer::Answer;
 pub use audit::{Audit, AuditRow};
 pub use builder::StudyBuilder;
 pub use case::{Case, Target};
@@ -65,7 +65,7 @@ pub use evaluation::{Average, Evaluation, RecordingErrors};
 pub use method::{Method, Termination, Tuned};
 pub use noise::read_noise;
 pub use overrides::{Overrides, Part};
-pub use posterior::{BestDraws, ScoredPoint};
+pub use posterior::{BestDraws, INTERVAL_LEVEL};
 pub use profile::Profile;
 pub use recording::{recording_paths, recording_warnings};
 pub use repeat::{RepeatCase, Repeatable};
@@ -76,9 +76,7 @@ pub use sensitivity::{Effect, Sensitivity};
 pub use split::Split;
 pub use study::Study;
 pub use tune::TuneOptions;
-pub use uncertainty::{
-    Uncertainty, UncertaintySource, bootstrap_indistinguishable, spread_indistinguishable,
-};
+pub use uncertainty::{LEVEL, Uncertainty, UncertaintySource};
 pub use validation::{Fold, Validation};
 pub use values::{BestFile, read_parameters};
 pub use verdict::Verdict;

@@ -5,7 +5,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::optimization::Grid;
 use crate::random::Once;
-use crate::statistics::{mean, quantile, resamples, standard_deviation};
+use crate::statistics::{mean, percentile_interval, resamples, standard_deviation};
 
 /// Best parameter values of many resamples of the recordings.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +14,8 @@ pub struct BestDraws {
     draws: Vec<Vec<f64>>,
 }
 
+/// Confidence level of the interval of each parameter.
+pub const INTERVAL_LEVEL: f64 = 0.90;
 /// Resamples.
 const DRAWS: usize = 2000;
 
@@ -69,9 +71,9 @@ impl BestDraws {
 
     /// Central interval of one parameter at `level`, e.g. 0.9.
     pub fn interval(&self, parameter: usize, level: f64) -> (f64, f64) {
+        // There is at least one draw.
         let values = self.values(parameter);
-        let tail = 0.5 * (1.0 - level);
-        (quantile(&values, tail), quantile(&values, 1.0 - tail))
+        percentile_interval(&values, 0.5 * (1.0 - level)).unwrap_or((f64::NAN, f64::NAN))
     }
 
     /// Pearson's correlation of two parameters over the draws; 0 where one of them does not vary.

@@ -4,7 +4,7 @@ use super::study::Study;
 use crate::comparison::Basis;
 use crate::error::Result;
 use crate::statistics::mean;
-use crate::store::{Outcome, OutcomeStatus, Trial};
+use crate::store::{CaseResult, CaseRow, Trial};
 use crate::trajectory::Prepared;
 use crate::unit::Unit;
 
@@ -48,7 +48,7 @@ impl Scores {
     /// # Errors
     /// Paths from which no basis can be built.
     pub fn new(study: &Study, trials: &[Trial]) -> Result<Self> {
-        let basis = basis(study, trials.iter().flat_map(|trial| &trial.outcomes))?;
+        let basis = basis(study, trials.iter().flat_map(|trial| &trial.cases))?;
         Self::with_basis(study, trials, basis)
     }
 
@@ -77,19 +77,19 @@ impl Scores {
         })
     }
 
-    /// Scores of one case's outcome at these parameter values against the recordings of that case.
+    /// Scores of one case's result at these parameter values against the recordings of that case.
     ///
     /// # Errors
     /// A path that does not fit the basis.
-    pub fn outcome_scores(
+    pub(super) fn of_result(
         &self,
         study: &Study,
         values: &[f64],
         case: usize,
-        outcome: &Outcome,
+        result: &CaseResult,
     ) -> Result<Vec<f64>> {
         let length_scale = study.recording_length_scale(values);
-        outcome_scores(study, self.basis.as_ref(), length_scale, case, outcome)
+        result_scores(study, self.basis.as_ref(), length_scale, case, result)
     }
 }
 
@@ -99,16 +99,16 @@ impl Scores {
 /// Paths from which no basis can be built.
 pub(super) fn basis<'a>(
     study: &Study,
-    outcomes: impl IntoIterator<Item = &'a Outcome>,
+    rows: impl IntoIterator<Item = &'a CaseRow>,
 ) -> Result<Option<Basis>> {
     if !study.definition().metric.needs().basis {
         return Ok(None);
     }
     let real = study.real_paths();
-    let simulated: Vec<Prepared> = outcomes
+    let simulated: Vec<Prepared> = rows
         .into_iter()
-        .filter(|outcome| outcome.status == OutcomeStatus::Completed)
-        .map(|outcome| Prepared::from_xy_m(outcome.path_xy_m.clone()))
+        .filter_map(CaseRow::completed)
+        .map(|result| Prepared::from_xy_m(result.path_xy_m.clone()))
         .collect::<Result<_>>()?;
     let all: Vec<&Prepared> = real.iter().copied().chain(&simulated).collect();
     Basis::fit(&all, study.definition().components).map(Some)
@@ -128,24 +128,24 @@ fn score(
         score: None,
         held_out: None,
         displacement_error_m: None,
-        path_xy_m: trial
-            .outcomes
-            .first()
-            .map(|outcome| outcome.path_xy_m.clone())
-            .unwrap_or_default(),
+        path_xy_m: Vec::new(),
     };
-    if point.diverged.is_some() {
-        return Ok(point);
+    let results: Option<Vec<&CaseResult>> = trial.cases.iter().map(CaseRow::completed).collect();
+    if let Some(first) = trial.cases.first().and_then(CaseRow::completed) {
+        point.path_xy_m.clone_from(&first.path_xy_m);
     }
+    let Some(results) = results else {
+        return Ok(point);
+    };
     let count = real.len();
     let length_scale = study.recording_length_scale(&trial.values);
     point.recordings = vec![f64::NAN; count];
     let mut displacement_error_m = 0.0;
-    for (case, outcome) in trial.outcomes.iter().enumerate() {
-        let scores = outcome_scores(study, basis, length_scale, case, outcome)?;
+    for (case, result) in results.into_iter().enumerate() {
+        let scores = result_scores(study, basis, length_scale, case, result)?;
         for (target, score) in study.cases()[case].targets.iter().zip(scores) {
             point.recordings[target.recording] = score;
-            displacement_error_m += (outcome.net_displacement_m
+            displacement_error_m += (result.net_displacement_m
                 - target.prepared.net_displacement_m() / length_scale)
                 .abs();
         }
@@ -159,18 +159,18 @@ fn score(
     Ok(point)
 }
 
-/// Scores of one outcome against the recordings of its case; `length_scale` is recorded lengths over true ones.
-pub(super) fn outcome_scores(
+/// Scores of one result against the recordings of its case; `length_scale` is recorded lengths over true ones.
+pub(super) fn result_scores(
     study: &Study,
     basis: Option<&Basis>,
     length_scale: f64,
     case: usize,
-    outcome: &Outcome,
+    result: &CaseResult,
 ) -> Result<Vec<f64>> {
     let Some(basis) = basis else {
-        return Ok(outcome.scores.clone());
+        return Ok(result.scores.clone());
     };
-    let simulated = Prepared::from_xy_m(outcome.path_xy_m.clone())?;
+    let simulated = Prepared::from_xy_m(result.path_xy_m.clone())?;
     // Both paths are in recorded lengths, the score in true ones.
     Ok(study.cases()[case]
         .targets

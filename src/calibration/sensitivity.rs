@@ -6,14 +6,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::definition::StartRule;
-use super::score::{basis, outcome_scores};
+use super::score::{basis, result_scores};
 use super::study::Study;
 use crate::error::{Advice, Error, Result};
 use crate::optimization::RunOptions;
 use crate::simulation::Noise;
 use crate::simulation::parameter::{self, Assignment, Parameter, ParameterSet};
 use crate::statistics::{mean, standard_deviation};
-use crate::store::{Outcome, OutcomeStatus};
+use crate::store::CaseRow;
 use crate::warning::Warning;
 
 /// One parameter, made a little smaller and a little larger.
@@ -104,7 +104,7 @@ fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
     let done = AtomicUsize::new(0);
     let report = || run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
     // A value that cannot be simulated (a radius wider than the cube) has no effect to tell, but is no failure.
-    let outcomes: Vec<Option<Vec<Outcome>>> = tasks
+    let outcomes: Vec<Option<Vec<CaseRow>>> = tasks
         .par_iter()
         .map(|task| {
             run.go_on()?;
@@ -113,7 +113,7 @@ fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
             Ok(outcomes)
         })
         .collect::<Result<_>>()?;
-    let starts: Vec<Outcome> = (0..repeats)
+    let starts: Vec<CaseRow> = (0..repeats)
         .into_par_iter()
         .map(|repeat| {
             let noise = Noise::careful_start();
@@ -123,19 +123,19 @@ fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
         })
         .collect::<Result<_>>()?;
     let basis = basis(study, outcomes.iter().flatten().flatten().chain(&starts))?;
-    let score = |set: &ParameterSet, outcomes: &[Outcome]| -> Result<Option<f64>> {
+    let score = |set: &ParameterSet, rows: &[CaseRow]| -> Result<Option<f64>> {
         let length_scale = set.apply(&experiment).recording_length_scale;
         let mut all = Vec::new();
-        for (case, outcome) in outcomes.iter().enumerate() {
-            if outcome.status != OutcomeStatus::Completed {
+        for (case, row) in rows.iter().enumerate() {
+            let Some(result) = row.completed() else {
                 return Ok(None);
-            }
-            all.extend(outcome_scores(
+            };
+            all.extend(result_scores(
                 study,
                 basis.as_ref(),
                 length_scale,
                 case,
-                outcome,
+                result,
             )?);
         }
         Ok(Some(mean(&all)))

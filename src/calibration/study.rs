@@ -12,7 +12,7 @@ use crate::comparison::{Context, Pair};
 use crate::error::Result;
 use crate::simulation::parameter::{Assignment, ParameterSet};
 use crate::simulation::{self, Experiment, Noise, Solver};
-use crate::store::{Outcome, OutcomeStatus, Trial};
+use crate::store::{CaseOutcome, CaseResult, CaseRow, Trial};
 use crate::trajectory::{Prepared, prepare};
 use crate::warning::Warning;
 
@@ -139,11 +139,11 @@ impl Study {
     /// # Errors
     /// As [`Study::simulate`].
     pub(super) fn simulate_values(&self, index: usize, values: Vec<f64>) -> Result<Trial> {
-        let outcomes = self.simulate_set(&self.parameter_set(&values))?;
+        let cases = self.simulate_set(&self.parameter_set(&values))?;
         Ok(Trial {
             index,
             values,
-            outcomes,
+            cases,
         })
     }
 
@@ -187,7 +187,7 @@ impl Study {
         noise: &Noise,
         repeat: u64,
         timestep_factor: f64,
-    ) -> Result<Outcome> {
+    ) -> Result<CaseRow> {
         let mut experiment = self.experiment_with(0, set)?;
         experiment.solver.timestep_s *= timestep_factor;
         self.simulate_case(0, &noise.perturb(&experiment, self.definition.seed, repeat))
@@ -197,7 +197,7 @@ impl Study {
     ///
     /// # Errors
     /// As [`Study::simulate`].
-    pub(super) fn simulate_set(&self, set: &ParameterSet) -> Result<Vec<Outcome>> {
+    pub(super) fn simulate_set(&self, set: &ParameterSet) -> Result<Vec<CaseRow>> {
         (0..self.cases.len())
             .into_par_iter()
             .map(|case| self.simulate_case(case, &self.experiment_with(case, set)?))
@@ -213,7 +213,7 @@ impl Study {
         values: &[f64],
         change: impl Fn(&mut Solver) + Sync,
     ) -> Result<Trial> {
-        let outcomes = (0..self.cases.len())
+        let cases = (0..self.cases.len())
             .into_par_iter()
             .map(|case| {
                 let mut experiment = self.experiment(case, values)?;
@@ -224,7 +224,7 @@ impl Study {
         Ok(Trial {
             index: 0,
             values: values.to_vec(),
-            outcomes,
+            cases,
         })
     }
 
@@ -248,17 +248,14 @@ impl Study {
         self.held_out.iter().filter(|held_out| !**held_out).count()
     }
 
-    fn simulate_case(&self, case: usize, experiment: &Experiment) -> Result<Outcome> {
+    fn simulate_case(&self, case: usize, experiment: &Experiment) -> Result<CaseRow> {
         let run = simulation::run(experiment)?;
         let motion = match run.outcome {
             simulation::Outcome::Completed(motion) => motion,
             simulation::Outcome::Diverged(divergence) => {
-                return Ok(Outcome {
-                    status: OutcomeStatus::Diverged(divergence.to_string()),
+                return Ok(CaseRow {
                     steps: run.steps,
-                    net_displacement_m: f64::NAN,
-                    scores: Vec::new(),
-                    path_xy_m: Vec::new(),
+                    outcome: CaseOutcome::Diverged(divergence.to_string()),
                 });
             }
         };
@@ -294,12 +291,13 @@ impl Study {
         } else {
             Vec::new()
         };
-        Ok(Outcome {
-            status: OutcomeStatus::Completed,
+        Ok(CaseRow {
             steps: run.steps,
-            net_displacement_m: prepared.net_displacement_m(),
-            scores,
-            path_xy_m,
+            outcome: CaseOutcome::Completed(CaseResult {
+                net_displacement_m: prepared.net_displacement_m(),
+                scores,
+                path_xy_m,
+            }),
         })
     }
 

@@ -178,7 +178,7 @@ impl<'a> Tuning<'a> {
             return Ok(Termination::Interrupted);
         }
         let trials = self.keeping.rows_within(0..design.len())?;
-        self.basis = basis(self.study, trials.iter().flat_map(|trial| &trial.outcomes))?;
+        self.basis = basis(self.study, trials.iter().flat_map(|trial| &trial.cases))?;
         self.tell(&design)?;
         loop {
             if self.told.len() >= self.options.budget {

@@ -38,6 +38,8 @@ pub struct Uncertainty {
     pub indistinguishable: Vec<bool>,
 }
 
+/// Confidence level of the indistinguishable set.
+pub const LEVEL: f64 = 0.95;
 /// Resamples of the bootstrap.
 const RESAMPLES: usize = 2000;
 

@@ -4,8 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::answer::INTERVAL_LEVEL;
-use super::posterior::BestDraws;
+use super::posterior::{BestDraws, INTERVAL_LEVEL};
 use super::score::Scores;
 use super::study::Study;
 use super::uncertainty::Uncertainty;

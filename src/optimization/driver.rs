@@ -113,20 +113,17 @@ pub fn drive<R: Send>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::{Fingerprint, Outcome, OutcomeStatus, Store, Trial};
+    use crate::store::{CaseOutcome, CaseRow, Fingerprint, Store, Trial};
 
     fn trial(index: usize) -> Trial {
-        let outcome = Outcome {
-            status: OutcomeStatus::Completed,
-            steps: 1,
-            net_displacement_m: index as f64,
-            scores: vec![(index as f64).sin()],
-            path_xy_m: vec![],
+        let case = CaseRow {
+            steps: index as u64,
+            outcome: CaseOutcome::Diverged(format!("at {}", (index as f64).sin())),
         };
         Trial {
             index,
             values: vec![index as f64],
-            outcomes: vec![outcome],
+            cases: vec![case],
         }
     }
 

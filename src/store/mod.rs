@@ -49,4 +49,4 @@ pub use parquet::to_parquet;
 pub use robot::{RobotOutcome, RobotRow, TravelRow};
 pub use row::Row;
 pub use storage::{Memory, Storage};
-pub use trial::{Outcome, OutcomeStatus, Trial, TrialScore};
+pub use trial::{CaseOutcome, CaseResult, CaseRow, Trial, TrialScore};

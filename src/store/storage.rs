@@ -34,7 +34,7 @@ pub trait Storage<R> {
 /// use realgap::store::{Memory, Storage, Trial};
 ///
 /// let mut memory = Memory::default();
-/// memory.insert(&[Trial { index: 3, values: vec![0.5], outcomes: Vec::new() }])?;
+/// memory.insert(&[Trial { index: 3, values: vec![0.5], cases: Vec::new() }])?;
 /// assert_eq!(memory.rows_within(0..9)?[0].values, [0.5]);
 /// # Ok::<(), realgap::Error>(())
 /// ```

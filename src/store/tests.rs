@@ -8,20 +8,18 @@ fn trial(index: usize) -> Trial {
     Trial {
         index,
         values: vec![0.1 + index as f64, f64::MIN_POSITIVE],
-        outcomes: vec![
-            Outcome {
-                status: OutcomeStatus::Completed,
+        cases: vec![
+            CaseRow {
                 steps: 480,
-                net_displacement_m: 0.1_f64.sqrt(),
-                scores: vec![1.0 / 3.0],
-                path_xy_m: vec![[0.0, -0.0], [1e-300, 2.0]],
+                outcome: CaseOutcome::Completed(CaseResult {
+                    net_displacement_m: 0.1_f64.sqrt(),
+                    scores: vec![1.0 / 3.0],
+                    path_xy_m: vec![[0.0, -0.0], [1e-300, 2.0]],
+                }),
             },
-            Outcome {
-                status: OutcomeStatus::Diverged("part 0 left".to_owned()),
+            CaseRow {
                 steps: 3,
-                net_displacement_m: 0.0,
-                scores: vec![],
-                path_xy_m: vec![],
+                outcome: CaseOutcome::Diverged("part 0 left".to_owned()),
             },
         ],
     }
@@ -40,7 +38,7 @@ fn trials_come_back_bit_for_bit() {
         store.finished().unwrap().into_iter().collect::<Vec<_>>(),
         [2, 7]
     );
-    assert!(!store.trials().unwrap()[0].completed());
+    assert_eq!(store.trials().unwrap()[0].diverged(), Some("part 0 left"));
 }
 
 #[test]

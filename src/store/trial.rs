@@ -5,57 +5,68 @@ use rusqlite::{Connection, OptionalExtension as _, Transaction, params};
 use super::checksum::{Checksum, from_bytes, to_bytes};
 use super::row::{Checked, Row, Table};
 
-/// How the simulation of one case ended.
+/// The simulation of one case: one start, compared with one or more recordings.
 #[derive(Debug, Clone, PartialEq)]
-pub enum OutcomeStatus {
+pub struct CaseRow {
+    /// Steps taken.
+    pub steps: u64,
+    /// What came of it.
+    pub outcome: CaseOutcome,
+}
+
+/// What came of a case.
+#[derive(Debug, Clone, PartialEq)]
+pub enum CaseOutcome {
     /// The whole duration was simulated.
-    Completed,
-    /// The state became absurd; the reason.
+    Completed(CaseResult),
+    /// The state became absurd: when, and why.
     Diverged(String),
 }
 
-/// Result of simulating one case: one start, compared with one or more recordings.
+/// What is kept of a case that was simulated to its end.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outcome {
-    /// How it ended.
-    pub status: OutcomeStatus,
-    /// Steps taken.
-    pub steps: u64,
-    /// Length of the net displacement in the plane, metres; NaN when diverged.
+pub struct CaseResult {
+    /// Length of the net displacement in the plane, metres.
     pub net_displacement_m: f64,
-    /// Scores against the case's recordings, in order; empty where the metric needs a basis or the case diverged.
+    /// Scores against the case's recordings, in order; empty where the metric needs a basis.
     pub scores: Vec<f64>,
     /// The prepared path, metres, where it is needed later; empty otherwise.
     pub path_xy_m: Vec<[f64; 2]>,
 }
 
-/// One evaluated point: parameter values and one outcome per case.
+impl CaseRow {
+    /// What is kept of it, where it was simulated to its end.
+    pub fn completed(&self) -> Option<&CaseResult> {
+        match &self.outcome {
+            CaseOutcome::Completed(result) => Some(result),
+            CaseOutcome::Diverged(_) => None,
+        }
+    }
+
+    /// Why it diverged, where it did.
+    pub fn diverged(&self) -> Option<&str> {
+        match &self.outcome {
+            CaseOutcome::Completed(_) => None,
+            CaseOutcome::Diverged(why) => Some(why),
+        }
+    }
+}
+
+/// One evaluated point: parameter values and one row a case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
     /// Index of the point in the study's order.
     pub index: usize,
     /// Values of the study's parameters, in the study's order.
     pub values: Vec<f64>,
-    /// One outcome per case.
-    pub outcomes: Vec<Outcome>,
+    /// One row a case.
+    pub cases: Vec<CaseRow>,
 }
 
 impl Trial {
     /// Why a case diverged, the first that did; `None` where every case was simulated to its end.
     pub fn diverged(&self) -> Option<&str> {
-        self.outcomes
-            .iter()
-            .find_map(|outcome| match &outcome.status {
-                OutcomeStatus::Completed => None,
-                OutcomeStatus::Diverged(why) => Some(why.as_str()),
-            })
-    }
-
-    /// True where every case was simulated to its end.
-    pub fn completed(&self) -> bool {
-        self.outcomes
-            .iter()
-            .all(|outcome| outcome.status == OutcomeStatus::Completed)
+        self.cases.iter().find_map(CaseRow::diverged)
     }
 }
 
@@ -134,26 +145,45 @@ impl Row for Trial {
 }
 
 impl Trial {
-    /// The whole trial's: an outcome that is gone is noticed, too.
+    /// The whole trial's: a case that is gone is noticed, too.
     fn checksum(&self) -> i64 {
         let trial = Checksum::of(Self::NAME)
             .whole(self.index as i64)
             .bytes(&to_bytes(&self.values))
-            .whole(self.outcomes.len() as i64);
-        self.outcomes
+            .whole(self.cases.len() as i64);
+        self.cases
             .iter()
-            .fold(trial, |checksum, outcome| {
-                let checksum = match &outcome.status {
-                    OutcomeStatus::Completed => checksum.number(None),
-                    OutcomeStatus::Diverged(why) => checksum.whole(1).text(why),
+            .fold(trial, |checksum, case| {
+                let checksum = match case.diverged() {
+                    None => checksum.number(None),
+                    Some(why) => checksum.whole(1).text(why),
                 };
+                let columns = Columns::of(case);
                 checksum
-                    .whole(outcome.steps as i64)
-                    .number(finite(outcome.net_displacement_m))
-                    .bytes(&to_bytes(&outcome.scores))
-                    .bytes(&to_bytes(outcome.path_xy_m.as_flattened()))
+                    .whole(case.steps as i64)
+                    .number(columns.net_displacement_m)
+                    .bytes(&columns.scores)
+                    .bytes(&columns.path_xy_m)
             })
             .finish()
+    }
+}
+
+/// What a case has in the columns of its result: nothing where it diverged.
+#[derive(Default)]
+struct Columns {
+    net_displacement_m: Option<f64>,
+    scores: Vec<u8>,
+    path_xy_m: Vec<u8>,
+}
+
+impl Columns {
+    fn of(case: &CaseRow) -> Self {
+        case.completed().map_or_else(Self::default, |result| Self {
+            net_displacement_m: finite(result.net_displacement_m),
+            scores: to_bytes(&result.scores),
+            path_xy_m: to_bytes(result.path_xy_m.as_flattened()),
+        })
     }
 }
 
@@ -182,19 +212,16 @@ impl Table for Trial {
             .execute(params![self.index as i64, to_bytes(&self.values), checksum])?;
         let mut row = transaction
             .prepare_cached("INSERT INTO outcome VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")?;
-        for (position, outcome) in self.outcomes.iter().enumerate() {
-            let diverged = match &outcome.status {
-                OutcomeStatus::Completed => None,
-                OutcomeStatus::Diverged(why) => Some(why.as_str()),
-            };
+        for (position, case) in self.cases.iter().enumerate() {
+            let columns = Columns::of(case);
             row.execute(params![
                 self.index as i64,
                 position as i64,
-                diverged,
-                outcome.steps as i64,
-                finite(outcome.net_displacement_m),
-                to_bytes(&outcome.scores),
-                to_bytes(outcome.path_xy_m.as_flattened()),
+                case.diverged(),
+                case.steps as i64,
+                columns.net_displacement_m,
+                columns.scores,
+                columns.path_xy_m,
             ])?;
         }
         Ok(checksum)
@@ -204,26 +231,29 @@ impl Table for Trial {
         let mut trials = connection.prepare_cached(
             "SELECT id, parameters, checksum FROM trial WHERE id >= ?1 AND id < ?2 ORDER BY id",
         )?;
-        let mut outcomes = connection.prepare_cached(
+        let mut cases = connection.prepare_cached(
             "SELECT diverged, steps, net_displacement_m, scores, path_xy_m FROM outcome WHERE trial = ?1 ORDER BY position",
         )?;
         let rows = trials.query_map([from, to], |row| {
             let id: i64 = row.get(0)?;
-            let outcomes = outcomes.query_map([id], |row| {
+            let cases = cases.query_map([id], |row| {
                 let diverged: Option<String> = row.get(0)?;
                 let flat = from_bytes(row.get_ref(4)?.as_blob()?);
-                Ok(Outcome {
-                    status: diverged.map_or(OutcomeStatus::Completed, OutcomeStatus::Diverged),
-                    steps: row.get::<_, i64>(1)? as u64,
-                    net_displacement_m: row.get::<_, Option<f64>>(2)?.unwrap_or(f64::NAN),
-                    scores: from_bytes(row.get_ref(3)?.as_blob()?),
-                    path_xy_m: flat.chunks_exact(2).map(|p| [p[0], p[1]]).collect(),
-                })
+                let outcome = match diverged {
+                    Some(why) => CaseOutcome::Diverged(why),
+                    None => CaseOutcome::Completed(CaseResult {
+                        net_displacement_m: row.get::<_, Option<f64>>(2)?.unwrap_or(f64::NAN),
+                        scores: from_bytes(row.get_ref(3)?.as_blob()?),
+                        path_xy_m: flat.chunks_exact(2).map(|p| [p[0], p[1]]).collect(),
+                    }),
+                };
+                let steps = row.get::<_, i64>(1)? as u64;
+                Ok(CaseRow { steps, outcome })
             })?;
             let trial = Self {
                 index: id as usize,
                 values: from_bytes(row.get_ref(1)?.as_blob()?),
-                outcomes: outcomes.collect::<rusqlite::Result<_>>()?,
+                cases: cases.collect::<rusqlite::Result<_>>()?,
             };
             Ok(Checked {
                 stored: row.get(2)?,

@@ -13,7 +13,7 @@ use crate::warning::{Code, Warning};
 
 /// A gap and how many noise floors it is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Side {
+pub struct GapAndRatio {
     /// Mean distance over the recordings.
     pub gap: Estimate,
     /// Gap over noise floor, both from the same resamples; 1: as near to a recording as another recording is. `None`
@@ -32,9 +32,9 @@ pub struct MetricGap {
     /// Real against real.
     pub floor: Option<Estimate>,
     /// The run without noise against reality.
-    pub ideal: Option<Side>,
+    pub ideal: Option<GapAndRatio>,
     /// Repeats under noise against reality, mean over the repeats.
-    pub repeats: Option<Side>,
+    pub repeats: Option<GapAndRatio>,
 }
 
 /// All gaps of a set of recordings.
@@ -80,7 +80,7 @@ pub fn distances(real: &[Sample], cases: &[CaseRuns], scoring: &Scoring) -> Resu
                 let floor = pairs.mean_of(draw).filter(|floor| *floor > 0.0)?;
                 Some(draw.mean(gaps) / floor)
             };
-            Some(Side {
+            Some(GapAndRatio {
                 gap: Estimate::new(value, &draws, gap),
                 ratio: floor
                     .metrics

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::statistics::{Resample, quantile};
+use crate::statistics::{Resample, percentile_interval};
 
 /// Bootstrap resamples behind every interval.
 pub const RESAMPLES: usize = 2000;
@@ -29,11 +29,12 @@ impl Estimate {
     ) -> Self {
         let values: Vec<f64> = resamples.iter().filter_map(of).collect();
         let several = resamples.first().is_some_and(|r| r.weights().len() > 1);
-        let end = |level: f64| (several && !values.is_empty()).then(|| quantile(&values, level));
+        let tail = 0.5 - 0.5 * INTERVAL_LEVEL;
+        let interval = percentile_interval(&values, tail).filter(|_| several);
         Self {
             value,
-            low: end(0.5 - 0.5 * INTERVAL_LEVEL),
-            high: end(0.5 + 0.5 * INTERVAL_LEVEL),
+            low: interval.map(|(low, _)| low),
+            high: interval.map(|(_, high)| high),
         }
     }
 }

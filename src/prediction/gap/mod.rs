@@ -30,7 +30,7 @@ mod study;
 mod words;
 
 pub use confidence::{Confidence, LEVEL_INDEX};
-pub use distance::{Distances, MetricGap, Side, distances};
+pub use distance::{Distances, GapAndRatio, MetricGap, distances};
 pub use estimate::{Estimate, INTERVAL_LEVEL, RESAMPLES};
 pub use fitness::Fitness;
 pub use floor::{MetricFloor, NoiseFloor, noise_floor};

@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-use super::distance::Side;
+use super::distance::GapAndRatio;
 use super::estimate::Estimate;
 use super::set::FloorReport;
 use super::study::StudyGap;
-use crate::table::{self, TextTable};
+use crate::table::{Side, TextTable};
 use crate::unit::{Unit, counted, number, quantity};
 
 /// `3.1 cm (2.0 to 4.4)`.
@@ -27,12 +27,8 @@ fn in_unit(estimate: &Estimate, unit: Unit) -> String {
 impl fmt::Display for FloorReport {
     /// A row a set, a column a metric.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut columns = vec![("set", table::Side::Left), ("runs", table::Side::Right)];
-        columns.extend(
-            self.metrics
-                .iter()
-                .map(|(name, _)| (*name, table::Side::Right)),
-        );
+        let mut columns = vec![("set", Side::Left), ("runs", Side::Right)];
+        columns.extend(self.metrics.iter().map(|(name, _)| (*name, Side::Right)));
         let mut table = TextTable::new(columns);
         for set in &self.sets {
             let mut row = vec![set.set.clone(), set.floor.recordings.to_string()];
@@ -56,15 +52,15 @@ impl fmt::Display for StudyGap {
     /// Noise floor, gap and ratio by metric, then displacement and confidence.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut table = TextTable::new([
-            ("metric", table::Side::Left),
-            ("noise floor", table::Side::Right),
-            ("simulation", table::Side::Left),
-            ("gap", table::Side::Right),
-            ("gap ratio", table::Side::Right),
+            ("metric", Side::Left),
+            ("noise floor", Side::Right),
+            ("simulation", Side::Left),
+            ("gap", Side::Right),
+            ("gap ratio", Side::Right),
         ]);
         for row in &self.metrics {
             let floor = row.floor.map_or("-".to_owned(), |f| in_unit(&f, row.unit));
-            let mut push = |name: &str, floor: &str, what: &str, side: &Option<Side>| {
+            let mut push = |name: &str, floor: &str, what: &str, side: &Option<GapAndRatio>| {
                 if let Some(side) = side {
                     table.push([
                         name.to_owned(),
