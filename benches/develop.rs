@@ -8,8 +8,8 @@
 )]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use realgap::plot::portrait::portrait;
-use realgap::plot::{Gallery, draw_gallery};
+use realgap::plot::{Caption, Gallery, draw_gallery};
+use realgap::results::portrait::portrait;
 use realgap::robot::genome::{Development, Genome};
 use realgap::robot::morphology::Morphology;
 use realgap::search::{Evaluated, Evolution, Strategy, generator};
@@ -73,8 +73,7 @@ fn develop(criterion: &mut Criterion) {
         .take(12)
         .collect();
     let gallery = Gallery {
-        title: "twelve robots of five modules".to_owned(),
-        subtitle: String::new(),
+        caption: Caption::new("twelve robots of five modules", ""),
         columns: 4,
         robots: robots
             .iter()

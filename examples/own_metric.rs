@@ -1,12 +1,14 @@
 #![allow(clippy::print_stdout)]
-//! A metric of your own: one type that implements `Metric`.
+//! A metric of your own: one type that implements `Metric`. It stands in the table beside all others.
 //!
 //! `cargo run --example own_metric`
 
-use realgap::comparison::{Context, Measurement, Metric, Needs, Pair};
-use realgap::trajectory::{Trajectory, prepare};
+use realgap::Result;
+use realgap::comparison::{
+    Comparison, Components, Context, Measurement, Metric, Needs, Pair, position_metrics,
+};
+use realgap::trajectory::{Recording, Trajectory};
 use realgap::unit::Unit;
-use realgap::{Error, Result};
 
 /// Difference of the highest points of the two paths above the straight line from start to end.
 struct Bulge;
@@ -41,7 +43,7 @@ impl Metric for Bulge {
     }
 }
 
-fn arc(height_m: f64) -> Result<Trajectory> {
+fn arc(name: &str, height_m: f64) -> Result<Recording> {
     let times_s: Vec<f64> = (0..100).map(|i| f64::from(i) * 0.1).collect();
     let point = |t: &f64| {
         nalgebra::Vector3::new(
@@ -51,19 +53,29 @@ fn arc(height_m: f64) -> Result<Trajectory> {
         )
     };
     let positions = times_s.iter().map(point).collect();
-    Trajectory::new(times_s, positions)
+    Ok(Recording {
+        name: name.to_owned(),
+        path: name.into(),
+        trajectory: Trajectory::new(times_s, positions)?,
+        meta: None,
+        warnings: Vec::new(),
+    })
 }
 
-fn main() -> std::result::Result<(), Error> {
-    let (real, simulated) = (arc(0.10)?, arc(0.07)?);
-    let (real_prepared, simulated_prepared) = (prepare(&real)?, prepare(&simulated)?);
-    let pair = Pair {
-        real: &real,
-        simulated: &simulated,
-        real_prepared: &real_prepared,
-        simulated_prepared: &simulated_prepared,
-    };
-    let score = Bulge.compare(&pair, &Context::default())?;
-    println!("{}: {:.4} {}", Bulge.doc(), score.value, score.unit);
+fn main() -> Result<()> {
+    let real = arc("real", 0.10)?;
+    let simulated = [arc("flat", 0.07)?, arc("round", 0.12)?];
+    // One line in METRICS does the same for `realgap compare`, for studies and for tuning.
+    let mut metrics = position_metrics();
+    metrics.push(&Bulge);
+    let table = Comparison::new(&real, &simulated, Components::default())?.rows(&metrics)?;
+    for row in &table {
+        for distance in &row.distances {
+            println!(
+                "{}: {} = {:.4} {}",
+                row.trajectory, distance.column, distance.value, distance.unit
+            );
+        }
+    }
     Ok(())
 }

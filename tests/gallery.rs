@@ -5,8 +5,8 @@ mod common;
 
 use std::path::PathBuf;
 
-use realgap::plot::portrait::portrait;
-use realgap::plot::{BlockKind, Gallery, GalleryRobot, draw_gallery};
+use realgap::plot::{BlockKind, Caption, Gallery, GalleryRobot, draw_gallery};
+use realgap::results::portrait::portrait;
 use realgap::robot::genome::{Development, Genome};
 use realgap::robot::morphology::Morphology;
 use realgap::search::generator;
@@ -29,8 +29,10 @@ fn random(modules: usize) -> Morphology {
 
 fn gallery(robots: Vec<GalleryRobot>, columns: usize) -> Gallery {
     Gallery {
-        title: "A gallery of robots".to_owned(),
-        subtitle: "all to one scale, at zero servo angles".to_owned(),
+        caption: Caption::new(
+            "A gallery of robots",
+            "all to one scale, at zero servo angles",
+        ),
         columns,
         robots,
     }

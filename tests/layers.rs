@@ -191,7 +191,6 @@ const PERMITTED: &[(&str, &[&str])] = &[
         ],
     ),
     ("plot", &["error", "warning", "unit", "table", "file"]),
-    ("plot::portrait", &["error", "robot::morphology", "plot"]),
     (
         "results",
         &[

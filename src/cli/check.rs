@@ -11,7 +11,7 @@ use realgap::robot::genome::Specimen;
 use realgap::robot::morphology::Morphology;
 use realgap::search::{self, Search};
 use realgap::unit::{LengthUnit, counted};
-use realgap::{Error, Result, Warning, plot::portrait, trajectory};
+use realgap::{Error, Result, Warning, results::portrait, trajectory};
 use serde_json::{Value, json};
 
 use super::kind::Kind;

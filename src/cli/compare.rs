@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::comparison::{self, Comparison, Components, Context, Metric, Row, position_metrics};
-use realgap::plot::{Overlay, OverlayPath, Side, TextTable, draw_overlay, quantity};
+use realgap::plot::{Caption, Overlay, OverlayPath, Side, TextTable, draw_overlay, quantity};
 use realgap::trajectory::{self, Recording, Source};
 use realgap::unit::{LengthUnit, Unit};
 use realgap::{Error, Result, Warning};
@@ -222,22 +222,24 @@ impl Compare {
         let scores = self.scores(comparison, metric, others)?;
         let source = Source::of(std::iter::once(reference).chain(others));
         let overlay = Overlay {
-            title: format!(
-                "{} against {}",
-                if others.len() == 1 {
-                    &others[0].name
-                } else {
-                    "trajectories"
-                },
-                reference.name
-            ),
-            subtitle: format!(
-                "metric {}{}",
-                metric.name(),
-                match source {
-                    Source::StandIn => format!("; {}", source.recordings_label()),
-                    Source::Real => String::new(),
-                }
+            caption: Caption::new(
+                format!(
+                    "{} against {}",
+                    if others.len() == 1 {
+                        &others[0].name
+                    } else {
+                        "trajectories"
+                    },
+                    reference.name
+                ),
+                format!(
+                    "metric {}{}",
+                    metric.name(),
+                    match source {
+                        Source::StandIn => format!("; {}", source.recordings_label()),
+                        Source::Real => String::new(),
+                    }
+                ),
             ),
             reference: OverlayPath {
                 name: reference.name.clone(),

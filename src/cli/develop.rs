@@ -9,7 +9,7 @@ use realgap::robot::genome::{Locus, Specimen};
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Settling, settle};
 use realgap::warning::Code;
-use realgap::{Error, Result, Warning, plot, plot::portrait};
+use realgap::{Error, Result, Warning, plot, results::portrait};
 use serde_json::json;
 
 use super::option::Format;

@@ -8,7 +8,7 @@ use realgap::Result;
 use realgap::calibration::{Overrides, Sensitivity as Effects, Study};
 use realgap::optimization::RunOptions;
 use realgap::plot::{
-    Bar, BarChart, Side, TextTable, check_picture_path, draw_bars, number, quantity,
+    Bar, BarChart, Caption, Side, TextTable, check_picture_path, draw_bars, number, quantity,
 };
 use realgap::unit::counted;
 
@@ -87,15 +87,17 @@ fn chart(study: &Study, result: &Effects) -> BarChart {
         higher: effect.higher_change,
     });
     BarChart {
-        title: format!(
-            "{}: what a small change of each parameter does",
-            definition.name
-        ),
-        subtitle: format!(
-            "{}, {}; score at the point {}",
-            definition.morphology.name(),
-            counted(definition.recordings.len(), "recording"),
-            quantity(result.score, definition.metric.unit())
+        caption: Caption::new(
+            format!(
+                "{}: what a small change of each parameter does",
+                definition.name
+            ),
+            format!(
+                "{}, {}; score at the point {}",
+                definition.morphology.name(),
+                counted(definition.recordings.len(), "recording"),
+                quantity(result.score, definition.metric.unit())
+            ),
         ),
         label: format!("change of the {} discrepancy", result.metric),
         unit: definition.metric.unit(),

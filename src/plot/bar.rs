@@ -8,7 +8,7 @@ use super::canvas::{Align, Canvas, Letter};
 use super::colour::{BLUE, FAINT_INK, INK, SHADE, VERMILLION};
 use super::font::{Weight, shorten};
 use super::frame::{BELOW_LABEL, Frame};
-use super::heading::Heading;
+use super::heading::{Caption, Heading};
 use super::legend::{Legend, Symbol};
 use super::picture::{self, Picture};
 use super::scale::Scale;
@@ -35,10 +35,8 @@ pub struct Bar {
 /// A chart of horizontal bars around 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BarChart {
-    /// What is shown.
-    pub title: String,
-    /// Where it comes from; may be empty.
-    pub subtitle: String,
+    /// What is shown, and where it comes from.
+    pub caption: Caption,
     /// What the changes are changes of.
     pub label: String,
     /// Unit of the changes.
@@ -55,7 +53,7 @@ pub struct BarChart {
 /// No bar, a path that is no picture's, a full disk.
 pub fn draw_bars(chart: &BarChart, path: impl AsRef<Path>) -> Result<()> {
     if chart.bars.is_empty() {
-        return Err(Error::invalid("there is nothing to draw").field(&chart.title));
+        return Err(Error::invalid("there is nothing to draw").field(&chart.caption.title));
     }
     picture::write(chart, path.as_ref())
 }
@@ -85,7 +83,7 @@ impl Picture for BarChart {
             high = high.max(value * unit.factor);
         }
         let room = 0.05 * (high - low);
-        let heading = Heading::new(&self.title, &self.subtitle, WIDTH - 2.0 * MARGIN);
+        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
         heading.draw(canvas, MARGIN, 14.0);
         let mut entries = vec![
             (

@@ -9,7 +9,7 @@ use super::canvas::{Align, Canvas, Letter};
 use super::colour::{BLUE, FAINT_INK, SHADE, VERMILLION, WHITE};
 use super::font::Weight;
 use super::frame::{BELOW_LABEL, Frame, left_of_label};
-use super::heading::Heading;
+use super::heading::{Caption, Heading};
 use super::legend::{Legend, Symbol, draw_cross, draw_star};
 use super::picture::{self, Picture};
 use super::scale::{AXIS_DECADES, Scale, ScoreScale, with_room};
@@ -26,10 +26,8 @@ const STRIP: f64 = 34.0;
 /// A score over one parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// What is shown.
-    pub title: String,
-    /// Where it comes from, e.g. `stand-in recordings, not hardware`; may be empty.
-    pub subtitle: String,
+    /// What is shown, and where it comes from.
+    pub caption: Caption,
     /// The parameter.
     pub x: AxisSpec,
     /// Values of the parameter, strictly increasing.
@@ -174,7 +172,7 @@ impl Picture for Curve {
         let shown: Vec<f64> = finite.iter().map(|score| score * unit.factor).collect();
         let y = with_room(Scale::for_scores(&shown, self.scale, AXIS_DECADES));
 
-        let heading = Heading::new(&self.title, &self.subtitle, WIDTH - 2.0 * MARGIN);
+        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
         heading.draw(canvas, MARGIN, 14.0);
         let legend = self.legend(diverged, unit);
         let legend_top = HEIGHT - 16.0 - legend.height();

@@ -8,7 +8,7 @@ use plotters::style::RGBColor;
 use super::canvas::{Canvas, Point};
 use super::colour::{self, BLUE, INK, tint};
 use super::frame::{BELOW_LABEL, Frame, left_of_label};
-use super::heading::Heading;
+use super::heading::{Caption, Heading};
 use super::legend::{Legend, Symbol, draw_start};
 use super::path::{PathPoint, bounds_cm, draw_path, equal_aspect, finite_cm};
 use super::picture::{self, Picture};
@@ -51,10 +51,8 @@ pub struct EnsembleBand {
 /// An ensemble as a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnsemblePlot {
-    /// What is shown.
-    pub title: String,
-    /// Where it comes from; may be empty.
-    pub subtitle: String,
+    /// What is shown, and where it comes from.
+    pub caption: Caption,
     /// The behaviours, in the order of the legend.
     pub groups: Vec<EnsembleGroup>,
     /// Path of the run without noise, metres; may be empty.
@@ -145,7 +143,7 @@ impl EnsemblePlot {
         let (x, y) = self.bounds();
         let shape = ((y.1 - y.0) / (x.1 - x.0)).clamp(*SHAPE.start(), *SHAPE.end());
         (
-            Heading::new(&self.title, &self.subtitle, width),
+            Heading::new(&self.caption, width),
             self.legend(),
             ((width - 70.0) * shape).round(),
         )
@@ -319,8 +317,10 @@ mod tests {
             })
             .to_vec();
         EnsemblePlot {
-            title: "tripod: repeats under noise".to_owned(),
-            subtitle: "36 of 36 repeats of 20 s, seed 1".to_owned(),
+            caption: Caption::new(
+                "tripod: repeats under noise",
+                "36 of 36 repeats of 20 s, seed 1",
+            ),
             groups,
             noise_free_m: path(0, 3),
             real_m: vec![path(0, 4), path(1, 2)],

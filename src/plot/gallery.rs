@@ -10,9 +10,9 @@ use super::block::{
 use super::canvas::{Align, Canvas, Letter, Point};
 use super::colour::{FAINT_INK, GRID, INK};
 use super::font::{Weight, shorten, wrap};
-use super::heading::Heading;
+use super::heading::{Caption, Heading};
 use super::picture::{self, Picture};
-use crate::{Error, Result};
+use crate::Result;
 
 const WIDTH: f64 = 1400.0;
 const MARGIN: f64 = 28.0;
@@ -27,8 +27,6 @@ const KEY: f64 = 92.0;
 /// Height of the room for a robot as a share of its width.
 const SHAPE: std::ops::RangeInclusive<f64> = 0.4..=1.05;
 const TALLEST: f64 = 620.0;
-const COLUMNS_AT_MOST: usize = 6;
-const ROBOTS_AT_MOST: usize = 60;
 
 /// One robot: boxes and two texts.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,10 +42,8 @@ pub struct GalleryRobot {
 /// Robots in rows, filled from the top left.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gallery {
-    /// What is shown.
-    pub title: String,
-    /// More about it; may be empty.
-    pub subtitle: String,
+    /// What is shown, and where it comes from.
+    pub caption: Caption,
     /// Robots side by side, 1 to 6.
     pub columns: usize,
     /// The robots, 1 to 60.
@@ -59,18 +55,7 @@ pub struct Gallery {
 /// # Errors
 /// No robot or too many, too many side by side, a path that is neither .png nor .svg, or a disk that refuses.
 pub fn draw_gallery(gallery: &Gallery, path: impl AsRef<Path>) -> Result<()> {
-    if gallery.robots.is_empty() || gallery.robots.len() > ROBOTS_AT_MOST {
-        return Err(Error::invalid("wrong number of robots")
-            .field("robots")
-            .found(gallery.robots.len())
-            .allowed(format!("1 to {ROBOTS_AT_MOST}")));
-    }
-    if !(1..=COLUMNS_AT_MOST).contains(&gallery.columns) {
-        return Err(Error::invalid("wrong number of robots side by side")
-            .field("columns")
-            .found(gallery.columns)
-            .allowed(format!("1 to {COLUMNS_AT_MOST}")));
-    }
+    picture::check_rows("robots", gallery.robots.len(), gallery.columns)?;
     picture::write(gallery, path.as_ref())
 }
 
@@ -104,7 +89,7 @@ impl GalleryRobot {
 
 impl Gallery {
     fn layout(&self) -> Layout {
-        let heading = Heading::new(&self.title, &self.subtitle, WIDTH - 2.0 * MARGIN);
+        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
         let columns = self.columns.min(self.robots.len()) as f64;
         let rows = self.robots.len().div_ceil(self.columns) as f64;
         let cell_width = ((WIDTH - 2.0 * MARGIN - GAP * (columns - 1.0)) / columns).floor();

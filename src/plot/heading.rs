@@ -13,12 +13,32 @@ const SUBTITLE_SIZE: f64 = 21.0;
 const SUBTITLE_LINES: usize = 2;
 const LEADING: f64 = 1.3;
 
+/// What stands above a picture.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Caption {
+    /// What is shown.
+    pub title: String,
+    /// Where it comes from, e.g. `stand-in recordings, not hardware`; may be empty.
+    pub subtitle: String,
+}
+
+impl Caption {
+    /// A caption.
+    pub fn new(title: impl Into<String>, subtitle: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            subtitle: subtitle.into(),
+        }
+    }
+}
+
 pub(super) struct Heading {
     lines: Vec<(String, Letter)>,
 }
 
 impl Heading {
-    pub(super) fn new(title: &str, subtitle: &str, width: f64) -> Self {
+    pub(super) fn new(caption: &Caption, width: f64) -> Self {
+        let Caption { title, subtitle } = caption;
         let set = |size: f64, lines: usize| {
             let letter = Letter::new(size, Weight::Bold, INK);
             let set: Vec<_> = wrap(title, Weight::Bold, size, width, lines)

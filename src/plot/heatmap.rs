@@ -9,7 +9,7 @@ use super::canvas::{Align, Canvas, Letter};
 use super::colour::{FAINT_INK, INK, WHITE, score_colour};
 use super::font::{Weight, shorten};
 use super::frame::{BELOW_LABEL, Frame, LABEL_SIZE, left_of_label, left_of_ticks, tick_letter};
-use super::heading::Heading;
+use super::heading::{Caption, Heading};
 use super::legend::{Legend, Symbol, draw_diverged, draw_ring, draw_star};
 use super::picture::{self, Picture};
 use super::scale::{COLOUR_DECADES, Scale, ScoreScale, Tick};
@@ -27,10 +27,8 @@ const BAR_WIDTH: f64 = 34.0;
 /// `indistinguishable`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatMap {
-    /// What is shown.
-    pub title: String,
-    /// Where it comes from, e.g. `stand-in recordings, not hardware`; may be empty.
-    pub subtitle: String,
+    /// What is shown, and where it comes from.
+    pub caption: Caption,
     /// The horizontal parameter.
     pub x: AxisSpec,
     /// The vertical parameter.
@@ -253,7 +251,7 @@ impl Picture for HeatMap {
         let scores = Scale::for_scores(&shown, self.scale, COLOUR_DECADES);
         let bar_ticks = scores.ticks(7);
 
-        let heading = Heading::new(&self.title, &self.subtitle, WIDTH - 2.0 * MARGIN);
+        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
         heading.draw(canvas, MARGIN, 14.0);
         let legend = self.legend(&finite, unit);
         let legend_top = HEIGHT - 16.0 - legend.height();

@@ -8,7 +8,7 @@ use super::axis::{self, AxisSpec};
 use super::canvas::{Canvas, Point};
 use super::colour::{FAINT_INK, line, tint};
 use super::frame::{BELOW_LABEL, Frame, left_of_label};
-use super::heading::Heading;
+use super::heading::{Caption, Heading};
 use super::legend::{Legend, Symbol};
 use super::picture::{self, Picture};
 use super::scale::{AXIS_DECADES, Scale, ScoreScale, with_room};
@@ -49,10 +49,8 @@ pub struct Series {
 /// Several series over the same axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinePlot {
-    /// What is shown.
-    pub title: String,
-    /// Where it comes from; may be empty.
-    pub subtitle: String,
+    /// What is shown, and where it comes from.
+    pub caption: Caption,
     /// The horizontal quantity.
     pub x: AxisSpec,
     /// What the vertical quantity is.
@@ -89,7 +87,7 @@ impl LinePlot {
         }
         if self.points().next().is_none() {
             return Err(Error::invalid("there is nothing to draw")
-                .field(&self.title)
+                .field(&self.caption.title)
                 .allowed("at least one finite point"));
         }
         Ok(())
@@ -196,7 +194,7 @@ impl Picture for LinePlot {
             Some((low, high)) => Scale::linear(low * unit.factor, high * unit.factor),
             None => with_room(Scale::for_scores(&shown, self.scale, AXIS_DECADES)),
         };
-        let heading = Heading::new(&self.title, &self.subtitle, WIDTH - 2.0 * MARGIN);
+        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
         heading.draw(canvas, MARGIN, 14.0);
         let legend = self.legend();
         let legend_top = HEIGHT - 16.0 - legend.height();

@@ -16,8 +16,6 @@
 //! it is not there, and the same data give the same bytes. Nothing here knows where the data come
 //! from: callers fill the structs. This is the only room that names `plotters`.
 
-pub mod portrait;
-
 mod axis;
 mod bar;
 mod block;
@@ -48,6 +46,7 @@ pub use block::{Block, BlockKind, DrivenFace, Motion};
 pub use curve::{Curve, draw_curve};
 pub use ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
 pub use gallery::{Gallery, GalleryRobot, draw_gallery};
+pub use heading::Caption;
 pub use heatmap::{HeatMap, draw_heat_map};
 pub use line::{LinePlot, Series, SeriesKind, draw_lines};
 pub use overlay::{Overlay, OverlayPath, draw_overlay};

@@ -7,7 +7,7 @@ use plotters::backend::DrawingBackend;
 use super::canvas::Canvas;
 use super::colour::{self, INK};
 use super::frame::{BELOW_LABEL, Frame, left_of_label};
-use super::heading::Heading;
+use super::heading::{Caption, Heading};
 use super::legend::{Legend, Symbol, draw_start};
 use super::path::{PathPoint, bounds_cm, draw_path, equal_aspect, finite_cm};
 use super::picture::{self, Picture};
@@ -36,10 +36,8 @@ pub struct OverlayPath {
 /// Aligned trajectories over each other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Overlay {
-    /// What is shown.
-    pub title: String,
-    /// Where it comes from and which metric it is; may be empty.
-    pub subtitle: String,
+    /// What is shown, and where it comes from.
+    pub caption: Caption,
     /// The trajectory the others are compared with; drawn black.
     pub reference: OverlayPath,
     /// The others, in the order of the legend.
@@ -63,7 +61,7 @@ impl Overlay {
         let shape = (y.1 - y.0) / (x.1 - x.0);
         let frame_height = (width - 70.0) * shape.clamp(*SHAPE.start(), *SHAPE.end());
         (
-            Heading::new(&self.title, &self.subtitle, width),
+            Heading::new(&self.caption, width),
             self.legend(width),
             frame_height.round(),
         )

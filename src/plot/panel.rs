@@ -8,14 +8,14 @@ use super::canvas::{Align, Canvas, Letter};
 use super::colour::{BLUE, DIVERGED, FAINT_INK, INK, VERMILLION, tint};
 use super::font::{Weight, shorten, wrap};
 use super::frame::{BELOW_LABEL, Frame, left_of_label};
-use super::heading::Heading;
+use super::heading::{Caption, Heading};
 use super::legend::{Legend, Symbol, draw_star, draw_start};
 use super::path::{PathPoint, bounds_cm, draw_path, equal_aspect, finite_cm};
 use super::picture::{self, Picture};
 use super::scale::{Scale, Tick};
+use crate::Result;
 use crate::unit::DisplayUnit;
 use crate::unit::Unit;
-use crate::{Error, Result};
 
 const WIDTH: f64 = 1260.0;
 const MARGIN: f64 = 30.0;
@@ -29,9 +29,6 @@ const TITLE_SIZE: f64 = 23.0;
 const NOTE_SIZE: f64 = 20.0;
 /// Height of a panel as a share of its width.
 const SHAPE: std::ops::RangeInclusive<f64> = 0.42..=1.1;
-/// More panels would be smaller than their titles.
-const COLUMNS_AT_MOST: usize = 6;
-const PANELS_AT_MOST: usize = 60;
 
 /// One panel: simulated paths at one set of parameter values.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,10 +46,8 @@ pub struct Panel {
 /// A grid of panels with common axes, filled row by row from the top left.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PanelGrid {
-    /// What is shown.
-    pub title: String,
-    /// Where it comes from, e.g. `stand-in recordings, not hardware`; may be empty.
-    pub subtitle: String,
+    /// What is shown, and where it comes from.
+    pub caption: Caption,
     /// Panels side by side, 1 to 6; three for nine panels.
     pub columns: usize,
     /// The panels, at most 60.
@@ -67,18 +62,7 @@ pub struct PanelGrid {
 
 /// Draws a grid of panels into a PNG or SVG file.
 pub fn draw_panels(grid: &PanelGrid, path: impl AsRef<Path>) -> Result<()> {
-    if grid.panels.is_empty() || grid.panels.len() > PANELS_AT_MOST {
-        return Err(Error::invalid("wrong number of panels")
-            .field("panels")
-            .found(grid.panels.len())
-            .allowed(format!("1 to {PANELS_AT_MOST}")));
-    }
-    if !(1..=COLUMNS_AT_MOST).contains(&grid.columns) {
-        return Err(Error::invalid("wrong number of panels side by side")
-            .field("columns")
-            .found(grid.columns)
-            .allowed(format!("1 to {COLUMNS_AT_MOST}")));
-    }
+    picture::check_rows("panels", grid.panels.len(), grid.columns)?;
     picture::write(grid, path.as_ref())
 }
 
@@ -118,7 +102,7 @@ impl Panel {
 
 impl PanelGrid {
     fn layout(&self) -> Layout {
-        let heading = Heading::new(&self.title, &self.subtitle, WIDTH - 2.0 * MARGIN);
+        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
         let legend = self.legend();
         let columns = self.columns.min(self.panels.len()) as f64;
         let rows = self.panels.len().div_ceil(self.columns) as f64;

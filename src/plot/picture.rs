@@ -48,6 +48,26 @@ pub fn check_picture_path(path: impl AsRef<Path>) -> Result<()> {
     format_of(path.as_ref()).map(|_| ())
 }
 
+/// More pictures side by side would be smaller than their titles.
+const COLUMNS_AT_MOST: usize = 6;
+const CELLS_AT_MOST: usize = 60;
+
+/// Checks the number of small pictures, filled row by row, and how many of them stand side by side.
+pub(super) fn check_rows(field: &str, count: usize, columns: usize) -> Result<()> {
+    for (field, found, most) in [
+        (field, count, CELLS_AT_MOST),
+        ("columns", columns, COLUMNS_AT_MOST),
+    ] {
+        if !(1..=most).contains(&found) {
+            return Err(Error::invalid("wrong number of pictures in one")
+                .field(field)
+                .found(found)
+                .allowed(format!("1 to {most}")));
+        }
+    }
+    Ok(())
+}
+
 /// Draws `picture` and writes it.
 pub(super) fn write(picture: &impl Picture, path: &Path) -> Result<()> {
     let format = format_of(path)?;

@@ -91,10 +91,10 @@ fn valley(nx: usize, ny: usize) -> HeatMap {
     }
     HeatMap {
         missing: "diverged".to_owned(),
-        title: "tripod_floor: which floor makes the simulation match reality?".into(),
-        subtitle:
-            "4 stand-in recordings, not hardware · 441 points · rapier 0.36.1, 1/240 s, 4 substeps"
-                .into(),
+        caption: Caption::new(
+            "tripod_floor: which floor makes the simulation match reality?",
+            "4 stand-in recordings, not hardware · 441 points · rapier 0.36.1, 1/240 s, 4 substeps",
+        ),
         x: AxisSpec::new("friction", Unit::One),
         y: AxisSpec::new("restitution", Unit::One),
         x_values,
@@ -143,8 +143,10 @@ fn nine_panels() -> PanelGrid {
         })
         .collect();
     PanelGrid {
-        title: "tripod_floor: simulated paths across the sweep".into(),
-        subtitle: "number: PCA discrepancy from the stand-in recordings, not hardware".into(),
+        caption: Caption::new(
+            "tripod_floor: simulated paths across the sweep",
+            "number: PCA discrepancy from the stand-in recordings, not hardware",
+        ),
         columns: 3,
         panels,
         reality_m: vec![curved_path(0.82, 1.0, 0.6)],
@@ -155,8 +157,10 @@ fn nine_panels() -> PanelGrid {
 
 fn overlay(count: usize) -> Overlay {
     Overlay {
-        title: "tripod run 1, aligned".into(),
-        subtitle: "PCA discrepancy from the reference · stand-in recordings, not hardware".into(),
+        caption: Caption::new(
+            "tripod run 1, aligned",
+            "PCA discrepancy from the reference · stand-in recordings, not hardware",
+        ),
         reference: OverlayPath {
             name: "tripod_run_1".into(),
             discrepancy: None,
@@ -186,8 +190,10 @@ fn curve(count: usize) -> Curve {
         .min_by(|&a, &b| scores[a].unwrap().total_cmp(&scores[b].unwrap()));
     let inside = |s: &Option<f64>| s.is_some_and(|s| s < 0.0065);
     Curve {
-        title: "cube_toss: position error over friction".into(),
-        subtitle: "100 real recordings".into(),
+        caption: Caption::new(
+            "cube_toss: position error over friction",
+            "100 real recordings",
+        ),
         x: AxisSpec::new("friction", Unit::One),
         indistinguishable: scores.iter().map(inside).collect(),
         x_values,
@@ -227,7 +233,7 @@ fn heat_maps_of_extreme_data() {
         .iter_mut()
         .flatten()
         .for_each(|s| *s = (*s * 80.0).powi(3));
-    wide.title = "scores over four decades".into();
+    wide.caption.title = "scores over four decades".into();
     assert!(check("heatmap_log", |p| draw_heat_map(&wide, p)).contains("log scale"));
     wide.scores[5] = Some(0.0);
     assert!(check("heatmap_zero", |p| draw_heat_map(&wide, p)).contains("lowest values cut"));
@@ -258,8 +264,8 @@ fn heat_maps_of_extreme_data() {
     check("heatmap_diverged", |p| draw_heat_map(&diverged, p));
 
     let mut long = valley(7, 6);
-    long.title = "a title that goes on and on, ".repeat(20);
-    long.subtitle = "and a subtitle & <tags> \"quoted\" \u{7} that does so too, ".repeat(9);
+    long.caption.title = "a title that goes on and on, ".repeat(20);
+    long.caption.subtitle = "and a subtitle & <tags> \"quoted\" \u{7} that does so too, ".repeat(9);
     long.score_label = "a very long name of a score, ".repeat(8);
     long.x.label = "a parameter with a really long name, ".repeat(6);
     long.y = AxisSpec::new("module.leg.mass", Unit::Kilogram);

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::table::{number, write};
 use crate::calibration::{Answer, PointScore, Study, Tuned};
 use crate::error::Result;
-use crate::plot::{AxisSpec, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
+use crate::plot::{AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
 use crate::unit::Unit;
 
 /// Best score after each point; `None` until one has a score.
@@ -72,12 +72,14 @@ pub(super) fn draw(
         });
     }
     let plot = LinePlot {
-        title: format!(
-            "{}: what {} found, point by point",
-            study.definition().name,
-            tuned.optimizer
+        caption: Caption::new(
+            format!(
+                "{}: what {} found, point by point",
+                study.definition().name,
+                tuned.optimizer
+            ),
+            subtitle,
         ),
-        subtitle: subtitle.to_owned(),
         x: AxisSpec::new("points evaluated", Unit::One),
         y_label: format!("{} discrepancy", study.definition().metric.name()),
         y_unit: answer.scores.unit,

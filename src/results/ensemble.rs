@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::file::write_atomic;
-use crate::plot::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
+use crate::plot::{Caption, EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
 use crate::prediction::ensemble::{Behaviours, Ensemble, Forecast, LEVELS};
 use crate::prediction::{Card, EnsembleReport};
 use crate::trajectory::Source;
@@ -278,8 +278,7 @@ pub(super) fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>)
         })
         .collect();
     let plot = EnsemblePlot {
-        title: case.title.clone(),
-        subtitle,
+        caption: Caption::new(case.title.clone(), subtitle),
         groups,
         noise_free_m: case
             .ensemble

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::ensemble::{remove_pictures, write_report};
 use crate::error::Result;
-use crate::plot::{AxisSpec, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
+use crate::plot::{AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
 use crate::prediction::gap::StudyGap;
 use crate::unit::{Unit, counted};
 
@@ -55,8 +55,10 @@ fn confidence(gap: &StudyGap, real_label: &str) -> Option<LinePlot> {
     let level = |value: f64| over(vec![value; confidence.times_s.len()]);
     let dropped = confidence.drop_in_words();
     Some(LinePlot {
-        title: format!("{}: simulation confidence, {dropped}", gap.study),
-        subtitle: subtitle(gap, real_label),
+        caption: Caption::new(
+            format!("{}: simulation confidence, {dropped}", gap.study),
+            subtitle(gap, real_label),
+        ),
         x: AxisSpec::new("time", Unit::Second),
         y_label: "share of real runs inside".to_owned(),
         y_unit: Unit::One,
@@ -119,8 +121,10 @@ fn rmse(gap: &StudyGap, real_label: &str) -> Option<LinePlot> {
     })
     .collect();
     (!series.is_empty()).then(|| LinePlot {
-        title: format!("{}: error over time", gap.study),
-        subtitle: subtitle(gap, real_label),
+        caption: Caption::new(
+            format!("{}: error over time", gap.study),
+            subtitle(gap, real_label),
+        ),
         x: AxisSpec::new("time", Unit::Second),
         y_label: "RMS distance from the recordings".to_owned(),
         y_unit: Unit::Metre,

@@ -28,6 +28,7 @@ mod convergence;
 mod ensemble;
 mod gap;
 mod picture;
+pub mod portrait;
 mod search;
 mod table;
 

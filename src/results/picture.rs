@@ -6,8 +6,8 @@ use crate::calibration::{Answer, Method, PointScore, Study};
 use crate::error::Result;
 use crate::optimization::{Grid, Range};
 use crate::plot::{
-    AxisSpec, Curve, HeatMap, Panel, PanelGrid, ScoreScale, Truth, draw_curve, draw_heat_map,
-    draw_panels,
+    AxisSpec, Caption, Curve, HeatMap, Panel, PanelGrid, ScoreScale, Truth, draw_curve,
+    draw_heat_map, draw_panels,
 };
 use crate::trajectory::Prepared;
 use crate::unit::counted;
@@ -170,8 +170,7 @@ impl<'a> Map<'a> {
         }
         let map = HeatMap {
             missing: "diverged".to_owned(),
-            title: self.title.clone(),
-            subtitle,
+            caption: Caption::new(self.title.clone(), subtitle),
             x: axis(x),
             y: axis(y),
             x_values: x.values(),
@@ -190,8 +189,7 @@ impl<'a> Map<'a> {
 
     fn draw_curve(&self, x: &Range, folder: &Path) -> Result<()> {
         let curve = Curve {
-            title: self.title.clone(),
-            subtitle: self.cell_subtitle(),
+            caption: Caption::new(self.title.clone(), self.cell_subtitle()),
             x: axis(x),
             x_values: x.values(),
             scores: (0..x.points).map(|index| self.score(index)).collect(),
@@ -223,12 +221,14 @@ impl<'a> Map<'a> {
                 score(a).total_cmp(&score(b))
             });
             let curve = Curve {
-                title: format!(
-                    "{}: lowest score at each {}",
-                    self.study.definition().name,
-                    range.parameter.name
+                caption: Caption::new(
+                    format!(
+                        "{}: lowest score at each {}",
+                        self.study.definition().name,
+                        range.parameter.name
+                    ),
+                    format!("{}; every other parameter at its best", self.subtitle),
                 ),
-                subtitle: format!("{}; every other parameter at its best", self.subtitle),
                 x: axis(range),
                 x_values: tried.iter().map(|index| profile.values[*index]).collect(),
                 scores: tried.iter().map(|index| profile.scores[*index]).collect(),
@@ -327,11 +327,13 @@ impl<'a> Map<'a> {
             )
         };
         let grid = PanelGrid {
-            title: format!(
-                "{}: {what}, {} above each",
-                definition.name, self.score_label
+            caption: Caption::new(
+                format!(
+                    "{}: {what}, {} above each",
+                    definition.name, self.score_label
+                ),
+                shown,
             ),
-            subtitle: shown,
             columns,
             panels,
             reality_m: real

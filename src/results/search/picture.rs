@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use crate::error::Result;
-use crate::plot::portrait::portrait;
 use crate::plot::{
-    AxisSpec, Gallery, HeatMap, LinePlot, ScoreScale, Series, SeriesKind, draw_gallery,
+    AxisSpec, Caption, Gallery, HeatMap, LinePlot, ScoreScale, Series, SeriesKind, draw_gallery,
     draw_heat_map, draw_lines, number,
 };
 use crate::results::ensemble::{EnsembleResult, draw_repeats, remove_pictures};
+use crate::results::portrait::portrait;
 use crate::search::{Archive, Finalist, Search, SearchResults, descriptor_named};
 use crate::statistics::mean;
 use crate::unit::{Unit, counted};
@@ -113,13 +113,15 @@ fn fitness(search: &Search, results: &SearchResults) -> Option<LinePlot> {
         ""
     };
     Some(LinePlot {
-        title: format!("{}: fitness over {}", search.name(), strategy.name()),
-        subtitle: format!(
-            "{incomplete}{}, {} each of {} s, {failed} failed and are not shown, seed {}",
-            counted(results.robots.len(), "robot"),
-            counted(search.repeats(), "repeat"),
-            search.duration_s(),
-            search.seed()
+        caption: Caption::new(
+            format!("{}: fitness over {}", search.name(), strategy.name()),
+            format!(
+                "{incomplete}{}, {} each of {} s, {failed} failed and are not shown, seed {}",
+                counted(results.robots.len(), "robot"),
+                counted(search.repeats(), "repeat"),
+                search.duration_s(),
+                search.seed()
+            ),
         ),
         x: AxisSpec::new(
             if one_batch {
@@ -185,14 +187,16 @@ fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Resul
         Ok(AxisSpec::new(label, descriptor.unit))
     };
     Ok(Some(HeatMap {
-        title: format!("{}: the best robot of every kind", search.name()),
-        subtitle: format!(
-            "{} in {} of {} cells, {} simulated, seed {}",
-            counted(elites.len(), "elite"),
-            scores.iter().flatten().count(),
-            scores.len(),
-            counted(results.robots.len(), "robot"),
-            search.seed()
+        caption: Caption::new(
+            format!("{}: the best robot of every kind", search.name()),
+            format!(
+                "{} in {} of {} cells, {} simulated, seed {}",
+                counted(elites.len(), "elite"),
+                scores.iter().flatten().count(),
+                scores.len(),
+                counted(results.robots.len(), "robot"),
+                search.seed()
+            ),
         ),
         x: spec(x)?,
         y: spec(y)?,
@@ -235,13 +239,15 @@ fn gallery(search: &Search, finalists: &[Finalist]) -> Gallery {
         })
         .collect();
     Gallery {
-        title: format!("{}: the best robots", search.name()),
-        subtitle: format!(
-            "{} of {}, {}, in {} s; at zero servo angles",
-            search.strategy().name(),
-            counted(search.strategy().budget(), "robot"),
-            search.objective().label(),
-            search.duration_s()
+        caption: Caption::new(
+            format!("{}: the best robots", search.name()),
+            format!(
+                "{} of {}, {}, in {} s; at zero servo angles",
+                search.strategy().name(),
+                counted(search.strategy().budget(), "robot"),
+                search.objective().label(),
+                search.duration_s()
+            ),
         ),
         columns: finalists.len().min(4),
         robots,

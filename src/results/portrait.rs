@@ -1,10 +1,10 @@
-//! Portraits: what a robot looks like, for the pictures of [`report`](crate::plot).
+//! Portraits: what a robot looks like, as boxes for [`plot`](crate::plot).
 
 use std::path::Path;
 
 use crate::Result;
 use crate::plot::{
-    Block, BlockKind, DrivenFace, Gallery, GalleryRobot, Motion, draw_gallery, number,
+    Block, BlockKind, Caption, DrivenFace, Gallery, GalleryRobot, Motion, draw_gallery, number,
 };
 use crate::robot::morphology::{DriveAxis, Morphology, Role};
 
@@ -68,8 +68,7 @@ pub fn draw(robot: &Morphology, path: impl AsRef<Path>) -> Result<()> {
         number(1e2 * size_m.z),
     );
     let gallery = Gallery {
-        title: robot.name().to_owned(),
-        subtitle: robot.description().to_owned(),
+        caption: Caption::new(robot.name(), robot.description()),
         columns: 1,
         robots: vec![GalleryRobot {
             title: note,
