@@ -165,7 +165,7 @@ fn what_cannot_be_tuned_is_refused_with_a_reason() {
     refused(&["--budget", "5"], &["too small", "at least"]);
     refused(
         &["--metric", "pca", "--budget", "40"],
-        &["design of 64", "e.g. rms"],
+        &["design of 64", "--metric rms"],
     );
     refused(&["--folds", "1"], &["--folds", "2 up to"]);
     refused(&["--folds", "11"], &["11 folds of 10 recordings"]);

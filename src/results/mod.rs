@@ -1,6 +1,6 @@
 //! What a results folder holds for people: tables, pictures, a report, the best values.
 //!
-//! Everything that is written here is put together elsewhere: [`write`] takes an [`Answer`], [`write_ensemble`] an
+//! Everything that is written here is put together elsewhere: [`write()`] takes an [`Answer`], [`write_ensemble`] an
 //! [`EnsembleReport`](crate::prediction::EnsembleReport), [`write_gap`] a [`StudyGap`](crate::prediction::gap::StudyGap).
 //!
 //! ```
