@@ -90,7 +90,7 @@ pub(super) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 
 /// What to do about results that are not what was written.
 pub(super) const DAMAGED_HINT: &str =
-    "nothing in this file can be trusted any more: take it from a backup; to make the results anew";
+    "nothing in this file can be trusted any more: take it from a backup";
 
 /// An error of SQLite while `doing` something with the results at `path`.
 pub(super) fn sql(path: &Path, doing: &str, error: &rusqlite::Error) -> Error {

@@ -552,7 +552,7 @@ fn content(connection: &Connection, path: &Path) -> Result<Content> {
             .at_file(path)
             .advise(Advice::OtherFolder)),
         older if older < LAYOUT => Err(other_layout(path, older)
-            .hint("an earlier version wrote these results, and still reads them; to make them anew")
+            .hint("an earlier version wrote these results, and still reads them")
             .advise(Advice::OtherFolder)),
         newer => Err(other_layout(path, newer)
             .hint("a later version wrote these results: use that one")

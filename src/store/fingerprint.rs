@@ -49,7 +49,7 @@ impl Fingerprint {
                     .allowed("the same study, unchanged")
                     .advise(Advice::OtherFolder);
                 return Err(if VERSIONS.contains(&name.as_str()) {
-                    error.hint("they can still be listed; go on with the version that made them; to make them anew")
+                    error.hint("these results can still be listed, and the version that made them goes on with them")
                 } else {
                     error.hint("undo the change")
                 });

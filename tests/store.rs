@@ -1,0 +1,365 @@
+//! A store keeps what was written or says that it cannot: damage, other versions, media that cannot be written.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use std::path::Path;
+
+use rand::{Rng, RngExt};
+use realgap::search::generator;
+use realgap::store::{
+    Fingerprint, Listing, Mode, Outcome, OutcomeStatus, RobotOutcome, RobotRow, STORE_FILE, Store,
+    TravelRow, Trial, TrialScore,
+};
+
+fn fingerprint() -> Fingerprint {
+    Fingerprint::new().with("realgap", "1").with("points", 40)
+}
+
+fn trial(index: usize) -> Trial {
+    let outcome = |case: usize| Outcome {
+        status: if (index + case).is_multiple_of(7) {
+            OutcomeStatus::Diverged(format!("part {case} left the world"))
+        } else {
+            OutcomeStatus::Completed
+        },
+        steps: 480 + index as u64,
+        net_displacement_m: 0.1 * index as f64,
+        scores: vec![0.01 * index as f64; 3],
+        path_xy_m: (0..30).map(|i| [0.1 * i as f64, index as f64]).collect(),
+    };
+    Trial {
+        index,
+        values: vec![0.3, index as f64],
+        outcomes: (0..3).map(outcome).collect(),
+    }
+}
+
+fn score(index: usize) -> TrialScore {
+    TrialScore {
+        index,
+        score: (!index.is_multiple_of(7)).then_some(1.0 / (1.0 + index as f64)),
+        displacement_error_m: Some(0.02),
+        recordings: vec![0.1, 0.2],
+    }
+}
+
+fn robot(index: usize) -> RobotRow {
+    let travel = |repeat: usize| TravelRow {
+        displacement_m: 0.1 * repeat as f64,
+        path_length_m: 0.3,
+        turned_rad: -0.1,
+    };
+    RobotRow {
+        index,
+        genome: (0..30).map(|i| (i as f64 / 30.0).sin()).collect(),
+        outcome: if index.is_multiple_of(5) {
+            RobotOutcome::Failed {
+                reason: "toppled".to_owned(),
+                seen: "it lies on its side".to_owned(),
+            }
+        } else {
+            RobotOutcome::Walked {
+                fitness: 0.2 * index as f64,
+                repeats: (0..8).map(travel).collect(),
+                descriptors: vec![3.0, 0.5],
+            }
+        },
+    }
+}
+
+/// A finished study in this folder.
+fn study(folder: &Path) {
+    let mut store = Store::create(folder, &fingerprint()).unwrap();
+    let list = |names: &[&str]| serde_json::json!(names).to_string();
+    store
+        .describe([
+            ("kind", "sweep".to_owned()),
+            ("study", "floor".to_owned()),
+            ("metric", "rms".to_owned()),
+            ("unit", "m".to_owned()),
+            ("parameters", list(&["floor.friction", "floor.restitution"])),
+            ("recordings", list(&["a", "b"])),
+        ])
+        .unwrap();
+    for index in 0..40 {
+        store.insert(&[trial(index)]).unwrap();
+    }
+    let scores: Vec<TrialScore> = (0..40).map(score).collect();
+    store.insert_scores(&scores).unwrap();
+    store.complete().unwrap();
+}
+
+/// A finished search in this folder.
+fn search(folder: &Path) {
+    let mut store = Store::create(folder, &fingerprint()).unwrap();
+    store
+        .describe([
+            ("kind", "search".to_owned()),
+            ("search", "best".to_owned()),
+            ("objective", "displacement, mean".to_owned()),
+            ("unit", "m".to_owned()),
+            (
+                "descriptors",
+                serde_json::json!(["modules", "height_m"]).to_string(),
+            ),
+        ])
+        .unwrap();
+    let robots: Vec<RobotRow> = (0..60).map(robot).collect();
+    store.insert(&robots).unwrap();
+    store.complete().unwrap();
+}
+
+/// Everything that a store says: what `results` lists, and what a run goes on with.
+#[derive(Debug, PartialEq)]
+struct Answer {
+    listing: Listing,
+    trials: Vec<Trial>,
+    scores: Vec<TrialScore>,
+    robots: Vec<RobotRow>,
+}
+
+fn answer(folder: &Path) -> realgap::Result<Answer> {
+    let listing = Listing::read(folder)?;
+    let mut answer = Answer {
+        listing,
+        trials: Vec::new(),
+        scores: Vec::new(),
+        robots: Vec::new(),
+    };
+    if Store::<RobotRow>::is_in(folder)? {
+        answer.robots = Store::<RobotRow>::resume(folder, &fingerprint())?.rows()?;
+    } else {
+        let store = Store::<Trial>::resume(folder, &fingerprint())?;
+        answer.trials = store.trials()?;
+        answer.scores = store.scores()?;
+    }
+    Ok(answer)
+}
+
+/// Size of SQLite's pages.
+const PAGE: usize = 4096;
+
+/// Damages one random page, as a disk or a copy does.
+fn damage(bytes: &mut [u8], rng: &mut dyn Rng) {
+    let pages = bytes.len() / PAGE;
+    let page = rng.random_range(0..pages) * PAGE;
+    let place = page + rng.random_range(0..PAGE);
+    match rng.random_range(0..5) {
+        0 => rng.fill_bytes(&mut bytes[page..page + PAGE]),
+        1 => bytes[page..page + PAGE].fill(0),
+        2 => {
+            let other = rng.random_range(0..pages) * PAGE;
+            bytes.copy_within(other..other + PAGE, page);
+        }
+        3 => bytes[place] ^= 1 << rng.random_range(0..8),
+        _ => {
+            let end = (place + 64).min(page + PAGE);
+            rng.fill_bytes(&mut bytes[place..end]);
+        }
+    }
+}
+
+/// Damages a store so many times: every time it is refused, or says what it said before.
+fn survive(write: fn(&Path), times: u64) {
+    let whole = tempfile::tempdir().unwrap();
+    write(whole.path());
+    let bytes = std::fs::read(whole.path().join(STORE_FILE)).unwrap();
+    let expected = answer(whole.path()).unwrap();
+    let mut refused = 0;
+    for seed in 0..times {
+        let mut rng = generator(seed, 0);
+        let mut damaged = bytes.clone();
+        damage(&mut damaged, &mut rng);
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join(STORE_FILE), damaged).unwrap();
+        match answer(folder.path()) {
+            Err(_) => refused += 1,
+            Ok(said) => assert_eq!(said, expected, "silently different with seed {seed}"),
+        }
+    }
+    assert!(2 * refused > times, "{refused} of {times} refused");
+}
+
+#[test]
+fn a_damaged_page_is_an_error_or_changes_nothing() {
+    survive(study, 60);
+    survive(search, 40);
+}
+
+#[test]
+#[ignore = "minutes; `.ci/run` runs the short one"]
+fn thousands_of_damaged_pages_are_errors_or_change_nothing() {
+    survive(study, 4000);
+    survive(search, 4000);
+}
+
+/// Runs SQL on a store behind its back.
+fn tamper(folder: &Path, sql: &str) {
+    let connection = rusqlite::Connection::open(folder.join(STORE_FILE)).unwrap();
+    connection.execute_batch(sql).unwrap();
+}
+
+#[test]
+fn a_row_that_is_changed_gone_or_added_is_an_error_that_says_so() {
+    for sql in [
+        "UPDATE trial SET parameters = zeroblob(16) WHERE id = 3",
+        "UPDATE outcome SET steps = 1 WHERE trial = 4 AND position = 2",
+        "DELETE FROM outcome WHERE trial = 5 AND position = 2",
+        "DELETE FROM outcome WHERE trial = 38; DELETE FROM score WHERE trial = 38; DELETE FROM trial WHERE id = 38",
+        "UPDATE score SET score = 0.0 WHERE trial = 6",
+        "DELETE FROM score WHERE trial = 6",
+        "UPDATE description SET value = 'mm' WHERE name = 'unit'",
+        "DELETE FROM description WHERE name = 'ending'",
+        "UPDATE tally SET rows = rows - 1",
+        "DELETE FROM tally",
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        study(folder.path());
+        tamper(folder.path(), sql);
+        let listed = Listing::read(folder.path()).unwrap_err().to_string();
+        assert!(
+            listed.contains("damaged") && listed.contains("backup"),
+            "{sql}: {listed}"
+        );
+        let resumed = Store::<Trial>::resume(folder.path(), &fingerprint()).unwrap_err();
+        assert!(resumed.to_string().contains("damaged"), "{sql}: {resumed}");
+    }
+}
+
+#[test]
+fn a_run_that_was_killed_before_its_tables_has_an_empty_store() {
+    for mode in [Mode::Start, Mode::Resume, Mode::Restart] {
+        let folder = tempfile::tempdir().unwrap();
+        // What is left of a process that had locked the folder and opened its file.
+        std::fs::write(folder.path().join(".lock"), "").unwrap();
+        for left in [None, Some("")] {
+            if let Some(left) = left {
+                std::fs::write(folder.path().join(STORE_FILE), left).unwrap();
+            }
+            let store =
+                Store::<Trial>::open(folder.path(), &fingerprint(), mode, "run", "all").unwrap();
+            assert!(store.finished().unwrap().is_empty());
+            drop(store);
+            std::fs::remove_file(folder.path().join(STORE_FILE)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn finished_results_are_used_or_refused_but_never_removed_unless_that_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    study(folder.path());
+    let expected = answer(folder.path()).unwrap();
+    let open = |fingerprint: &Fingerprint, mode| {
+        Store::<Trial>::open(folder.path(), fingerprint, mode, "run", "40 points")
+    };
+    let store = open(&fingerprint(), Mode::Start).unwrap();
+    assert_eq!(store.trials().unwrap(), expected.trials);
+    assert!(store.is_complete().unwrap());
+    drop(store);
+    // Another study, another version, another kind of run: refused, without advice to remove anything.
+    let other = fingerprint().with("seed", 2);
+    let version = Fingerprint::new().with("realgap", "2").with("points", 40);
+    for refused in [
+        open(&other, Mode::Start).unwrap_err(),
+        open(&other, Mode::Resume).unwrap_err(),
+        open(&version, Mode::Start).unwrap_err(),
+        Store::<RobotRow>::open(folder.path(), &fingerprint(), Mode::Start, "run", "all")
+            .unwrap_err(),
+    ] {
+        let said = refused.to_string();
+        assert!(said.contains("another folder"), "{said}");
+        assert!(
+            !said.contains("restart") && !said.contains("anew"),
+            "{said}"
+        );
+    }
+    assert_eq!(answer(folder.path()).unwrap(), expected);
+    // Asked for more than is there, the store is unfinished until it has that, too.
+    let mut store = open(&fingerprint(), Mode::Start).unwrap();
+    store.insert(&[trial(40)]).unwrap();
+    assert!(!store.is_complete().unwrap());
+    drop(store);
+    let refused = open(&fingerprint(), Mode::Start).unwrap_err().to_string();
+    assert!(
+        refused.contains("unfinished") && refused.contains("resume"),
+        "{refused}"
+    );
+    let resumed = open(&fingerprint(), Mode::Resume).unwrap();
+    assert_eq!(resumed.finished().unwrap().len(), 41);
+    drop(resumed);
+    let restarted = open(&other, Mode::Restart).unwrap();
+    assert!(restarted.finished().unwrap().is_empty());
+}
+
+#[test]
+fn another_version_says_which_and_offers_a_way_that_removes_nothing() {
+    for (version, words) in [(2, "an earlier version"), (99, "a later version")] {
+        let folder = tempfile::tempdir().unwrap();
+        study(folder.path());
+        tamper(folder.path(), &format!("PRAGMA user_version = {version}"));
+        let before = std::fs::read(folder.path().join(STORE_FILE)).unwrap();
+        for said in [
+            Listing::read(folder.path()).unwrap_err().to_string(),
+            Store::<Trial>::resume(folder.path(), &fingerprint())
+                .unwrap_err()
+                .to_string(),
+        ] {
+            assert!(
+                said.contains(words) && said.contains(&format!("layout {version}")),
+                "{said}"
+            );
+        }
+        // Not a byte of it has changed.
+        assert_eq!(
+            std::fs::read(folder.path().join(STORE_FILE)).unwrap(),
+            before
+        );
+    }
+}
+
+#[test]
+fn a_finished_folder_holds_no_log_and_is_read_where_nothing_can_be_written() {
+    let folder = tempfile::tempdir().unwrap();
+    study(folder.path());
+    let expected = Listing::read(folder.path()).unwrap();
+    let names: Vec<String> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .filter(|name| name.starts_with(STORE_FILE))
+        .collect();
+    assert_eq!(names, [STORE_FILE]);
+    // The file alone, with a name that means something in a URI; once as it is left, once as a copy of an unfinished one.
+    let media = tempfile::tempdir().unwrap();
+    for (name, mode) in [("50 % of #1?", "DELETE"), ("log", "WAL")] {
+        let place = media.path().join(name);
+        std::fs::create_dir(&place).unwrap();
+        std::fs::copy(folder.path().join(STORE_FILE), place.join(STORE_FILE)).unwrap();
+        tamper(&place, &format!("PRAGMA journal_mode = {mode}"));
+        read_only(&place, 1 + expected.rows.len());
+    }
+}
+
+/// `results` lists so many lines from a folder that cannot be written, where the system lets a test make one.
+fn read_only(folder: &Path, lines: usize) {
+    let results = format!(
+        "mount --bind '{0}' '{0}' && mount -o remount,ro,bind '{0}' || exit 77; exec '{1}' results '{0}' --format csv",
+        folder.display(),
+        env!("CARGO_BIN_EXE_realgap")
+    );
+    let said = std::process::Command::new("unshare")
+        .args(["--mount", "--map-root-user", "sh", "-c", &results])
+        .output();
+    match said {
+        Ok(said) if said.status.code() != Some(77) => {
+            let printed = String::from_utf8_lossy(&said.stdout);
+            assert_eq!(printed.lines().count(), lines, "{said:?}");
+        }
+        refused => {
+            use std::io::Write as _;
+            let _ = writeln!(
+                std::io::stderr(),
+                "SKIPPED: nothing can be mounted here: {refused:?}"
+            );
+        }
+    }
+}
