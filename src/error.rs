@@ -105,6 +105,10 @@ pub enum Advice {
     CalibratedValues,
     /// Compare with a metric that needs no basis of principal components.
     MetricWithoutBasis,
+    /// Let an optimizer choose the points instead of evaluating a whole grid.
+    LetOptimizerChoose,
+    /// Look up the names of all parameters.
+    ListParameters,
 }
 
 impl fmt::Display for Advice {
@@ -122,6 +126,8 @@ impl fmt::Display for Advice {
             Self::MetricWithoutBasis => f.write_str(
                 "choose a metric without a basis, e.g. rms, which needs no first design",
             ),
+            Self::LetOptimizerChoose => f.write_str("let an optimizer choose the points"),
+            Self::ListParameters => f.write_str("look up the names in the registry of parameters"),
         }
     }
 }

@@ -8,7 +8,7 @@ use super::method::Method;
 use super::score::Scores;
 use super::study::Study;
 use crate::error::Result;
-use crate::optimization::{Evaluation, RunOptions, drive};
+use crate::optimization::{Batch, RunOptions, drive};
 use crate::store::Mode;
 
 impl Study {
@@ -44,13 +44,13 @@ fn sweep(study: &Study, folder: Option<(&Path, Mode)>, run: &RunOptions<'_>) -> 
         expected: points,
     };
     let mut keeping = Keeping::open(&kept, folder)?;
-    let evaluation = Evaluation {
+    let batch = Batch {
         points,
         jobs: run.jobs,
         stop: run.stop_flag(),
     };
     let ending = drive(
-        &evaluation,
+        &batch,
         &mut keeping,
         |index| study.simulate(index),
         |done| run.tell(done, points, None),

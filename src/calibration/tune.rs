@@ -10,7 +10,7 @@ use super::study::Study;
 use crate::comparison::Basis;
 use crate::error::{Advice, Error, Result};
 use crate::optimization::{
-    Brief, Ending, Evaluation, History, Optimizer, Proposal, RunOptions, Told, UnitPoint,
+    Batch, Brief, Ending, History, Optimizer, Proposal, RunOptions, Told, UnitPoint,
     default_optimizer, drive, space_filling,
 };
 use crate::store::{Mode, Storage};
@@ -209,13 +209,13 @@ impl<'a> Tuning<'a> {
     fn evaluate(&mut self, candidates: &[UnitPoint]) -> Result<Ending> {
         let offset = self.told.len();
         let ranges = self.study.definition().grid.ranges();
-        let evaluation = Evaluation {
+        let batch = Batch {
             points: offset + candidates.len(),
             jobs: self.run.jobs,
             stop: self.run.stop_flag(),
         };
         drive(
-            &evaluation,
+            &batch,
             &mut self.keeping,
             |index| {
                 let point = candidates[index - offset].iter().zip(ranges);

@@ -172,7 +172,7 @@ fn morphology(source: &Source) -> Result<Contents> {
         ),
         format!(
             "  tracked       \"{}\", body length {:.4} m",
-            robot.track(),
+            robot.modules()[robot.track()].name,
             summary.body_length_m
         ),
     ];

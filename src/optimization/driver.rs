@@ -17,7 +17,7 @@ pub enum Ending {
 }
 
 /// A batch of points to be evaluated into a storage.
-pub struct Evaluation<'a> {
+pub struct Batch<'a> {
     /// Number of points of the study.
     pub points: usize,
     /// Number of threads, at least 1.
@@ -48,20 +48,20 @@ pub fn pool(jobs: usize) -> Result<rayon::ThreadPool> {
 /// # Errors
 /// The first error of `evaluate` or of the store; everything finished before is stored.
 pub fn drive<R: Send>(
-    evaluation: &Evaluation<'_>,
+    batch: &Batch<'_>,
     store: &mut impl Storage<R>,
     evaluate: impl Fn(usize) -> Result<R> + Sync,
     mut progress: impl FnMut(usize),
 ) -> Result<Ending> {
     let finished: BTreeSet<usize> = store.finished()?;
-    let todo: Vec<usize> = (0..evaluation.points)
+    let todo: Vec<usize> = (0..batch.points)
         .filter(|index| !finished.contains(index))
         .collect();
-    let mut done = evaluation.points - todo.len();
+    let mut done = batch.points - todo.len();
     progress(done);
     // A thread without a point of its own helps with the cases of the others.
-    let pool = pool(evaluation.jobs)?;
-    let jobs = evaluation.jobs.clamp(1, todo.len().max(1));
+    let pool = pool(batch.jobs)?;
+    let jobs = batch.jobs.clamp(1, todo.len().max(1));
     let next = AtomicUsize::new(0);
     let abort = AtomicBool::new(false);
     let (sender, receiver) = mpsc::channel::<Result<R>>();
@@ -71,7 +71,7 @@ pub fn drive<R: Send>(
             let (sender, next, abort, todo, evaluate) =
                 (sender.clone(), &next, &abort, &todo, &evaluate);
             scope.spawn(move |_| {
-                while !abort.load(Ordering::Relaxed) && !evaluation.stop.load(Ordering::Relaxed) {
+                while !abort.load(Ordering::Relaxed) && !batch.stop.load(Ordering::Relaxed) {
                     let Some(&index) = todo.get(next.fetch_add(1, Ordering::Relaxed)) else {
                         break;
                     };
@@ -105,7 +105,7 @@ pub fn drive<R: Send>(
     });
     match first_error {
         Some(error) => Err(error),
-        None if done == evaluation.points => Ok(Ending::Complete),
+        None if done == batch.points => Ok(Ending::Complete),
         None => Ok(Ending::Interrupted),
     }
 }
@@ -134,25 +134,25 @@ mod tests {
         let fingerprint = Fingerprint::new();
         let never = AtomicBool::new(false);
         let mut store = Store::create(whole.path(), &fingerprint).unwrap();
-        let evaluation = Evaluation {
+        let batch = Batch {
             points: 40,
             jobs: 1,
             stop: &never,
         };
         assert_eq!(
-            drive(&evaluation, &mut store, |i| Ok(trial(i)), |_| ()).unwrap(),
+            drive(&batch, &mut store, |i| Ok(trial(i)), |_| ()).unwrap(),
             Ending::Complete
         );
 
         let stop = AtomicBool::new(false);
         let mut partial = Store::create(parts.path(), &fingerprint).unwrap();
-        let evaluation = Evaluation {
+        let batch = Batch {
             points: 40,
             jobs: 3,
             stop: &stop,
         };
         let ending = drive(
-            &evaluation,
+            &batch,
             &mut partial,
             |i| {
                 if i == 11 {
@@ -165,14 +165,14 @@ mod tests {
         assert_eq!(ending.unwrap(), Ending::Interrupted);
         let before = partial.finished().unwrap().len();
         assert!((1..40).contains(&before), "{before}");
-        let evaluation = Evaluation {
+        let batch = Batch {
             points: 40,
             jobs: 2,
             stop: &never,
         };
         let mut first_progress = None;
         let ending = drive(
-            &evaluation,
+            &batch,
             &mut partial,
             |i| Ok(trial(i)),
             |n| {
@@ -189,13 +189,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let never = AtomicBool::new(false);
         let mut store = Store::create(folder.path(), &Fingerprint::new()).unwrap();
-        let evaluation = Evaluation {
+        let batch = Batch {
             points: 10,
             jobs: 1,
             stop: &never,
         };
         let error = drive(
-            &evaluation,
+            &batch,
             &mut store,
             |i| {
                 if i == 4 {

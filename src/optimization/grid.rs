@@ -1,6 +1,6 @@
 //! Every combination of evenly spaced values.
 
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 use crate::quantity::{Quantity, Scale};
 
 /// Evenly spaced values of one parameter, both ends included.
@@ -158,7 +158,8 @@ impl Grid {
         Err(Error::invalid("too many combinations")
             .field("parameters")
             .allowed(format!("at most {MAX_GRID} points in all"))
-            .hint("take fewer points per parameter, or let `realgap tune` choose them"))
+            .hint("take fewer points per parameter")
+            .advise(Advice::LetOptimizerChoose))
     }
 
     /// The ranges, in order.

@@ -7,7 +7,7 @@ mod grid;
 mod optimizer;
 mod options;
 
-pub use driver::{Ending, Evaluation, drive, pool};
+pub use driver::{Batch, Ending, drive, pool};
 pub use grid::{Grid, MAX_POINTS, Range};
 pub use optimizer::{
     Brief, History, OPTIMIZERS, Optimizer, Proposal, Told, UnitPoint, default_optimizer,

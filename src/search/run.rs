@@ -5,7 +5,7 @@ use std::path::Path;
 use super::problem::Search;
 use super::robot::EvaluatedRobot;
 use super::strategy::{Evaluated, Strategy};
-use crate::optimization::{Ending, Evaluation, RunOptions, drive};
+use crate::optimization::{Batch, Ending, RunOptions, drive};
 use crate::robot::genome::Genome;
 use crate::store::{Memory, Mode, RobotRow, Storage, Store};
 use crate::{Error, Result};
@@ -128,13 +128,13 @@ fn follow(
             return Ok(results);
         }
         let offset = history.len();
-        let evaluation = Evaluation {
+        let batch = Batch {
             points: offset + genomes.len(),
             jobs: options.jobs,
             stop: options.stop_flag(),
         };
         results.ending = drive(
-            &evaluation,
+            &batch,
             storage,
             |index| Ok(RobotRow::from(&evaluate(index, &genomes[index - offset])?)),
             |done| options.tell(done, total, best),

@@ -5,23 +5,22 @@ use std::fs;
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
-use rusqlite::{Connection, OptionalExtension as _, Transaction, params};
+use rusqlite::{Connection, Transaction, params};
 
-use super::checksum::{Checksum, Tally};
+use super::checksum::Tally;
 use super::connection::{DAMAGED_HINT, connect, connect_to_read, settle, sql, with_suffix};
+use super::content::{Content, LAYOUT, content};
+use super::description::{entries, entry_checksum, put_description};
 use super::fingerprint::Fingerprint;
 use super::lock::FolderLock;
 use super::opening::{COMPLETE, ENDING, UNFINISHED};
 use super::row::Table;
 use super::storage::Storage;
-use super::trial::{Trial, TrialScore};
+use super::trial::Trial;
 use crate::error::{Advice, Error, Result};
 
 /// Name of the store inside a results folder.
 pub const STORE_FILE: &str = "results.sqlite";
-
-/// Layout of the tables; raised when they change.
-const LAYOUT: i64 = 3;
 
 /// Tables of every store. `tally` says how many rows there are in all tables and what their checksums are together.
 const COMMON_TABLES: &str = "
@@ -37,20 +36,12 @@ const VERIFIED_AT_ONCE: i64 = 256;
 /// writing by this process alone, or for reading.
 #[derive(Debug)]
 pub struct Store<R = Trial> {
-    connection: Connection,
-    path: PathBuf,
+    pub(super) connection: Connection,
+    pub(super) path: PathBuf,
     tally: Tally,
     is_marked_complete: bool,
     lock: Option<FolderLock>,
     rows: PhantomData<R>,
-}
-
-/// What a file that should be a store holds.
-pub(super) enum Content {
-    /// Nothing: no file, or one that was killed before its tables were made.
-    Nothing,
-    /// Tables of this layout.
-    Tables,
 }
 
 impl<R> Store<R> {
@@ -73,7 +64,7 @@ impl<R> Store<R> {
         Ok(tally)
     }
 
-    fn damaged(&self, what: impl std::fmt::Display) -> Error {
+    pub(super) fn damaged(&self, what: impl std::fmt::Display) -> Error {
         Error::conflict("the results are damaged")
             .at_file(&self.path)
             .found(what)
@@ -133,7 +124,7 @@ impl<R> Store<R> {
     }
 
     /// One transaction: all of it is kept or nothing.
-    fn write(
+    pub(super) fn write(
         &mut self,
         doing: &str,
         write: impl FnOnce(&Transaction<'_>, &mut Tally) -> rusqlite::Result<()>,
@@ -456,61 +447,6 @@ impl<R: Table> Storage<R> for Store<R> {
     }
 }
 
-impl Store<Trial> {
-    /// All trials, by index.
-    ///
-    /// # Errors
-    /// As [`Store::rows`].
-    pub fn trials(&self) -> Result<Vec<Trial>> {
-        self.rows()
-    }
-
-    /// The trials with an index in `range`, by index.
-    ///
-    /// # Errors
-    /// As [`Store::rows`].
-    pub fn trials_within(&self, range: std::ops::Range<usize>) -> Result<Vec<Trial>> {
-        self.rows_within(range)
-    }
-
-    /// Keeps the scores of trials; scores of the same trial are replaced (a basis fitted later changes them).
-    ///
-    /// # Errors
-    /// A full disk or a store that cannot be written.
-    pub fn insert_scores(&mut self, scores: &[TrialScore]) -> Result<()> {
-        self.write("write the results", |transaction, tally| {
-            for score in scores {
-                if let Some(old) = score.replaced(transaction)? {
-                    tally.remove(old);
-                }
-                tally.add(score.insert(transaction)?);
-            }
-            Ok(())
-        })
-    }
-
-    /// The scores that are there, by trial.
-    ///
-    /// # Errors
-    /// As [`Store::rows`].
-    pub fn scores(&self) -> Result<Vec<TrialScore>> {
-        let scores = TrialScore::read(&self.connection)
-            .map_err(|e| sql(&self.path, "read the results", &e))?;
-        scores
-            .into_iter()
-            .map(|checked| {
-                if checked.stored == checked.computed {
-                    return Ok(checked.row);
-                }
-                Err(self.damaged(format!(
-                    "the score of trial {} has changed",
-                    checked.row.index
-                )))
-            })
-            .collect()
-    }
-}
-
 impl<R> Drop for Store<R> {
     fn drop(&mut self) {
         if self.lock.is_some() {
@@ -532,72 +468,4 @@ pub(super) fn remove(folder: &Path) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// What a file holds, or why it is no store of this version.
-fn content(connection: &Connection, path: &Path) -> Result<Content> {
-    let fail = |e: rusqlite::Error| sql(path, "read the results", &e);
-    let layout: i64 = connection
-        .pragma_query_value(None, "user_version", |row| row.get(0))
-        .map_err(fail)?;
-    if layout == LAYOUT {
-        return Ok(Content::Tables);
-    }
-    let tables: i64 = connection
-        .query_row("SELECT count(*) FROM sqlite_schema", [], |row| row.get(0))
-        .map_err(fail)?;
-    match layout {
-        0 if tables == 0 => Ok(Content::Nothing),
-        0 => Err(Error::conflict("this is no store of results")
-            .at_file(path)
-            .advise(Advice::OtherFolder)),
-        older if older < LAYOUT => Err(other_layout(path, older)
-            .hint("an earlier version wrote these results, and still reads them")
-            .advise(Advice::OtherFolder)),
-        newer => Err(other_layout(path, newer)
-            .hint("a later version wrote these results: use that one")
-            .advise(Advice::OtherFolder)),
-    }
-}
-
-fn other_layout(path: &Path, found: i64) -> Error {
-    Error::conflict("another version of this program wrote these results")
-        .at_file(path)
-        .found(format!("layout {found}"))
-        .allowed(format!("layout {LAYOUT}"))
-}
-
-/// Keeps a named text in place of an older one.
-fn put_description(
-    transaction: &Transaction<'_>,
-    tally: &mut Tally,
-    name: &str,
-    value: &str,
-) -> rusqlite::Result<()> {
-    let old: Option<String> = transaction
-        .query_row(
-            "SELECT value FROM description WHERE name = ?1",
-            [name],
-            |row| row.get(0),
-        )
-        .optional()?;
-    if let Some(old) = old {
-        tally.remove(entry_checksum("description", name, &old));
-    }
-    transaction.execute(
-        "INSERT OR REPLACE INTO description VALUES (?1, ?2)",
-        params![name, value],
-    )?;
-    tally.add(entry_checksum("description", name, value));
-    Ok(())
-}
-
-fn entries(connection: &Connection, query: &str) -> rusqlite::Result<Vec<(String, String)>> {
-    let mut statement = connection.prepare(query)?;
-    let rows = statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?;
-    rows.collect()
-}
-
-fn entry_checksum(table: &str, name: &str, value: &str) -> i64 {
-    Checksum::of(table).text(name).text(value).finish()
 }

@@ -25,7 +25,9 @@
 
 mod checksum;
 mod connection;
+mod content;
 mod database;
+mod description;
 mod fingerprint;
 mod listing;
 mod lock;
@@ -34,6 +36,7 @@ mod opening;
 mod parquet;
 mod robot;
 mod row;
+mod score;
 mod storage;
 #[cfg(test)]
 mod tests;

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::database::{Content, Store, remove};
+use super::content::Content;
+use super::database::{Store, remove};
 use super::fingerprint::Fingerprint;
 use super::row::Table;
 use crate::error::{Advice, Error, Result};

@@ -56,7 +56,7 @@ pub struct FlightStart {
 
 /// What the estimate would be without the first samples, where trackers have transients.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Sensitivity {
+pub struct Trimmed {
     /// Samples left out at the start of every flight.
     pub first_samples_left_out: usize,
     /// Centre of mass in the body frame, recorded lengths, metres.
@@ -93,7 +93,7 @@ pub struct Identification {
     /// What the parabolas leave unexplained per axis, metres.
     pub residual_m: f64,
     /// The estimate without the first samples of every flight.
-    pub sensitivity: Vec<Sensitivity>,
+    pub sensitivity: Vec<Trimmed>,
     /// Resting poses.
     pub rest: RestReport,
     /// Values for `--parameters`, in true lengths.
@@ -222,7 +222,7 @@ fn mean(weights: &[f64], values: &[f64]) -> Option<[f64; 1]> {
 }
 
 /// The estimate without the first samples.
-fn sensitivity(flights: &[(&Recording, usize)]) -> Vec<Sensitivity> {
+fn sensitivity(flights: &[(&Recording, usize)]) -> Vec<Trimmed> {
     [0, 3, 5]
         .into_iter()
         .filter_map(|first| {
@@ -233,7 +233,7 @@ fn sensitivity(flights: &[(&Recording, usize)]) -> Vec<Sensitivity> {
                 .collect();
             let sum = Equations::sum(&equations, &vec![1.0; equations.len()]);
             let values = sum.solve()?;
-            Some(Sensitivity {
+            Some(Trimmed {
                 first_samples_left_out: first,
                 centre_of_mass_m: [values[0], values[1], values[2]],
                 gravity_m_s2: -values[5],

@@ -11,7 +11,7 @@ mod solve;
 mod start;
 
 pub use bootstrap::Interval;
-pub use estimate::{FlightStart, Grounded, Identification, LengthReading, Sensitivity, identify};
+pub use estimate::{FlightStart, Grounded, Identification, LengthReading, Trimmed, identify};
 pub use flight::{Body, EQUAL_MOMENTS};
 pub use rest::{FaceCount, RestReport, face_down, is_at_rest};
 pub use start::{FlightFit, LEAST_SAMPLES, Refined, StartState, fit_flight, refine};

@@ -16,7 +16,7 @@ pub use assignment::{Assignment, ParameterSet};
 
 pub use crate::quantity::Scale;
 
-use crate::error::Result;
+use crate::error::{Advice, Result};
 use crate::file::unknown_name;
 use crate::quantity::Quantity;
 use crate::robot::morphology::Assembly;
@@ -104,7 +104,7 @@ pub fn by_name(name: &str) -> Result<&'static Parameter> {
     if near.is_empty() {
         near = all().map(|p| p.name).collect();
     }
-    Err(unknown_name("parameter", name, near).or_hint("`realgap parameters` lists all of them"))
+    Err(unknown_name("parameter", name, near).advise(Advice::ListParameters))
 }
 
 impl Parameter {

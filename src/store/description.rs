@@ -1,0 +1,43 @@
+//! Named texts of a store, which say what its rows are.
+
+use rusqlite::{Connection, OptionalExtension as _, Transaction, params};
+
+use super::checksum::{Checksum, Tally};
+
+/// Keeps a named text in place of an older one.
+pub(super) fn put_description(
+    transaction: &Transaction<'_>,
+    tally: &mut Tally,
+    name: &str,
+    value: &str,
+) -> rusqlite::Result<()> {
+    let old: Option<String> = transaction
+        .query_row(
+            "SELECT value FROM description WHERE name = ?1",
+            [name],
+            |row| row.get(0),
+        )
+        .optional()?;
+    if let Some(old) = old {
+        tally.remove(entry_checksum("description", name, &old));
+    }
+    transaction.execute(
+        "INSERT OR REPLACE INTO description VALUES (?1, ?2)",
+        params![name, value],
+    )?;
+    tally.add(entry_checksum("description", name, value));
+    Ok(())
+}
+
+pub(super) fn entries(
+    connection: &Connection,
+    query: &str,
+) -> rusqlite::Result<Vec<(String, String)>> {
+    let mut statement = connection.prepare(query)?;
+    let rows = statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?;
+    rows.collect()
+}
+
+pub(super) fn entry_checksum(table: &str, name: &str, value: &str) -> i64 {
+    Checksum::of(table).text(name).text(value).finish()
+}
