@@ -10,7 +10,6 @@ use realgap::optimization::RunOptions;
 use realgap::plot::{
     Bar, BarChart, Caption, Side, TextTable, check_picture_path, draw_bars, number, quantity,
 };
-use realgap::unit::counted;
 
 use super::kind::read_study;
 use super::option::{Format, Jobs, Recordings, Values, metric_option};
@@ -93,9 +92,10 @@ fn chart(study: &Study, result: &Effects) -> BarChart {
                 definition.name
             ),
             format!(
-                "{}, {}; score at the point {}",
+                "{}, {} {}; score at the point {}",
                 definition.morphology.name(),
-                counted(definition.recordings.len(), "recording"),
+                definition.recordings.len(),
+                definition.source().recordings_label(),
                 quantity(result.score, definition.metric.unit())
             ),
         ),
