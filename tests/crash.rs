@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use common::{quick_study, read, realgap, summary, text};
-use realgap::store::{Store, Trial};
+use realgap::store::{Fingerprint, FolderLock, Store, Trial};
 
 #[test]
 fn a_killed_sweep_goes_on_and_ends_with_the_same_bytes() {
@@ -271,4 +271,232 @@ fn another_unit_of_the_recordings_is_another_study() {
         error.contains("unit of the recordings") && error.contains("Centimetre"),
         "{error}"
     );
+}
+
+/// Every command that writes into a folder, with quick work.
+fn writers(folder: &Path, out: &Path) -> Vec<Vec<String>> {
+    let study = quick_study(folder, 2).display().to_string();
+    let search = folder.join("search.ron");
+    std::fs::write(
+        &search,
+        "Search(strategy: Evolution(population: 2, generations: 1, elites: 0), duration_s: 0.1, repeats: 1)",
+    )
+    .unwrap();
+    let noise = folder.join("noise.ron");
+    std::fs::write(&noise, "(start_heading_rad: Normal(0.02))").unwrap();
+    let [search, noise] = [search, noise].map(|path| path.display().to_string());
+    let robot = "morphologies/tripod.ron";
+    [
+        vec!["sweep", &study],
+        vec!["tune", &study, "--metric", "rms", "--budget", "10"],
+        vec!["search", &search],
+        vec!["ensemble", &study, "--repeats", "2", "--noise", &noise],
+        vec!["gap", &study, "--repeats", "2", "--noise", &noise],
+        vec!["predict", robot, "--repeats", "2", "--duration", "0.1"],
+        vec!["record", robot, "--repeats", "2", "--duration", "0.1"],
+    ]
+    .map(|args| {
+        let args = args.into_iter().map(str::to_owned);
+        args.chain(["-o".to_owned(), out.display().to_string()])
+            .collect()
+    })
+    .to_vec()
+}
+
+#[test]
+fn every_command_that_writes_a_folder_waits_for_nobody_and_says_who_holds_it_since_when() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let _held = FolderLock::make(&out).unwrap();
+    for args in writers(folder.path(), &out) {
+        let refused = realgap().args(&args).assert().code(1);
+        let error = text(&refused.get_output().stderr);
+        assert!(
+            error.contains(&format!("process {} (", std::process::id()))
+                && error.contains("since 2")
+                && error.contains("another folder"),
+            "{args:?}: {error}"
+        );
+        let left: Vec<_> = std::fs::read_dir(&out).unwrap().collect();
+        assert_eq!(
+            left.len(),
+            1,
+            "{args:?} wrote into a locked folder: {left:?}"
+        );
+    }
+}
+
+#[test]
+fn a_run_killed_in_its_first_moments_can_be_started_and_resumed() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = quick_study(folder.path(), 2);
+    let sweep = |out: &Path, more: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_realgap"));
+        command.arg("sweep").arg(&study).args(["--jobs", "1", "-o"]);
+        command.arg(out).args(more);
+        command.stdout(Stdio::null()).stderr(Stdio::piped());
+        command
+    };
+    let whole = folder.path().join("whole");
+    assert!(sweep(&whole, &[]).status().unwrap().success());
+    for delay_ms in (0..=80).step_by(16) {
+        for resumes in [false, true] {
+            let out = folder.path().join(format!("{delay_ms}_{resumes}"));
+            let mut process = sweep(&out, &[]).spawn().unwrap();
+            std::thread::sleep(Duration::from_millis(delay_ms));
+            process.kill().unwrap();
+            process.wait().unwrap();
+            // A folder that is not even there has nothing to resume.
+            let options: &[&str] = if resumes && out.exists() {
+                &["--resume"]
+            } else {
+                &[]
+            };
+            let mut done = sweep(&out, options).output().unwrap();
+            let error = text(&done.stderr);
+            if !done.status.success() && error.contains("unfinished") {
+                // It had got as far as its first points, which a plain start protects.
+                assert!(!resumes, "{error}");
+                done = sweep(&out, &["--resume"]).output().unwrap();
+            }
+            assert!(done.status.success(), "after {delay_ms} ms: {error}");
+            assert_eq!(read(&whole, "points.csv"), read(&out, "points.csv"));
+        }
+    }
+}
+
+#[test]
+fn what_is_complete_is_used_again_and_a_killed_second_run_takes_nothing_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = quick_study(folder.path(), 3);
+    let out = folder.path().join("out");
+    let run = |command: &str, more: &[&str]| {
+        let mut process = realgap();
+        process
+            .arg(command)
+            .arg(&study)
+            .args(more)
+            .arg("-o")
+            .arg(&out);
+        process.assert()
+    };
+    run("sweep", &[]).success();
+    let first = (
+        read(&out, "points.csv"),
+        read(&out, "summary.json"),
+        read(&out, "best.ron"),
+    );
+    // Killed at any moment, the second run leaves a complete store.
+    for delay_ms in [0, 30, 100, 300, 700] {
+        let mut process = Command::new(env!("CARGO_BIN_EXE_realgap"))
+            .arg("sweep")
+            .arg(&study)
+            .arg("-o")
+            .arg(&out)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(delay_ms));
+        process.kill().unwrap();
+        process.wait().unwrap();
+        let listing = realgap::store::Listing::read(&out).unwrap();
+        assert!(listing.complete && listing.rows.len() == 9);
+    }
+    std::fs::remove_file(out.join("heatmap.png")).unwrap();
+    run("sweep", &[]).success();
+    // Drawn again, of the same bits.
+    assert!(out.join("heatmap.png").exists());
+    let again = (
+        read(&out, "points.csv"),
+        read(&out, "summary.json"),
+        read(&out, "best.ron"),
+    );
+    assert_eq!(first, again);
+}
+
+#[test]
+fn a_smaller_budget_than_what_is_stored_uses_all_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = quick_study(folder.path(), 3);
+    let out = folder.path().join("out");
+    let tune = |budget: &str| {
+        let mut command = realgap();
+        command
+            .arg("tune")
+            .arg(&study)
+            .args([
+                "--metric",
+                "rms",
+                "--optimizer",
+                "cma-es",
+                "--budget",
+                budget,
+                "-o",
+            ])
+            .arg(&out);
+        command.assert().success();
+        (read(&out, "points.csv"), summary(&out))
+    };
+    let (points, first) = tune("24");
+    let (again, second) = tune("12");
+    assert_eq!(points, again);
+    assert_eq!(first["best"], second["best"]);
+    assert_eq!(
+        (&second["points"], &second["points_total"]),
+        (&24.into(), &24.into())
+    );
+    assert_eq!(second["complete"], true);
+    let (more, third) = tune("36");
+    assert!(
+        more.lines().count() == 37 && third["points"] == 36,
+        "{third}"
+    );
+}
+
+#[test]
+fn a_store_that_somebody_else_made_does_not_steer_the_terminal_nor_a_spreadsheet() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = Store::<Trial>::create(folder.path(), &Fingerprint::new()).unwrap();
+    let list = |name: &str| serde_json::json!([name]).to_string();
+    store
+        .describe([
+            ("kind", "sweep\u{1b}[2J".to_owned()),
+            ("study", "x\u{7}\u{202e}".repeat(200)),
+            ("metric", "\u{9b}31m".to_owned()),
+            ("unit", "=cmd|' /C calc'!A0".to_owned()),
+            ("parameters", list("@SUM(1)\r")),
+            ("recordings", list("=1+1")),
+        ])
+        .unwrap();
+    store
+        .insert(&[Trial {
+            index: 0,
+            values: vec![-1.5],
+            cases: Vec::new(),
+        }])
+        .unwrap();
+    drop(store);
+    let list = |format: &str| {
+        let mut command = realgap();
+        command.arg("results").arg(folder.path());
+        let said = command
+            .args(["--per-recording", "--format", format])
+            .assert();
+        text(&said.success().get_output().stdout)
+    };
+    let table = list("table");
+    assert!(
+        table.contains("\\u{1b}[2J") && table.contains(" ..."),
+        "{table}"
+    );
+    let steers = |c: char| c != '\n' && (c.is_control() || c == '\u{202e}');
+    assert!(!table.contains(steers), "{table:?}");
+    let csv = list("csv");
+    for words in ["'=cmd", "'@SUM", "-1.5"] {
+        assert!(csv.contains(words), "{csv}");
+    }
+    for cell in csv.lines().flat_map(|line| line.split(',')) {
+        assert!(!cell.trim_matches('"').starts_with(['=', '@']), "{csv}");
+    }
 }

@@ -53,7 +53,7 @@ impl Study {
     }
 
     /// As [`Study::tune`], with every trial kept in `folder` as it comes: the answer has the same bits however often the run
-    /// was interrupted and resumed, and a larger budget goes on where a smaller one ended.
+    /// was interrupted and resumed; a larger budget goes on where a smaller one ended, a smaller one uses what is there.
     ///
     /// # Errors
     /// As [`Study::tune`]; a folder in use, results of another study in it, a full disk.
@@ -85,7 +85,7 @@ fn tune(
     tuning.keeping.end(ending)?;
     let method = Method::Tune(Tuned {
         optimizer: options.optimizer.name(),
-        budget: options.budget,
+        budget: tuning.budget,
         design: tuning.design.len(),
         termination,
     });
@@ -94,6 +94,8 @@ fn tune(
 
 struct Tuning<'a> {
     study: &'a Study,
+    /// Most points: as many as are asked for, or as are stored already.
+    budget: usize,
     options: &'a TuneOptions,
     brief: Brief,
     run: &'a RunOptions<'a>,
@@ -158,13 +160,15 @@ impl<'a> Tuning<'a> {
             kind: "tune",
             expected: options.budget,
         };
+        let keeping = Keeping::open(&kept, folder)?;
         Ok(Self {
             study,
+            budget: options.budget.max(keeping.finished()?.len()),
             options,
             design: space_filling(brief.dimensions(), 0, design, brief.seed),
             brief,
             run,
-            keeping: Keeping::open(&kept, folder)?,
+            keeping,
             basis: None,
             told: Vec::new(),
             best: None,
@@ -181,7 +185,7 @@ impl<'a> Tuning<'a> {
         self.basis = basis(self.study, trials.iter().flat_map(|trial| &trial.cases))?;
         self.tell(&design)?;
         loop {
-            if self.told.len() >= self.options.budget {
+            if self.told.len() >= self.budget {
                 return Ok(Termination::Budget);
             }
             if self
@@ -197,7 +201,7 @@ impl<'a> Tuning<'a> {
                 Proposal::Evaluate(candidates) => candidates,
                 Proposal::Exhausted => return Ok(Termination::Exhausted),
             };
-            candidates.truncate(self.options.budget - self.told.len());
+            candidates.truncate(self.budget - self.told.len());
             if self.evaluate(&candidates)? == Ending::Interrupted {
                 return Ok(Termination::Interrupted);
             }

@@ -7,6 +7,7 @@ use clap::Args;
 use realgap::calibration::{Answer, Mode, Overrides, Split, Study};
 use realgap::optimization::Ending;
 use realgap::results;
+use realgap::store::FolderLock;
 use realgap::unit::counted;
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
@@ -111,6 +112,7 @@ impl StudyOptions {
         folder: &Path,
         wall_s: f64,
     ) -> Result<ExitCode> {
+        let _lock = FolderLock::acquire(folder)?;
         results::write(folder, study, answer)?;
         let report = &answer.report;
         terminal::print_warnings(

@@ -10,6 +10,7 @@ use realgap::optimization::RunOptions;
 use realgap::prediction::{EnsembleOptions, EnsembleReport, ensemble};
 use realgap::results::write_ensemble;
 use realgap::simulation::Outcome;
+use realgap::store::FolderLock;
 use realgap::trajectory;
 use realgap::unit::{Unit, quantity};
 use realgap::{Error, Result};
@@ -80,6 +81,7 @@ impl Ensemble {
         let folder = self.output.clone().unwrap_or_else(|| {
             PathBuf::from("results").join(format!("{}_ensemble", study.definition.name))
         });
+        let _lock = FolderLock::make(&folder)?;
         let total = study.cases.len() * options.repeats;
         let bar = progress::bar(total, "repeating");
         let follow = progress::follow(&bar);

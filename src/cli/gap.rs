@@ -9,6 +9,7 @@ use realgap::comparison::{Components, DEFAULT_METRIC, Metric, by_name};
 use realgap::optimization::RunOptions;
 use realgap::prediction::gap::{FloorReport, GapOptions, Scoring, StudyGap, read_sets};
 use realgap::results::{write_gap, write_report};
+use realgap::store::FolderLock;
 use realgap::{Error, Result, Warning};
 
 use super::kind::read_study;
@@ -103,6 +104,7 @@ impl Gap {
             .output
             .clone()
             .unwrap_or_else(|| PathBuf::from("results").join(format!("{}_gap", definition.name)));
+        let _lock = FolderLock::make(&folder)?;
         let stop = interrupt::stop_flag()?;
         let bar = progress::bar(0, "simulating");
         let follow = progress::follow(&bar);
@@ -159,6 +161,7 @@ impl Gap {
             terminal::print_warnings(&named.collect::<Vec<_>>());
         }
         if let Some(folder) = &self.output {
+            let _lock = FolderLock::make(folder)?;
             write_report(folder, "gap.json", &report)?;
         }
         match self.format {

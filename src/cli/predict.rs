@@ -10,6 +10,7 @@ use realgap::prediction::{Card, SuccessRule, ensemble};
 use realgap::results::write_prediction;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Noise, Sampling};
+use realgap::store::FolderLock;
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 
@@ -83,6 +84,7 @@ impl Predict {
                 (Noise::unmeasured_robot(), "estimate".to_owned())
             }
         };
+        let _lock = self.output.as_deref().map(FolderLock::make).transpose()?;
         let bar = progress::bar(self.repeats as usize, "repeating");
         let follow = progress::follow(&bar);
         let run = RunOptions {

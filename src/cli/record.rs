@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use realgap::simulation::{self, Camera, Distribution, Experiment, Noise, Outcome, Sampling};
+use realgap::store::FolderLock;
 use realgap::trajectory::{self, Meta, Source};
 use realgap::unit::counted;
 use realgap::{Error, Result};
@@ -90,8 +91,7 @@ impl Record {
                 .at_file(&self.output)
                 .hint("name a new folder, or remove the old one: a mixture of two sets would carry the wrong meta.ron"));
         }
-        std::fs::create_dir_all(&self.output)
-            .map_err(|e| Error::io("make the folder", &self.output, &e))?;
+        let _lock = FolderLock::make(&self.output)?;
         let mut written = Vec::new();
         let bar = super::progress::bar(self.repeats as usize, "recording");
         for repeat in 0..self.repeats {

@@ -70,13 +70,45 @@ impl Results {
     }
 }
 
+/// Longest text in a table for people.
+const SHOWN: usize = 120;
+
+/// A text of a store, which anybody may have made, for a terminal: without anything that could steer it, and not too long.
+fn shown(text: &str) -> String {
+    let is_safe = |c: char| {
+        !c.is_control()
+            && !matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
+    };
+    let mut safe = String::new();
+    for (place, c) in text.chars().enumerate() {
+        if place == SHOWN {
+            return safe + " ...";
+        }
+        if is_safe(c) {
+            safe.push(c);
+        } else {
+            safe.extend(c.escape_default());
+        }
+    }
+    safe
+}
+
+/// A text as a spreadsheet should read it: never as something to compute.
+fn quoted(text: &str) -> String {
+    if text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
+        format!("'{text}")
+    } else {
+        text.to_owned()
+    }
+}
+
 fn table(listing: &Listing) -> String {
-    let columns = listing.columns.iter();
-    let mut table = TextTable::new(columns.map(|column| (column.name.as_str(), Side::Right)));
+    let names: Vec<String> = listing.columns.iter().map(|c| shown(&c.name)).collect();
+    let mut table = TextTable::new(names.iter().map(|name| (name.as_str(), Side::Right)));
     for row in &listing.rows {
         table.push(row.iter().map(|cell| match cell {
             Cell::Number(Some(value)) => number(*value),
-            other => other.text(),
+            other => shown(&other.text()),
         }));
     }
     let state = if listing.complete {
@@ -86,9 +118,9 @@ fn table(listing: &Listing) -> String {
     };
     format!(
         "{} of {}, {state}, {}\n{}",
-        listing.kind,
-        listing.name,
-        listing.measure,
+        shown(&listing.kind),
+        shown(&listing.name),
+        shown(&listing.measure),
         table.render(terminal::stdout_wants_colour())
     )
 }
@@ -97,11 +129,14 @@ fn csv(listing: &Listing) -> Result<Vec<u8>> {
     let fail = |e: csv::Error| Error::invalid(format!("cannot write the table: {e}"));
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer
-        .write_record(listing.columns.iter().map(|column| &column.name))
+        .write_record(listing.columns.iter().map(|column| quoted(&column.name)))
         .map_err(fail)?;
     for row in &listing.rows {
         writer
-            .write_record(row.iter().map(Cell::text))
+            .write_record(row.iter().map(|cell| match cell {
+                Cell::Text(text) => quoted(text),
+                number => number.text(),
+            }))
             .map_err(fail)?;
     }
     writer

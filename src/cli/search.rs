@@ -10,6 +10,7 @@ use realgap::optimization::{Ending, Progress, RunOptions};
 use realgap::plot::{Side, TextTable, quantity};
 use realgap::results::{SearchSummary, write_search};
 use realgap::search::{self, Finalist, Mode, Overrides, SearchResults};
+use realgap::store::FolderLock;
 use realgap::unit::{Unit, counted};
 use realgap::{Error, Result};
 
@@ -76,6 +77,8 @@ impl Search {
         };
         let started = Instant::now();
         let results = self.simulate(&search, &folder, &options)?;
+        // Nobody else writes here while the best are looked at again and everything is written.
+        let _lock = FolderLock::acquire(&folder)?;
         let mut finalists = Ok(Vec::new());
         if results.ending == Ending::Complete {
             finalists = look_again(&search, &results, &options);

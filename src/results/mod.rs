@@ -25,6 +25,7 @@
 
 mod best;
 mod convergence;
+mod draft;
 mod ensemble;
 mod gap;
 mod picture;
@@ -36,64 +37,62 @@ use std::path::Path;
 
 use crate::calibration::{Answer, Method, Study};
 use crate::error::{Error, Result};
+use crate::simulation::parameter;
 
 pub use ensemble::{write_ensemble, write_prediction, write_report};
 pub use gap::write_gap;
 pub use search::{BestRobot, SearchSummary, write_search};
 
 /// Writes what an answer holds into `folder`, next to the store where there is one: tables, pictures, the report, the best
-/// values.
+/// values. They take the place of older results once all of them are written.
 ///
 /// # Errors
 /// A full disk or an unwritable folder.
 pub fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
     std::fs::create_dir_all(folder)
         .map_err(|e| Error::io("make the results folder", folder, &e))?;
-    remove_old(folder)?;
-    table::write_points(folder, study, answer)?;
-    table::write_indistinguishable(folder, study, answer)?;
-    table::write_scores(folder, study, answer)?;
-    table::write_profiles(folder, answer)?;
-    if let Method::Tune(tuned) = &answer.method {
-        convergence::write_trials(folder, study, answer, tuned)?;
-    }
-    write_report(folder, "summary.json", &answer.report)?;
-    best::write(folder, study, answer)?;
-    picture::draw(folder, study, answer)
+    draft::publish(folder, is_of_a_study, |draft| {
+        table::write_points(draft, study, answer)?;
+        table::write_indistinguishable(draft, study, answer)?;
+        table::write_scores(draft, study, answer)?;
+        table::write_profiles(draft, answer)?;
+        if let Method::Tune(tuned) = &answer.method {
+            convergence::write_trials(draft, study, answer, tuned)?;
+        }
+        write_report(draft, "summary.json", &answer.report)?;
+        best::write(draft, study, answer)?;
+        picture::draw(draft, study, answer)
+    })
 }
 
-/// Removes what an earlier run wrote for people: a heat map must not outlive its study.
-fn remove_old(folder: &Path) -> Result<()> {
-    let ours = |name: &str| {
-        let is_picture = [".png", ".svg"].iter().any(|end| name.ends_with(end))
-            && [
-                "heatmap",
-                "curve",
-                "trajectories",
-                "profile_",
-                "convergence",
-            ]
-            .iter()
-            .any(|start| name.starts_with(start));
-        is_picture
-            || [
-                "points.csv",
-                "indistinguishable.csv",
-                "scores.csv",
-                "profiles.csv",
-                "trials.csv",
-                "summary.json",
-                "best.ron",
-            ]
-            .contains(&name)
+/// Whether [`write`] calls a file like this: a heat map must not outlive its study, what anybody else put there must.
+fn is_of_a_study(name: &str) -> bool {
+    let Some((stem, ending)) = name.rsplit_once('.') else {
+        return false;
     };
-    let entries = std::fs::read_dir(folder)
-        .map_err(|e| Error::io("look into the results folder", folder, &e))?;
-    for entry in entries.flatten() {
-        if ours(&entry.file_name().to_string_lossy()) {
-            std::fs::remove_file(entry.path())
-                .map_err(|e| Error::io("remove an old result", entry.path(), &e))?;
+    match ending {
+        "csv" => [
+            "points",
+            "indistinguishable",
+            "scores",
+            "profiles",
+            "trials",
+        ]
+        .contains(&stem),
+        "json" => stem == "summary",
+        "ron" => stem == "best",
+        "png" | "svg" => {
+            let is_pair = |rest: &str| {
+                let number = |text: &str| text.parse::<usize>().is_ok();
+                rest.split_once('_')
+                    .is_some_and(|(a, b)| number(a) && number(b))
+            };
+            let is_parameter =
+                |rest: &str| parameter::all().any(|p| p.name.replace('.', "_") == rest);
+            ["heatmap", "curve", "trajectories", "convergence"].contains(&stem)
+                || stem.strip_prefix("heatmap_").is_some_and(is_pair)
+                || stem.strip_prefix("profile_").is_some_and(is_parameter)
         }
+        _ => false,
     }
-    Ok(())
 }

@@ -45,12 +45,6 @@ pub struct Store<R = Trial> {
 }
 
 impl<R> Store<R> {
-    /// Locks `folder` (made if absent) for a store.
-    pub(super) fn lock(folder: &Path) -> Result<FolderLock> {
-        fs::create_dir_all(folder).map_err(|e| Error::io("make the results folder", folder, &e))?;
-        FolderLock::acquire(folder)
-    }
-
     /// The description and fingerprint entries with their checksums, and everything below them, must be what was written.
     fn common_checksums(&self) -> rusqlite::Result<Tally> {
         let mut tally = Tally::default();
@@ -150,7 +144,7 @@ impl<R: Table> Store<R> {
     /// # Errors
     /// A folder that cannot be made or written, is in use, or already holds results.
     pub fn create(folder: &Path, fingerprint: &Fingerprint) -> Result<Self> {
-        let lock = Self::lock(folder)?;
+        let lock = FolderLock::make(folder)?;
         match Self::find(folder, lock)? {
             (store, Content::Nothing) => store.set_up(fingerprint),
             (store, Content::Tables) => Err(Error::conflict("the folder already holds results")
@@ -170,7 +164,7 @@ impl<R: Table> Store<R> {
                 .at_file(folder)
                 .hint("start the run first"));
         }
-        let lock = Self::lock(folder)?;
+        let lock = FolderLock::make(folder)?;
         match Self::find(folder, lock)? {
             (store, Content::Nothing) => store.set_up(fingerprint),
             (mut store, Content::Tables) => {
@@ -301,7 +295,7 @@ impl<R: Table> Store<R> {
     pub(super) fn anew(mut self, folder: &Path, fingerprint: &Fingerprint) -> Result<Self> {
         let lock = match self.lock.take() {
             Some(lock) => lock,
-            None => Self::lock(folder)?,
+            None => FolderLock::make(folder)?,
         };
         drop(self);
         remove(folder)?;

@@ -43,9 +43,10 @@ impl Fingerprint {
             let (now, then) = (value(self, name), value(stored, name));
             if now != then {
                 let text = |v: Option<String>| v.unwrap_or_else(|| "nothing".to_owned());
+                let (now, then) = difference(&text(now), &text(then));
                 let error = Error::conflict("the stored results belong to a different study")
                     .field(name.clone())
-                    .found(format!("now {}, stored {}", text(now), text(then)))
+                    .found(format!("now {now}, stored {then}"))
                     .allowed("the same study, unchanged")
                     .advise(Advice::OtherFolder);
                 return Err(if VERSIONS.contains(&name.as_str()) {
@@ -57,6 +58,27 @@ impl Fingerprint {
         }
         Ok(())
     }
+}
+
+/// Longest text that an error shows whole.
+const SHOWN: usize = 80;
+/// What it shows of a longer one before the first difference.
+const BEFORE: usize = 20;
+
+/// Two texts as an error shows them: one line each, long ones from shortly before they differ.
+fn difference(one: &str, other: &str) -> (String, String) {
+    let same = one.chars().zip(other.chars()).take_while(|(a, b)| a == b);
+    let from = same.count().saturating_sub(BEFORE);
+    let shown = |text: &str| {
+        let count = text.chars().count();
+        let from = if count <= SHOWN { 0 } else { from };
+        let middle: String = text.chars().skip(from).take(SHOWN).collect();
+        let start = if from > 0 { "..." } else { "" };
+        let end = if from + SHOWN < count { "..." } else { "" };
+        // The stored text comes from a file that anybody may have made.
+        format!("{start}{}{end}", middle.escape_debug()).replace("\\\"", "\"")
+    };
+    (shown(one), shown(other))
 }
 
 impl FromIterator<(String, String)> for Fingerprint {
@@ -77,6 +99,23 @@ mod tests {
         let message = now.must_equal(&stored).unwrap_err().to_string();
         assert!(
             message.contains("points") && message.contains("now 11, stored 21"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn long_texts_are_shown_where_they_differ_and_no_control_character_gets_through() {
+        let long = |end: &str| format!("{}{end}", "a".repeat(500));
+        let stored = Fingerprint::new().with("strategy", long("\u{1b}[2Jseed: 1"));
+        let now = Fingerprint::new().with("strategy", long("seed: 2 \"b\""));
+        let message = now.must_equal(&stored).unwrap_err().to_string();
+        assert!(
+            message.contains("...aaaaaaaaaaaaaaaaaaaaseed: 2 \"b\""),
+            "{message}"
+        );
+        assert!(message.contains("\\u{1b}[2Jseed: 1"), "{message}");
+        assert!(
+            message.len() < 500 && !message.contains('\u{1b}'),
             "{message}"
         );
     }

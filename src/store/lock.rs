@@ -18,6 +18,16 @@ const NOTE_BYTES: u64 = 300;
 pub struct FolderLock(#[expect(dead_code, reason = "holds the lock")] File);
 
 impl FolderLock {
+    /// Locks `folder`, which is made where it is absent: also a test, before any work, of whether it can be written.
+    ///
+    /// # Errors
+    /// As [`FolderLock::acquire`]; a folder that cannot be made.
+    pub fn make(folder: &Path) -> Result<Self> {
+        std::fs::create_dir_all(folder)
+            .map_err(|e| Error::io("make the results folder", folder, &e))?;
+        Self::acquire(folder)
+    }
+
     /// Locks `folder`, which must exist.
     ///
     /// # Errors

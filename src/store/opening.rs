@@ -5,6 +5,7 @@ use std::path::Path;
 use super::content::Content;
 use super::database::{Store, remove};
 use super::fingerprint::Fingerprint;
+use super::lock::FolderLock;
 use super::row::Table;
 use crate::error::{Advice, Error, Result};
 
@@ -41,7 +42,7 @@ impl<R: Table> Store<R> {
         match mode {
             Mode::Resume => Self::resume(folder, fingerprint),
             Mode::Restart => {
-                let lock = Self::lock(folder)?;
+                let lock = FolderLock::make(folder)?;
                 remove(folder)?;
                 let (store, _) = Self::find(folder, lock)?;
                 store.set_up(fingerprint)
@@ -51,7 +52,7 @@ impl<R: Table> Store<R> {
     }
 
     fn start(folder: &Path, fingerprint: &Fingerprint, what: &str, expected: &str) -> Result<Self> {
-        let lock = Self::lock(folder)?;
+        let lock = FolderLock::make(folder)?;
         let (mut store, content) = Self::find(folder, lock)?;
         if matches!(content, Content::Nothing) {
             return store.set_up(fingerprint);

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use super::remove;
 use super::summary::BestRobot;
 use crate::error::{Error, Result};
 use crate::export::{Robot, format_named};
@@ -37,30 +36,18 @@ pub(super) fn write(folder: &Path, search: &Search, finalist: &Finalist) -> Resu
     Ok(BestRobot::new(file, finalist))
 }
 
-/// Removes the robots of an earlier search: none must outlive it.
-pub(super) fn remove_others(folder: &Path, kept: &[BestRobot]) -> Result<()> {
-    let best = folder.join(FOLDER);
-    let Ok(entries) = std::fs::read_dir(&best) else {
-        return Ok(());
-    };
-    for entry in entries.flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let stem = ENDINGS
-            .iter()
-            .filter_map(|ending| name.strip_suffix(ending))
-            .find(|stem| is_ours(stem));
-        if stem.is_some_and(|stem| kept.iter().all(|robot| robot.file != stem)) {
-            remove(&entry.path())?;
-        }
-    }
-    Ok(())
-}
-
-/// Whether a file is called as [`write`] calls one: `01_robot_00042`.
-fn is_ours(stem: &str) -> bool {
+/// Whether [`write`] calls a file like this: `best/01_robot_00042.genome.ron`.
+pub(super) fn is_ours(name: &str) -> bool {
     let digits =
         |text: &str, least: usize| text.len() >= least && text.bytes().all(|b| b.is_ascii_digit());
-    stem.split_once("_robot_")
+    let file = Path::new(name).strip_prefix(FOLDER).ok();
+    let stem = file.and_then(Path::to_str).and_then(|file| {
+        let stems = ENDINGS
+            .iter()
+            .filter_map(|ending| file.strip_suffix(ending));
+        stems.min_by_key(|stem| stem.len())
+    });
+    stem.and_then(|stem| stem.split_once("_robot_"))
         .is_some_and(|(rank, index)| digits(rank, 2) && digits(index, 5))
 }
 
@@ -70,12 +57,16 @@ mod tests {
 
     #[test]
     fn only_what_was_written_is_ours() {
-        assert!(is_ours("01_robot_00042") && is_ours("10_robot_123456"));
+        for ours in ["best/01_robot_00042.ron", "best/10_robot_123456.genome.ron"] {
+            assert!(is_ours(ours), "{ours}");
+        }
         for other in [
-            "robot_00042",
-            "01_robot_42",
-            "01_robot_00042.genome",
-            "01_robot_mine",
+            "01_robot_00042.ron",
+            "best/robot_00042.ron",
+            "best/01_robot_42.ron",
+            "best/01_robot_00042.txt",
+            "best/01_robot_mine.json",
+            "best/mujoco.json",
         ] {
             assert!(!is_ours(other), "{other}");
         }

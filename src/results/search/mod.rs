@@ -7,16 +7,16 @@ mod table;
 
 use std::path::Path;
 
+use super::draft::publish;
 use super::write_report;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::search::{Finalist, Search, SearchResults};
 
 pub use summary::{BestRobot, SearchSummary};
 
 /// Writes everything into `folder`, next to the store, and returns the summary. Without finalists there are no best robots.
 ///
-/// Every file takes the place of an older one at once, and what an older search left beyond that goes last: whoever stops this
-/// midway finds whole files.
+/// They take the place of those of an older search once all of them are written.
 ///
 /// # Errors
 /// A full disk or an unwritable folder.
@@ -26,30 +26,29 @@ pub fn write_search(
     results: &SearchResults,
     finalists: &[Finalist],
 ) -> Result<SearchSummary> {
-    table::write_history(folder, search, results)?;
-    let archive = search.strategy().archive(&results.history())?;
-    if let Some(archive) = &archive {
-        table::write_archive(folder, search, results, archive)?;
-    } else {
-        remove(&folder.join("archive.csv"))?;
-    }
-    let mut best = Vec::new();
-    for finalist in finalists {
-        best.push(best::write(folder, search, finalist)?);
-    }
-    picture::draw(folder, search, results, archive.as_ref(), finalists)?;
-    let summary = SearchSummary::new(search, results, best)?;
-    write_report(folder, "summary.json", &summary)?;
-    best::remove_others(folder, &summary.best)?;
-    Ok(summary)
+    publish(folder, is_of_a_search, |draft| {
+        table::write_history(draft, search, results)?;
+        let archive = search.strategy().archive(&results.history())?;
+        if let Some(archive) = &archive {
+            table::write_archive(draft, search, results, archive)?;
+        }
+        let mut best = Vec::new();
+        for finalist in finalists {
+            best.push(best::write(draft, search, finalist)?);
+        }
+        picture::draw(draft, search, results, archive.as_ref(), finalists)?;
+        let summary = SearchSummary::new(search, results, best)?;
+        write_report(draft, "summary.json", &summary)?;
+        Ok(summary)
+    })
 }
 
-/// Removes a file, if it is there.
-fn remove(path: &Path) -> Result<()> {
-    match std::fs::remove_file(path) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-            Err(Error::io("remove an old result", path, &e))
-        }
-        _ => Ok(()),
+/// Whether [`write_search`] calls a file like this.
+fn is_of_a_search(name: &str) -> bool {
+    let pictures = ["fitness", "archive", "gallery", "paths"];
+    match name.rsplit_once('.') {
+        Some((stem, "png" | "svg")) => pictures.contains(&stem),
+        _ if ["history.csv", "archive.csv", "summary.json"].contains(&name) => true,
+        _ => best::is_ours(name),
     }
 }

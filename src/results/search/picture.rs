@@ -7,15 +7,13 @@ use crate::plot::{
     AxisSpec, Caption, Gallery, HeatMap, LinePlot, ScoreScale, Series, SeriesKind, draw_gallery,
     draw_heat_map, draw_lines, number,
 };
-use crate::results::ensemble::{EnsembleResult, draw_repeats, remove_pictures};
+use crate::results::ensemble::{EnsembleResult, draw_repeats};
 use crate::results::portrait::portrait;
 use crate::search::{Archive, Finalist, Search, SearchResults, descriptor_named};
 use crate::statistics::mean;
 use crate::unit::{Unit, counted};
 
-const ENDINGS: [&str; 2] = ["png", "svg"];
-
-/// Draws all pictures; those that there is nothing for are removed.
+/// Draws all pictures that there is something for.
 pub(super) fn draw(
     folder: &Path,
     search: &Search,
@@ -23,37 +21,24 @@ pub(super) fn draw(
     elites: Option<&Archive>,
     finalists: &[Finalist],
 ) -> Result<()> {
-    match fitness(search, results) {
-        None => remove_pictures(folder, "fitness")?,
-        Some(plot) => {
-            for extension in ENDINGS {
-                draw_lines(&plot, folder.join(format!("fitness.{extension}")))?;
-            }
+    let fitness = fitness(search, results);
+    let elites = elites.map(|elites| archive(search, results, elites));
+    let elites = elites.transpose()?.flatten();
+    for extension in ["png", "svg"] {
+        let at = |stem: &str| folder.join(format!("{stem}.{extension}"));
+        if let Some(plot) = &fitness {
+            draw_lines(plot, at("fitness"))?;
         }
-    }
-    let map = elites.map(|elites| archive(search, results, elites));
-    match map.transpose()?.flatten() {
-        None => remove_pictures(folder, "archive")?,
-        Some(map) => {
-            for extension in ENDINGS {
-                draw_heat_map(&map, folder.join(format!("archive.{extension}")))?;
-            }
+        if let Some(map) = &elites {
+            draw_heat_map(map, at("archive"))?;
+        }
+        if !finalists.is_empty() {
+            draw_gallery(&gallery(search, finalists), at("gallery"))?;
         }
     }
     let Some(best) = finalists.first() else {
-        remove_pictures(folder, "gallery")?;
-        return remove_pictures(folder, "paths");
+        return Ok(());
     };
-    for extension in ENDINGS {
-        draw_gallery(
-            &gallery(search, finalists),
-            folder.join(format!("gallery.{extension}")),
-        )?;
-    }
-    if best.prediction().envelope.is_none() {
-        // Every repeat diverged.
-        return remove_pictures(folder, "paths");
-    }
     let result = EnsembleResult {
         ensemble: &best.ensemble,
         summary: best.prediction(),
