@@ -43,6 +43,8 @@ pub enum Numbered {
     ModuleFriction,
     /// Friction of all modules of a repeat.
     RunFriction,
+    /// Friction of each plate on top of its module's.
+    PlateFriction,
     /// What a search draws in one of its steps: parents, operators, children.
     SearchStep,
     /// Values of parameters that are only known to be in a range, for one repeat.
@@ -51,7 +53,7 @@ pub enum Numbered {
 
 impl Numbered {
     /// Every stream.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Start,
         Self::Camera,
         Self::ServoGain,
@@ -60,6 +62,7 @@ impl Numbered {
         Self::ModuleMass,
         Self::ModuleFriction,
         Self::RunFriction,
+        Self::PlateFriction,
         Self::SearchStep,
         Self::UncertainParameter,
     ];
@@ -74,6 +77,7 @@ impl Numbered {
             Self::ModuleMass => 6,
             Self::ModuleFriction => 7,
             Self::RunFriction => 8,
+            Self::PlateFriction => 9,
             Self::SearchStep => 3,
             Self::UncertainParameter => 101,
         }
@@ -173,6 +177,7 @@ mod tests {
             (Numbered::Start, 1),
             (Numbered::Camera, 2),
             (Numbered::RunFriction, 8),
+            (Numbered::PlateFriction, 9),
             (Numbered::SearchStep, 3),
             (Numbered::UncertainParameter, 101),
         ] {

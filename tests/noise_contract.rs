@@ -89,6 +89,7 @@ fn parts(p: &Perturbation) -> Vec<(&'static str, Vec<f64>)> {
         ("servo_latency_s", p.servo_latency_s.clone()),
         ("mass_relative", p.mass_factor.clone()),
         ("friction_cube_relative", p.friction_factor.clone()),
+        ("friction_plate_relative", p.plate_friction_factor.clone()),
         ("friction_run_relative", vec![p.run_friction_factor]),
     ]
 }

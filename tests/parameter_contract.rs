@@ -59,6 +59,7 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         "contact.friction_model" => (vec![toss, walk], 0.0, 1.0),
         "timestep_s" => (vec![toss, walk], 1.0 / 240.0, 1.0 / 480.0),
         "solver.substeps" => (vec![toss, walk], 8.0, 16.0),
+        "solver.sweeps" => (vec![toss, walk], 1.0, 4.0),
         "solver.relaxations" => (vec![walk], 0.0, 1.0),
         "solver.joint" => (vec![walk], 0.0, 1.0),
         // A lone cube moves the same whatever it weighs; a robot with servos does not.

@@ -51,6 +51,8 @@ impl From<UnitOption> for LengthUnit {
 /// How parts are jointed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Joint {
+    /// Multibody for robots of few hinges, impulse for others
+    Auto,
     /// Reduced coordinates
     Multibody,
     /// Constraints
@@ -60,6 +62,7 @@ pub enum Joint {
 impl From<Joint> for JointKind {
     fn from(joint: Joint) -> Self {
         match joint {
+            Joint::Auto => Self::Auto,
             Joint::Multibody => Self::Multibody,
             Joint::Impulse => Self::Impulse,
         }

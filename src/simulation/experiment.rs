@@ -57,6 +57,31 @@ pub enum JointKind {
     Multibody,
     /// Maximal coordinates: hinges are constraints solved with the contacts; cheaper.
     Impulse,
+    /// Multibody joints for robots of at most [`JointKind::MOST_HINGES`] hinges, impulse joints for larger ones: the cost of
+    /// multibody joints grows with the square of the hinges and more.
+    Auto,
+}
+
+impl JointKind {
+    /// Most hinges that [`JointKind::Auto`] joins as a multibody.
+    pub const MOST_HINGES: usize = 12;
+
+    /// The kind that a robot with this many hinges gets: never [`JointKind::Auto`].
+    pub fn resolved(self, hinges: usize) -> Self {
+        match self {
+            Self::Auto if hinges <= Self::MOST_HINGES => Self::Multibody,
+            Self::Auto => Self::Impulse,
+            chosen => chosen,
+        }
+    }
+
+    /// The other way to joint the same robot.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Impulse => Self::Multibody,
+            Self::Multibody | Self::Auto => Self::Impulse,
+        }
+    }
 }
 
 /// Rapier's friction models.
@@ -86,8 +111,8 @@ impl Default for Contact {
     fn default() -> Self {
         Self {
             prediction_m: 0.002,
-            natural_frequency_hz: 60.0,
-            damping_ratio: 10.0,
+            natural_frequency_hz: 300.0,
+            damping_ratio: 3.0,
             friction_model: FrictionModel::Coulomb,
         }
     }
@@ -100,6 +125,8 @@ pub struct Solver {
     pub timestep_s: f64,
     /// Solver substeps per step.
     pub substeps: usize,
+    /// Passes over joints and contacts in every substep (Rapier's "internal PGS iterations").
+    pub sweeps: usize,
     /// Passes without bias at the end of every substep (Rapier's "internal stabilization iterations"): 0 keeps
     /// the energy of hinges, which such a pass drains (docs/fidelity/joints.md).
     pub relaxations: usize,
@@ -110,13 +137,18 @@ pub struct Solver {
 impl Default for Solver {
     fn default() -> Self {
         Self {
-            timestep_s: 1.0 / 240.0,
-            substeps: 8,
+            timestep_s: 1.0 / 480.0,
+            substeps: 3,
+            sweeps: 4,
             relaxations: 0,
-            joint: JointKind::Impulse,
+            joint: JointKind::Auto,
         }
     }
 }
+
+/// Damping ratio and sweeps at the limit, [`Experiment::at_limit`].
+const LIMIT_DAMPING_RATIO: f64 = 3.0;
+const LIMIT_SWEEPS: usize = 4;
 
 /// What a study may change about the robot, relative to its morphology.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -184,6 +216,8 @@ pub struct Perturbation {
     pub mass_factor: Vec<f64>,
     /// Factor on every module's friction, by module; empty for none.
     pub friction_factor: Vec<f64>,
+    /// Further factor on the friction of every module's plate, by module; empty for none.
+    pub plate_friction_factor: Vec<f64>,
     /// Factor on the friction of all modules.
     pub run_friction_factor: f64,
 }
@@ -200,15 +234,21 @@ impl Default for Perturbation {
             servo_latency_s: Vec::new(),
             mass_factor: Vec::new(),
             friction_factor: Vec::new(),
+            plate_friction_factor: Vec::new(),
             run_friction_factor: 1.0,
         }
     }
 }
 
 impl Perturbation {
-    /// Friction of a module's solids as a factor on the floor's parameter.
-    pub(super) fn friction_factor_of(&self, module: usize) -> f64 {
-        self.friction_factor.get(module).unwrap_or(&1.0) * self.run_friction_factor
+    /// Friction of a module's cube or plate as a factor on the floor's parameter.
+    pub fn friction_factor_of(&self, module: usize, role: Role) -> f64 {
+        let of = |factors: &[f64]| factors.get(module).copied().unwrap_or(1.0);
+        let module_factor = of(&self.friction_factor) * self.run_friction_factor;
+        match role {
+            Role::Cube => module_factor,
+            Role::Plate => module_factor * of(&self.plate_friction_factor),
+        }
     }
 
     /// Latency of a servo beyond the adjustment's, seconds.
@@ -269,6 +309,31 @@ impl Experiment {
             perturbation: Perturbation::default(),
             recording_length_scale: 1.0,
         }
+    }
+
+    /// How this robot is jointed: never [`JointKind::Auto`].
+    pub fn joint_kind(&self) -> JointKind {
+        self.solver.joint.resolved(self.assembly.hinges.len())
+    }
+
+    /// The same experiment near the limit of rigid contact and short steps, with this kind of joint; slow. What changes
+    /// much on the way there is numerical (docs/fidelity.md).
+    pub fn at_limit(&self, joint: JointKind) -> Self {
+        let joint = joint.resolved(self.assembly.hinges.len());
+        let mut limit = self.clone();
+        limit.solver.joint = joint;
+        limit.solver.timestep_s *= 0.25;
+        limit.solver.sweeps = limit.solver.sweeps.max(LIMIT_SWEEPS);
+        // Impulse joints lend a contact the mass of a single part only.
+        let (frequency_hz, substeps) = match joint {
+            JointKind::Impulse => (1200.0, 8),
+            JointKind::Multibody | JointKind::Auto => (600.0, 1),
+        };
+        limit.solver.substeps = limit.solver.substeps.max(substeps);
+        let contact = &mut limit.contact;
+        contact.natural_frequency_hz = contact.natural_frequency_hz.max(frequency_hz);
+        contact.damping_ratio = contact.damping_ratio.min(LIMIT_DAMPING_RATIO);
+        limit
     }
 
     /// The robot with the adjustments applied.

@@ -45,8 +45,11 @@ pub struct Noise {
     pub servo_latency_s: Distribution,
     /// Mass (and with it inertia) of each module, relative.
     pub mass_relative: Distribution,
-    /// Friction of each module, relative.
+    /// Friction of each module, its plate included, relative.
     pub friction_cube_relative: Distribution,
+    /// Friction of each plate on top of its module's, relative. A plate of its cube's size carries as much as the cube does,
+    /// and only a difference of the two decides which of them slips.
+    pub friction_plate_relative: Distribution,
     /// Friction of all modules in this run, relative.
     pub friction_run_relative: Distribution,
 }
@@ -74,7 +77,7 @@ impl Noise {
 
     /// What to expect of a robot that nobody has measured yet: [`Noise::careful_repeat`], servo gains within 3 %,
     /// phases within 1°, latencies up to one 50 Hz servo frame (20 ms), masses within 2 %, and friction within
-    /// 5 % from cube to cube and from run to run. Estimates, to be replaced by what a laboratory knows.
+    /// 5 % from cube to cube, from plate to cube and from run to run. Estimates, to be replaced by what a laboratory knows.
     pub fn unmeasured_robot() -> Self {
         Self {
             servo_gain_relative: Distribution::LogNormal(0.03),
@@ -82,17 +85,18 @@ impl Noise {
             servo_latency_s: Distribution::Uniform(0.0, 0.02),
             mass_relative: Distribution::LogNormal(0.02),
             friction_cube_relative: Distribution::LogNormal(0.05),
+            friction_plate_relative: Distribution::LogNormal(0.05),
             friction_run_relative: Distribution::LogNormal(0.05),
             ..Self::careful_repeat()
         }
     }
 
     /// Every field with its name, in the order of the struct.
-    pub fn fields(&self) -> [(&'static str, Distribution); 11] {
+    pub fn fields(&self) -> [(&'static str, Distribution); 12] {
         self.uses().map(|(name, field, _)| (name, field))
     }
 
-    fn uses(&self) -> [(&'static str, Distribution, Use); 11] {
+    fn uses(&self) -> [(&'static str, Distribution, Use); 12] {
         [
             ("start_position_m", self.start_position_m, Use::Offset),
             ("start_height_m", self.start_height_m, Use::Offset),
@@ -106,6 +110,11 @@ impl Noise {
             (
                 "friction_cube_relative",
                 self.friction_cube_relative,
+                Use::Factor,
+            ),
+            (
+                "friction_plate_relative",
+                self.friction_plate_relative,
                 Use::Factor,
             ),
             (
@@ -188,6 +197,11 @@ impl Noise {
             friction_factor: factors(
                 self.friction_cube_relative,
                 Numbered::ModuleFriction,
+                modules,
+            ),
+            plate_friction_factor: factors(
+                self.friction_plate_relative,
+                Numbered::PlateFriction,
                 modules,
             ),
             run_friction_factor: factors(self.friction_run_relative, Numbered::RunFriction, 1)[0],

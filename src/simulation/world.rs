@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::engine::math::{Matrix, Pose, Rotation, Vector};
 use super::engine::prelude::{
@@ -48,11 +48,21 @@ enum Joint {
 }
 
 /// A part in the engine's hands.
+///
+/// The engine's body has its origin at the part's centre of mass: a free root of a multibody would otherwise turn
+/// about its origin (docs/upstream/multibody_root.md).
 #[derive(Debug, Clone, Copy)]
 struct Member {
     body: RigidBodyHandle,
-    /// Centre of mass in the part's frame, metres: the engine's velocities are those of this point.
+    /// Centre of mass in the part's frame, metres: where the body's origin is.
     centre_part_m: Vector3<f64>,
+}
+
+impl Member {
+    /// The part's frame in the body's.
+    fn body_from_part(&self) -> Isometry3<f64> {
+        Translation3::from(-self.centre_part_m).into()
+    }
 }
 
 /// Where a hinge's motor finds its parts.
@@ -125,6 +135,7 @@ impl World {
                 motion,
             );
         }
+        let kind = experiment.joint_kind();
         for (hinge, &start_rad) in assembly.hinges.iter().zip(angles_rad) {
             let parent_from_robot = robot_from_part_at_zero(assembly, hinge.parent_part).inverse();
             let anchor_parent_m = parent_from_robot * nalgebra::Point3::from(hinge.anchor_robot_m);
@@ -136,16 +147,19 @@ impl World {
             );
             let child_from_parent =
                 world_from_parts[hinge.child_part].inverse() * world_from_parts[hinge.parent_part];
+            let (parent, child) = (
+                world.parts[hinge.parent_part],
+                world.parts[hinge.child_part],
+            );
             let data = GenericJointBuilder::new(JointAxesMask::LOCKED_REVOLUTE_AXES)
-                .local_frame1(to_pose(&frame))
-                .local_frame2(to_pose(&(child_from_parent * frame)))
+                .local_frame1(to_pose(&(parent.body_from_part() * frame)))
+                .local_frame2(to_pose(
+                    &(child.body_from_part() * child_from_parent * frame),
+                ))
                 .contacts_enabled(false)
                 .build();
-            let (parent, child) = (
-                world.parts[hinge.parent_part].body,
-                world.parts[hinge.child_part].body,
-            );
-            let multibody = (experiment.solver.joint == JointKind::Multibody)
+            let (parent, child) = (parent.body, child.body);
+            let multibody = (kind == JointKind::Multibody)
                 .then(|| world.multibody_joints.insert(parent, child, data, true))
                 .flatten();
             // `insert` refuses only loops, and hinges form a tree.
@@ -198,18 +212,23 @@ impl World {
             + motion
                 .angular_world_rad_s
                 .cross(&(centre_world_m.coords - motion.about_world_m));
+        let mut member = Member {
+            body: RigidBodyHandle::invalid(),
+            centre_part_m,
+        };
+        let body_from_part = member.body_from_part();
         let body = RigidBodyBuilder::dynamic()
-            .pose(to_pose(world_from_part))
+            .pose(to_pose(&(world_from_part * body_from_part.inverse())))
             .linvel(to_vector(&velocity))
             .angvel(to_vector(&motion.angular_world_rad_s))
             .additional_mass_properties(MassProperties::with_inertia_matrix(
-                to_vector(&centre_part_m),
+                Vector::ZERO,
                 narrow(mass.mass_kg),
                 to_matrix(&mass.inertia_kg_m2),
             ))
             .can_sleep(false)
             .build();
-        let handle = self.bodies.insert(body);
+        member.body = self.bodies.insert(body);
         for solid in part.solids.iter().filter(|solid| solid.collides) {
             let r = match solid.role {
                 Role::Cube => narrow(experiment.adjustment.edge_radius_m),
@@ -222,11 +241,15 @@ impl World {
                 ColliderBuilder::cuboid(h.x, h.y, h.z)
             };
             let collider = shape
-                .position(to_pose(&(part_from_robot * solid.robot_from_solid)))
+                .position(to_pose(
+                    &(body_from_part * part_from_robot * solid.robot_from_solid),
+                ))
                 .density(0.0)
                 .friction(narrow(
                     experiment.floor.friction
-                        * experiment.perturbation.friction_factor_of(solid.module),
+                        * experiment
+                            .perturbation
+                            .friction_factor_of(solid.module, solid.role),
                 ))
                 .restitution(narrow(experiment.floor.restitution))
                 .friction_combine_rule(CoefficientCombineRule::Multiply)
@@ -234,17 +257,13 @@ impl World {
                 .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
                 .build();
             self.colliders
-                .insert_with_parent(collider, handle, &mut self.bodies);
+                .insert_with_parent(collider, member.body, &mut self.bodies);
         }
-        // Otherwise the engine knows the centre of mass after the first step only, and the first recorded
-        // velocity would belong to another point.
-        if let Some(body) = self.bodies.get_mut(handle) {
+        // Otherwise the engine knows masses after the first step only.
+        if let Some(body) = self.bodies.get_mut(member.body) {
             body.recompute_mass_properties_from_colliders(&self.colliders);
         }
-        self.parts.push(Member {
-            body: handle,
-            centre_part_m,
-        });
+        self.parts.push(member);
     }
 
     /// A multibody ignores its bodies' velocities and damps its joints unless told otherwise.
@@ -255,8 +274,8 @@ impl World {
         let Some(link) = self.multibody_joints.rigid_body_link(root.body).copied() else {
             return;
         };
-        // The root's generalized velocity is that of its frame's origin, not of its centre of mass.
-        let (_, linear, angular) = self.part(0);
+        let body = &self.bodies[root.body];
+        let (linear, angular) = (body.linvel(), body.angvel());
         if let Some(multibody) = self.multibody_joints.get_multibody_mut(link.multibody) {
             multibody.damping_mut().fill(0.0);
             let mut velocity = multibody.generalized_velocity_mut();
@@ -266,7 +285,7 @@ impl World {
             .into_iter()
             .enumerate()
             {
-                velocity[row] = narrow(value);
+                velocity[row] = value;
             }
         }
     }
@@ -301,7 +320,7 @@ impl World {
     pub fn part(&self, part: usize) -> (Isometry3<f64>, Vector3<f64>, Vector3<f64>) {
         let member = &self.parts[part];
         let body = &self.bodies[member.body];
-        let pose = from_pose(body.position());
+        let pose = from_pose(body.position()) * member.body_from_part();
         let angular = from_vector(body.angvel());
         let linear =
             from_vector(body.linvel()) - angular.cross(&(pose.rotation * member.centre_part_m));
@@ -310,7 +329,8 @@ impl World {
 
     /// A part in full.
     pub fn part_state(&self, part: usize) -> PartState {
-        let body = &self.bodies[self.parts[part].body];
+        let member = &self.parts[part];
+        let body = &self.bodies[member.body];
         let local = &body.mass_properties().local_mprops;
         let inertia = local.reconstruct_inertia_matrix();
         let column = |v: Vector| from_vector(v);
@@ -321,7 +341,7 @@ impl World {
         ]);
         let turn = from_rotation(&body.position().rotation).to_rotation_matrix();
         PartState {
-            world_from_part: from_pose(body.position()),
+            world_from_part: from_pose(body.position()) * member.body_from_part(),
             centre_world_m: from_vector(body.center_of_mass()),
             velocity_world_m_s: from_vector(body.linvel()),
             angular_velocity_world_rad_s: from_vector(body.angvel()),
@@ -406,6 +426,7 @@ fn parameters(experiment: &Experiment) -> IntegrationParameters {
     let mut p = IntegrationParameters {
         dt: narrow(experiment.solver.timestep_s),
         num_solver_iterations: experiment.solver.substeps,
+        num_internal_pgs_iterations: experiment.solver.sweeps,
         num_internal_stabilization_iterations: experiment.solver.relaxations,
         normalized_prediction_distance: narrow(contact.prediction_m),
         // A robot that flies off is to be seen, not slowed down.

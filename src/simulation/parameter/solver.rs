@@ -28,6 +28,17 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         set: |e, value| e.solver.substeps = value as usize,
     },
     Parameter {
+        name: "solver.sweeps",
+        unit: Unit::One,
+        bounds: (1.0, 256.0),
+        whole: true,
+        scale: Scale::Log,
+        nudge: Nudge::Absolute(1.0),
+        doc: "Passes over joints and contacts in every substep; more of them hold light plates still.",
+        get: |e| Some(e.solver.sweeps as f64),
+        set: |e, value| e.solver.sweeps = value as usize,
+    },
+    Parameter {
         name: "solver.relaxations",
         unit: Unit::One,
         bounds: (0.0, 16.0),
@@ -47,10 +58,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         nudge: Nudge::Absolute(1.0),
         doc: "0: impulse joints (constraints); 1: multibody joints (reduced coordinates).",
         get: |e| {
-            Some(match e.solver.joint {
-                JointKind::Impulse => 0.0,
-                JointKind::Multibody => 1.0,
-            })
+            let is_multibody = e.joint_kind() == JointKind::Multibody;
+            Some(f64::from(u8::from(is_multibody)))
         },
         set: |e, value| {
             e.solver.joint = if value == 0.0 {
