@@ -45,6 +45,7 @@ codes! {
     GaitNotExported "gait-not-exported" "A format has no gait.";
     GravityContradicted "gravity-contradicted" "Flight falls otherwise than gravity says.";
     Incomplete "incomplete" "The work was interrupted; this is what there is.";
+    KnownLimit "known-limit" "A result depends on something that the engine is known to do wrongly.";
     NoEffect "no-effect" "Something that was set changes nothing.";
     NoFlight "no-flight" "No free flight was found.";
     NoNoise "no-noise" "Repeats that differ by nothing.";
@@ -56,6 +57,7 @@ codes! {
     NotSettled "not-settled" "A robot did not come to rest before its run.";
     NotWritten "not-written" "A result could not be written.";
     OneRecording "one-recording" "One recording does not know its own spread.";
+    OnlyDistributions "only-distributions" "Small differences grow so fast that single runs do not compare.";
     OtherRobot "other-robot" "A recording names another robot.";
     Overfitted "overfitted" "Recordings that were held out are fitted worse.";
     PlateBlocked "plate-blocked" "A plate hits its own robot.";
@@ -68,6 +70,7 @@ codes! {
     SolverNotExported "solver-not-exported" "A format does not hold the solver's settings.";
     SpeedLimitInvented "speed-limit-invented" "A format asks for a speed limit that the robot does not have.";
     StandIn "stand-in" "A simulator made the recordings.";
+    TiedPlate "tied-plate" "A plate carries as much as its cube, and chance decides which of them slips.";
     Toppled "toppled" "A robot fell over before its run.";
     TrackNotExported "track-not-exported" "A format cannot say which module is tracked.";
     UncertainParameters "uncertain-parameters" "Parameters that tuning left open were drawn.";

@@ -54,7 +54,9 @@ proptest! {
                         prop_assert!(depth <= 1e-6, "boxes overlap by {} m", depth);
                     }
                 }
-                prop_assert!(robot.warnings().is_empty(), "{:?}", robot.warnings());
+                // The default plate is as large as its cube.
+                let others: Vec<_> = robot.warnings().into_iter().filter(|w| w.code.name() != "tied-plate").collect();
+                prop_assert!(others.is_empty(), "{:?}", others);
             }
             Err(misfit) => {
                 prop_assert!(!matches!(misfit, Misfit::Refused(_)), "{}", misfit);

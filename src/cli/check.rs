@@ -10,6 +10,8 @@ use realgap::plot::check_picture_path;
 use realgap::robot::genome::Specimen;
 use realgap::robot::morphology::Morphology;
 use realgap::search::{self, Search};
+use realgap::simulation::Experiment;
+use realgap::simulation::verification::known_limits;
 use realgap::unit::{LengthUnit, counted};
 use realgap::{Error, Result, Warning, results::portrait, trajectory};
 use serde_json::{Value, json};
@@ -189,7 +191,11 @@ fn morphology(source: &Source) -> Result<Contents> {
             "track": robot.track(),
             "body_length_m": summary.body_length_m,
         }),
-        warnings: robot.warnings().to_vec(),
+        warnings: [
+            robot.warnings(),
+            known_limits(&Experiment::new(robot.assemble()), &[]),
+        ]
+        .concat(),
     })
 }
 
@@ -284,6 +290,10 @@ fn study(path: &Path) -> Result<Contents> {
             details["simulations"] = json!(simulations);
             details["cpu_s"] = json!(cpu_s);
             warnings = study.warnings().to_vec();
+            let grid = &study.definition().grid;
+            let tuned: Vec<_> = grid.ranges().iter().map(|range| range.parameter).collect();
+            let middle = study.experiment(0, &grid.values(points / 2))?;
+            warnings.extend(known_limits(&middle, &tuned));
         }
         Err(error) if study.recording_globs.is_empty() => {
             lines.push(format!(

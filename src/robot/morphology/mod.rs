@@ -264,8 +264,20 @@ impl Morphology {
     }
 
     /// What is allowed but probably not meant: `servo-too-slow` for a gait that asks for more speed
-    /// than the servo has.
+    /// than the servo has, `tied-plate` for a plate as large as its cube.
     pub fn warnings(&self) -> Vec<Warning> {
+        let tied = self.modules.iter().filter_map(|module| {
+            let plate = module.plate()?;
+            (plate.side_m == module.side_m).then(|| {
+                Warning::new(
+                    Code::TiedPlate,
+                    format!(
+                        "the plate of `{}` is as large as its cube: both carry the robot, and only a difference of their frictions (friction_plate_relative of the noise) decides which of them slips",
+                        module.name
+                    ),
+                )
+            })
+        });
         self.modules
             .iter()
             .filter_map(|module| {
@@ -282,6 +294,7 @@ impl Morphology {
                     )
                 })
             })
+            .chain(tied)
             .collect()
     }
 }

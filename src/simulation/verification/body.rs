@@ -148,6 +148,42 @@ pub(super) const RUNAWAY: Gait = Gait {
     ..STILL
 };
 
+/// Half the edge of the square plate that a cube stands on, metres.
+pub(super) const PLATE_HALF_M: f64 = 0.5 * SIDE_M;
+/// Thickness of that plate, metres.
+pub(super) const PLATE_THICKNESS_M: f64 = 0.006;
+/// Its mass, kg.
+pub(super) const PLATE_KG: f64 = 0.012;
+/// From the floor to the centre of the cube that stands on the plate, metres.
+pub(super) const CUBE_ON_PLATE_M: f64 = PLATE_THICKNESS_M + 0.5 * SIDE_M;
+
+/// A module on a light plate that a vertical hinge turns; the module's centre is tracked.
+pub(super) fn on_plate(servo: Servo, gait: Gait) -> Assembly {
+    stool(vec![module(0.0, 0.0, 0.0)], servo, gait)
+}
+
+/// Modules glued to one that stands on such a plate.
+pub(super) fn stool(modules: Vec<Solid>, servo: Servo, gait: Gait) -> Assembly {
+    let plate = Solid {
+        role: Role::Plate,
+        ..block(
+            Vector3::new(0.0, 0.0, 0.5 * PLATE_THICKNESS_M - CUBE_ON_PLATE_M),
+            Vector3::new(PLATE_HALF_M, PLATE_HALF_M, 0.5 * PLATE_THICKNESS_M),
+            PLATE_KG,
+        )
+    };
+    let hinge = Hinge {
+        module: 0,
+        parent_part: 0,
+        child_part: 1,
+        anchor_robot_m: Vector3::new(0.0, 0.0, -0.5 * SIDE_M),
+        axis_robot: -Vector3::z_axis(),
+        servo,
+        gait,
+    };
+    robot(vec![modules, vec![plate]], vec![hinge])
+}
+
 /// The tripod of `morphologies/`, walking.
 pub(super) fn tripod() -> Result<Assembly> {
     let text = include_str!("../../../morphologies/tripod.ron");

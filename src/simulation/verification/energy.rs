@@ -10,7 +10,7 @@ use super::body::{
 };
 use super::check::{Check, Tolerance};
 use super::film::{Film, at_rest, centre_world_m, largest, measure, moving};
-use super::{Settings, kind_name};
+use super::{Settings, centre, kind_name, toss};
 use crate::error::Result;
 use crate::simulation::{Experiment, JointKind, Push, Snapshot};
 use crate::unit::{GRAVITY_M_S2, Unit};
@@ -26,6 +26,8 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
         checks.extend(afloat(settings, kind)?);
     }
     checks.extend(collision(settings)?);
+    checks.extend(centre::checks(settings)?);
+    checks.extend(toss::checks(settings)?);
     Ok(checks)
 }
 

@@ -6,6 +6,7 @@ use super::body::{SIDE_M, STILL, bar, corner, cube, tripod};
 use super::check::{Check, Tolerance};
 use super::film::{Film, at_rest, largest, measure, worst};
 use super::slide::{slide, stopping_distance_m};
+use super::spin;
 use super::{Settings, kind_name};
 use crate::error::Result;
 use crate::unit::{GRAVITY_M_S2, Unit};
@@ -20,6 +21,7 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     let mut checks = stopping(settings)?;
     checks.extend(jointed(settings)?);
     checks.extend(slope(settings)?);
+    checks.extend(spin::checks(settings)?);
     Ok(checks)
 }
 

@@ -2,7 +2,8 @@
 //!
 //! Every [`Check`] compares what the engine does with a formula that can be worked out by hand:
 //! stopping distance, bounce height, pendulum period, servo lag. Tolerances say what a user of the
-//! numbers needs; a check that the settings do not meet is reported as failed, never loosened.
+//! numbers needs; a check that the settings do not meet is reported as failed, never loosened. Where the reason is known,
+//! [`Limit`] has it, with the error that it explains.
 //! `docs/fidelity.md` explains each.
 //!
 //! ```
@@ -13,17 +14,27 @@
 //! # Ok::<(), realgap::Error>(())
 //! ```
 
+mod balance;
 mod body;
+mod centre;
 mod check;
+mod dependence;
 mod energy;
 mod film;
 mod friction;
+mod limit;
 mod restitution;
 mod servo;
 mod slide;
+mod spin;
+mod standing;
 mod structure;
+mod topple;
+mod toss;
 
 pub use check::{Check, Tolerance, Verdict};
+pub use dependence::known_limits;
+pub use limit::{LIMITS, Limit};
 
 use crate::error::Result;
 use crate::robot::morphology::Assembly;
@@ -64,9 +75,10 @@ impl Settings {
 
 /// Last part of the name of a check that involves hinges.
 fn kind_name(kind: JointKind) -> &'static str {
-    match kind {
+    // The robots of the checks have few hinges.
+    match kind.resolved(1) {
         JointKind::Impulse => "impulse",
-        JointKind::Multibody => "multibody",
+        JointKind::Multibody | JointKind::Auto => "multibody",
     }
 }
 
@@ -83,16 +95,19 @@ pub enum Theme {
     Servo,
     /// Masses, glue and hinges.
     Structure,
+    /// Standing on a light plate: sag, creep, falling over.
+    Standing,
 }
 
 impl Theme {
     /// All themes, in the order of the table.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Friction,
         Self::Restitution,
         Self::Energy,
         Self::Servo,
         Self::Structure,
+        Self::Standing,
     ];
 
     /// Runs the checks of this theme.
@@ -106,6 +121,7 @@ impl Theme {
             Self::Energy => energy::checks(settings),
             Self::Servo => servo::checks(settings),
             Self::Structure => structure::checks(settings),
+            Self::Standing => standing::checks(settings),
         }
     }
 }
