@@ -6,7 +6,7 @@ use super::score::Scores;
 use super::study::Study;
 use crate::calibration::Profile;
 use crate::error::Result;
-use crate::simulation::Solver;
+use crate::simulation::{Experiment, Solver};
 
 /// The best point again, with one numerical setting changed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -19,10 +19,10 @@ pub struct AuditRow {
     pub change: Option<f64>,
 }
 
-/// How much the best score depends on timestep and substeps, which no recording can tell.
+/// How much the best score depends on timestep, substeps and contact stiffness, which no recording can tell.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Audit {
-    /// Half and double timestep, half and double substeps.
+    /// Half and double timestep, half and double substeps, and the limit of hard contact.
     pub rows: Vec<AuditRow>,
     /// Largest absolute change.
     pub largest_change: f64,
@@ -33,7 +33,7 @@ pub struct Audit {
 /// Longest timestep that an experiment may have, seconds.
 const LONGEST_S: f64 = 0.1;
 
-type Change = Box<dyn Fn(&mut Solver) + Sync>;
+type Change = Box<dyn Fn(&mut Experiment) + Sync>;
 
 impl Audit {
     /// Re-runs the best point; `None` where nothing has a score.
@@ -48,7 +48,7 @@ impl Audit {
         let solver = study.experiment(0, &point.values)?.solver;
         let mut rows = Vec::new();
         for (setting, change) in changes(&solver) {
-            let trial = study.simulate_with_solver(&point.values, change)?;
+            let trial = study.simulate_changed(&point.values, change)?;
             let score = Scores::with_basis(study, &[trial], scores.basis.clone())?.points[0].score;
             rows.push(AuditRow {
                 setting,
@@ -80,7 +80,7 @@ fn changes(solver: &Solver) -> Vec<(String, Change)> {
         if timestep_s <= LONGEST_S {
             changes.push((
                 format!("timestep {factor} times: {timestep_s:.3e} s"),
-                Box::new(move |solver| solver.timestep_s = timestep_s),
+                Box::new(move |e| e.solver.timestep_s = timestep_s),
             ));
         }
     }
@@ -88,9 +88,14 @@ fn changes(solver: &Solver) -> Vec<(String, Change)> {
         if (1..=256).contains(&substeps) {
             changes.push((
                 format!("{substeps} substeps instead of {}", solver.substeps),
-                Box::new(move |solver| solver.substeps = substeps),
+                Box::new(move |e| e.solver.substeps = substeps),
             ));
         }
     }
+    // Convergence in the step alone is not correctness: a contact that is too soft converges, too.
+    changes.push((
+        "limit of hard contact and short steps".to_owned(),
+        Box::new(|e| *e = e.at_limit(e.joint_kind())),
+    ));
     changes
 }

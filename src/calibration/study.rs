@@ -11,7 +11,7 @@ use crate::calibration::identification::{StartState, refine};
 use crate::comparison::{Context, Pair};
 use crate::error::Result;
 use crate::simulation::parameter::{Assignment, ParameterSet};
-use crate::simulation::{self, Experiment, Noise, Solver};
+use crate::simulation::{self, Experiment, Noise};
 use crate::store::{CaseOutcome, CaseResult, CaseRow, Trial};
 use crate::trajectory::{Prepared, prepare};
 use crate::warning::Warning;
@@ -208,16 +208,16 @@ impl Study {
     ///
     /// # Errors
     /// As [`Study::simulate`], and settings that cannot be simulated.
-    pub(super) fn simulate_with_solver(
+    pub(super) fn simulate_changed(
         &self,
         values: &[f64],
-        change: impl Fn(&mut Solver) + Sync,
+        change: impl Fn(&mut Experiment) + Sync,
     ) -> Result<Trial> {
         let cases = (0..self.cases.len())
             .into_par_iter()
             .map(|case| {
                 let mut experiment = self.experiment(case, values)?;
-                change(&mut experiment.solver);
+                change(&mut experiment);
                 self.simulate_case(case, &experiment)
             })
             .collect::<Result<_>>()?;

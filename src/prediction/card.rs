@@ -6,6 +6,7 @@ use std::fmt;
 use serde::{Serialize, Serializer};
 
 use super::ensemble::{Ensemble, Forecast, Motion, percent};
+use super::growth::Growth;
 use crate::error::{Error, Result};
 use crate::simulation::ENGINE_VERSION;
 use crate::simulation::parameter::ParameterSet;
@@ -154,6 +155,8 @@ pub struct Card {
     pub engine: &'static str,
     /// Version of this crate.
     pub version: &'static str,
+    /// How fast a small difference grows; `None` where nobody looked.
+    pub growth: Option<Growth>,
     /// What the repeats say.
     pub prediction: Forecast,
     /// What the reader should know, what the prediction itself warns of included.
@@ -183,6 +186,7 @@ impl Card {
             noise_from: None,
             engine: ENGINE_VERSION,
             version: env!("CARGO_PKG_VERSION"),
+            growth: None,
             prediction,
             warnings,
         })
@@ -202,6 +206,14 @@ impl Card {
     #[must_use]
     pub fn with_noise_from(mut self, source: impl Into<String>) -> Self {
         self.noise_from = Some(source.into());
+        self
+    }
+
+    /// The card with how fast a small difference grows, and the warning that goes with it.
+    #[must_use]
+    pub fn with_growth(mut self, growth: Option<Growth>) -> Self {
+        self.warnings.extend(growth.and_then(|g| g.warning()));
+        self.growth = growth;
         self
     }
 

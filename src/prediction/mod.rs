@@ -26,7 +26,9 @@
 mod card;
 pub mod ensemble;
 pub mod gap;
+mod growth;
 mod report;
 
 pub use card::{Card, Finals, Rerun, Success, SuccessRule};
+pub use growth::Growth;
 pub use report::{EnsembleCase, EnsembleOptions, EnsembleReport};

@@ -10,7 +10,7 @@ use super::robot::{EvaluatedRobot, Outcome, Performance};
 use crate::Result;
 use crate::robot::genome::Genome;
 use crate::robot::morphology::Morphology;
-use crate::simulation::{self, Experiment, Floor, Posture, Solver, settle, watch};
+use crate::simulation::{self, Experiment, Floor, Posture, settle, watch};
 use crate::trajectory::prepare;
 use crate::warning::Code;
 
@@ -101,7 +101,7 @@ impl Search {
         Ok(Ok(robot))
     }
 
-    /// Repeats of one robot, in other solver settings where these are given; the failure of the first that fails.
+    /// Repeats of one robot, in other settings where these are given; the failure of the first that fails.
     ///
     /// # Errors
     /// Settings that cannot be simulated.
@@ -110,13 +110,13 @@ impl Search {
         robot: &Morphology,
         seed: u64,
         repeats: usize,
-        solver: Option<fn(&mut Solver)>,
+        change: Option<fn(&mut Experiment)>,
     ) -> Result<Repeats> {
         let base = self.experiment(robot);
         let one = |number: usize| {
             let mut experiment = self.repeat(&base, seed, number as u64)?;
-            if let Some(change) = solver {
-                change(&mut experiment.solver);
+            if let Some(change) = change {
+                change(&mut experiment);
             }
             self.observe(&experiment)
         };

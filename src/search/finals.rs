@@ -9,10 +9,10 @@ use super::robot::{EvaluatedRobot, mean_displacement_m};
 use super::run::SearchResults;
 use crate::optimization::{RunOptions, pool};
 use crate::prediction::ensemble::{self, Ensemble, Forecast};
-use crate::prediction::{Card, Finals, Rerun, Success, SuccessRule};
+use crate::prediction::{Card, Finals, Growth, Rerun, Success, SuccessRule};
 use crate::robot::morphology::Morphology;
+use crate::simulation::Experiment;
 use crate::simulation::parameter::ParameterSet;
-use crate::simulation::{JointKind, Solver};
 use crate::warning::{Code, Warning};
 use crate::{Error, Result};
 
@@ -38,20 +38,21 @@ impl Default for FinalsSettings {
     }
 }
 
-/// A change of the solver's settings.
-type Change = fn(&mut Solver);
+/// A change of the settings.
+type Change = fn(&mut Experiment);
 
 /// Other settings under which a robot must walk the same, with a name each.
-const RERUNS: [(&str, Change); 5] = [
-    ("half timestep", |s| s.timestep_s *= 0.5),
-    ("double timestep", |s| s.timestep_s *= 2.0),
-    ("half substeps", |s| s.substeps = (s.substeps / 2).max(1)),
-    ("double substeps", |s| s.substeps *= 2),
-    ("other joint kind", |s| {
-        s.joint = match s.joint {
-            JointKind::Impulse => JointKind::Multibody,
-            JointKind::Multibody => JointKind::Impulse,
-        }
+const RERUNS: [(&str, Change); 6] = [
+    ("half timestep", |e| e.solver.timestep_s *= 0.5),
+    ("double timestep", |e| e.solver.timestep_s *= 2.0),
+    ("half substeps", |e| {
+        e.solver.substeps = (e.solver.substeps / 2).max(1);
+    }),
+    ("double substeps", |e| e.solver.substeps *= 2),
+    // Convergence in the timestep alone is not correctness: too soft a contact converges, too, to something else.
+    ("limit of hard contact", |e| *e = e.at_limit(e.joint_kind())),
+    ("other joint kind at its limit", |e| {
+        *e = e.at_limit(e.joint_kind().other());
     }),
 ];
 
@@ -213,7 +214,8 @@ impl Search {
         };
         let prediction = Card::new(robot.name(), &ensemble, SuccessRule::HalfOfNoiseFree)?
             .with_parameters(&self.set)
-            .with_noise_from(&self.noise_from);
+            .with_noise_from(&self.noise_from)
+            .with_growth(Growth::of(&self.experiment(&robot))?);
         Ok(Finalist {
             evaluated,
             robot,

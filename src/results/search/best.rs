@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::draw::draws;
 use super::summary::BestRobot;
 use crate::error::{Error, Result};
 use crate::export::{Robot, format_named};
@@ -13,7 +14,7 @@ use crate::search::{Body, Finalist, Search};
 /// The folder in the results folder.
 const FOLDER: &str = "best";
 /// What the files of one robot end with.
-const ENDINGS: [&str; 4] = [".ron", ".genome.ron", ".xml", ".json"];
+const ENDINGS: [&str; 5] = [".ron", ".genome.ron", ".xml", ".json", ".draws.json"];
 
 pub(super) fn write(folder: &Path, search: &Search, finalist: &Finalist) -> Result<BestRobot> {
     let best = folder.join(FOLDER);
@@ -33,6 +34,11 @@ pub(super) fn write(folder: &Path, search: &Search, finalist: &Finalist) -> Resu
     let exported = format_named("mjcf")?.render(&Robot::new(robot, &search.experiment(robot)));
     write_atomic(at(".xml"), exported.text.as_bytes())?;
     write_report(&best, &format!("{file}.json"), &finalist.card())?;
+    write_report(
+        &best,
+        &format!("{file}.draws.json"),
+        &draws(search, finalist)?,
+    )?;
     Ok(BestRobot::new(file, finalist))
 }
 

@@ -1,6 +1,7 @@
 //! What a search leaves in a folder: tables, pictures, the best robots with their cards, a summary.
 
 mod best;
+mod draw;
 mod picture;
 mod summary;
 mod table;
