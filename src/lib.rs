@@ -128,6 +128,7 @@ pub mod guide {
 [docs/limits.md]: crate::guide::limits
 [docs/bibliography.md]: crate::guide::bibliography
 [docs/fidelity/verification.md]: crate::guide::fidelity::verification
+[docs/fidelity/contact.md]: crate::guide::fidelity::contact
 [docs/fidelity/settings.md]: crate::guide::fidelity::settings
 [docs/fidelity/precision.md]: crate::guide::fidelity::precision
 [docs/fidelity/joints.md]: crate::guide::fidelity::joints
@@ -141,6 +142,10 @@ pub mod guide {
 [docs/fidelity/gap.md]: crate::guide::fidelity::gap
 [docs/fidelity/genomes.md]: crate::guide::fidelity::genomes
 [docs/fidelity/search.md]: crate::guide::fidelity::search
+[docs/upstream/contact_stiffness.md]: crate::guide::upstream::contact_stiffness
+[docs/upstream/friction_direction.md]: crate::guide::upstream::friction_direction
+[docs/upstream/multibody_root.md]: crate::guide::upstream::multibody_root
+[docs/upstream/restitution.md]: crate::guide::upstream::restitution
 "
         };
     }
@@ -190,12 +195,35 @@ pub mod guide {
     #[doc = include_str!("../docs/design.md")]
     pub mod design {}
 
+    /// Defects of the engine, each with a program that shows it.
+    pub mod upstream {
+        #[doc = links!()]
+        #[doc = include_str!("../docs/upstream/contact_stiffness.md")]
+        pub mod contact_stiffness {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/upstream/friction_direction.md")]
+        pub mod friction_direction {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/upstream/multibody_root.md")]
+        pub mod multibody_root {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/upstream/restitution.md")]
+        pub mod restitution {}
+    }
+
     #[doc = links!()]
     #[doc = include_str!("../docs/fidelity.md")]
     pub mod fidelity {
         #[doc = links!()]
         #[doc = include_str!("../docs/fidelity/verification.md")]
         pub mod verification {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/contact.md")]
+        pub mod contact {}
 
         #[doc = links!()]
         #[doc = include_str!("../docs/fidelity/settings.md")]
