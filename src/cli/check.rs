@@ -291,7 +291,7 @@ fn study(path: &Path) -> Result<Contents> {
             details["cpu_s"] = json!(cpu_s);
             warnings = study.warnings().to_vec();
             let grid = &study.definition().grid;
-            let tuned: Vec<_> = grid.ranges().iter().map(|range| range.parameter).collect();
+            let tuned: Vec<&str> = grid.ranges().iter().map(|r| r.parameter.name).collect();
             let middle = study.experiment(0, &grid.values(points / 2))?;
             warnings.extend(known_limits(&middle, &tuned));
         }

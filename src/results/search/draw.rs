@@ -42,7 +42,7 @@ pub(super) fn draws(search: &Search, finalist: &Finalist) -> Result<Vec<Draw>> {
         .map(|repeat| {
             let drawn = &repeat.perturbation;
             let mut experiment: Experiment = search
-                .uncertain
+                .uncertain()
                 .draw(search.finals_seed(), repeat.number)?
                 .apply(&base);
             experiment.perturbation = drawn.clone();

@@ -3,18 +3,17 @@
 use std::f64::consts::TAU;
 
 use crate::robot::morphology::{Servo, ServoLaw};
-use crate::simulation::parameter::Parameter;
 use crate::simulation::{Experiment, JointKind};
 use crate::warning::{Code, Warning};
 
 /// Below this a plate's tilt from sag is not seen, metres (as in `standing.sag`).
 const SAG_M: f64 = 2e-5;
 
-/// What the reader of this experiment's results should know about the engine; `tuned` are the parameters that are fitted.
-pub fn known_limits(experiment: &Experiment, tuned: &[&Parameter]) -> Vec<Warning> {
+/// What the reader of this experiment's results should know about the engine; `tuned` names the parameters that are fitted.
+pub fn known_limits(experiment: &Experiment, tuned: &[&str]) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let mut warn = |message: String| warnings.push(Warning::new(Code::KnownLimit, message));
-    if tuned.iter().any(|p| p.name == "floor.restitution") {
+    if tuned.contains(&"floor.restitution") {
         warn("bounces of a flat face come out 7 to 9 % low, so a fitted restitution is that much too high where faces land flat (restitution.flat)".to_owned());
     }
     let hinges = &experiment.assembly.hinges;
