@@ -214,9 +214,9 @@ fn latency_shifts_the_answer_by_exactly_its_time() {
         .unwrap();
         angles
     };
-    let steps = 12;
-    let (now, late) = (angles(0.0), angles(steps as f64 / 240.0));
-    for (index, angle) in late.iter().enumerate().skip(steps + 60) {
+    let (steps, timestep_s) = (24, walk().solver.timestep_s);
+    let (now, late) = (angles(0.0), angles(steps as f64 * timestep_s));
+    for (index, angle) in late.iter().enumerate().skip(steps + 120) {
         // The first command begins inside a step, hence not bit for bit.
         assert!((angle - now[index - steps]).abs() < 2e-3, "at step {index}");
     }

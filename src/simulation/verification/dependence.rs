@@ -23,7 +23,7 @@ pub fn known_limits(experiment: &Experiment, tuned: &[&str]) -> Vec<Warning> {
             let sag_m = impulse_sag_m(experiment);
             if sag_m > SAG_M {
                 warn(format!(
-                    "impulse joints: where the lightest part carries the whole robot it sinks by up to {:.0} micrometres, and more while it moves; --joint multibody does not, and is slower with {} hinges (standing.sag)",
+                    "impulse joints: where the lightest part carries the whole robot it sinks by up to {:.0} micrometres, and more while it moves; solver.joint = 1 (multibody) does not, and is slower with {} hinges (standing.sag)",
                     1e6 * sag_m,
                     hinges.len()
                 ));
@@ -31,7 +31,7 @@ pub fn known_limits(experiment: &Experiment, tuned: &[&str]) -> Vec<Warning> {
         }
         JointKind::Multibody | JointKind::Auto => {
             if hinges.iter().any(|hinge| is_free(&hinge.servo)) {
-                warn("a hinge without torque: free swings of multibody joints gain energy in proportion to the timestep (energy.pendulum); --joint impulse keeps it".to_owned());
+                warn("a hinge without torque: free swings of multibody joints gain energy in proportion to the timestep (energy.pendulum); solver.joint = 0 (impulse) keeps it".to_owned());
             }
         }
     }
