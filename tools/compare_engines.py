@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""CPU time of realgap, MuJoCo and PyBullet for the same robots, in one table.
+"""CPU time of realgap, MuJoCo and PyBullet for the same robots: at equal error, and at usual settings.
 
     cargo build --release
     python3 -m pip install -r tools/requirements-engines.txt
     python3 tools/compare_engines.py --realgap target/release/realgap
 
 The robots are exported by `realgap export`. Rounds of all engines are interleaved, so that a busy machine hurts all alike; medians are printed.
+`--curves` prints error against cost instead: every engine at a row of timesteps, its path against its own at the finest one (rms distance of the tracked
+module over the run), so that what is compared is how much CPU time an engine needs to come that near to its own limit.
+
 The columns x and y show the net displacement of the tracked module: engines that disagree there did not simulate the same thing.
 """
 
@@ -159,6 +162,80 @@ class PyBullet:
         return np.array(pybullet.multiplyTransforms(position, turn, *back)[0])
 
 
+# Steps per second of the curves; the last is the limit that the others are compared with.
+REALGAP_HZ = [120, 240, 480, 960, 1920, 7680]
+MUJOCO_HZ = [250, 500, 1000, 2000, 4000, 16000]
+CURVE_RATE_HZ = 20
+
+
+class RealgapCurve:
+    name = "realgap"
+
+    def __init__(self, binary, morphology, _mjcf, duration_s, extra, folder):
+        self.command = [binary, "simulate", str(morphology), "--duration", str(duration_s), "--format", "json", "--set", f"floor.friction={FRICTION}",
+                        "--set", "floor.restitution=0", *extra]
+        self.path = folder / "curve.csv"
+        self.duration_s = duration_s
+
+    def run(self, hertz):
+        done = subprocess.run([*self.command, "--timestep", repr(1 / hertz), "-o", str(self.path)], capture_output=True, text=True)
+        if done.returncode != 0:
+            raise SystemExit(f"error: realgap simulate failed:\n{done.stderr}")
+        r = json.loads(done.stdout)
+        rows = np.genfromtxt(self.path, delimiter=",", names=True)
+        at = np.arange(0.0, self.duration_s + 1e-9, 1 / CURVE_RATE_HZ)
+        path = np.stack([np.interp(at, rows["t_s"], rows[axis]) for axis in ("x_m", "y_m", "z_m")], axis=1)
+        return r["cpu_s"] / ((r["steps"] + r["settle_steps"]) * r["timestep_s"]), path - path[0]
+
+
+class MuJoCoCurve:
+    name = "MuJoCo"
+
+    def __init__(self, _binary, _morphology, mjcf, duration_s, _extra, _folder):
+        self.mjcf, self.duration_s = mjcf, duration_s
+
+    def run(self, hertz):
+        robot = Robot(self.mjcf)
+        m = robot.model
+        m.opt.timestep = 1 / hertz
+        # The hardest contact that the timestep allows, down to the limit's.
+        m.geom_solref[:, 0] = max(2 / hertz, 0.0005)
+        m.geom_solimp[:, :2] = [0.95, 0.99]
+        data = robot.place()
+        robot.settle(data)
+        start = np.zeros((1, mujoco.mj_stateSize(m, mujoco.mjtState.mjSTATE_FULLPHYSICS)))
+        mujoco.mj_getState(m, data, start[0], mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        steps, every = round(self.duration_s * hertz), round(hertz / CURVE_RATE_HZ)
+        control = np.zeros((1, steps, m.nu))
+        control[0][:, robot.actuator] = robot.command_rad((np.arange(steps) + 0.5) / hertz)
+        before = time.process_time()
+        states, _ = rollout.rollout(m, data, start, control)
+        spent = time.process_time() - before
+
+        def position(state):
+            mujoco.mj_setState(m, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+            return robot.pose(data)[0]
+
+        path = np.array([position(start[0]), *(position(s) for s in states[0][every - 1 :: every])])
+        return spent / self.duration_s, path - path[0]
+
+
+def curves(binary, robots, duration_s, extra):
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        print("| robot | engine | steps per s | CPU ms per s | rms distance to its own limit, mm |\n|---|---|---:|---:|---:|")
+        for morphology in robots:
+            mjcf = export(binary, morphology, folder, "mjcf")
+            for kind, rates in ((RealgapCurve, REALGAP_HZ), (MuJoCoCurve, MUJOCO_HZ)):
+                engine = kind(binary, morphology, mjcf, duration_s, extra, folder)
+                runs = [engine.run(hertz) for hertz in rates]
+                limit = runs[-1][1]
+                for hertz, (cost, path) in zip(rates[:-1], runs):
+                    samples = min(len(path), len(limit))
+                    error = math.sqrt(((path[:samples] - limit[:samples]) ** 2).sum(axis=1).mean())
+                    print(f"| {morphology.stem} | {engine.name} | {hertz} | {1e3 * cost:.2f} | {1e3 * error:.1f} |", flush=True)
+
+
 def export(binary, morphology, folder, kind):
     path = folder / f"{morphology.stem}.{kind}"
     done = subprocess.run([binary, "export", str(morphology), "--format", kind, "-o", str(path), "--set", f"floor.friction={FRICTION}"],
@@ -174,12 +251,16 @@ def main():
     a.add_argument("--robots", nargs="+", type=pathlib.Path, help="morphologies with torque servos, tracked at their root")
     a.add_argument("--duration", type=float, default=10.0, help="seconds per round (default 10)")
     a.add_argument("--rounds", type=int, default=5)
+    a.add_argument("--curves", action="store_true", help="error against cost instead of the table")
     a.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="further settings of realgap, e.g. solver.substeps=4")
     a.add_argument("--joint", choices=["impulse", "multibody"], help="joint kind of realgap")
     a = a.parse_args()
     here = pathlib.Path(__file__).resolve().parent.parent / "morphologies"
     robots = a.robots or [here / f"{name}.ron" for name in ("chain3", "spider8", "chain30")]
     extra = [word for value in a.set for word in ("--set", value)] + (["--joint", a.joint] if a.joint else [])
+    if a.curves:
+        curves(a.realgap, a.robots or [here / f"{name}.ron" for name in ("chain3", "chain5", "spider8")], a.duration, extra)
+        return
     if pybullet is None:
         print("PyBullet is not installed: left out (python3 -m pip install pybullet)")
     rows, notes, doubts = [], {}, []
