@@ -51,7 +51,7 @@ impl From<UnitOption> for LengthUnit {
 /// How parts are jointed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Joint {
-    /// Multibody for robots of few hinges, impulse for others
+    /// Multibody where a light part carries a heavy one, impulse for others and for more than 12 hinges
     Auto,
     /// Reduced coordinates
     Multibody,

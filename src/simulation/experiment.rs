@@ -57,19 +57,31 @@ pub enum JointKind {
     Multibody,
     /// Maximal coordinates: hinges are constraints solved with the contacts; cheaper.
     Impulse,
-    /// Multibody joints for robots of at most [`JointKind::MOST_HINGES`] hinges, impulse joints for larger ones: the cost of
-    /// multibody joints grows with the square of the hinges and more.
+    /// Multibody joints where a light part carries a heavy one, [`JointKind::LIGHT`], and the robot has at most
+    /// [`JointKind::MOST_HINGES`] hinges; impulse joints for all others, whose contacts they do not soften (docs/fidelity/contact.md).
     Auto,
 }
 
 impl JointKind {
-    /// Most hinges that [`JointKind::Auto`] joins as a multibody.
+    /// Most hinges that [`JointKind::Auto`] joins as a multibody: the cost grows with the square of the hinges and more.
     pub const MOST_HINGES: usize = 12;
+    /// A part is light below this share of the mass of the part that it is hinged to.
+    pub const LIGHT: f64 = 0.25;
 
-    /// The kind that a robot with this many hinges gets: never [`JointKind::Auto`].
-    pub fn resolved(self, hinges: usize) -> Self {
+    /// The kind that this robot gets: never [`JointKind::Auto`].
+    pub fn resolved(self, assembly: &Assembly) -> Self {
+        let mass_kg = |part: usize| -> f64 {
+            let solids = assembly.parts[part].solids.iter();
+            solids.map(|solid| solid.mass_kg).sum()
+        };
+        let is_uneven = assembly.hinges.iter().any(|hinge| {
+            let (a, b) = (mass_kg(hinge.parent_part), mass_kg(hinge.child_part));
+            a.min(b) < Self::LIGHT * a.max(b)
+        });
         match self {
-            Self::Auto if hinges <= Self::MOST_HINGES => Self::Multibody,
+            Self::Auto if is_uneven && assembly.hinges.len() <= Self::MOST_HINGES => {
+                Self::Multibody
+            }
             Self::Auto => Self::Impulse,
             chosen => chosen,
         }
@@ -313,13 +325,13 @@ impl Experiment {
 
     /// How this robot is jointed: never [`JointKind::Auto`].
     pub fn joint_kind(&self) -> JointKind {
-        self.solver.joint.resolved(self.assembly.hinges.len())
+        self.solver.joint.resolved(&self.assembly)
     }
 
     /// The same experiment near the limit of rigid contact and short steps, with this kind of joint; slow. What changes
     /// much on the way there is numerical (docs/fidelity.md).
     pub fn at_limit(&self, joint: JointKind) -> Self {
-        let joint = joint.resolved(self.assembly.hinges.len());
+        let joint = joint.resolved(&self.assembly);
         let mut limit = self.clone();
         limit.solver.joint = joint;
         limit.solver.timestep_s *= 0.25;

@@ -75,10 +75,10 @@ impl Settings {
 
 /// Last part of the name of a check that involves hinges.
 fn kind_name(kind: JointKind) -> &'static str {
-    // The robots of the checks have few hinges.
-    match kind.resolved(1) {
+    match kind {
         JointKind::Impulse => "impulse",
-        JointKind::Multibody | JointKind::Auto => "multibody",
+        JointKind::Multibody => "multibody",
+        JointKind::Auto => "auto",
     }
 }
 
