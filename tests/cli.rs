@@ -86,7 +86,8 @@ fn simulate_reports_what_happened_as_json() {
         .assert()
         .success();
     let report: serde_json::Value = serde_json::from_slice(&out.get_output().stdout).unwrap();
-    assert_eq!(report["steps"], 240);
+    // 1 s at the default timestep.
+    assert_eq!(report["steps"], 480);
     assert_eq!(report["simulated_s"], 1.0);
     assert!(report["cpu_s"].as_f64().unwrap() > 0.0);
     assert!(report["net_displacement_m"].as_f64().unwrap() > 0.0);

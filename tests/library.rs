@@ -115,8 +115,9 @@ fn first_run() -> trajectory::Recording {
 
 #[test]
 fn a_study_made_in_rust_scores_as_the_same_study_from_a_file() {
-    let built = Study::builder("tripod_self", tripod())
-        .recording(first_run())
+    let path = common::project().join("real_trajectories/tripod_mujoco/run_00.csv");
+    let built = Study::builder("tripod_floor", tripod())
+        .recording(trajectory::read(path, LengthUnit::Metre).unwrap())
         .duration_s(20.0)
         .vary("floor.friction", 0.05, 1.0, 3)
         .vary("floor.restitution", 0.0, 0.9, 3)
@@ -129,7 +130,7 @@ fn a_study_made_in_rust_scores_as_the_same_study_from_a_file() {
         points: Some(3),
         ..Overrides::default()
     };
-    let path = common::project().join("sweeps/tripod_self.ron");
+    let path = common::project().join("sweeps/tripod_floor.ron");
     let read = Study::read(path, &overrides).unwrap();
     assert_eq!(built.simulate(4).unwrap(), read.simulate(4).unwrap());
 }

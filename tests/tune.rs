@@ -62,7 +62,7 @@ fn tuning_leaves_everything_that_was_promised() {
     let summary = summary(&out);
     assert_eq!(summary["tuning"]["optimizer"], "cma-es");
     assert_eq!(summary["tuning"]["termination"], "budget");
-    assert_eq!(summary["audit"]["rows"].as_array().unwrap().len(), 4);
+    assert_eq!(summary["audit"]["rows"].as_array().unwrap().len(), 5);
     assert_eq!(summary["validation"]["held_out_recordings"], 10);
     assert_eq!(summary["correlations"].as_array().unwrap().len(), 3);
     let substeps = summary["best"]["parameters"]["solver.substeps"]

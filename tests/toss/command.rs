@@ -155,28 +155,27 @@ fn with_the_true_contact_most_recordings_end_on_their_simulated_face() {
     let glob = write(folder.path(), &tosses(&robot, &EXACT, 16));
     let study = study().to_string_lossy().into_owned();
     // Solver and contact as the stand-in has them; friction and restitution as its truth.
+    let settings = [
+        "floor.friction=0.2".to_owned(),
+        "floor.restitution=0.2".to_owned(),
+        "body.edge_radius_m=0".to_owned(),
+        format!("contact.prediction_m={}", robot.contact.prediction_m),
+        format!(
+            "contact.natural_frequency_hz={}",
+            robot.contact.natural_frequency_hz
+        ),
+        format!("contact.damping_ratio={}", robot.contact.damping_ratio),
+        format!("solver.substeps={}", robot.solver.substeps),
+        format!("solver.sweeps={}", robot.solver.sweeps),
+        format!("solver.relaxations={}", robot.solver.relaxations),
+    ];
     let identify = |extra: &[&str]| {
-        let truth = [
-            "identify",
-            &study,
-            "--recordings",
-            &glob,
-            "--format",
-            "json",
-            "--set",
-            "floor.friction=0.2",
-            "--set",
-            "floor.restitution=0.2",
-            "--set",
-            "contact.prediction_m=0.002",
-            "--set",
-            "solver.relaxations=0",
-            "--set",
-            "solver.substeps=8",
-            "--set",
-            "body.edge_radius_m=0",
-        ];
-        json(&[&truth, extra].concat())
+        let mut arguments = vec!["identify", &study, "--recordings", &glob];
+        arguments.extend(["--format", "json"]);
+        for setting in &settings {
+            arguments.extend(["--set", setting]);
+        }
+        json(&[&arguments, extra].concat())
     };
     let odds = &identify(&[])["resting_odds"];
     let share =
