@@ -152,7 +152,7 @@ fn with_the_true_contact_most_recordings_end_on_their_simulated_face() {
     robot.adjustment.centre_of_mass_offset_m = Vector3::new(0.0, 0.0, 0.008);
     robot.floor.friction = 0.2;
     robot.floor.restitution = 0.2;
-    let glob = write(folder.path(), &tosses(&robot, &EXACT, 16));
+    let glob = write(folder.path(), &tosses(&robot, &EXACT, 40));
     let study = study().to_string_lossy().into_owned();
     // Solver and contact as the stand-in has them; friction and restitution as its truth.
     let settings = [
