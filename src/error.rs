@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use crate::text::{shown, shown_end};
 use crate::unit::LengthUnit;
 
 /// Result with the crate's [`Error`].
@@ -292,11 +293,18 @@ impl Error {
     }
 }
 
+/// Most characters of each part that are shown; what comes from files may be longer.
+const PATH_SHOWN: usize = 400;
+const FIELD_SHOWN: usize = 120;
+const FOUND_SHOWN: usize = 400;
+const WORDS_SHOWN: usize = 2000;
+
 impl fmt::Display for Error {
+    /// Every part in one line, without control characters, whatever the file held that it speaks of.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let p = &self.0;
         if let Some(file) = &p.file {
-            write!(f, "{}", file.display())?;
+            write!(f, "{}", shown_end(&file.to_string_lossy(), PATH_SHOWN))?;
             if let Some((line, column)) = p.line_column {
                 write!(f, ":{line}:{column}")?;
             }
@@ -305,17 +313,17 @@ impl fmt::Display for Error {
             write!(f, "{line}:{column}: ")?;
         }
         if let Some(field) = &p.field {
-            write!(f, "{field}: ")?;
+            write!(f, "{}: ", shown(field, FIELD_SHOWN))?;
         }
-        write!(f, "{}", p.message)?;
+        f.write_str(&shown(&p.message, WORDS_SHOWN))?;
         let hint = p.hint_with(&p.advice, Advice::to_string);
-        for (label, text) in [
-            ("found:  ", &p.found),
-            ("allowed:", &p.allowed),
-            ("hint:   ", &hint),
+        for (label, text, longest) in [
+            ("found:  ", &p.found, FOUND_SHOWN),
+            ("allowed:", &p.allowed, WORDS_SHOWN),
+            ("hint:   ", &hint, WORDS_SHOWN),
         ] {
             if let Some(text) = text {
-                write!(f, "\n  {label} {text}")?;
+                write!(f, "\n  {label} {}", shown(text, longest))?;
             }
         }
         Ok(())

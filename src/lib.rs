@@ -102,6 +102,7 @@ pub mod simulation;
 pub mod statistics;
 pub mod store;
 pub mod table;
+pub mod text;
 pub mod trajectory;
 pub mod unit;
 pub mod warning;

@@ -2,6 +2,11 @@
 
 use std::fmt;
 
+use crate::text::shown;
+
+/// Most characters of a message that are shown.
+const SHOWN: usize = 1000;
+
 /// Writes the enum of codes, their stable names and the list of all.
 macro_rules! codes {
     ($($variant:ident $name:literal $doc:literal;)*) => {
@@ -28,7 +33,9 @@ macro_rules! codes {
 
 codes! {
     AtypicalPrediction "atypical-prediction" "The run without noise is unlike its own repeats.";
+    BentTooFar "bent-too-far" "A gait bends a face into its own cube.";
     CentreOfMassContradicted "centre-of-mass-contradicted" "Flight puts the centre of mass elsewhere than the robot's file.";
+    CentreOfMassOutside "centre-of-mass-outside" "A centre of mass lies outside of its cube.";
     ColumnsIgnored "columns-ignored" "A recording has columns that nothing uses.";
     ComponentsMissDifference "components-miss-difference" "The kept principal components hardly see how two runs differ.";
     DifferentDurations "different-durations" "Recordings of one comparison last differently long.";
@@ -43,9 +50,11 @@ codes! {
     FreeParameter "free-parameter" "A free parameter was given no value.";
     GaitNeedsProgram "gait-needs-program" "A format holds servos, but not what commands them.";
     GaitNotExported "gait-not-exported" "A format has no gait.";
+    GaitTooFast "gait-too-fast" "A gait is faster than the steps can follow.";
     GravityContradicted "gravity-contradicted" "Flight falls otherwise than gravity says.";
     Incomplete "incomplete" "The work was interrupted; this is what there is.";
     KnownLimit "known-limit" "A result depends on something that the engine is known to do wrongly.";
+    MassRatio "mass-ratio" "A joint holds a very light and a very heavy part.";
     NoEffect "no-effect" "Something that was set changes nothing.";
     NoFlight "no-flight" "No free flight was found.";
     NoNoise "no-noise" "Repeats that differ by nothing.";
@@ -113,7 +122,7 @@ impl Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} [{}]", self.message, self.code)
+        write!(f, "{} [{}]", shown(&self.message, SHOWN), self.code)
     }
 }
 

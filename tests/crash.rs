@@ -500,3 +500,197 @@ fn a_store_that_somebody_else_made_does_not_steer_the_terminal_nor_a_spreadsheet
         assert!(!cell.trim_matches('"').starts_with(['=', '@']), "{csv}");
     }
 }
+
+/// Starts a command with its output to be read later.
+fn start(args: &[&str]) -> std::process::Child {
+    Command::new(env!("CARGO_BIN_EXE_realgap"))
+        .args(args)
+        .current_dir(common::project())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// Sends a signal.
+#[cfg(unix)]
+fn signal(process: &std::process::Child, name: &str) {
+    let sent = Command::new("kill")
+        .args([name, &process.id().to_string()])
+        .status();
+    assert!(sent.unwrap().success());
+}
+
+/// Waits until somebody holds the folder.
+fn wait_for_lock(folder: &Path) {
+    let started = Instant::now();
+    while !folder.join(".lock").exists() {
+        assert!(started.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn told_to_end_the_program_ends_also_in_the_middle_of_a_run_of_an_hour() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["-TERM", "-QUIT", "-HUP"] {
+        let out = folder.path().join(name);
+        // Minutes of CPU before the first run ends.
+        let process = start(&[
+            "predict",
+            "morphologies/tripod.ron",
+            "--duration",
+            "3600",
+            "--set",
+            "timestep_s=0.0001",
+            "--jobs",
+            "1",
+            "-o",
+            &out.display().to_string(),
+        ]);
+        wait_for_lock(&out);
+        signal(&process, name);
+        let ended = process.wait_with_output().unwrap();
+        assert_eq!(ended.status.code(), Some(130), "{}", text(&ended.stderr));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn what_repeats_have_said_by_the_time_of_ctrl_c_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = quick_study(folder.path(), 2).display().to_string();
+    let noise = folder.path().join("noise.ron");
+    std::fs::write(&noise, "(start_heading_rad: Normal(0.02))").unwrap();
+    let noise = noise.display().to_string();
+    for (command, subject, report) in [
+        ("ensemble", study.as_str(), "ensemble.json"),
+        ("gap", &study, "gap.json"),
+        ("predict", "morphologies/tripod.ron", "prediction.json"),
+    ] {
+        let out = folder.path().join(command);
+        let process = start(&[
+            command,
+            subject,
+            "--repeats",
+            "5000",
+            "--noise",
+            &noise,
+            "--jobs",
+            "1",
+            "-o",
+            &out.display().to_string(),
+        ]);
+        wait_for_lock(&out);
+        signal(&process, "-INT");
+        let ended = process.wait_with_output().unwrap();
+        assert_eq!(ended.status.code(), Some(130), "{}", text(&ended.stderr));
+        assert!(
+            text(&ended.stderr).contains("interrupted"),
+            "{}",
+            text(&ended.stderr)
+        );
+        let said: serde_json::Value = serde_json::from_str(&read(&out, report)).unwrap();
+        assert!(
+            said.to_string().contains("\"complete\":false"),
+            "{command}: {said}"
+        );
+    }
+}
+
+#[test]
+fn a_folder_that_is_removed_during_a_run_ends_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = quick_study(folder.path(), 100).display().to_string();
+    for args in [
+        vec!["sweep", &study],
+        vec![
+            "predict",
+            "morphologies/tripod.ron",
+            "--repeats",
+            "5000",
+            "--duration",
+            "60",
+        ],
+    ] {
+        let out = folder.path().join("out");
+        let out_text = out.display().to_string();
+        let process = start(&[&args[..], &["--jobs", "1", "-o", &out_text]].concat());
+        wait_for_lock(&out);
+        std::thread::sleep(Duration::from_millis(300));
+        std::fs::remove_dir_all(&out).unwrap();
+        // Many minutes of work were left.
+        let ended = process.wait_with_output().unwrap();
+        let error = text(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(1), "{error}");
+        assert!(error.contains("removed during the run"), "{error}");
+        assert!(!out.join("points.csv").exists() && !out.join("prediction.json").exists());
+    }
+}
+
+#[test]
+fn damage_in_the_log_of_a_killed_run_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let open = folder.path().join("open");
+    let mut store = Store::<Trial>::create(&open, &Fingerprint::new()).unwrap();
+    let list = serde_json::json!(["floor.friction"]).to_string();
+    store
+        .describe([
+            ("kind", "sweep".to_owned()),
+            ("study", "floor".to_owned()),
+            ("metric", "rms".to_owned()),
+            ("unit", "m".to_owned()),
+            ("parameters", list),
+            ("recordings", "[]".to_owned()),
+        ])
+        .unwrap();
+    for index in 0..20 {
+        let trial = Trial {
+            index,
+            values: vec![index as f64],
+            cases: Vec::new(),
+        };
+        store.insert(&[trial]).unwrap();
+    }
+    // What kill -9 leaves: the file and its log, with nobody holding the folder.
+    let copy = |name: &str| {
+        let killed = folder.path().join(name);
+        std::fs::create_dir(&killed).unwrap();
+        for file in ["results.sqlite", "results.sqlite-wal", ".lock"] {
+            std::fs::copy(open.join(file), killed.join(file)).unwrap();
+        }
+        killed
+    };
+    let killed = copy("killed");
+    assert_eq!(
+        realgap::store::Listing::read(&killed).unwrap().rows.len(),
+        20
+    );
+    let log = std::fs::read(killed.join("results.sqlite-wal")).unwrap();
+    assert!(log.len() > 40_000, "{}", log.len());
+    for (number, at) in [20, 40, 60, 5_000, log.len() / 2, log.len() - 9_000]
+        .into_iter()
+        .enumerate()
+    {
+        let killed = copy(&format!("damaged_{number}"));
+        let mut damaged = log.clone();
+        damaged[at] ^= 4;
+        std::fs::write(killed.join("results.sqlite-wal"), damaged).unwrap();
+        let listed = realgap::store::Listing::read(&killed)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            listed.contains("damaged") && listed.contains("-wal"),
+            "{at}: {listed}"
+        );
+        let resumed = Store::<Trial>::resume(&killed, &Fingerprint::new()).unwrap_err();
+        assert!(resumed.to_string().contains("damaged"), "{at}: {resumed}");
+    }
+    // A last write that was cut off is no damage: what was stored before it is there.
+    let killed = copy("cut");
+    std::fs::write(killed.join("results.sqlite-wal"), &log[..log.len() - 100]).unwrap();
+    let listed = realgap::store::Listing::read(&killed).unwrap().rows.len();
+    assert!((18..20).contains(&listed), "{listed}");
+    drop(store);
+}

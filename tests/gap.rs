@@ -327,6 +327,8 @@ fn a_study_without_noise_has_a_gap_but_no_confidence_and_leaves_no_old_picture()
     let out = folder.path().join("out");
     std::fs::create_dir_all(&out).unwrap();
     std::fs::write(out.join("confidence.png"), "old").unwrap();
+    // A folder that results were written into before.
+    std::fs::write(out.join(".lock"), "").unwrap();
     let zero = folder.path().join("zero.ron");
     std::fs::write(&zero, "()").unwrap();
     let zero = zero.display().to_string();

@@ -8,14 +8,15 @@ use std::path::{Path, PathBuf};
 /// Rooms from the ground up, each with the rooms it may use. A room inside another (`simulation::parameter`) has rules of
 /// its own; who may use a room may use the rooms inside it.
 const PERMITTED: &[(&str, &[&str])] = &[
-    ("error", &["unit"]),
-    ("warning", &[]),
+    ("text", &[]),
+    ("error", &["unit", "text"]),
+    ("warning", &["text"]),
     ("unit", &[]),
     ("table", &[]),
     ("quantity", &["error", "unit"]),
     ("random", &[]),
     ("statistics", &["error", "random"]),
-    ("file", &["error"]),
+    ("file", &["error", "text"]),
     ("trajectory", &["error", "warning", "unit", "file"]),
     (
         "comparison",
@@ -197,6 +198,8 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "error",
             "warning",
             "unit",
+            "text",
+            "store",
             "statistics",
             "file",
             "trajectory",

@@ -9,7 +9,7 @@ use super::study::Study;
 use crate::calibration::identification::StartState;
 use crate::comparison::{self, Components, DEFAULT_METRIC, Metric};
 use crate::error::{Error, Result};
-use crate::file::sha256;
+use crate::file::{check_name, sha256};
 use crate::optimization::{Grid, Range};
 use crate::robot::morphology::Morphology;
 use crate::simulation::Noise;
@@ -155,8 +155,9 @@ impl StudyBuilder {
     /// The study, ready to run.
     ///
     /// # Errors
-    /// No recordings, nothing that varies, unknown parameters, values out of bounds, and as [`Study::new`].
+    /// A name that cannot be that of a folder, no recordings, nothing that varies, unknown parameters, values out of bounds, and as [`Study::new`].
     pub fn build(self) -> Result<Study> {
+        check_name(&self.name, "a study")?;
         let parameters = self
             .ranges
             .iter()

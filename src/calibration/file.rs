@@ -11,7 +11,7 @@ use super::recording;
 use crate::calibration::identification::StartState;
 use crate::comparison::{self, Components};
 use crate::error::{Error, Result};
-use crate::file::{Source, parse_ron};
+use crate::file::{Source, name_of_file, parse_ron, unique_keys};
 use crate::optimization::{Grid, MAX_POINTS, Range};
 use crate::robot::morphology::Morphology;
 use crate::simulation::Noise;
@@ -32,7 +32,7 @@ struct StudyFile {
     timestep_s: Option<f64>,
     substeps: Option<usize>,
     joint: Option<Joint>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "unique_keys")]
     set: BTreeMap<String, f64>,
     parameters: Vec<RangeFile>,
     #[serde(default = "default_metric")]
@@ -40,7 +40,7 @@ struct StudyFile {
     components: Option<ComponentsFile>,
     #[serde(default = "default_seed")]
     seed: u64,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "unique_keys")]
     truth: BTreeMap<String, f64>,
     noise: Option<Noise>,
 }
@@ -195,10 +195,7 @@ impl Definition {
             .map(|(name, value)| Assignment::new(name, *value).map_err(|e| source.at("truth", e)))
             .collect::<Result<ParameterSet>>()?;
         Ok(Self {
-            name: path
-                .file_stem()
-                .map(|s| s.to_string_lossy().into_owned())
-                .unwrap_or_default(),
+            name: name_of_file(path, "a study")?,
             path: Some(path.to_path_buf()),
             text: source.text().to_owned(),
             description: file.description,

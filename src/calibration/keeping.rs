@@ -2,13 +2,12 @@
 
 use std::collections::BTreeSet;
 use std::ops::Range;
-use std::path::Path;
 
 use super::score::PointScore;
 use super::study::Study;
 use crate::error::Result;
 use crate::optimization::Ending;
-use crate::store::{Fingerprint, Memory, Mode, Storage, Store, Trial, TrialScore};
+use crate::store::{Fingerprint, Memory, Mode, Place, Storage, Store, Trial, TrialScore};
 
 /// What a run that keeps its results needs to know of itself.
 pub(super) struct Kept<'a> {
@@ -28,13 +27,13 @@ pub(super) enum Keeping {
 
 impl Keeping {
     /// Memory, or the store of a folder as the mode asks, described.
-    pub fn open(kept: &Kept<'_>, folder: Option<(&Path, Mode)>) -> Result<Self> {
-        let Some((folder, mode)) = folder else {
+    pub fn open(kept: &Kept<'_>, place: Option<(Place<'_>, Mode)>) -> Result<Self> {
+        let Some((place, mode)) = place else {
             return Ok(Self::Memory(Memory::default()));
         };
         let what = format!("{} of this study", kept.kind);
         let expected = format!("{} points", kept.expected);
-        let mut store = Store::open(folder, &kept.fingerprint, mode, &what, &expected)?;
+        let mut store = Store::open(place, &kept.fingerprint, mode, &what, &expected)?;
         describe(kept, &mut store)?;
         Ok(Self::Folder(Box::new(store)))
     }

@@ -35,6 +35,7 @@ mod evaluation;
 mod file;
 mod fingerprint;
 mod keeping;
+mod matching;
 mod method;
 mod noise;
 mod overrides;

@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use super::matching::matching_files;
 use super::overrides::Overrides;
 use crate::error::{Advice, Error, Result};
 use crate::file::sha256;
 use crate::robot::morphology::Morphology;
-use crate::trajectory::{self, Recording, Source};
+use crate::trajectory::{self, META_FILE, Recording, Source};
 use crate::unit::counted;
 use crate::warning::{Code, Warning};
 
@@ -66,18 +67,25 @@ pub(super) fn find(study: &Path, own_globs: &[String], overrides: &Overrides) ->
 /// The files that these globs name, relative to `base`, each once; in order of the globs, then of the paths.
 ///
 /// # Errors
-/// A glob that is none, or that matches no file that can be read.
+/// A glob that is none or that matches nothing; a match that is no file with the ending of a recording. A `meta.ron`, a README
+/// and a licence may lie beside recordings.
 pub fn recording_paths(globs: &[String], base: &Path) -> Result<Vec<PathBuf>> {
     let mut paths = Vec::new();
     for pattern in globs {
         let whole = base.join(pattern);
-        let found = expand(&whole)?;
+        let mut found = matching_files(base, pattern)?;
+        found.retain(|path| !is_beside(path));
         if found.is_empty() {
             return Err(Error::invalid("no file matches")
                 .field("recordings")
                 .found(whole.display())
                 .allowed("a glob that matches at least one .csv or .tum file")
                 .hint("in a shell, quote the glob; it is relative to the current folder, in a study file to that file"));
+        }
+        for path in &found {
+            trajectory::format_of(path).map_err(|e| {
+                e.or_hint("every match of the glob counts: name one that matches recordings only, e.g. FOLDER/*.csv")
+            })?;
         }
         paths.extend(found);
     }
@@ -90,23 +98,13 @@ pub fn recording_paths(globs: &[String], base: &Path) -> Result<Vec<PathBuf>> {
     Ok(unique)
 }
 
-fn expand(pattern: &Path) -> Result<Vec<PathBuf>> {
-    let text = pattern.to_string_lossy();
-    let entries = glob::glob(&text).map_err(|e| {
-        Error::invalid(format!("not a glob: {}", e.msg))
-            .field("recordings")
-            .found(&text)
-    })?;
-    let mut paths = Vec::new();
-    for entry in entries {
-        let path = entry.map_err(|e| Error::io("look for recordings", e.path(), e.error()))?;
-        // A folder's README and meta.ron lie beside the recordings; only what can be read is taken.
-        if path.is_file() && trajectory::format_of(&path).is_ok() {
-            paths.push(path);
-        }
-    }
-    paths.sort();
-    Ok(paths)
+/// Whether a file lies beside recordings without being one.
+fn is_beside(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name == META_FILE
+        || ["README", "LICENSE", "LICENCE"]
+            .iter()
+            .any(|start| name.starts_with(start))
 }
 
 /// What the reader should know of recordings that are matched with simulations of `robot`.

@@ -77,16 +77,19 @@ impl Repeatable {
         experiment.duration_s = duration_s;
         experiment.sampling = Sampling::Rate(RATE_HZ);
         experiment.check().map_err(|e| definition.at_file(e))?;
+        let mut warnings = definition.morphology.warnings();
+        warnings.extend(experiment.warnings());
+        warnings.push(Warning::new(
+            Code::NoRecordings,
+            "the study names no recordings: nothing says whether these confidences are honest",
+        ));
         Ok(Self {
             cases: vec![RepeatCase {
                 name: definition.name.clone(),
                 experiment,
                 real: Vec::new(),
             }],
-            warnings: vec![Warning::new(
-                Code::NoRecordings,
-                "the study names no recordings: nothing says whether these confidences are honest",
-            )],
+            warnings,
             definition,
         })
     }

@@ -43,6 +43,8 @@ impl Study {
         let (cases, mut warnings) = cases(&definition)?;
         warnings.extend(definition.warnings.iter().cloned());
         warnings.extend(definition.set.without_effect(&cases[0].experiment));
+        warnings.extend(definition.morphology.warnings());
+        warnings.extend(cases[0].experiment.warnings());
         warnings.sort();
         warnings.dedup();
         let body_length_m = definition.morphology.assemble().body_length_m;

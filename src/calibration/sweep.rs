@@ -1,7 +1,5 @@
 //! The sweep: every point of a study, kept as it comes, scored at the end.
 
-use std::path::Path;
-
 use super::answer::Answer;
 use super::keeping::{Keeping, Kept};
 use super::method::Method;
@@ -9,7 +7,7 @@ use super::score::Scores;
 use super::study::Study;
 use crate::error::Result;
 use crate::optimization::{Batch, RunOptions, drive};
-use crate::store::Mode;
+use crate::store::{Mode, Place};
 
 impl Study {
     /// Simulates every point of the study's grid and says what cannot be told from the best.
@@ -22,17 +20,22 @@ impl Study {
         sweep(self, None, run)
     }
 
-    /// As [`Study::sweep`], with every trial kept in `folder` as it comes: an interrupted sweep can go on, and the answer has
+    /// As [`Study::sweep`], with every trial kept in a folder as it comes: an interrupted sweep can go on, and the answer has
     /// the same bits however often that happened.
     ///
     /// # Errors
     /// As [`Study::sweep`]; a folder in use, results of another study in it, a full disk.
-    pub fn sweep_into(&self, folder: &Path, mode: Mode, run: &RunOptions<'_>) -> Result<Answer> {
-        sweep(self, Some((folder, mode)), run)
+    pub fn sweep_into<'a>(
+        &self,
+        place: impl Into<Place<'a>>,
+        mode: Mode,
+        run: &RunOptions<'_>,
+    ) -> Result<Answer> {
+        sweep(self, Some((place.into(), mode)), run)
     }
 }
 
-fn sweep(study: &Study, folder: Option<(&Path, Mode)>, run: &RunOptions<'_>) -> Result<Answer> {
+fn sweep(study: &Study, place: Option<(Place<'_>, Mode)>, run: &RunOptions<'_>) -> Result<Answer> {
     let grid = &study.definition().grid;
     grid.check_size()
         .map_err(|e| study.definition().at_file(e))?;
@@ -43,7 +46,7 @@ fn sweep(study: &Study, folder: Option<(&Path, Mode)>, run: &RunOptions<'_>) -> 
         kind: "sweep",
         expected: points,
     };
-    let mut keeping = Keeping::open(&kept, folder)?;
+    let mut keeping = Keeping::open(&kept, place)?;
     let batch = Batch {
         points,
         jobs: run.jobs,

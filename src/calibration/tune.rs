@@ -1,7 +1,5 @@
 //! Tuning: an optimizer chooses the points, stored as they come.
 
-use std::path::Path;
-
 use super::answer::Answer;
 use super::keeping::{Keeping, Kept};
 use super::method::{Method, Termination, Tuned};
@@ -13,7 +11,7 @@ use crate::optimization::{
     Batch, Brief, Ending, History, Optimizer, Proposal, RunOptions, Told, UnitPoint,
     default_optimizer, drive, space_filling,
 };
-use crate::store::{Mode, Storage};
+use crate::store::{Mode, Place, Storage};
 
 /// How to tune.
 #[derive(Debug, Clone, Copy)]
@@ -25,6 +23,9 @@ pub struct TuneOptions {
     /// Stop after so many points in a row without a better one.
     pub patience: Option<usize>,
 }
+
+/// Most points: they are held in memory, and every proposal looks at all of them.
+const MOST_POINTS: usize = 1_000_000;
 
 /// Runs of the first design from which the basis of the `pca` metric is fitted (DESIGN, section 4).
 const BASIS_DESIGN: usize = 64;
@@ -52,29 +53,29 @@ impl Study {
         tune(self, None, options, run)
     }
 
-    /// As [`Study::tune`], with every trial kept in `folder` as it comes: the answer has the same bits however often the run
+    /// As [`Study::tune`], with every trial kept in a folder as it comes: the answer has the same bits however often the run
     /// was interrupted and resumed; a larger budget goes on where a smaller one ended, a smaller one uses what is there.
     ///
     /// # Errors
     /// As [`Study::tune`]; a folder in use, results of another study in it, a full disk.
-    pub fn tune_into(
+    pub fn tune_into<'a>(
         &self,
-        folder: &Path,
+        place: impl Into<Place<'a>>,
         mode: Mode,
         options: &TuneOptions,
         run: &RunOptions<'_>,
     ) -> Result<Answer> {
-        tune(self, Some((folder, mode)), options, run)
+        tune(self, Some((place.into(), mode)), options, run)
     }
 }
 
 fn tune(
     study: &Study,
-    folder: Option<(&Path, Mode)>,
+    place: Option<(Place<'_>, Mode)>,
     options: &TuneOptions,
     run: &RunOptions<'_>,
 ) -> Result<Answer> {
-    let mut tuning = Tuning::open(study, folder, options, run)?;
+    let mut tuning = Tuning::open(study, place, options, run)?;
     let termination = tuning.search()?;
     let ending = match termination {
         Termination::Interrupted => Ending::Interrupted,
@@ -110,7 +111,7 @@ struct Tuning<'a> {
 impl<'a> Tuning<'a> {
     fn open(
         study: &'a Study,
-        folder: Option<(&Path, Mode)>,
+        place: Option<(Place<'_>, Mode)>,
         options: &'a TuneOptions,
         run: &'a RunOptions<'a>,
     ) -> Result<Self> {
@@ -133,6 +134,12 @@ impl<'a> Tuning<'a> {
             seed: definition.seed,
         };
         let batch = options.optimizer.batch(&brief).max(1);
+        if options.budget > MOST_POINTS {
+            return Err(Error::usage("the budget is too large")
+                .field("budget")
+                .found(options.budget)
+                .allowed(format!("at most {MOST_POINTS}")));
+        }
         if brief.budget < batch {
             let error = Error::usage("the budget is too small")
                 .field("budget")
@@ -160,7 +167,7 @@ impl<'a> Tuning<'a> {
             kind: "tune",
             expected: options.budget,
         };
-        let keeping = Keeping::open(&kept, folder)?;
+        let keeping = Keeping::open(&kept, place)?;
         Ok(Self {
             study,
             budget: options.budget.max(keeping.finished()?.len()),

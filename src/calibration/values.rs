@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
-use crate::file::{Source, parse_ron};
+use crate::file::{Source, parse_ron, unique_keys};
 use crate::simulation::parameter::{Assignment, ParameterSet};
 
 /// Values with where they come from.
@@ -17,6 +17,7 @@ pub struct BestFile {
     #[serde(default)]
     pub description: String,
     /// Name and value of each parameter.
+    #[serde(deserialize_with = "unique_keys")]
     pub parameters: BTreeMap<String, f64>,
 }
 

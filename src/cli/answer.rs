@@ -6,12 +6,12 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::calibration::{Answer, Mode, Overrides, Split, Study};
 use realgap::optimization::Ending;
-use realgap::results;
-use realgap::store::FolderLock;
+use realgap::results::{self, Kind};
 use realgap::unit::counted;
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 
+use super::folder::ResultsFolder;
 use super::kind::read_study;
 use super::option::{Format, Jobs, Recordings, Values, metric_option};
 use super::terminal;
@@ -83,12 +83,14 @@ impl StudyOptions {
         Ok(study)
     }
 
-    /// The folder that was asked for, or `results/<study>`, with `suffix` where that is not empty.
-    pub fn folder(&self, study: &Study, suffix: &str) -> PathBuf {
-        match &self.output {
+    /// Takes the folder that was asked for, or `results/<study>`, with `suffix` where that is not empty.
+    pub fn folder(&self, study: &Study, suffix: &str) -> Result<ResultsFolder> {
+        let name = || format!("{}{suffix}", study.definition().name);
+        let folder = match &self.output {
             Some(folder) => folder.clone(),
-            None => PathBuf::from("results").join(format!("{}{suffix}", study.definition().name)),
-        }
+            None => PathBuf::from("results").join(name()),
+        };
+        ResultsFolder::take(&folder, Kind::Study)
     }
 
     pub fn mode(&self) -> Mode {
@@ -109,11 +111,12 @@ impl StudyOptions {
         name: &str,
         study: &Study,
         answer: &Answer,
-        folder: &Path,
+        folder: &ResultsFolder,
         wall_s: f64,
     ) -> Result<ExitCode> {
-        let _lock = FolderLock::acquire(folder)?;
-        results::write(folder, study, answer)?;
+        results::write(folder.path(), study, answer)?;
+        folder.write_timing(self.jobs())?;
+        let folder = folder.path();
         let report = &answer.report;
         terminal::print_warnings(
             report

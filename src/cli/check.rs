@@ -16,6 +16,7 @@ use realgap::unit::{LengthUnit, counted};
 use realgap::{Error, Result, Warning, results::portrait, trajectory};
 use serde_json::{Value, json};
 
+use super::estimate::cpu_s_per_point;
 use super::kind::Kind;
 use super::option::{Format, UnitOption};
 use super::terminal;
@@ -275,7 +276,7 @@ fn study(path: &Path) -> Result<Contents> {
                 StartRule::FromRecording => points * recordings,
             };
             let study = realgap::calibration::Study::new(whole)?;
-            let one = time_one(&study)?;
+            let one = cpu_s_per_point(&study)?;
             let cpu_s = one * points as f64;
             lines.push(format!(
                 "  {}, {}, {}",
@@ -284,7 +285,7 @@ fn study(path: &Path) -> Result<Contents> {
                 counted(simulations, "simulation")
             ));
             lines.push(format!(
-                "  about {cpu_s:.0} CPU s ({one:.3} s a point, measured on this machine just now)"
+                "  about {cpu_s:.0} CPU s ({one:.3} s a point, from a slice of one on this machine just now)"
             ));
             details["recordings"] = json!(recordings);
             details["simulations"] = json!(simulations);
@@ -338,17 +339,6 @@ fn search(path: &Path) -> Result<Contents> {
         }),
         warnings: Vec::new(),
     })
-}
-
-/// CPU seconds of one point in the middle of the grid.
-fn time_one(study: &realgap::calibration::Study) -> Result<f64> {
-    let values = study
-        .definition()
-        .grid
-        .values(study.definition().grid.len() / 2);
-    let run = realgap::simulation::run(&study.experiment(0, &values)?)?;
-    let share = study.simulated_s() / study.cases()[0].experiment.duration_s;
-    Ok(run.cpu.as_secs_f64() * share)
 }
 
 fn parameters(path: &Path) -> Result<Contents> {

@@ -6,15 +6,16 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::calibration::{Overrides, Repeatable, read_noise};
 use realgap::comparison;
+use realgap::file::check_writable;
 use realgap::optimization::RunOptions;
 use realgap::prediction::{EnsembleOptions, EnsembleReport, ensemble};
-use realgap::results::write_ensemble;
+use realgap::results::{Kind, write_ensemble};
 use realgap::simulation::Outcome;
-use realgap::store::FolderLock;
 use realgap::trajectory;
 use realgap::unit::{Unit, quantity};
 use realgap::{Error, Result};
 
+use super::folder::ResultsFolder;
 use super::option::{Format, Jobs, MOST_REPEATS, Recordings, Values};
 use super::{interrupt, progress, terminal};
 
@@ -81,7 +82,7 @@ impl Ensemble {
         let folder = self.output.clone().unwrap_or_else(|| {
             PathBuf::from("results").join(format!("{}_ensemble", study.definition.name))
         });
-        let _lock = FolderLock::make(&folder)?;
+        let folder = ResultsFolder::take(&folder, Kind::Ensemble)?;
         let total = study.cases.len() * options.repeats;
         let bar = progress::bar(total, "repeating");
         let follow = progress::follow(&bar);
@@ -93,7 +94,9 @@ impl Ensemble {
         let report = EnsembleReport::new(&study, &options, &run);
         bar.finish_and_clear();
         let report = report?;
-        write_ensemble(&folder, &report)?;
+        folder.check()?;
+        write_ensemble(folder.path(), &report)?;
+        folder.write_timing(run.jobs)?;
         terminal::print_warnings(
             report
                 .warnings
@@ -104,7 +107,7 @@ impl Ensemble {
             Format::Json => terminal::print(terminal::json(&report)?),
             Format::Table => terminal::print(format!(
                 "{report}\n  results in {}: ensemble.json, repeats.csv, ensemble.png and .svg",
-                folder.display()
+                folder.path().display()
             )),
         }
         if !report.complete {
@@ -112,7 +115,7 @@ impl Ensemble {
                 "interrupted after {} of {total} repeats; what there is is reported as incomplete",
                 report.repeats()
             ))
-            .at_file(&folder)
+            .at_file(folder.path())
             .hint("run the command again; the same repeats come out the same"));
         }
         if report.is_lost() {
@@ -141,6 +144,7 @@ fn replay(
             .hint("name one with --recordings"));
     };
     trajectory::format_of(file)?;
+    check_writable(file)?;
     let run = ensemble::repeat(&case.experiment, &options.noise, options.seed, number)?;
     terminal::print_warnings(&run.warnings);
     match run.outcome {

@@ -8,10 +8,10 @@ use realgap::calibration::{Overrides, read_noise};
 use realgap::comparison::{Components, DEFAULT_METRIC, Metric, by_name};
 use realgap::optimization::RunOptions;
 use realgap::prediction::gap::{FloorReport, GapOptions, Scoring, StudyGap, read_sets};
-use realgap::results::{write_gap, write_report};
-use realgap::store::FolderLock;
+use realgap::results::{Kind, write_floor, write_gap};
 use realgap::{Error, Result, Warning};
 
+use super::folder::ResultsFolder;
 use super::kind::read_study;
 use super::option::{Format, Jobs, MOST_REPEATS, Recordings, Values, metric_option};
 use super::{interrupt, progress, terminal};
@@ -104,7 +104,7 @@ impl Gap {
             .output
             .clone()
             .unwrap_or_else(|| PathBuf::from("results").join(format!("{}_gap", definition.name)));
-        let _lock = FolderLock::make(&folder)?;
+        let folder = ResultsFolder::take(&folder, Kind::Gap)?;
         let stop = interrupt::stop_flag()?;
         let bar = progress::bar(0, "simulating");
         let follow = progress::follow(&bar);
@@ -116,7 +116,9 @@ impl Gap {
         let found = StudyGap::new(&study, &options, &run);
         bar.finish_and_clear();
         let found = found?;
-        write_gap(&folder, &found)?;
+        folder.check()?;
+        write_gap(folder.path(), &found)?;
+        folder.write_timing(run.jobs)?;
         terminal::print_warnings(&found.warnings);
         let pictures = if found.confidence.is_some() {
             "gap.json, rmse.png, confidence.png and .svg"
@@ -127,8 +129,15 @@ impl Gap {
             Format::Json => terminal::print(terminal::json(&found)?),
             Format::Table => terminal::print(format!(
                 "{found}\n  results in {}: {pictures}",
-                folder.display()
+                folder.path().display()
             )),
+        }
+        if !found.complete {
+            return Err(Error::interrupted(
+                "interrupted before the last repeat; what there is is reported as incomplete",
+            )
+            .at_file(folder.path())
+            .hint("run the command again; the same repeats come out the same"));
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -151,6 +160,9 @@ impl Gap {
             jobs: self.jobs.count(),
             ..RunOptions::default()
         };
+        let folder = self.output.as_deref();
+        let folder = folder.map(|folder| ResultsFolder::take(folder, Kind::Gap));
+        let folder = folder.transpose()?;
         let report = FloorReport::new(sets, &scoring, &run)?;
         for set in &report.sets {
             let named = set
@@ -160,9 +172,10 @@ impl Gap {
                 .map(|w| Warning::new(w.code, format!("{}: {}", set.set, w.message)));
             terminal::print_warnings(&named.collect::<Vec<_>>());
         }
-        if let Some(folder) = &self.output {
-            let _lock = FolderLock::make(folder)?;
-            write_report(folder, "gap.json", &report)?;
+        if let Some(folder) = &folder {
+            folder.check()?;
+            write_floor(folder.path(), &report)?;
+            folder.write_timing(run.jobs)?;
         }
         match self.format {
             Format::Json => terminal::print(terminal::json(&report)?),

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::{Args, Subcommand};
 use realgap::file::write_atomic;
 use realgap::robot::genome::{Genome, Specimen};
+use realgap::robot::morphology::Morphology;
 use realgap::search::generator;
 use realgap::{Error, Result};
 
@@ -55,6 +56,7 @@ impl Random {
         let name = self
             .name
             .unwrap_or_else(|| format!("random_{}_{}", self.modules, self.seed));
+        Morphology::check_name(&name).map_err(Error::into_usage)?;
         let mut specimen = Specimen::new(name, genome);
         let usual = specimen.development.max_modules;
         specimen.development.max_modules = usual.max(self.modules);

@@ -7,8 +7,10 @@ mod compare;
 mod completions;
 mod develop;
 mod ensemble;
+mod estimate;
 mod evaluate;
 mod export;
+mod folder;
 mod gap;
 mod genome;
 mod identify;
@@ -84,6 +86,7 @@ enum Command {
 
 /// Parses the arguments, runs the command, prints the error if there is one.
 pub fn main() -> ExitCode {
+    interrupt::listen();
     let cli = Cli::parse();
     match run(cli.command) {
         Ok(_) if terminal::output_lost() => ExitCode::FAILURE,

@@ -159,9 +159,23 @@ pub fn metric_option(name: Option<&str>) -> Result<Option<&'static dyn Metric>> 
 /// How many threads work in parallel.
 #[derive(Debug, Clone, Args)]
 pub struct Jobs {
-    /// Threads [default: all cores]
-    #[arg(short, long, value_name = "N")]
+    /// Threads, at most 256 or four a core [default: all cores]
+    #[arg(short, long, value_name = "N", value_parser = parse_jobs)]
     jobs: Option<NonZeroUsize>,
+}
+
+/// More threads than this only fight for the cores.
+fn most_jobs() -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    (4 * cores).max(256)
+}
+
+fn parse_jobs(text: &str) -> std::result::Result<NonZeroUsize, String> {
+    let most = most_jobs();
+    text.parse()
+        .ok()
+        .filter(|jobs: &NonZeroUsize| jobs.get() <= most)
+        .ok_or_else(|| format!("allowed: 1 to {most}"))
 }
 
 impl Jobs {

@@ -7,13 +7,13 @@ use clap::Args;
 use realgap::calibration::read_noise;
 use realgap::optimization::RunOptions;
 use realgap::prediction::{Card, SuccessRule, ensemble};
-use realgap::results::write_prediction;
+use realgap::results::{Kind, write_prediction};
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Noise, Sampling};
-use realgap::store::FolderLock;
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 
+use super::folder::ResultsFolder;
 use super::option::{Format, Jobs, MOST_REPEATS, Values, recording_unused};
 use super::{interrupt, progress, terminal};
 
@@ -70,7 +70,8 @@ impl Predict {
         let mut experiment = Experiment::new(morphology.assemble());
         experiment.duration_s = self.duration;
         experiment.sampling = Sampling::Rate(60.0);
-        let mut warnings = values.without_effect(&experiment);
+        let mut warnings = morphology.warnings();
+        warnings.extend(values.without_effect(&experiment));
         warnings.extend(recording_unused(&values));
         let experiment = values.apply(&experiment);
         experiment.check().map_err(Error::into_usage)?;
@@ -84,7 +85,9 @@ impl Predict {
                 (Noise::unmeasured_robot(), "estimate".to_owned())
             }
         };
-        let _lock = self.output.as_deref().map(FolderLock::make).transpose()?;
+        let folder = self.output.as_deref();
+        let folder = folder.map(|folder| ResultsFolder::take(folder, Kind::Prediction));
+        let folder = folder.transpose()?;
         let bar = progress::bar(self.repeats as usize, "repeating");
         let follow = progress::follow(&bar);
         let run = RunOptions {
@@ -100,17 +103,19 @@ impl Predict {
             .with_noise_from(noise_from)
             .with_warnings(warnings);
         terminal::print_warnings(&card.warnings);
-        if let Some(folder) = &self.output {
-            write_prediction(folder, &card, &repeats)?;
+        if let Some(folder) = &folder {
+            folder.check()?;
+            write_prediction(folder.path(), &card, &repeats)?;
+            folder.write_timing(run.jobs)?;
         }
         match self.format {
             Format::Json => terminal::print(terminal::json(&card)?),
             Format::Table => {
                 let mut text = card.to_string();
-                if let Some(folder) = &self.output {
+                if let Some(folder) = &folder {
                     text += &format!(
                         "\n  results in {}: prediction.json, repeats.csv, prediction.png and .svg",
-                        folder.display()
+                        folder.path().display()
                     );
                 }
                 terminal::print(text);

@@ -8,7 +8,7 @@ use realgap::simulation::{self, Camera, Distribution, Experiment, Noise, Outcome
 use realgap::store::FolderLock;
 use realgap::trajectory::{self, Meta, Source};
 use realgap::unit::counted;
-use realgap::{Error, Result};
+use realgap::{Advice, Error, Result};
 use serde_json::json;
 
 use super::kind::read_morphology;
@@ -62,6 +62,10 @@ pub struct Record {
 }
 
 impl Record {
+    fn run_file(&self, repeat: u64) -> PathBuf {
+        self.output.join(format!("run_{repeat:02}.csv"))
+    }
+
     pub fn run(self) -> Result<ExitCode> {
         let noise = Noise {
             start_position_m: Distribution::Normal(self.start_position_noise),
@@ -91,7 +95,19 @@ impl Record {
                 .at_file(&self.output)
                 .hint("name a new folder, or remove the old one: a mixture of two sets would carry the wrong meta.ron"));
         }
-        let _lock = FolderLock::make(&self.output)?;
+        let is_ours = FolderLock::was_in(&self.output);
+        let lock = FolderLock::make(&self.output)?;
+        for repeat in 0..self.repeats {
+            let path = self.run_file(repeat);
+            if !is_ours && path.exists() {
+                return Err(Error::conflict(
+                    "this file would be replaced, and nothing says that this program wrote it",
+                )
+                .at_file(path)
+                .hint("move it away")
+                .advise(Advice::OtherFolder));
+            }
+        }
         let mut written = Vec::new();
         let bar = super::progress::bar(self.repeats as usize, "recording");
         for repeat in 0..self.repeats {
@@ -104,7 +120,8 @@ impl Record {
                     )));
                 }
             };
-            let path = self.output.join(format!("run_{repeat:02}.csv"));
+            let path = self.run_file(repeat);
+            lock.check()?;
             trajectory::write(&path, &camera.record(&motion, self.seed, repeat)?)?;
             written.push(path);
             bar.inc(1);

@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use realgap::file::write_atomic;
 use realgap::plot::{Side, TextTable, number};
 use realgap::store::{Cell, Listing};
+use realgap::text::{cell, shown};
 use realgap::{Error, Result};
 
 use super::terminal;
@@ -70,45 +71,20 @@ impl Results {
     }
 }
 
-/// Longest text in a table for people.
+/// Longest text in a table for people; anybody may have made the store.
 const SHOWN: usize = 120;
 
-/// A text of a store, which anybody may have made, for a terminal: without anything that could steer it, and not too long.
-fn shown(text: &str) -> String {
-    let is_safe = |c: char| {
-        !c.is_control()
-            && !matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
-    };
-    let mut safe = String::new();
-    for (place, c) in text.chars().enumerate() {
-        if place == SHOWN {
-            return safe + " ...";
-        }
-        if is_safe(c) {
-            safe.push(c);
-        } else {
-            safe.extend(c.escape_default());
-        }
-    }
-    safe
-}
-
-/// A text as a spreadsheet should read it: never as something to compute.
-fn quoted(text: &str) -> String {
-    if text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
-        format!("'{text}")
-    } else {
-        text.to_owned()
-    }
-}
-
 fn table(listing: &Listing) -> String {
-    let names: Vec<String> = listing.columns.iter().map(|c| shown(&c.name)).collect();
+    let names: Vec<String> = listing
+        .columns
+        .iter()
+        .map(|c| shown(&c.name, SHOWN))
+        .collect();
     let mut table = TextTable::new(names.iter().map(|name| (name.as_str(), Side::Right)));
     for row in &listing.rows {
         table.push(row.iter().map(|cell| match cell {
             Cell::Number(Some(value)) => number(*value),
-            other => shown(&other.text()),
+            other => shown(&other.text(), SHOWN),
         }));
     }
     let state = if listing.complete {
@@ -118,9 +94,9 @@ fn table(listing: &Listing) -> String {
     };
     format!(
         "{} of {}, {state}, {}\n{}",
-        shown(&listing.kind),
-        shown(&listing.name),
-        shown(&listing.measure),
+        shown(&listing.kind, SHOWN),
+        shown(&listing.name, SHOWN),
+        shown(&listing.measure, SHOWN),
         table.render(terminal::stdout_wants_colour())
     )
 }
@@ -129,14 +105,16 @@ fn csv(listing: &Listing) -> Result<Vec<u8>> {
     let fail = |e: csv::Error| Error::invalid(format!("cannot write the table: {e}"));
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer
-        .write_record(listing.columns.iter().map(|column| quoted(&column.name)))
+        .write_record(
+            listing
+                .columns
+                .iter()
+                .map(|column| cell(&column.name).into_owned()),
+        )
         .map_err(fail)?;
     for row in &listing.rows {
         writer
-            .write_record(row.iter().map(|cell| match cell {
-                Cell::Text(text) => quoted(text),
-                number => number.text(),
-            }))
+            .write_record(row.iter().map(|value| cell(&value.text()).into_owned()))
             .map_err(fail)?;
     }
     writer

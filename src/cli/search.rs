@@ -1,6 +1,6 @@
 //! `realgap search`: the best robot, and how sure that is.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -8,12 +8,12 @@ use std::time::Instant;
 use clap::Args;
 use realgap::optimization::{Ending, Progress, RunOptions};
 use realgap::plot::{Side, TextTable, quantity};
-use realgap::results::{SearchSummary, write_search};
+use realgap::results::{Kind, SearchSummary, write_search};
 use realgap::search::{self, Finalist, Mode, Overrides, SearchResults};
-use realgap::store::FolderLock;
 use realgap::unit::{Unit, counted};
 use realgap::{Error, Result};
 
+use super::folder::ResultsFolder;
 use super::kind::read_search;
 use super::option::{Format, Jobs, Values, recording_unused};
 use super::{interrupt, progress, terminal};
@@ -76,15 +76,19 @@ impl Search {
             progress: None,
         };
         let started = Instant::now();
-        let results = self.simulate(&search, &folder, &options)?;
-        // Nobody else writes here while the best are looked at again and everything is written.
-        let _lock = FolderLock::acquire(&folder)?;
+        // Nobody else writes here until the best are looked at again and everything is written.
+        let folder = ResultsFolder::take(&folder, Kind::Search)?;
+        let results = self.simulate(&search, &folder, &options);
+        folder.check()?;
+        let results = results?;
         let mut finalists = Ok(Vec::new());
         if results.ending == Ending::Complete {
             finalists = look_again(&search, &results, &options);
         }
         let known = finalists.as_ref().map_or(&[][..], Vec::as_slice);
-        let summary = write_search(&folder, &search, &results, known)?;
+        folder.check()?;
+        let summary = write_search(folder.path(), &search, &results, known)?;
+        folder.write_timing(jobs)?;
         terminal::print_warnings(&summary.warnings);
         match self.format {
             Format::Json => terminal::print(terminal::json(&summary)?),
@@ -94,7 +98,7 @@ impl Search {
                 print(&summary, &search, &head);
                 terminal::print(format!(
                     "  results in {}: summary.json, history.csv, best/ and pictures",
-                    folder.display()
+                    folder.path().display()
                 ));
             }
         }
@@ -107,10 +111,10 @@ impl Search {
                 "interrupted after {} of {} robots; all of them are saved",
                 summary.robots, summary.robots_total
             ))
-            .at_file(&folder)
+            .at_file(folder.path())
             .hint(go_on));
         }
-        finalists.map_err(|e| e.at_file(&folder).hint(go_on))?;
+        finalists.map_err(|e| e.at_file(folder.path()).hint(go_on))?;
         if summary.best.is_empty() {
             return Err(
                 Error::invalid("every robot failed, so there is no best one")
@@ -125,7 +129,7 @@ impl Search {
     fn simulate(
         &self,
         search: &search::Search,
-        folder: &Path,
+        folder: &ResultsFolder,
         options: &RunOptions<'_>,
     ) -> Result<SearchResults> {
         let mode = match (self.resume, self.restart) {
@@ -150,7 +154,7 @@ impl Search {
             progress: Some(&show),
             ..*options
         };
-        let results = search.run_in(folder, mode, &options);
+        let results = search.run_in(folder.lock(), mode, &options);
         bar.finish_and_clear();
         results
     }

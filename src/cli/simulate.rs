@@ -57,6 +57,7 @@ impl Simulate {
         experiment.duration_s = self.duration;
         experiment.sampling = Sampling::Rate(self.rate);
         let values = self.values.parameter_set()?;
+        terminal::print_warnings(&morphology.warnings());
         terminal::print_warnings(&values.without_effect(&experiment));
         terminal::print_warnings(&recording_unused(&values));
         let mut experiment = values.apply(&experiment);

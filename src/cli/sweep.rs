@@ -28,7 +28,7 @@ impl Sweep {
     pub fn run(self) -> Result<ExitCode> {
         let options = &self.options;
         let study = options.study(self.points)?;
-        let folder = options.folder(&study, "");
+        let folder = options.folder(&study, "")?;
         let stop = interrupt::stop_flag()?;
         let bar = progress::bar(study.definition().grid.len(), "sweeping");
         let follow = progress::follow(&bar);
@@ -38,8 +38,9 @@ impl Sweep {
             stop: Some(stop),
             progress: Some(&follow),
         };
-        let result = study.sweep_into(&folder, options.mode(), &run);
+        let result = study.sweep_into(folder.lock(), options.mode(), &run);
         bar.finish_and_clear();
+        folder.check()?;
         let wall_s = started.elapsed().as_secs_f64();
         options.finish("sweep", &study, &result?, &folder, wall_s)
     }

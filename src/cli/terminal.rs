@@ -3,6 +3,7 @@
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use realgap::text::{escaped_lines, is_plain};
 use realgap::{Error, Warning};
 
 use super::advice;
@@ -20,10 +21,17 @@ pub fn stdout_wants_colour() -> bool {
 /// Set when standard output refused something, e.g. on a full disk.
 static OUTPUT_LOST: AtomicBool = AtomicBool::new(false);
 
-/// Writes text and a newline to standard output; a reader that has gone away is no error, a full disk is.
+/// Writes text and a newline to standard output; a reader that has gone away is no error, a full disk is. Names in it may come
+/// from anybody's files: control characters are escaped, except for bold headers where colours are wanted.
 pub fn print(text: impl AsRef<str>) {
+    let bold: &[&str] = if stdout_wants_colour() {
+        &["\x1b[1m", "\x1b[0m"]
+    } else {
+        &[]
+    };
+    let text = harmless(text.as_ref(), bold);
     let mut stdout = std::io::stdout();
-    let written = writeln!(stdout, "{}", text.as_ref()).and_then(|()| stdout.flush());
+    let written = writeln!(stdout, "{text}").and_then(|()| stdout.flush());
     if let Err(error) = written
         && error.kind() != std::io::ErrorKind::BrokenPipe
         && !OUTPUT_LOST.swap(true, Ordering::Relaxed)
@@ -41,38 +49,75 @@ pub fn output_lost() -> bool {
     OUTPUT_LOST.load(Ordering::Relaxed)
 }
 
-/// Writes text and a newline to standard error.
+/// Text with its control characters escaped, except for line feeds, tabs and these sequences of our own.
+fn harmless(text: &str, own: &[&str]) -> String {
+    let mut safe = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(escape) = rest.find('\x1b') {
+        safe += &escaped_lines(&rest[..escape]);
+        rest = &rest[escape..];
+        let sequence = own.iter().find(|sequence| rest.starts_with(**sequence));
+        let (kept, length) = match sequence {
+            Some(sequence) => (*sequence, sequence.len()),
+            None => ("\\u{1b}", 1),
+        };
+        safe += kept;
+        rest = &rest[length..];
+    }
+    safe + &escaped_lines(rest)
+}
+
+/// Writes text and a newline to standard error, without control characters.
 pub fn note(text: impl AsRef<str>) {
-    let _ = writeln!(std::io::stderr(), "{}", text.as_ref());
+    labelled("", text.as_ref());
+}
+
+/// Writes a label of our own and a text to standard error.
+fn labelled(label: &str, text: &str) {
+    let _ = writeln!(std::io::stderr(), "{label}{}", escaped_lines(text));
 }
 
 /// Prints an error to standard error.
 pub fn print_error(error: &Error) {
     let label = if wants_colour(std::io::stderr().is_terminal()) {
-        "\x1b[1;31merror:\x1b[0m"
+        "\x1b[1;31merror:\x1b[0m "
     } else {
-        "error:"
+        "error: "
     };
-    note(format!("{label} {}", advice::in_options(error.clone())));
+    labelled(label, &advice::in_options(error.clone()).to_string());
 }
 
 /// Prints warnings to standard error, each once.
 pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>) {
     let label = if wants_colour(std::io::stderr().is_terminal()) {
-        "\x1b[1;33mwarning:\x1b[0m"
+        "\x1b[1;33mwarning:\x1b[0m "
     } else {
-        "warning:"
+        "warning: "
     };
     let mut seen = std::collections::BTreeSet::new();
     for warning in warnings {
         if seen.insert(warning) {
-            note(format!("{label} {}", advice::warning_in_options(warning)));
+            labelled(label, &advice::warning_in_options(warning));
         }
     }
 }
 
-/// Pretty JSON of a value of ours.
+/// Pretty JSON of a value of ours, with every character that is not plain as an escape: those stand inside of strings only.
 pub fn json(value: &impl serde::Serialize) -> realgap::Result<String> {
-    serde_json::to_string_pretty(value)
-        .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))
+    let json = serde_json::to_string_pretty(value)
+        .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))?;
+    if json.chars().all(|c| is_plain(c) || c == '\n') {
+        return Ok(json);
+    }
+    let mut safe = String::with_capacity(json.len());
+    for c in json.chars() {
+        if is_plain(c) || c == '\n' {
+            safe.push(c);
+        } else {
+            for unit in c.encode_utf16(&mut [0; 2]) {
+                safe += &format!("\\u{unit:04x}");
+            }
+        }
+    }
+    Ok(safe)
 }

@@ -52,7 +52,7 @@ impl Tune {
         };
         let options = &self.options;
         let study = options.study(None)?;
-        let folder = options.folder(&study, &format!("_{}", tuning.optimizer.name()));
+        let folder = options.folder(&study, &format!("_{}", tuning.optimizer.name()))?;
         let stop = interrupt::stop_flag()?;
         let bar = progress::bar(self.budget, "tuning");
         let started = Instant::now();
@@ -69,8 +69,9 @@ impl Tune {
             stop: Some(stop),
             progress: Some(&say),
         };
-        let result = study.tune_into(&folder, options.mode(), &tuning, &run);
+        let result = study.tune_into(folder.lock(), options.mode(), &tuning, &run);
         bar.finish_and_clear();
+        folder.check()?;
         let wall_s = started.elapsed().as_secs_f64();
         options.finish("tune", &study, &result?, &folder, wall_s)
     }

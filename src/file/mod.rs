@@ -31,14 +31,18 @@
 mod decode;
 mod hash;
 mod input;
+mod name;
 mod outline;
 mod output;
 mod source;
 mod suggestion;
+mod unique;
 
 pub use decode::{parse_ron, write_ron};
 pub use hash::sha256;
 pub(crate) use input::read_limited;
+pub use name::{check_name, name_of_file};
 pub use output::{check_writable, write_atomic};
 pub use source::{MAX_FILE_BYTES, MAX_NESTING, Source};
 pub use suggestion::{look_up, nearest_name, unknown_name};
+pub(crate) use unique::unique_keys;

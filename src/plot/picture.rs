@@ -7,7 +7,7 @@ use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use super::canvas::{Canvas, Medium};
 use super::colour::WHITE;
 use super::font;
-use crate::file::write_atomic;
+use crate::file::{check_writable, write_atomic};
 use crate::{Error, Result};
 
 /// PNG pixels are averages of this many by this many: smooth lines, evenly spaced letters.
@@ -45,7 +45,8 @@ fn format_of(path: &Path) -> Result<Format> {
 
 /// Checks that a picture could be written under this name, before the work for it is done.
 pub fn check_picture_path(path: impl AsRef<Path>) -> Result<()> {
-    format_of(path.as_ref()).map(|_| ())
+    format_of(path.as_ref())?;
+    check_writable(path)
 }
 
 /// More pictures side by side would be smaller than their titles.

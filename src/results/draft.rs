@@ -4,20 +4,22 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::kind::Kind;
+use super::timing;
 use crate::error::{Error, Result};
 
 /// Where results wait until all of them are written. Nobody else calls a folder like this.
 const DRAFT: &str = ".realgap-draft";
 
 /// Lets `write` fill a draft inside of `folder`, then moves every file of it to its place, and then removes what an older
-/// run left there: files that `is_ours` by their path inside of `folder`, and that are not in the draft. Whoever is stopped before
-/// the last file is written leaves the older results whole.
+/// run left there: results of this kind that are not in the draft. Whoever is stopped before the last file is written leaves the
+/// older results whole.
 ///
 /// # Errors
 /// Those of `write`; a full disk or an unwritable folder.
 pub(super) fn publish<T>(
     folder: &Path,
-    is_ours: impl Fn(&str) -> bool,
+    kind: Kind,
     write: impl FnOnce(&Path) -> Result<T>,
 ) -> Result<T> {
     let draft = folder.join(DRAFT);
@@ -37,7 +39,10 @@ pub(super) fn publish<T>(
     }
     remove_draft(&draft)?;
     for name in files(folder)?.difference(&new) {
-        if name.to_str().is_some_and(&is_ours) {
+        if name
+            .to_str()
+            .is_some_and(|name| name != timing::FILE && kind.has(name))
+        {
             let old = folder.join(name);
             fs::remove_file(&old).map_err(|e| Error::io("remove an old result", &old, &e))?;
         }
@@ -55,7 +60,7 @@ fn remove_draft(draft: &Path) -> Result<()> {
 }
 
 /// Paths of the files in a folder and in its folders, relative to it. Links are not followed.
-fn files(folder: &Path) -> Result<BTreeSet<PathBuf>> {
+pub(super) fn files(folder: &Path) -> Result<BTreeSet<PathBuf>> {
     let refuse = |e: &std::io::Error| Error::io("look into the results folder", folder, e);
     let mut all = BTreeSet::new();
     for entry in fs::read_dir(folder).map_err(|e| refuse(&e))? {
@@ -87,34 +92,40 @@ mod tests {
     #[test]
     fn new_results_replace_old_ones_and_nothing_else() {
         let folder = tempfile::tempdir().unwrap();
-        let is_ours = |name: &str| ["points.csv", "old.csv", "best/01.ron"].contains(&name);
         let put = |name: &str| {
             let path = folder.path().join(name);
             fs::create_dir_all(path.parent().unwrap()).unwrap();
             fs::write(path, "old").unwrap();
         };
         for name in [
-            "points.csv",
-            "old.csv",
-            "best/01.ron",
+            "history.csv",
+            "archive.csv",
+            "best/01_robot_00001.ron",
             "best/mine.ron",
             "notes.txt",
+            "timing.json",
         ] {
             put(name);
         }
-        publish(folder.path(), is_ours, |draft| {
-            fs::write(draft.join("points.csv"), "new").unwrap();
+        publish(folder.path(), Kind::Search, |draft| {
+            fs::write(draft.join("history.csv"), "new").unwrap();
             fs::create_dir(draft.join("best")).unwrap();
-            fs::write(draft.join("best/02.ron"), "new").unwrap();
+            fs::write(draft.join("best/01_robot_00002.ron"), "new").unwrap();
             Ok(())
         })
         .unwrap();
         assert_eq!(
             names(folder.path()),
-            ["best/02.ron", "best/mine.ron", "notes.txt", "points.csv"]
+            [
+                "best/01_robot_00002.ron",
+                "best/mine.ron",
+                "history.csv",
+                "notes.txt",
+                "timing.json"
+            ]
         );
         assert_eq!(
-            fs::read_to_string(folder.path().join("points.csv")).unwrap(),
+            fs::read_to_string(folder.path().join("history.csv")).unwrap(),
             "new"
         );
         assert!(!folder.path().join(DRAFT).exists());
@@ -124,14 +135,10 @@ mod tests {
     fn whoever_fails_midway_leaves_the_old_results_whole() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("points.csv"), "old").unwrap();
-        let failed = publish(
-            folder.path(),
-            |_| true,
-            |draft| {
-                fs::write(draft.join("points.csv"), "half").unwrap();
-                Err::<(), _>(Error::invalid("the disk is full"))
-            },
-        );
+        let failed = publish(folder.path(), Kind::Study, |draft| {
+            fs::write(draft.join("points.csv"), "half").unwrap();
+            Err::<(), _>(Error::invalid("the disk is full"))
+        });
         assert_eq!(failed.unwrap_err().message(), "the disk is full");
         assert_eq!(
             fs::read_to_string(folder.path().join("points.csv")).unwrap(),
@@ -141,7 +148,7 @@ mod tests {
         // A draft that was left by a kill is no obstacle.
         fs::create_dir(folder.path().join(DRAFT)).unwrap();
         fs::write(folder.path().join(DRAFT).join("points.csv"), "half").unwrap();
-        publish(folder.path(), |_| false, |_| Ok(())).unwrap();
+        publish(folder.path(), Kind::Gap, |_| Ok(())).unwrap();
         assert_eq!(names(folder.path()), ["points.csv"]);
     }
 }

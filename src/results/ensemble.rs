@@ -4,11 +4,14 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::draft::publish;
+use super::kind::Kind;
 use crate::error::{Error, Result};
 use crate::file::write_atomic;
 use crate::plot::{Caption, EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
 use crate::prediction::ensemble::{Behaviours, Ensemble, Forecast, LEVELS};
 use crate::prediction::{Card, EnsembleReport};
+use crate::text::cell;
 use crate::trajectory::Source;
 
 /// More paths of one behaviour than this are not told apart in a picture.
@@ -34,10 +37,14 @@ pub(super) struct EnsembleResult<'a> {
 /// # Errors
 /// A full disk or an unwritable folder.
 pub fn write_report(folder: &Path, name: &str, report: &impl Serialize) -> Result<()> {
-    std::fs::create_dir_all(folder).map_err(|e| Error::io("make the folder", folder, &e))?;
+    make(folder)?;
     let json = serde_json::to_string_pretty(report)
         .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))?;
     write_atomic(folder.join(name), format!("{json}\n").as_bytes())
+}
+
+pub(super) fn make(folder: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder).map_err(|e| Error::io("make the folder", folder, &e))
 }
 
 /// At most so many starts are drawn.
@@ -48,7 +55,6 @@ const PICTURES: usize = 12;
 /// # Errors
 /// A full disk or an unwritable folder.
 pub fn write_ensemble(folder: &Path, report: &EnsembleReport) -> Result<()> {
-    write_report(folder, "ensemble.json", report)?;
     let results: Vec<(&str, EnsembleResult<'_>)> = report
         .cases
         .iter()
@@ -63,17 +69,20 @@ pub fn write_ensemble(folder: &Path, report: &EnsembleReport) -> Result<()> {
             (case.case.as_str(), result)
         })
         .collect();
-    write_repeats(folder, &results)?;
-    remove_pictures(folder, "ensemble")?;
-    for (index, (_, result)) in results.iter().enumerate().take(PICTURES) {
-        // The first has the name that is always there; more than one are numbered.
-        let stem = match index {
-            0 => "ensemble".to_owned(),
-            _ => format!("ensemble_{index:03}"),
-        };
-        draw_repeats(folder, &stem, result)?;
-    }
-    Ok(())
+    make(folder)?;
+    publish(folder, Kind::Ensemble, |draft| {
+        write_report(draft, "ensemble.json", report)?;
+        write_repeats(draft, &results)?;
+        for (index, (_, result)) in results.iter().enumerate().take(PICTURES) {
+            // The first has the name that is always there; more than one are numbered.
+            let stem = match index {
+                0 => "ensemble".to_owned(),
+                _ => format!("ensemble_{index:03}"),
+            };
+            draw_repeats(draft, &stem, result)?;
+        }
+        Ok(())
+    })
 }
 
 /// Writes a prediction card and the repeats behind it: `prediction.json`, `repeats.csv`, `prediction.png` and `.svg`.
@@ -81,7 +90,6 @@ pub fn write_ensemble(folder: &Path, report: &EnsembleReport) -> Result<()> {
 /// # Errors
 /// A full disk or an unwritable folder.
 pub fn write_prediction(folder: &Path, card: &Card, repeats: &Ensemble) -> Result<()> {
-    write_report(folder, "prediction.json", card)?;
     let result = EnsembleResult {
         ensemble: repeats,
         summary: &card.prediction,
@@ -89,9 +97,12 @@ pub fn write_prediction(folder: &Path, card: &Card, repeats: &Ensemble) -> Resul
         real_label: Source::Real.reality_label(),
         title: format!("{}: what it will do", card.robot),
     };
-    remove_pictures(folder, "prediction")?;
-    draw_repeats(folder, "prediction", &result)?;
-    write_repeats(folder, &[(&card.robot, result)])
+    make(folder)?;
+    publish(folder, Kind::Prediction, |draft| {
+        write_report(draft, "prediction.json", card)?;
+        draw_repeats(draft, "prediction", &result)?;
+        write_repeats(draft, &[(&card.robot, result)])
+    })
 }
 
 /// Writes one row a repeat: what was drawn and what came of it. `cases` are ensembles with a name each.
@@ -112,7 +123,7 @@ fn write_repeats(folder: &Path, cases: &[(&str, EnsembleResult<'_>)]) -> Result<
                     .map_err(csv_error)?;
             }
             writer
-                .write_record(row.iter().map(|(_, value)| value))
+                .write_record(row.iter().map(|(_, value)| cell(value).into_owned()))
                 .map_err(csv_error)?;
         }
     }
@@ -193,29 +204,6 @@ fn behaviour(behaviours: &Behaviours, number: u64) -> String {
         .map_or("diverged".to_owned(), |index| {
             behaviours.list[index].name.clone()
         })
-}
-
-/// Removes the pictures `STEM.png`, `STEM_….png` and `.svg` of an earlier ensemble, which may have had more of them.
-///
-/// # Errors
-/// A folder that cannot be read or changed.
-pub(super) fn remove_pictures(folder: &Path, stem: &str) -> Result<()> {
-    let entries = std::fs::read_dir(folder)
-        .map_err(|e| Error::io("look into the results folder", folder, &e))?;
-    for entry in entries.flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let base = name.strip_suffix(".png").or(name.strip_suffix(".svg"));
-        let number = base.and_then(|base| base.strip_prefix(stem));
-        let is_ours = number.is_some_and(|rest| {
-            rest.strip_prefix('_')
-                .map_or(rest.is_empty(), |n| n.bytes().all(|b| b.is_ascii_digit()))
-        });
-        if is_ours {
-            std::fs::remove_file(entry.path())
-                .map_err(|e| Error::io("remove an old picture", entry.path(), &e))?;
-        }
-    }
-    Ok(())
 }
 
 /// Draws an ensemble as `STEM.png` and `STEM.svg`; nothing where every repeat diverged.

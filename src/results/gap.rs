@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use super::ensemble::{remove_pictures, write_report};
+use super::draft::publish;
+use super::ensemble::{make, write_report};
+use super::kind::Kind;
 use crate::error::Result;
 use crate::plot::{AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
-use crate::prediction::gap::StudyGap;
+use crate::prediction::gap::{FloorReport, StudyGap};
 use crate::unit::{Unit, counted};
 
 /// Writes what a gap report holds: `gap.json`, and pictures of what it has over time; those of an earlier one are removed.
@@ -13,18 +15,29 @@ use crate::unit::{Unit, counted};
 /// # Errors
 /// A full disk or an unwritable folder.
 pub fn write_gap(folder: &Path, gap: &StudyGap) -> Result<()> {
-    write_report(folder, "gap.json", gap)?;
     let real_label = gap.source.reality_label();
-    for stem in ["confidence", "rmse"] {
-        remove_pictures(folder, stem)?;
-    }
-    if let Some(plot) = confidence(gap, real_label) {
-        draw(folder, "confidence", &plot)?;
-    }
-    if let Some(plot) = rmse(gap, real_label) {
-        draw(folder, "rmse", &plot)?;
-    }
-    Ok(())
+    make(folder)?;
+    publish(folder, Kind::Gap, |draft| {
+        write_report(draft, "gap.json", gap)?;
+        if let Some(plot) = confidence(gap, real_label) {
+            draw(draft, "confidence", &plot)?;
+        }
+        if let Some(plot) = rmse(gap, real_label) {
+            draw(draft, "rmse", &plot)?;
+        }
+        Ok(())
+    })
+}
+
+/// Writes the noise floor of recordings alone, `gap.json`, in place of an earlier gap.
+///
+/// # Errors
+/// A full disk or an unwritable folder.
+pub fn write_floor(folder: &Path, floor: &FloorReport) -> Result<()> {
+    make(folder)?;
+    publish(folder, Kind::Gap, |draft| {
+        write_report(draft, "gap.json", floor)
+    })
 }
 
 fn draw(folder: &Path, stem: &str, plot: &LinePlot) -> Result<()> {

@@ -28,20 +28,23 @@ mod convergence;
 mod draft;
 mod ensemble;
 mod gap;
+mod kind;
 mod picture;
 pub mod portrait;
 mod search;
 mod table;
+mod timing;
 
 use std::path::Path;
 
 use crate::calibration::{Answer, Method, Study};
 use crate::error::{Error, Result};
-use crate::simulation::parameter;
 
 pub use ensemble::{write_ensemble, write_prediction, write_report};
-pub use gap::write_gap;
+pub use gap::{write_floor, write_gap};
+pub use kind::{Kind, check_folder};
 pub use search::{BestRobot, SearchSummary, write_search};
+pub use timing::{Timing, write_timing};
 
 /// Writes what an answer holds into `folder`, next to the store where there is one: tables, pictures, the report, the best
 /// values. They take the place of older results once all of them are written.
@@ -51,7 +54,7 @@ pub use search::{BestRobot, SearchSummary, write_search};
 pub fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
     std::fs::create_dir_all(folder)
         .map_err(|e| Error::io("make the results folder", folder, &e))?;
-    draft::publish(folder, is_of_a_study, |draft| {
+    draft::publish(folder, Kind::Study, |draft| {
         table::write_points(draft, study, answer)?;
         table::write_indistinguishable(draft, study, answer)?;
         table::write_scores(draft, study, answer)?;
@@ -63,36 +66,4 @@ pub fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
         best::write(draft, study, answer)?;
         picture::draw(draft, study, answer)
     })
-}
-
-/// Whether [`write`] calls a file like this: a heat map must not outlive its study, what anybody else put there must.
-fn is_of_a_study(name: &str) -> bool {
-    let Some((stem, ending)) = name.rsplit_once('.') else {
-        return false;
-    };
-    match ending {
-        "csv" => [
-            "points",
-            "indistinguishable",
-            "scores",
-            "profiles",
-            "trials",
-        ]
-        .contains(&stem),
-        "json" => stem == "summary",
-        "ron" => stem == "best",
-        "png" | "svg" => {
-            let is_pair = |rest: &str| {
-                let number = |text: &str| text.parse::<usize>().is_ok();
-                rest.split_once('_')
-                    .is_some_and(|(a, b)| number(a) && number(b))
-            };
-            let is_parameter =
-                |rest: &str| parameter::all().any(|p| p.name.replace('.', "_") == rest);
-            ["heatmap", "curve", "trajectories", "convergence"].contains(&stem)
-                || stem.strip_prefix("heatmap_").is_some_and(is_pair)
-                || stem.strip_prefix("profile_").is_some_and(is_parameter)
-        }
-        _ => false,
-    }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::calibration::{Answer, PointScore, Study};
 use crate::error::{Error, Result};
 use crate::file::write_atomic;
+use crate::text::cell;
 
 /// One row a point: parameters as columns, then score, unit, status and displacement error.
 pub(super) fn write_points(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
@@ -156,7 +157,8 @@ pub(super) fn write(
     let fail = |e: csv::Error| Error::invalid(format!("cannot write the table: {e}")).at_file(path);
     writer.write_record(header).map_err(fail)?;
     for row in rows {
-        writer.write_record(&row).map_err(fail)?;
+        let cells = row.iter().map(|text| cell(text).into_owned());
+        writer.write_record(cells).map_err(fail)?;
     }
     let bytes = writer
         .into_inner()

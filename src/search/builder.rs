@@ -10,6 +10,7 @@ use super::objective::Objective;
 use super::problem::Search;
 use super::strategy::{Space, StrategySettings};
 use super::uncertain::{UncertainParameters, UncertainRange};
+use crate::file::check_name;
 use crate::robot::genome::{Development, Genome};
 use crate::robot::morphology::Morphology;
 use crate::simulation::Noise;
@@ -18,6 +19,8 @@ use crate::{Error, Result};
 
 /// Most repeats of one robot.
 const REPEATS_AT_MOST: usize = 5000;
+/// Most robots: they are held in memory, and every proposal looks at all of them.
+const MOST_ROBOTS: usize = 1_000_000;
 
 /// A search under construction. Whatever is not said has the default of a search file.
 #[derive(Debug)]
@@ -185,6 +188,7 @@ impl SearchBuilder {
     /// # Errors
     /// The first setting that cannot be used; `field` is its name in a search file.
     pub fn build(self) -> Result<Search> {
+        check_name(&self.name, "a search")?;
         self.check_numbers()?;
         self.development
             .check()
@@ -209,6 +213,12 @@ impl SearchBuilder {
         };
         let space = Space::new(body, self.genome, self.seed);
         let strategy = self.strategy.strategy(&space)?;
+        if strategy.budget() > MOST_ROBOTS {
+            return Err(Error::invalid("too many robots")
+                .field("strategy")
+                .found(strategy.budget())
+                .allowed(format!("at most {MOST_ROBOTS}")));
+        }
         for name in strategy.descriptors() {
             descriptor_named(name).map_err(|e| e.field("strategy"))?;
         }

@@ -13,7 +13,7 @@ use super::problem::Search;
 use super::strategy::StrategyFile;
 use super::uncertain::{UncertainRange, read_indistinguishable};
 use crate::Result;
-use crate::file::{Source, parse_ron};
+use crate::file::{Source, name_of_file, parse_ron, unique_keys};
 use crate::robot::genome::{Development, Specimen};
 use crate::robot::morphology::Morphology;
 use crate::simulation::Noise;
@@ -37,7 +37,7 @@ struct SearchFile {
     duration_s: f64,
     #[serde(default)]
     development: Development,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "unique_keys")]
     set: BTreeMap<String, f64>,
     #[serde(default)]
     parameters: Vec<UncertainRange>,
@@ -108,8 +108,7 @@ fn builder(source: &Source, file: SearchFile, overrides: &Overrides) -> Result<S
         .failures(file.failures)
         .finals(file.finalists)
         .seed(overrides.seed.unwrap_or(file.seed));
-    let stem = source.path().file_stem().unwrap_or_default();
-    builder.name = stem.to_string_lossy().into_owned();
+    builder.name = name_of_file(source.path(), "a search")?;
     builder.text = source.text().to_owned();
     builder.description = file.description;
     if let Some(noise) = file.noise {

@@ -1,13 +1,11 @@
 //! The search itself: proposals evaluated in parallel, in the strategy's order.
 
-use std::path::Path;
-
 use super::problem::Search;
 use super::robot::EvaluatedRobot;
 use super::strategy::{Evaluated, Strategy};
 use crate::optimization::{Batch, Ending, RunOptions, drive};
 use crate::robot::genome::Genome;
-use crate::store::{Memory, Mode, RobotRow, Storage, Store};
+use crate::store::{Memory, Mode, Place, RobotRow, Storage, Store};
 use crate::{Error, Result};
 
 /// The robots of a search.
@@ -68,18 +66,19 @@ impl Search {
     ///
     /// # Errors
     /// As [`Search::run`]; a folder that cannot be used.
-    pub fn run_in(
+    pub fn run_in<'a>(
         &self,
-        folder: &Path,
+        place: impl Into<Place<'a>>,
         mode: Mode,
         options: &RunOptions<'_>,
     ) -> Result<SearchResults> {
-        let mut store = self.open(folder, mode)?;
+        let place = place.into();
+        let mut store = self.open(place, mode)?;
         let results = follow(self.strategy(), &mut store, options, |i, g| {
             self.evaluate(i, g)
         })
         .map_err(|error| match error.file() {
-            None => error.at_file(folder),
+            None => error.at_file(place.folder()),
             Some(_) => error,
         })?;
         if results.ending == Ending::Complete {
@@ -88,9 +87,9 @@ impl Search {
         Ok(results)
     }
 
-    fn open(&self, folder: &Path, mode: Mode) -> Result<Store<RobotRow>> {
+    fn open(&self, place: Place<'_>, mode: Mode) -> Result<Store<RobotRow>> {
         let expected = format!("{} robots", self.strategy.budget());
-        let mut store = Store::open(folder, &self.fingerprint(), mode, "search", &expected)?;
+        let mut store = Store::open(place, &self.fingerprint(), mode, "search", &expected)?;
         store.describe([
             ("kind", "search".to_owned()),
             ("search", self.name.clone()),

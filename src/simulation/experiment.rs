@@ -413,11 +413,12 @@ impl Experiment {
             1.0..=256.0,
             "",
         )?;
-        if self.duration_s / self.solver.timestep_s > 1e8 {
+        let steps = self.duration_s / self.solver.timestep_s;
+        if steps > 1e8 {
             return Err(Error::invalid("too many steps for one run")
                 .found(format!(
-                    "{:.0} steps",
-                    self.duration_s / self.solver.timestep_s
+                    "{steps:.0} steps, about {:.0} hours at 20 microseconds a step",
+                    steps * 20e-6 / 3600.0
                 ))
                 .allowed("at most 100 000 000")
                 .hint("shorten the duration or lengthen the timestep"));

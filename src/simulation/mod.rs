@@ -16,6 +16,7 @@ mod kinematics;
 mod noise;
 mod outcome;
 mod part_state;
+mod plausibility;
 mod posture;
 mod run;
 mod servo;

@@ -171,7 +171,7 @@ impl<'a> Rollout<'a> {
             backlash_rad: experiment.adjustment.servo_backlash_rad,
             steps: 0,
             settle_steps: 0,
-            warnings: Vec::new(),
+            warnings: experiment.warnings(),
         }
     }
 

@@ -3,7 +3,7 @@
 use rusqlite::Connection;
 use std::path::Path;
 
-use super::connection::sql;
+use super::connection::{connect_to_read, sql};
 use crate::error::{Advice, Error, Result};
 
 /// Layout of the tables; raised when they change.
@@ -40,6 +40,27 @@ pub(super) fn content(connection: &Connection, path: &Path) -> Result<Content> {
         newer => Err(other_layout(path, newer)
             .hint("a later version wrote these results: use that one")
             .advise(Advice::OtherFolder)),
+    }
+}
+
+/// Whether a file is something that this program cannot have written, and must not remove: a database of others, or no
+/// database at all in a folder that nobody has written results into.
+pub(super) fn is_foreign(path: &Path, is_known_folder: bool) -> bool {
+    if !path.exists() {
+        return false;
+    }
+    match connect_to_read(path) {
+        Err(_) => !is_known_folder,
+        Ok(connection) => {
+            let number = |query| connection.query_row(query, [], |row| row.get::<_, i64>(0));
+            let layout = number("PRAGMA user_version");
+            let tables = number("SELECT count(*) FROM sqlite_schema");
+            match (layout, tables) {
+                (Ok(0), Ok(tables)) => tables > 0,
+                (Ok(_), Ok(_)) => false,
+                _ => !is_known_folder,
+            }
+        }
     }
 }
 

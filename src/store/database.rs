@@ -12,7 +12,8 @@ use super::connection::{DAMAGED_HINT, connect, connect_to_read, settle, sql, wit
 use super::content::{Content, LAYOUT, content};
 use super::description::{entries, entry_checksum, put_description};
 use super::fingerprint::Fingerprint;
-use super::lock::FolderLock;
+use super::lock::{FolderLock, Place};
+use super::log::verify_log;
 use super::opening::{COMPLETE, ENDING, UNFINISHED};
 use super::row::Table;
 use super::storage::Storage;
@@ -144,8 +145,7 @@ impl<R: Table> Store<R> {
     /// # Errors
     /// A folder that cannot be made or written, is in use, or already holds results.
     pub fn create(folder: &Path, fingerprint: &Fingerprint) -> Result<Self> {
-        let lock = FolderLock::make(folder)?;
-        match Self::find(folder, lock)? {
+        match Self::find(FolderLock::make(folder)?)? {
             (store, Content::Nothing) => store.set_up(fingerprint),
             (store, Content::Tables) => Err(Error::conflict("the folder already holds results")
                 .at_file(&store.path)
@@ -158,14 +158,14 @@ impl<R: Table> Store<R> {
     ///
     /// # Errors
     /// No store there, a damaged one, one of another study or search (the difference is named), or a folder in use.
-    pub fn resume(folder: &Path, fingerprint: &Fingerprint) -> Result<Self> {
-        if !folder.join(STORE_FILE).exists() && !FolderLock::was_in(folder) {
+    pub fn resume<'a>(place: impl Into<Place<'a>>, fingerprint: &Fingerprint) -> Result<Self> {
+        let lock = place.into().lock()?;
+        if !lock.folder().join(STORE_FILE).exists() && !lock.is_known() {
             return Err(Error::conflict("there is nothing to resume")
-                .at_file(folder)
+                .at_file(lock.folder())
                 .hint("start the run first"));
         }
-        let lock = FolderLock::make(folder)?;
-        match Self::find(folder, lock)? {
+        match Self::find(lock)? {
             (store, Content::Nothing) => store.set_up(fingerprint),
             (mut store, Content::Tables) => {
                 store.verify_all()?;
@@ -222,6 +222,9 @@ impl<R: Table> Store<R> {
                 .at_file(&path)
                 .hint("name a folder that a sweep, tuning or a search has written"));
         }
+        if !FolderLock::is_held(folder) {
+            verify_log(&path)?;
+        }
         Ok(Self {
             connection: connect_to_read(&path)?,
             path,
@@ -233,10 +236,11 @@ impl<R: Table> Store<R> {
     }
 
     /// The file in a locked folder, and whether there is anything in it.
-    pub(super) fn find(folder: &Path, lock: FolderLock) -> Result<(Self, Content)> {
-        let path = folder.join(STORE_FILE);
+    pub(super) fn find(lock: FolderLock) -> Result<(Self, Content)> {
+        let path = lock.folder().join(STORE_FILE);
         // Looked at before anything is written: what is refused stays as it is.
         let content = if path.exists() {
+            verify_log(&path)?;
             content(&connect_to_read(&path)?, &path)?
         } else {
             Content::Nothing
@@ -292,14 +296,10 @@ impl<R: Table> Store<R> {
     }
 
     /// A new store in place of this one, which holds nothing.
-    pub(super) fn anew(mut self, folder: &Path, fingerprint: &Fingerprint) -> Result<Self> {
-        let lock = match self.lock.take() {
-            Some(lock) => lock,
-            None => FolderLock::make(folder)?,
-        };
+    pub(super) fn anew(self, lock: FolderLock, fingerprint: &Fingerprint) -> Result<Self> {
         drop(self);
-        remove(folder)?;
-        let (store, _) = Self::find(folder, lock)?;
+        remove(lock.folder())?;
+        let (store, _) = Self::find(lock)?;
         store.set_up(fingerprint)
     }
 

@@ -31,6 +31,7 @@ mod description;
 mod fingerprint;
 mod listing;
 mod lock;
+mod log;
 mod opening;
 #[cfg(feature = "parquet")]
 mod parquet;
@@ -45,7 +46,7 @@ mod trial;
 pub use database::{STORE_FILE, Store};
 pub use fingerprint::Fingerprint;
 pub use listing::{Cell, Column, ColumnKind, Listing};
-pub use lock::FolderLock;
+pub use lock::{FolderLock, Place};
 pub use opening::Mode;
 #[cfg(feature = "parquet")]
 pub use parquet::to_parquet;

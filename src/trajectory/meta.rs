@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::Meta;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::file::{Source, parse_ron, write_atomic, write_ron};
 
 /// Name of the metadata file of a folder of recordings.
@@ -15,10 +15,13 @@ pub const META_FILE: &str = "meta.ron";
 /// A `meta.ron` that cannot be read or is not valid [`Meta`], with file, line and column.
 pub fn read_meta_beside(path: &Path) -> Result<Option<Meta>> {
     let meta = path.with_file_name(META_FILE);
-    if meta.is_file() {
-        read_meta(meta).map(Some)
-    } else {
-        Ok(None)
+    // A link that leads nowhere is there, too, and says what it cannot read.
+    match std::fs::symlink_metadata(&meta) {
+        Err(_) => Ok(None),
+        Ok(_) if meta.exists() && !meta.is_file() => Err(Error::invalid("metadata must be a file")
+            .at_file(&meta)
+            .found("a folder, a pipe or a device")),
+        Ok(_) => read_meta(meta).map(Some),
     }
 }
 

@@ -320,17 +320,17 @@ fn names_must_be_unique_and_plain() {
     insta::assert_snapshot!(refusal(&cubes("").replace("\"b\"", "\"\"")), @r#"
     robot.ron:5:16: modules[1].name: not a usable name for a module
       found:   "" (0 characters)
-      allowed: 1 to 64 letters a-z and A-Z, digits, `_` and `-`
+      allowed: 1 to 64 letters a-z and A-Z, digits, `_` and `-` (not in front)
     "#);
     insta::assert_snapshot!(refusal(&cubes("").replace("\"b\"", "\"leg a\"")), @r#"
     robot.ron:5:16: modules[1].name: not a usable name for a module
       found:   "leg a" (5 characters)
-      allowed: 1 to 64 letters a-z and A-Z, digits, `_` and `-`
+      allowed: 1 to 64 letters a-z and A-Z, digits, `_` and `-` (not in front)
     "#);
     insta::assert_snapshot!(refusal(&cubes("").replace("\"cubes\"", "\"../cubes\"")), @r#"
     robot.ron:2:11: name: not a usable name for a robot
       found:   "../cubes" (8 characters)
-      allowed: 1 to 64 letters a-z and A-Z, digits, `_` and `-`
+      allowed: 1 to 64 letters a-z and A-Z, digits, `_` and `-` (not in front)
     "#);
 }
 

@@ -47,7 +47,8 @@ pub struct Forecast {
     pub envelope: Option<Envelope>,
     /// How the repeats differ.
     pub noise: Noise,
-    /// CPU seconds of all runs.
+    /// CPU seconds of all runs; not written with the rest, which is the same for equal runs.
+    #[serde(skip)]
     pub cpu_s: f64,
     /// What the reader should know.
     pub warnings: Vec<Warning>,

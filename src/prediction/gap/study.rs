@@ -43,6 +43,8 @@ pub struct StudyGap {
     pub morphology: String,
     /// Fixed values of the simulation.
     pub parameters: BTreeMap<String, f64>,
+    /// Whether every run that was asked for is in these numbers.
+    pub complete: bool,
     /// Number of recordings.
     pub recordings: usize,
     /// Where they come from.
@@ -96,10 +98,11 @@ impl GapOptions {
 
 impl StudyGap {
     /// Simulates a study's starts, without noise and under it, and compares them with its recordings. Repeat k is repeat k of an
-    /// [ensemble](crate::prediction::ensemble::run()).
+    /// [ensemble](crate::prediction::ensemble::run()). Once the run is stopped no repeat is begun; what is done is reported as
+    /// incomplete.
     ///
     /// # Errors
-    /// Every run diverged, a metric that cannot compare, no repeats asked for, or the run was stopped.
+    /// Every run diverged, a metric that cannot compare, or no repeats asked for.
     pub fn new(study: &Study, options: &GapOptions, run: &RunOptions<'_>) -> Result<Self> {
         run.install(|| study_gap(study, options, run))?
     }
@@ -120,7 +123,7 @@ fn study_gap(study: &Study, options: &GapOptions, run: &RunOptions<'_>) -> Resul
     let mut cases = Vec::new();
     let total = study.cases().len() * (repeats + 1);
     let done = AtomicUsize::new(0);
-    let mut diverged = 0;
+    let (mut begun, mut diverged) = (0, 0);
     for (index, case) in study.cases().iter().enumerate() {
         let experiment = study.experiment_with(index, &ParameterSet::new())?;
         for target in &case.targets {
@@ -131,11 +134,13 @@ fn study_gap(study: &Study, options: &GapOptions, run: &RunOptions<'_>) -> Resul
                 prepared: there.prepared.clone(),
             });
         }
-        // Number 0 is the run without noise.
-        let runs: Vec<Option<Sample>> = (0..=repeats as u64)
+        // Number 0 is the run without noise. Once the run is stopped nothing is begun, but the first says something at least.
+        let runs: Vec<Option<Option<Sample>>> = (0..=repeats as u64)
             .into_par_iter()
             .map(|number| {
-                run.go_on()?;
+                if run.is_stopped() && (index, number) != (0, 0) {
+                    return Ok(None);
+                }
                 let simulated = match (number.checked_sub(1), &noise) {
                     (Some(repeat), Some(noise)) => {
                         ensemble::repeat(&experiment, noise, options.seed, repeat)?
@@ -143,20 +148,28 @@ fn study_gap(study: &Study, options: &GapOptions, run: &RunOptions<'_>) -> Resul
                     _ => simulation::run(&experiment)?,
                 };
                 run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
-                completed(simulated, number)
+                completed(simulated, number).map(Some)
             })
             .collect::<Result<_>>()?;
+        let begun_here = runs.iter().flatten().count();
+        if begun_here == 0 {
+            for target in &case.targets {
+                real[target.recording] = None;
+            }
+            break;
+        }
+        begun += begun_here;
         let mut runs = runs.into_iter();
-        let ideal = runs.next().flatten();
-        let ended: Vec<Sample> = runs.flatten().collect();
-        diverged += repeats - ended.len() + usize::from(ideal.is_none());
+        let ideal = runs.next().flatten().flatten();
+        let ended: Vec<Sample> = runs.flatten().flatten().collect();
+        diverged += begun_here - ended.len() - usize::from(ideal.is_some());
         cases.push(CaseRuns {
             recordings: case.targets.iter().map(|t| t.recording).collect(),
             ideal,
             repeats: ended,
         });
     }
-    if diverged == total {
+    if diverged == begun {
         return Err(
             definition.at_file(Error::invalid("every run diverged").hint(
                 "simulate the robot alone first, then try a shorter timestep or more substeps",
@@ -166,7 +179,13 @@ fn study_gap(study: &Study, options: &GapOptions, run: &RunOptions<'_>) -> Resul
     if diverged > 0 {
         warnings.push(Warning::new(
             Code::Diverged,
-            format!("{diverged} of {total} runs diverged; they are in no number here"),
+            format!("{diverged} of {begun} runs diverged; they are in no number here"),
+        ));
+    }
+    if begun < total {
+        warnings.push(Warning::new(
+            Code::Incomplete,
+            format!("stopped after {begun} of {total} runs"),
         ));
     }
     let real: Vec<Sample> = real.into_iter().flatten().collect();
@@ -190,6 +209,7 @@ fn study_gap(study: &Study, options: &GapOptions, run: &RunOptions<'_>) -> Resul
             .iter()
             .map(|a| (a.parameter.name.to_owned(), a.value))
             .collect(),
+        complete: begun == total,
         recordings: real.len(),
         source: definition.source(),
         starts: cases.len(),

@@ -9,6 +9,7 @@ mod table;
 use std::path::Path;
 
 use super::draft::publish;
+use super::kind::Kind;
 use super::write_report;
 use crate::error::Result;
 use crate::search::{Finalist, Search, SearchResults};
@@ -27,7 +28,7 @@ pub fn write_search(
     results: &SearchResults,
     finalists: &[Finalist],
 ) -> Result<SearchSummary> {
-    publish(folder, is_of_a_search, |draft| {
+    publish(folder, Kind::Search, |draft| {
         table::write_history(draft, search, results)?;
         let archive = search.strategy().archive(&results.history())?;
         if let Some(archive) = &archive {
@@ -45,7 +46,7 @@ pub fn write_search(
 }
 
 /// Whether [`write_search`] calls a file like this.
-fn is_of_a_search(name: &str) -> bool {
+pub(super) fn is_of_a_search(name: &str) -> bool {
     let pictures = ["fitness", "archive", "gallery", "paths"];
     match name.rsplit_once('.') {
         Some((stem, "png" | "svg")) => pictures.contains(&stem),

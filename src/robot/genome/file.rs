@@ -65,6 +65,7 @@ impl Specimen {
     pub fn parse(source: &Source) -> Result<Self> {
         let file = parse_ron::<SpecimenFile>(source)?;
         let at = |path: &str, error: Error| source.at(path, error).field(path);
+        Morphology::check_name(&file.name).map_err(|e| at("name", e))?;
         if file.modules != file.genes.len() {
             return Err(at(
                 "genes",

@@ -79,12 +79,12 @@ mod flaw;
 mod glue;
 mod layout;
 mod module;
+mod plausibility;
 mod summary;
 mod sweep;
 mod tree;
 
 use std::collections::HashMap;
-use std::f64::consts::TAU;
 use std::path::Path;
 
 pub use assembly::{Assembly, ClusterMass, Gait, Hinge, Part, Role, Servo, ServoLaw, Solid};
@@ -94,8 +94,7 @@ pub use module::{Drive, DriveAxis, Module, Plate};
 pub use summary::Summary;
 
 use crate::file::{Source, parse_ron, write_ron};
-use crate::warning::Code;
-use crate::{Error, Result, Warning};
+use crate::{Error, Result};
 use file::MorphologyFile;
 use flaw::{Checked, Flaw};
 use layout::Placement;
@@ -214,6 +213,14 @@ impl Morphology {
         })
     }
 
+    /// Checks what a robot would be called.
+    ///
+    /// # Errors
+    /// Anything but letters, digits, `_` and `-`, the last not in front; over [`Module::MAX_NAME`] characters.
+    pub fn check_name(name: &str) -> Result<()> {
+        module::check_name(name, "a robot", "name").map_err(Flaw::without_file)
+    }
+
     /// Name of the robot.
     pub fn name(&self) -> &str {
         &self.name
@@ -261,41 +268,6 @@ impl Morphology {
     /// the plate and the module that it hits. Such a servo is blocked, or a run starts with bodies inside each other.
     pub fn blocked_plates(&self) -> Vec<(usize, usize)> {
         sweep::blocked_plates(self)
-    }
-
-    /// What is allowed but probably not meant: `servo-too-slow` for a gait that asks for more speed
-    /// than the servo has, `tied-plate` for a plate as large as its cube.
-    pub fn warnings(&self) -> Vec<Warning> {
-        let tied = self.modules.iter().filter_map(|module| {
-            let plate = module.plate()?;
-            (plate.side_m == module.side_m).then(|| {
-                Warning::new(
-                    Code::TiedPlate,
-                    format!(
-                        "the plate of `{}` is as large as its cube: both carry the robot, and only a difference of their frictions (friction_plate_relative of the noise) decides which of them slips",
-                        module.name
-                    ),
-                )
-            })
-        });
-        self.modules
-            .iter()
-            .filter_map(|module| {
-                let drive = module.drive?;
-                let peak_rad_s = TAU * drive.gait.frequency_hz * drive.gait.amplitude_rad.abs();
-                let limit_rad_s = drive.servo.max_speed_rad_s;
-                (peak_rad_s > limit_rad_s).then(|| {
-                    Warning::new(
-                        Code::ServoTooSlow,
-                        format!(
-                            "the gait of `{}` asks for {peak_rad_s:.2} rad/s, its servo turns at {limit_rad_s} rad/s at most",
-                            module.name
-                        ),
-                    )
-                })
-            })
-            .chain(tied)
-            .collect()
     }
 }
 

@@ -202,11 +202,12 @@ impl Drive {
     }
 }
 
-/// Letters, digits, `_` and `-`: names become column names, file names and parameter names.
+/// Letters, digits, `_` and `-`, the last not in front: names become column names, file names and parameter names.
 pub(super) fn check_name(name: &str, whose: &str, at: &str) -> Checked<()> {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     let count = name.chars().count();
-    if (1..=Module::MAX_NAME).contains(&count) && name.chars().all(plain) {
+    if (1..=Module::MAX_NAME).contains(&count) && name.chars().all(plain) && !name.starts_with('-')
+    {
         return Ok(());
     }
     let shown: String = name.chars().take(Module::MAX_NAME).collect();
@@ -215,7 +216,7 @@ pub(super) fn check_name(name: &str, whose: &str, at: &str) -> Checked<()> {
         Error::invalid(format!("not a usable name for {whose}"))
             .found(format!("{shown:?} ({count} characters)"))
             .allowed(format!(
-                "1 to {} letters a-z and A-Z, digits, `_` and `-`",
+                "1 to {} letters a-z and A-Z, digits, `_` and `-` (not in front)",
                 Module::MAX_NAME
             )),
     ))

@@ -109,7 +109,8 @@ impl Strategy for Evolution {
 
     fn budget(&self) -> usize {
         let children = self.population.saturating_sub(self.elites);
-        self.population + self.generations.saturating_sub(1) * children
+        let later = self.generations.saturating_sub(1).saturating_mul(children);
+        self.population.saturating_add(later)
     }
 
     fn batch_name(&self) -> &'static str {

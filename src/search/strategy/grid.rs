@@ -120,7 +120,8 @@ impl Strategy for Grid {
     }
 
     fn budget(&self) -> usize {
-        self.axes.iter().map(|axis| axis.values.len()).product()
+        let counts = self.axes.iter().map(|axis| axis.values.len());
+        counts.fold(1, usize::saturating_mul)
     }
 
     fn propose(&self, history: &[Evaluated]) -> Result<Vec<Genome>> {

@@ -1,0 +1,98 @@
+//! Equal runs leave equal folders, byte for byte, whatever the threads: what differs stands in `timing.json`.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use common::{quick_study, realgap};
+
+/// Every file below a folder but `timing.json`.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(some) = folders.pop() {
+        for entry in std::fs::read_dir(&some).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.file_name().is_some_and(|name| name != "timing.json") {
+                let name = path.strip_prefix(folder).unwrap().to_path_buf();
+                all.insert(name, std::fs::read(path).unwrap());
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn every_command_writes_the_same_bytes_for_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = quick_study(folder.path(), 3).display().to_string();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.display().to_string()
+    };
+    let search = write(
+        "search.ron",
+        "Search(strategy: MapElites(initial: 8, batch: 4, evaluations: 16, variation: (max_modules: 3), axes: [(name: \"modules\", from: 1, to: 4, cells: 3)]), \
+         duration_s: 0.2, repeats: 2, finalists: (count: 2, repeats: 2))",
+    );
+    let noise = write("noise.ron", "(start_heading_rad: Normal(0.02))");
+    let robot = "morphologies/tripod.ron";
+    let ensemble = ["--repeats", "5", "--noise", &noise];
+    for (args, more) in [
+        (vec!["sweep", &study], &[][..]),
+        (
+            vec!["tune", &study, "--metric", "rms", "--budget", "24"],
+            &[],
+        ),
+        (vec!["search", &search], &[]),
+        (vec!["ensemble", &study], &ensemble),
+        (vec!["gap", &study], &ensemble),
+        (
+            vec!["predict", robot, "--repeats", "5", "--duration", "0.5"],
+            &[],
+        ),
+        (
+            vec![
+                "gap",
+                "--recordings",
+                "real_trajectories/tripod_standin/*.csv",
+            ],
+            &[],
+        ),
+    ] {
+        let run = |jobs: &str| {
+            let out = tempfile::tempdir_in(folder.path()).unwrap();
+            let mut command = realgap();
+            command.args(&args).args(more).args(["--jobs", jobs, "-o"]);
+            // The same path each time: it may stand in a result.
+            command.arg("out").current_dir(out.path());
+            let root = common::project();
+            for (name, place) in [
+                ("morphologies", "morphologies"),
+                ("real_trajectories", "real_trajectories"),
+            ] {
+                std::os::unix::fs::symlink(root.join(place), out.path().join(name)).unwrap();
+            }
+            command.assert().success();
+            let folder = out.path().join("out");
+            assert!(folder.join("timing.json").exists(), "{args:?}");
+            files(&folder)
+        };
+        let (one, three) = (run("1"), run("3"));
+        let names: Vec<_> = one.keys().collect();
+        assert_eq!(names, three.keys().collect::<Vec<_>>(), "{args:?}");
+        assert!(names.len() > 1, "{args:?}: {names:?}");
+        for (name, bytes) in &one {
+            assert!(
+                three[name] == *bytes,
+                "{args:?}: {} differs",
+                name.display()
+            );
+        }
+    }
+}

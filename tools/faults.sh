@@ -1,0 +1,262 @@
+#!/usr/bin/env bash
+# What survives what: kills, full and read-only disks, damage, jumps of the clock, several writers. Prints one table; exit code 1
+# where anything was lost without a word. `--short` for a minute of it.
+#
+#   cargo build --release && tools/faults.sh
+#
+# REALGAP names another program than target/release/realgap. Needs Linux; what it may not do (mount, compile) says SKIPPED.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+realgap=$(realpath "${REALGAP:-target/release/realgap}")
+kills=50 early=30 second=20 pages=100 logs=40 terms=5 grid=12
+if [ "${1:-}" = --short ]; then
+    kills=4 early=4 second=3 pages=20 logs=10 terms=1 grid=8
+fi
+RANDOM=1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+
+table=""
+row() { # fault, times, outcome, whether it is as promised
+    local verdict=ok
+    if [ "$4" != 0 ]; then
+        verdict=FAILED
+        failed=1
+    fi
+    table+="| $1 | $2 | $3 | $verdict |"$'\n'
+    echo "$verdict: $1, $2: $3" >&2
+}
+skipped() { table+="| $1 | 0 | SKIPPED: $2 | - |"$'\n'; }
+now_ms() { echo $(($(date +%s%N) / 1000000)); }
+sleep_ms() { sleep "$(printf '%d.%03d' $(($1 / 1000)) $(($1 % 1000)))"; }
+
+cat >"$work/study.ron" <<END
+Study(
+    morphology: "$PWD/morphologies/tripod.ron",
+    recordings: ["$PWD/real_trajectories/tripod_standin/*.csv"],
+    start: Settled,
+    duration_s: 1.0,
+    parameters: [
+        (name: "floor.friction", from: 0.1, to: 0.9, points: $grid),
+        (name: "floor.restitution", from: 0.0, to: 0.8, points: $grid),
+    ],
+)
+END
+sweep() { "$realgap" sweep "$work/study.ron" --jobs 1 "$@" >"$work/said" 2>&1; }
+equal() { cmp -s "$work/whole/points.csv" "$1/points.csv" && cmp -s "$work/whole/summary.json" "$1/summary.json"; }
+
+begun=$(now_ms)
+sweep -o "$work/whole" || { cat "$work/said"; exit 1; }
+whole_ms=$(($(now_ms) - begun))
+"$realgap" results "$work/whole" --format csv >"$work/whole.csv"
+
+# Starts a sweep into $1 with the options behind $2, and kills it after $2 milliseconds.
+killed() {
+    local out=$1 after=$2
+    shift 2
+    "$realgap" sweep "$work/study.ron" --jobs 1 -o "$out" "$@" >/dev/null 2>&1 &
+    local process=$!
+    sleep_ms "$after"
+    kill -9 "$process" 2>/dev/null
+    wait "$process" 2>/dev/null
+}
+
+# 1 Killed at any moment, twice, then resumed.
+different=0
+for i in $(seq "$kills"); do
+    out=$work/killed
+    rm -rf "$out"
+    killed "$out" $((RANDOM % whole_ms))
+    [ -e "$out" ] && killed "$out" $((RANDOM % whole_ms)) --resume
+    if [ -e "$out" ]; then sweep -o "$out" --resume; else sweep -o "$out"; fi
+    equal "$out" || different=$((different + 1))
+done
+row "kill -9 twice at any moment, resumed" "$kills" "$different differ from a whole run" "$different"
+
+# 2 Killed in the first 80 ms; started again.
+refused=0
+for i in $(seq "$early"); do
+    out=$work/early
+    rm -rf "$out"
+    killed "$out" $((RANDOM % 80))
+    sweep -o "$out" || sweep -o "$out" --resume || refused=$((refused + 1))
+    equal "$out" || refused=$((refused + 1))
+done
+row "kill -9 in the first 80 ms, started or resumed" "$early" "$refused refused or different" "$refused"
+
+# 3 A second run on complete results, killed.
+lost=0
+for i in $(seq "$second"); do
+    killed "$work/whole" $((RANDOM % 800))
+    "$realgap" results "$work/whole" --format csv | cmp -s - "$work/whole.csv" || lost=$((lost + 1))
+    for name in points.csv summary.json best.ron heatmap.png; do
+        [ -s "$work/whole/$name" ] || lost=$((lost + 1))
+    done
+done
+row "kill -9 of a second run on complete results" "$second" "$lost results lost" "$lost"
+sweep -o "$work/whole"
+
+# 4 A full disk.
+cat >"$work/full.sh" <<END
+mount -t tmpfs -o size=\$1 none "$work/disk" || exit 77
+"$realgap" sweep "$work/study.ron" --jobs 1 -o "$work/disk/out" >"$work/full.said" 2>&1
+code=\$?
+[ \$code = 1 ] && grep -q 'free some' "$work/full.said" || { echo "exit \$code"; cat "$work/full.said"; exit 1; }
+[ "\$(grep -c '^error:' "$work/full.said")" = 1 ] || exit 1
+mount -o remount,size=50m "$work/disk" || exit 77
+"$realgap" sweep "$work/study.ron" --jobs 1 -o "$work/disk/out" --resume >/dev/null 2>&1 \
+    || "$realgap" sweep "$work/study.ron" --jobs 1 -o "$work/disk/out" >/dev/null 2>&1 || exit 1
+cmp "$work/whole/points.csv" "$work/disk/out/points.csv"
+END
+mkdir -p "$work/disk"
+lost=0 count=0
+for size in 4k 16k 64k 150k 300k; do
+    unshare --mount --map-root-user bash "$work/full.sh" "$size" >"$work/said" 2>&1
+    case $? in
+        0) count=$((count + 1)) ;;
+        77) count=-1; break ;;
+        *) count=$((count + 1)) lost=$((lost + 1)); cat "$work/said" >&2 ;;
+    esac
+done
+if [ "$count" -lt 0 ]; then
+    skipped "full disk (tmpfs of 4 to 300 KiB), then room and resumed" "nothing can be mounted here"
+else
+    row "full disk (tmpfs of 4 to 300 KiB), then room and resumed" "$count" "$lost without one clear error, or different" "$lost"
+fi
+
+# 5 Media that cannot be written.
+cat >"$work/read_only.sh" <<END
+mount --bind "$work/whole" "$work/whole" && mount -o remount,ro,bind "$work/whole" || exit 77
+"$realgap" results "$work/whole" --format csv | cmp - "$work/whole.csv" || exit 1
+"$realgap" sweep "$work/study.ron" -o "$work/whole" >"$work/said" 2>&1
+[ \$? = 1 ] || exit 1
+END
+unshare --mount --map-root-user bash "$work/read_only.sh" >/dev/null 2>&1
+case $? in
+    77) skipped "finished results on a read-only disk" "nothing can be mounted here" ;;
+    0) row "finished results on a read-only disk" 1 "read as before; a new run is refused at once" 0 ;;
+    *) row "finished results on a read-only disk" 1 "not readable, or not refused" 1 ;;
+esac
+
+# 6 Damaged pages of the store.
+damage() { # file, offset, bytes
+    head -c "$3" /dev/urandom | dd of="$1" bs=1 seek="$2" conv=notrunc status=none
+}
+said=0 silent=0
+mkdir -p "$work/damaged"
+size=$(stat -c %s "$work/whole/results.sqlite")
+for i in $(seq "$pages"); do
+    cp "$work/whole/results.sqlite" "$work/damaged/results.sqlite"
+    page=$(((RANDOM * 32768 + RANDOM) % (size / 4096)))
+    case $((i % 3)) in
+        0) damage "$work/damaged/results.sqlite" $((page * 4096)) 4096 ;;
+        1) damage "$work/damaged/results.sqlite" $((page * 4096 + RANDOM % 4000)) 64 ;;
+        2) damage "$work/damaged/results.sqlite" $((page * 4096 + RANDOM % 4096)) 1 ;;
+    esac
+    if ! "$realgap" results "$work/damaged" --format csv >"$work/damaged.csv" 2>/dev/null; then
+        said=$((said + 1))
+    elif ! cmp -s "$work/damaged.csv" "$work/whole.csv"; then
+        silent=$((silent + 1))
+    fi
+    rm -f "$work/damaged/"*
+done
+row "damaged pages of the store" "$pages" "$said errors, $((pages - said - silent)) the same answer, $silent silently another" "$silent"
+
+# 7 A damaged log of a killed run.
+rm -rf "$work/log"
+killed "$work/log" $((whole_ms * 2 / 3))
+if [ -s "$work/log/results.sqlite-wal" ]; then
+    "$realgap" results "$work/log" --format csv >"$work/log.csv"
+    said=0 same=0 shorter=0 silent=0
+    size=$(stat -c %s "$work/log/results.sqlite-wal")
+    for i in $(seq "$logs"); do
+        rm -rf "$work/damaged"
+        cp -r "$work/log" "$work/damaged"
+        damage "$work/damaged/results.sqlite-wal" $(((RANDOM * 32768 + RANDOM) % size)) 16
+        if ! "$realgap" results "$work/damaged" --format csv --sort trial >"$work/damaged.csv" 2>/dev/null; then
+            said=$((said + 1))
+        else
+            "$realgap" results "$work/log" --format csv --sort trial >"$work/log.csv"
+            if cmp -s "$work/damaged.csv" "$work/log.csv"; then
+                same=$((same + 1))
+            elif [ "$(($(wc -l <"$work/log.csv") - $(wc -l <"$work/damaged.csv")))" -le 2 ]; then
+                # The very last write cannot be told from one that was cut off.
+                shorter=$((shorter + 1))
+            else
+                silent=$((silent + 1))
+            fi
+        fi
+    done
+    row "damaged log of a killed run" "$logs" "$said errors, $same the same answer, $shorter without the last write, $silent silently another" "$silent"
+else
+    skipped "damaged log of a killed run" "the kill left no log"
+fi
+
+# 8 A clock that jumps.
+cat >"$work/jump.c" <<'END'
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <stdlib.h>
+#include <time.h>
+static int (*real)(clockid_t, struct timespec *);
+static int calls;
+int clock_gettime(clockid_t id, struct timespec *ts) {
+    if (!real) real = dlsym(RTLD_NEXT, "clock_gettime");
+    int code = real(id, ts);
+    // Hours back and forth; processors' own times stay.
+    if (code == 0 && id == CLOCK_REALTIME) ts->tv_sec += (++calls % 7 - 3) * 36000;
+    return code;
+}
+END
+if command -v cc >/dev/null && cc -shared -fPIC -o "$work/jump.so" "$work/jump.c" -ldl 2>/dev/null; then
+    LD_PRELOAD=$work/jump.so "$realgap" sweep "$work/study.ron" --jobs 1 -o "$work/clock" >/dev/null 2>&1
+    equal "$work/clock"
+    row "clock that jumps by hours at every look (LD_PRELOAD)" 1 "the same bytes" $?
+else
+    skipped "clock that jumps by hours at every look (LD_PRELOAD)" "no C compiler"
+fi
+
+# 9 Eight writers at once.
+rm -rf "$work/shared"
+processes=()
+for i in $(seq 8); do
+    "$realgap" sweep "$work/study.ron" --jobs 1 -o "$work/shared" >"$work/writer.$i" 2>&1 &
+    processes+=($!)
+done
+won=0
+for process in "${processes[@]}"; do
+    wait "$process" && won=$((won + 1))
+done
+named=$(grep -l 'process [0-9]* (.* since 2' "$work"/writer.* | wc -l)
+equal "$work/shared" && [ "$won" = 1 ] && [ "$named" = 7 ]
+row "eight writers of one folder at once" 8 "$won wrote, $named were told who writes since when" $?
+
+# 10 SIGTERM in a run of an hour; 11 the folder of one removed.
+long=(predict morphologies/tripod.ron --duration 3600 --set timestep_s=0.0001 --jobs 1)
+slowest=0
+for i in $(seq "$terms"); do
+    "$realgap" "${long[@]}" -o "$work/term$i" >/dev/null 2>&1 &
+    process=$!
+    sleep 0.5
+    begun=$(now_ms)
+    kill -TERM "$process"
+    wait "$process"
+    took=$(($(now_ms) - begun))
+    [ "$took" -gt "$slowest" ] && slowest=$took
+done
+[ "$slowest" -le 2000 ]
+row "SIGTERM in the middle of a run of an hour" "$terms" "ended after $slowest ms at most" $?
+"$realgap" "${long[@]}" -o "$work/gone" >"$work/said" 2>&1 &
+process=$!
+sleep 0.5
+rm -rf "$work/gone"
+begun=$(now_ms)
+wait "$process"
+code=$?
+took=$(($(now_ms) - begun))
+[ "$code" = 1 ] && grep -q 'removed during the run' "$work/said" && [ "$took" -le 5000 ]
+row "results folder removed during a run of an hour" 1 "noticed after $took ms" $?
+
+printf '\n| fault | times | outcome | |\n|---|---|---|---|\n%s' "$table"
+exit $failed
