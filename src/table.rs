@@ -4,6 +4,11 @@
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
+use crate::text::shown;
+
+/// Most characters of a cell.
+const LONGEST: usize = 200;
+
 /// On which side of its column a cell stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Side {
@@ -33,9 +38,10 @@ impl TextTable {
         }
     }
 
-    /// Adds a row; missing cells stay empty.
+    /// Adds a row; missing cells stay empty. Of a long cell the start is shown, control characters as escapes.
     pub fn push<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) {
-        self.rows.push(cells.into_iter().map(Into::into).collect());
+        let cells = cells.into_iter().map(|cell| shown(&cell.into(), LONGEST));
+        self.rows.push(cells.collect());
     }
 
     /// The text, each line ended by a line feed; `bold_header` for terminals that understand it.

@@ -27,6 +27,60 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 }
 
 #[test]
+fn commands_that_write_one_file_write_the_same_bytes_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = quick_study(folder.path(), 2).display().to_string();
+    let (robot, run) = (
+        "morphologies/tripod.ron",
+        "real_trajectories/tripod_standin/run_00.csv",
+    );
+    let other = "real_trajectories/tripod_standin/run_01.csv";
+    for (name, args) in [
+        (
+            "run.csv",
+            vec!["simulate", robot, "--duration", "0.5", "-o"],
+        ),
+        (
+            "recordings",
+            vec!["record", robot, "--repeats", "2", "--duration", "0.5", "-o"],
+        ),
+        ("robot.xml", vec!["export", robot, "--format", "mjcf", "-o"]),
+        (
+            "genome.ron",
+            vec!["genome", "random", "--modules", "3", "--seed", "2", "-o"],
+        ),
+        ("robot.png", vec!["check", robot, "--plot"]),
+        ("paths.svg", vec!["compare", run, other, "--plot"]),
+        (
+            "bars.png",
+            vec!["sensitivity", &study, "--jobs", "2", "--plot"],
+        ),
+        (
+            "repeat.csv",
+            vec!["ensemble", "sweeps/tripod_self.ron", "--only", "3", "-o"],
+        ),
+    ] {
+        let write = || {
+            let out = tempfile::tempdir_in(folder.path()).unwrap();
+            let said = realgap()
+                .args(&args)
+                .arg(out.path().join(name))
+                .output()
+                .unwrap();
+            assert!(
+                said.status.success(),
+                "{args:?}: {}",
+                common::text(&said.stderr)
+            );
+            files(out.path())
+        };
+        let first = write();
+        assert!(!first.is_empty(), "{args:?}");
+        assert!(first == write(), "{args:?}");
+    }
+}
+
+#[test]
 fn every_command_writes_the_same_bytes_for_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
     let study = quick_study(folder.path(), 3).display().to_string();

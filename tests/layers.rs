@@ -12,7 +12,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
     ("error", &["unit", "text"]),
     ("warning", &["text"]),
     ("unit", &[]),
-    ("table", &[]),
+    ("table", &["text"]),
     ("quantity", &["error", "unit"]),
     ("random", &[]),
     ("statistics", &["error", "random"]),

@@ -258,5 +258,28 @@ took=$(($(now_ms) - begun))
 [ "$code" = 1 ] && grep -q 'removed during the run' "$work/said" && [ "$took" -le 5000 ]
 row "results folder removed during a run of an hour" 1 "noticed after $took ms" $?
 
+# 12 The folder of a run made read-only, by a user whom that hinders.
+mkdir "$work/user"
+as_user=()
+if [ "$(id -u)" = 0 ]; then
+    chmod 777 "$work" "$work/user"
+    as_user=(setpriv --reuid=65534 --regid=65534 --clear-groups)
+fi
+if "${as_user[@]}" mkdir "$work/user/out" 2>/dev/null && "${as_user[@]}" test -x "$realgap" -a -r morphologies/tripod.ron; then
+    "${as_user[@]}" "$realgap" "${long[@]}" -o "$work/user/out" >"$work/user.said" 2>&1 &
+    process=$!
+    sleep 1
+    "${as_user[@]}" chmod 555 "$work/user/out"
+    begun=$(now_ms)
+    wait "$process"
+    code=$?
+    took=$(($(now_ms) - begun))
+    [ "$code" = 1 ] && grep -q 'check the permissions' "$work/user.said" && [ "$took" -le 5000 ]
+    row "results folder made read-only during a run of an hour" 1 "noticed after $took ms" $?
+    chmod 755 "$work/user/out"
+else
+    skipped "results folder made read-only during a run of an hour" "no other user can run the program here"
+fi
+
 printf '\n| fault | times | outcome | |\n|---|---|---|---|\n%s' "$table"
 exit $failed

@@ -12,6 +12,7 @@ use realgap::robot::morphology::Morphology;
 use realgap::search::{self, Search};
 use realgap::simulation::Experiment;
 use realgap::simulation::verification::known_limits;
+use realgap::text::shown;
 use realgap::unit::{LengthUnit, counted};
 use realgap::{Error, Result, Warning, results::portrait, trajectory};
 use serde_json::{Value, json};
@@ -37,6 +38,9 @@ pub struct Check {
     #[arg(long, value_enum, default_value_t)]
     format: Format,
 }
+
+/// Most characters of a text that a file holds.
+const SHOWN: usize = 1000;
 
 /// What a sound file holds: for people, and for machines.
 struct Contents {
@@ -364,10 +368,15 @@ fn meta(path: &Path) -> Result<Contents> {
     let lines = vec![
         format!(
             "  recordings of the robot \"{}\", source {:?}",
-            meta.robot, meta.source
+            shown(&meta.robot, SHOWN),
+            meta.source
         ),
-        format!("  {}", meta.description),
-        format!("  frame {}, licence {}", meta.frame, meta.licence),
+        format!("  {}", shown(&meta.description, SHOWN)),
+        format!(
+            "  frame {}, licence {}",
+            shown(&meta.frame, SHOWN),
+            shown(&meta.licence, SHOWN)
+        ),
     ];
     Ok(Contents {
         kind: Kind::Meta,
@@ -400,7 +409,7 @@ fn motion(path: &Path, unit: LengthUnit) -> Result<Contents> {
         let net_m = motion.net_displacement_world_m().xy().norm();
         lines.push(format!(
             "  {}: {} over {:.3} s, {columns}; net displacement {net_m:.4} m, path {:.4} m",
-            recording.name,
+            shown(&recording.name, SHOWN),
             counted(motion.len(), "sample"),
             motion.duration_s(),
             motion.path_length_xy_m(),

@@ -95,9 +95,25 @@ fn is_of_a_study(name: &str) -> bool {
 /// results into holds no file with the name of one.
 ///
 /// # Errors
-/// Such a file.
+/// Such a file; a folder that stands where a result would.
 pub fn check_folder(folder: &Path, kind: Kind) -> Result<()> {
-    if !folder.is_dir() || FolderLock::was_in(folder) || folder.join(STORE_FILE).exists() {
+    if !folder.is_dir() {
+        return Ok(());
+    }
+    let entries = std::fs::read_dir(folder)
+        .map_err(|e| Error::io("look into the results folder", folder, &e))?;
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        if entry.path().is_dir() && name.to_str().is_some_and(|name| kind.has(name)) {
+            return Err(
+                Error::conflict("a folder stands where a result would be written")
+                    .at_file(entry.path())
+                    .hint("move it away")
+                    .advise(Advice::OtherFolder),
+            );
+        }
+    }
+    if FolderLock::was_in(folder) || folder.join(STORE_FILE).exists() {
         return Ok(());
     }
     let files = draft::files(folder)?;
@@ -157,5 +173,8 @@ mod tests {
         std::fs::write(folder.path().join(STORE_FILE), "").unwrap();
         check_folder(folder.path(), Kind::Study).unwrap();
         check_folder(&folder.path().join("missing"), Kind::Study).unwrap();
+        std::fs::create_dir(folder.path().join("points.csv")).unwrap();
+        let error = check_folder(folder.path(), Kind::Study).unwrap_err();
+        assert!(error.to_string().contains("points.csv"), "{error}");
     }
 }
