@@ -215,6 +215,7 @@ fn a_prediction_card_says_how_far_how_likely_and_by_which_rule() {
     let least_m = card["success"]["least_displacement_m"].as_f64().unwrap();
     assert!((least_m - 0.5 * free_m).abs() < 1e-15);
     assert!(card["warnings"].to_string().contains("estimated-noise"));
+    assert!(card["growth"]["rate_1_s"].as_f64().unwrap() > 0.0);
     for file in [
         "prediction.json",
         "repeats.csv",
@@ -240,6 +241,7 @@ fn a_prediction_card_says_how_far_how_likely_and_by_which_rule() {
         "P(success)        0 %",
         "at least 100 m",
         "quantiles",
+        "small differences grow by a factor of",
         "as predicted",
         "mm/s",
     ] {

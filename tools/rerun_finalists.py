@@ -8,7 +8,8 @@
 RESULTS/best/NAME.draws.json holds what was drawn for every repeat of a finalist: start, servos, masses, frictions. The first `--draws` of them run in
 MuJoCo with contacts hard and steps short enough that neither matters (1/16000 s, solref 0.0005: at 1/1000 s MuJoCo takes these robots half as far),
 and the two distributions are compared: medians, rank correlation draw by draw, and the largest distance of the distribution functions. A robot agrees
-where the medians are within `--tolerance`. RESULTS/best/mujoco.json holds the same as the table.
+where the medians are within `--tolerance`. For a robot whose card says that only distributions compare (a small difference grows by `growth` per
+second), the rank correlation is left out: draw by draw no two engines agree. RESULTS/best/mujoco.json holds the same as the table.
 """
 
 import argparse
@@ -99,20 +100,25 @@ def main():
     summary = json.loads((options.results / "summary.json").read_text())
     best = options.results / "best"
     print(f"MuJoCo {mujoco.__version__}, 1/{1 / TIMESTEP_S:.0f} s, solref {SOLREF_S}, {summary['duration_s']} s, {options.draws} draws")
-    print(f"{'robot':<20} {'realgap':>9} {'MuJoCo':>9} {'ratio':>6} {'rank r':>7} {'KS':>5}  agrees")
+    print(f"{'robot':<20} {'realgap':>9} {'MuJoCo':>9} {'ratio':>6} {'growth/s':>8} {'rank r':>7} {'KS':>5}  agrees")
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for robot in summary["best"]:
             draws = json.loads((best / f"{robot['file']}.draws.json").read_text())
+            card = json.loads((best / f"{robot['file']}.json").read_text())
+            growth = math.exp(card["growth"]["rate_1_s"]) if card["growth"] else None
+            is_chaotic = any(warning["code"] == "only-distributions" for warning in card["warnings"])
             pairs = []
             for draw in [d for d in draws if d["displacement_m"] is not None][: options.draws]:
                 pairs.append((draw["displacement_m"], Drawn(draw, folder).displacement_m(summary["duration_s"])))
             here, there = (list(column) for column in zip(*pairs))
             here_m, there_m, correlation, distance = compare(here, there)
+            if is_chaotic:
+                correlation = None
             agrees = abs(there_m / here_m - 1) <= options.tolerance
-            rows.append({"robot": robot["file"], "modules": robot["modules"], "realgap_median_m": here_m, "mujoco_median_m": there_m, "rank_correlation": correlation,
+            rows.append({"robot": robot["file"], "modules": robot["modules"], "realgap_median_m": here_m, "mujoco_median_m": there_m, "growth_per_s": growth, "only_distributions": is_chaotic, "rank_correlation": correlation,
                          "ks_distance": distance, "agrees": bool(agrees), "realgap_m": here, "mujoco_m": there})
-            print(f"{robot['file']:<20} {here_m:>7.3f} m {there_m:>7.3f} m {there_m / here_m:>6.2f} {correlation:>7.2f} {distance:>5.2f}  {'yes' if agrees else 'NO'}", flush=True)
+            print(f"{robot['file']:<20} {here_m:>7.3f} m {there_m:>7.3f} m {there_m / here_m:>6.2f} {growth or math.nan:>8.2f} {'-' if correlation is None else f'{correlation:.2f}':>7} {distance:>5.2f}  {'yes' if agrees else 'NO'}", flush=True)
     text = json.dumps({"mujoco": mujoco.__version__, "numpy": np.__version__, "timestep_s": TIMESTEP_S, "solref_s": SOLREF_S, "tolerance": options.tolerance, "robots": rows}, indent=2)
     (best / "mujoco.json").write_text(text + "\n")
 

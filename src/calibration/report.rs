@@ -182,7 +182,7 @@ impl fmt::Display for Report {
         if let Some(audit) = &self.audit {
             write!(
                 f,
-                "\n  half and double timestep and substeps change the score by up to {}",
+                "\n  other timesteps, other substeps and hard contact change the score by up to {}",
                 quantity(audit.largest_change, self.unit)
             )?;
         }
@@ -237,7 +237,7 @@ impl Report {
             warnings.push(Warning::new(
                 Code::Unresolved,
                 format!(
-                    "timestep or substeps change the best score by {}, more than the whole range of {}: these scores cannot tell",
+                    "timestep, substeps or hard contact change the best score by {}, more than the whole range of {}: these scores cannot tell",
                     quantity(audit.largest_change, scores.unit),
                     audit.unresolved.join(", ")
                 ),

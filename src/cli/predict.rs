@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::calibration::read_noise;
 use realgap::optimization::RunOptions;
-use realgap::prediction::{Card, SuccessRule, ensemble};
+use realgap::prediction::{Card, Growth, SuccessRule, ensemble};
 use realgap::results::{Kind, write_prediction};
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Noise, Sampling};
@@ -101,6 +101,7 @@ impl Predict {
         let card = Card::new(morphology.name(), &repeats, rule)?
             .with_parameters(&values)
             .with_noise_from(noise_from)
+            .with_growth(Growth::of(&experiment)?)
             .with_warnings(warnings);
         terminal::print_warnings(&card.warnings);
         if let Some(folder) = &folder {

@@ -21,8 +21,8 @@ use super::{interrupt, progress, terminal};
 /// Search for the robot that walks best, by what will really happen
 ///
 /// Every robot is simulated several times under noise, and under what tuning left open (--indistinguishable). The best are looked
-/// at again with new draws, at half and double timestep and substeps and with the other joint kind; one that does not walk the same there
-/// is marked and ranked last. Results reach the folder as they come; Ctrl-C saves, --resume goes on with the same bits.
+/// at again with new draws, at half and double timestep and substeps, at the limit of hard contact and with the other joint kind at its
+/// own; one that does not walk the same there is marked and ranked last. Results reach the folder as they come; Ctrl-C saves, --resume goes on with the same bits.
 ///
 /// The folder gets history.csv, fitness.png, best/*.ron with a prediction card each (.json), gallery.png, paths.png,
 /// summary.json, and for map-elites archive.csv and archive.png.

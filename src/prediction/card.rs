@@ -256,6 +256,13 @@ impl fmt::Display for Card {
                 "\n  speed             {mean:.1} mm/s, standard deviation {sd:.1} mm/s (net displacement per time)"
             )?;
         }
+        if let Some(growth) = &self.growth {
+            write!(
+                f,
+                "\n  small differences grow by a factor of {:.1} per second",
+                growth.factor_per_s()
+            )?;
+        }
         write!(f, "\n{}", prediction.behaviour_table(None))?;
         match &self.finals {
             Some(finals) => write!(f, "\n{finals}"),

@@ -56,6 +56,11 @@ impl Growth {
         }))
     }
 
+    /// By what factor a small difference grows in a second.
+    pub fn factor_per_s(&self) -> f64 {
+        self.rate_1_s.exp()
+    }
+
     /// Whether a millimetre at the start becomes a body length within the run: then only distributions compare, between settings,
     /// engines and reality alike.
     pub fn only_distributions_compare(&self) -> bool {
@@ -69,7 +74,7 @@ impl Growth {
                 Code::OnlyDistributions,
                 format!(
                     "a small difference grows by a factor of {:.1} per second: single runs do not compare, between settings or engines, and distributions do",
-                    self.rate_1_s.exp()
+                    self.factor_per_s()
                 ),
             )
         })

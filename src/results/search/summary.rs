@@ -33,7 +33,8 @@ pub struct BestRobot {
     pub displacement_q05_q95_m: Option<[f64; 2]>,
     /// Probability of at least half of what the run without noise does.
     pub success: Option<f64>,
-    /// Whether half and double timestep and substeps and the other joint kind leave its displacement within the tolerance.
+    /// Whether half and double timestep and substeps, the limit of hard contact and the other joint kind at its own leave its displacement
+    /// within the tolerance.
     pub survives: bool,
     /// Largest change under these, as a share; `None` where it failed.
     pub largest_change: Option<f64>,
