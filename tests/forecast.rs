@@ -297,7 +297,7 @@ fn ctrl_c_leaves_what_there_is_marked_as_incomplete() {
     let study = study(folder.path(), NOISE).display().to_string();
     let long = std::fs::read_to_string(&study)
         .unwrap()
-        .replace("duration_s: 1.0", "duration_s: 20.0");
+        .replace("duration_s: 1.0", "duration_s: 5.0");
     std::fs::write(&study, long).unwrap();
     let results = folder.path().join("results");
     let child = std::process::Command::new(env!("CARGO_BIN_EXE_realgap"))

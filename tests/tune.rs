@@ -5,7 +5,7 @@ mod common;
 
 use std::path::Path;
 
-use common::{project, read, realgap, study, summary, text};
+use common::{STANDIN_NUMERICS, project, read, realgap, study, summary, text};
 
 /// The tripod for a second, compared point by point: no basis, so that small budgets are enough.
 fn quick(folder: &Path) -> std::path::PathBuf {
@@ -189,6 +189,7 @@ fn every_optimizer_finds_the_hidden_floor_of_the_stand_ins() {
         &format!(
             "morphology: \"{root}/morphologies/tripod.ron\",
     recordings: [\"{root}/real_trajectories/tripod_standin/*.csv\"],
+    {STANDIN_NUMERICS}
     start: Settled,
     duration_s: 5.0,
     parameters: [
