@@ -98,10 +98,15 @@ impl Predict {
         let repeats = ensemble::run(&experiment, &noise, self.seed, self.repeats as usize, &run);
         bar.finish_and_clear();
         let repeats = repeats?;
+        // Two more runs, which somebody who has just stopped this one does not wait for.
+        let growth = match repeats.is_complete() {
+            true => Growth::of(&experiment)?,
+            false => None,
+        };
         let card = Card::new(morphology.name(), &repeats, rule)?
             .with_parameters(&values)
             .with_noise_from(noise_from)
-            .with_growth(Growth::of(&experiment)?)
+            .with_growth(growth)
             .with_warnings(warnings);
         terminal::print_warnings(&card.warnings);
         if let Some(folder) = &folder {
