@@ -11,6 +11,7 @@ use realgap::file::Source;
 use realgap::robot::genome::Specimen;
 use realgap::robot::morphology::Morphology;
 use realgap::search::Search;
+use realgap::store::{Fingerprint, Store, Trial};
 
 /// A study whose recordings are copies in a folder of its own.
 fn study_of_copies(folder: &Path, glob: &str) -> PathBuf {
@@ -401,5 +402,52 @@ fn nonsense_that_runs_is_said_with_what_to_change() {
             line.is_some_and(|line| line.contains(change)),
             "{code}: {said}"
         );
+    }
+}
+
+#[test]
+fn a_store_that_somebody_else_made_does_not_steer_the_terminal_nor_a_spreadsheet() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = Store::<Trial>::create(folder.path(), &Fingerprint::new()).unwrap();
+    let list = |name: &str| serde_json::json!([name]).to_string();
+    store
+        .describe([
+            ("kind", "sweep\u{1b}[2J".to_owned()),
+            ("study", "x\u{7}\u{202e}".repeat(200)),
+            ("metric", "\u{9b}31m".to_owned()),
+            ("unit", "=cmd|' /C calc'!A0".to_owned()),
+            ("parameters", list("@SUM(1)\r")),
+            ("recordings", list("=1+1")),
+        ])
+        .unwrap();
+    store
+        .insert(&[Trial {
+            index: 0,
+            values: vec![-1.5],
+            cases: Vec::new(),
+        }])
+        .unwrap();
+    drop(store);
+    let list = |format: &str| {
+        let mut command = realgap();
+        command.arg("results").arg(folder.path());
+        let said = command
+            .args(["--per-recording", "--format", format])
+            .assert();
+        text(&said.success().get_output().stdout)
+    };
+    let table = list("table");
+    assert!(
+        table.contains("\\u{1b}[2J") && table.contains(" ..."),
+        "{table}"
+    );
+    let steers = |c: char| c != '\n' && (c.is_control() || c == '\u{202e}');
+    assert!(!table.contains(steers), "{table:?}");
+    let csv = list("csv");
+    for words in ["'=cmd", "'@SUM", "-1.5"] {
+        assert!(csv.contains(words), "{csv}");
+    }
+    for cell in csv.lines().flat_map(|line| line.split(',')) {
+        assert!(!cell.trim_matches('"').starts_with(['=', '@']), "{csv}");
     }
 }

@@ -364,3 +364,64 @@ fn read_only(folder: &Path, lines: usize) {
         }
     }
 }
+
+#[test]
+fn damage_in_the_log_of_a_killed_run_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let open = folder.path().join("open");
+    let mut store = Store::<Trial>::create(&open, &Fingerprint::new()).unwrap();
+    let list = serde_json::json!(["floor.friction"]).to_string();
+    store
+        .describe([
+            ("kind", "sweep".to_owned()),
+            ("study", "floor".to_owned()),
+            ("metric", "rms".to_owned()),
+            ("unit", "m".to_owned()),
+            ("parameters", list),
+            ("recordings", "[]".to_owned()),
+        ])
+        .unwrap();
+    for index in 0..20 {
+        let trial = Trial {
+            index,
+            values: vec![index as f64],
+            cases: Vec::new(),
+        };
+        store.insert(&[trial]).unwrap();
+    }
+    // What kill -9 leaves: the file and its log, with nobody holding the folder.
+    let copy = |name: &str| {
+        let killed = folder.path().join(name);
+        std::fs::create_dir(&killed).unwrap();
+        for file in ["results.sqlite", "results.sqlite-wal", ".lock"] {
+            std::fs::copy(open.join(file), killed.join(file)).unwrap();
+        }
+        killed
+    };
+    let killed = copy("killed");
+    assert_eq!(Listing::read(&killed).unwrap().rows.len(), 20);
+    let log = std::fs::read(killed.join("results.sqlite-wal")).unwrap();
+    assert!(log.len() > 40_000, "{}", log.len());
+    for (number, at) in [20, 40, 60, 5_000, log.len() / 2, log.len() - 9_000]
+        .into_iter()
+        .enumerate()
+    {
+        let killed = copy(&format!("damaged_{number}"));
+        let mut damaged = log.clone();
+        damaged[at] ^= 4;
+        std::fs::write(killed.join("results.sqlite-wal"), damaged).unwrap();
+        let listed = Listing::read(&killed).unwrap_err().to_string();
+        assert!(
+            listed.contains("damaged") && listed.contains("-wal"),
+            "{at}: {listed}"
+        );
+        let resumed = Store::<Trial>::resume(&killed, &Fingerprint::new()).unwrap_err();
+        assert!(resumed.to_string().contains("damaged"), "{at}: {resumed}");
+    }
+    // A last write that was cut off is no damage: what was stored before it is there.
+    let killed = copy("cut");
+    std::fs::write(killed.join("results.sqlite-wal"), &log[..log.len() - 100]).unwrap();
+    let listed = Listing::read(&killed).unwrap().rows.len();
+    assert!((18..20).contains(&listed), "{listed}");
+    drop(store);
+}

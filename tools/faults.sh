@@ -8,9 +8,9 @@
 set -uo pipefail
 cd "$(dirname "$0")/.."
 realgap=$(realpath "${REALGAP:-target/release/realgap}")
-kills=50 early=30 second=20 pages=100 logs=40 terms=5 grid=12
+kills=50 early=30 second=20 pages=100 logs=40 terms=5 grid=8
 if [ "${1:-}" = --short ]; then
-    kills=4 early=4 second=3 pages=20 logs=10 terms=1 grid=8
+    kills=4 early=4 second=3 pages=20 logs=10 terms=1
 fi
 RANDOM=1
 work=$(mktemp -d)

@@ -4,6 +4,7 @@
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use assert_cmd::Command;
 
@@ -79,4 +80,20 @@ pub fn read(folder: &Path, file: &str) -> String {
 /// The summary of a results folder.
 pub fn summary(folder: &Path) -> serde_json::Value {
     serde_json::from_str(&read(folder, "summary.json")).unwrap()
+}
+
+/// Waits until the store holds at least `count` points.
+pub fn wait_for_points(folder: &Path, count: usize) {
+    let started = Instant::now();
+    while started.elapsed() < Duration::from_secs(60) {
+        if let Ok(store) = realgap::store::Store::<realgap::store::Trial>::look(folder)
+            && store
+                .finished()
+                .is_ok_and(|finished| finished.len() >= count)
+        {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("no {count} points in {} after a minute", folder.display());
 }
