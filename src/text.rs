@@ -44,6 +44,32 @@ fn escaped_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(safe)
 }
 
+/// JSON with every character that is not plain as an escape of JSON: the value is the same, since such characters stand inside of
+/// strings only.
+///
+/// ```
+/// use realgap::text::escaped_json;
+///
+/// assert_eq!(escaped_json("{\n\"a\": \"\u{202e}b\"\n}".to_owned()), "{\n\"a\": \"\\u202eb\"\n}");
+/// ```
+pub fn escaped_json(json: String) -> String {
+    let stays = |c: char| is_plain(c) || c == '\n';
+    if json.chars().all(stays) {
+        return json;
+    }
+    let mut safe = String::with_capacity(json.len());
+    for c in json.chars() {
+        if stays(c) {
+            safe.push(c);
+        } else {
+            for unit in c.encode_utf16(&mut [0; 2]) {
+                safe += &format!("\\u{unit:04x}");
+            }
+        }
+    }
+    safe
+}
+
 /// As [`escaped`], with at most so many characters of the text: of a longer one its start, and that it goes on.
 ///
 /// ```

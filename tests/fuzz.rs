@@ -280,5 +280,5 @@ fn a_mutated_file_is_read_or_refused_in_words() {
 #[test]
 #[ignore = "minutes; the short one runs always"]
 fn many_mutated_files_are_read_or_refused_in_words() {
-    rounds(1500..60_000, 20);
+    rounds(1500..200_000, 20);
 }

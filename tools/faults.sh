@@ -85,13 +85,18 @@ for i in $(seq "$early"); do
 done
 row "kill -9 in the first 80 ms, started or resumed" "$early" "$refused refused or different" "$refused"
 
-# 3 A second run on complete results, killed.
+# 3 A second run on complete results, killed at any moment: of every file the old bytes, which are the new ones, too.
+cp -r "$work/whole" "$work/before"
+begun=$(now_ms)
+sweep -o "$work/whole"
+again_ms=$(($(now_ms) - begun))
 lost=0
 for i in $(seq "$second"); do
-    killed "$work/whole" $((RANDOM % 800))
+    killed "$work/whole" $((RANDOM % again_ms))
     "$realgap" results "$work/whole" --format csv | cmp -s - "$work/whole.csv" || lost=$((lost + 1))
-    for name in points.csv summary.json best.ron heatmap.png; do
-        [ -s "$work/whole/$name" ] || lost=$((lost + 1))
+    for file in "$work/before"/*.*; do
+        name=$(basename "$file")
+        [ "$name" = timing.json ] || [ "$name" = results.sqlite ] || cmp -s "$file" "$work/whole/$name" || lost=$((lost + 1))
     done
 done
 row "kill -9 of a second run on complete results" "$second" "$lost results lost" "$lost"
@@ -164,8 +169,11 @@ done
 row "damaged pages of the store" "$pages" "$said errors, $((pages - said - silent)) the same answer, $silent silently another" "$silent"
 
 # 7 A damaged log of a killed run.
-rm -rf "$work/log"
-killed "$work/log" $((whole_ms * 2 / 3))
+for share in 60 40 80 20 50; do
+    rm -rf "$work/log"
+    killed "$work/log" $((whole_ms * share / 100))
+    [ -s "$work/log/results.sqlite-wal" ] && break
+done
 if [ -s "$work/log/results.sqlite-wal" ]; then
     "$realgap" results "$work/log" --format csv >"$work/log.csv"
     said=0 same=0 shorter=0 silent=0

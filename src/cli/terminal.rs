@@ -3,7 +3,7 @@
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use realgap::text::{escaped_lines, is_plain};
+use realgap::text::{escaped_json, escaped_lines};
 use realgap::{Error, Warning};
 
 use super::advice;
@@ -102,22 +102,9 @@ pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>) {
     }
 }
 
-/// Pretty JSON of a value of ours, with every character that is not plain as an escape: those stand inside of strings only.
+/// Pretty JSON of a value of ours, without control characters.
 pub fn json(value: &impl serde::Serialize) -> realgap::Result<String> {
-    let json = serde_json::to_string_pretty(value)
-        .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))?;
-    if json.chars().all(|c| is_plain(c) || c == '\n') {
-        return Ok(json);
-    }
-    let mut safe = String::with_capacity(json.len());
-    for c in json.chars() {
-        if is_plain(c) || c == '\n' {
-            safe.push(c);
-        } else {
-            for unit in c.encode_utf16(&mut [0; 2]) {
-                safe += &format!("\\u{unit:04x}");
-            }
-        }
-    }
-    Ok(safe)
+    serde_json::to_string_pretty(value)
+        .map(escaped_json)
+        .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))
 }
