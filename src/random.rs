@@ -49,11 +49,13 @@ pub enum Numbered {
     SearchStep,
     /// Values of parameters that are only known to be in a range, for one repeat.
     UncertainParameter,
+    /// Which point of a sweep is simulated again.
+    Refinement,
 }
 
 impl Numbered {
     /// Every stream.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Start,
         Self::Camera,
         Self::ServoGain,
@@ -65,6 +67,7 @@ impl Numbered {
         Self::PlateFriction,
         Self::SearchStep,
         Self::UncertainParameter,
+        Self::Refinement,
     ];
 
     fn number(self) -> u64 {
@@ -80,6 +83,7 @@ impl Numbered {
             Self::PlateFriction => 9,
             Self::SearchStep => 10,
             Self::UncertainParameter => 101,
+            Self::Refinement => 11,
         }
     }
 
@@ -106,17 +110,25 @@ pub enum Once {
     Split,
     /// Where the best point lies when scores vary.
     BestPoint,
+    /// Where within its cell of a grid a best point lies.
+    WithinCell,
 }
 
 impl Once {
     /// Every stream.
-    pub const ALL: [Self; 3] = [Self::Resampling, Self::Split, Self::BestPoint];
+    pub const ALL: [Self; 4] = [
+        Self::Resampling,
+        Self::Split,
+        Self::BestPoint,
+        Self::WithinCell,
+    ];
 
     fn number(self) -> u64 {
         match self {
             Self::Resampling => 0,
             Self::BestPoint => 1,
             Self::Split => 2,
+            Self::WithinCell => 3,
         }
     }
 

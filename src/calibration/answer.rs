@@ -5,21 +5,17 @@ use std::fmt;
 use rayon::prelude::*;
 
 use super::audit::Audit;
-use super::definition::StartRule;
 use super::method::Method;
-use super::posterior::{BestDraws, ScoredPoint};
+use super::posterior::BestDraws;
 use super::profile::Profile;
 use super::report::{Evidence, Report};
 use super::score::Scores;
+use super::setting::Setting;
 use super::study::Study;
-use super::uncertainty::{
-    LEVEL, Uncertainty, bootstrap_indistinguishable, spread_indistinguishable,
-};
+use super::uncertainty::{Known, Uncertainty};
 use super::validation::Validation;
 use crate::error::Result;
 use crate::optimization::Ending;
-use crate::simulation::Noise;
-use crate::statistics::standard_deviation;
 
 /// Result of a sweep or of tuning; its `Display` is the report.
 #[derive(Debug, Clone)]
@@ -46,8 +42,8 @@ impl fmt::Display for Answer {
     }
 }
 
-/// Perturbed repeats of the best point: how much a score depends on the very start.
-const REPEATS: u64 = 16;
+/// How often the best point may change its place while its settings are completed.
+const CHAMPIONS: usize = 4;
 
 impl Answer {
     /// Works out how sure the best of these scores is; simulations run on the current rayon pool.
@@ -57,32 +53,19 @@ impl Answer {
         ending: Ending,
         scores: Scores,
     ) -> Result<Self> {
-        let fitted = fitted_scores(study, &scores);
-        let uncertainty = match scores.best {
-            Some(best) => Some(uncertainty(study, &scores, &fitted, best)?),
-            None => None,
+        let (scores, known) = match ending {
+            Ending::Complete => settled(study, scores)?,
+            // Whoever interrupts does not want to wait for more simulations.
+            Ending::Interrupted => {
+                let known = Known::new(study, &scores)?;
+                (scores, known)
+            }
         };
-        let draws = uncertainty.as_ref().and_then(|uncertainty| {
-            let points: Vec<ScoredPoint<'_>> = scores
-                .points
-                .iter()
-                .zip(&fitted)
-                .filter_map(|(point, fitted)| {
-                    Some(ScoredPoint {
-                        values: &point.values,
-                        recordings: fitted.as_deref()?,
-                    })
-                })
-                .collect();
-            let definition = study.definition();
-            BestDraws::new(
-                &definition.grid,
-                &points,
-                uncertainty.simulation_sd,
-                definition.seed,
-            )
-        });
-        let profiles = profiles(study, &scores, uncertainty.as_ref());
+        let judged = known.as_ref().zip(scores.best);
+        let (uncertainty, draws) = judged
+            .map(|(known, best)| known.judge(study, &scores, best))
+            .unzip();
+        let profiles = profiles(study, &scores, known.as_ref(), uncertainty.as_ref());
         let audit = match ending {
             Ending::Complete => Audit::new(study, &scores, &profiles)?,
             // Whoever interrupts does not want to wait for more simulations.
@@ -110,76 +93,65 @@ impl Answer {
     }
 }
 
-/// Per point the scores of the recordings that are fitted.
-fn fitted_scores(study: &Study, scores: &Scores) -> Vec<Option<Vec<f64>>> {
-    scores
-        .points
-        .iter()
-        .map(|point| point.score.map(|_| study.part_of(&point.recordings, false)))
-        .collect()
+/// The best point on average over equally valid settings: whichever point is best is simulated with all of them, until one
+/// that has been is still the best.
+fn settled(study: &Study, mut scores: Scores) -> Result<(Scores, Option<Known>)> {
+    let settings = study.settings();
+    // Numbers behind those of all trials, which say the setting as theirs do.
+    let last = scores.runs.iter().map(|run| run.index).max().unwrap_or(0);
+    let mut next = (last / settings.count + 1) * settings.count;
+    let mut known = Known::new(study, &scores)?;
+    for _ in 0..CHAMPIONS {
+        let Some(best) = known.as_ref().and_then(Known::best) else {
+            break;
+        };
+        scores.best = Some(best);
+        let values = scores.points[best].values.clone();
+        let seen: Vec<Setting> = scores
+            .runs
+            .iter()
+            .filter(|run| run.values == values)
+            .map(|run| settings.of_trial(run.index))
+            .collect();
+        let missing: Vec<usize> = (0..settings.count)
+            .filter(|number| !seen.contains(&Setting::new(*number)))
+            .collect();
+        if missing.is_empty() {
+            break;
+        }
+        let trials = missing
+            .into_par_iter()
+            .map(|number| study.simulate_values(next + number, values.clone()))
+            .collect::<Result<Vec<_>>>()?;
+        next += settings.count;
+        scores = scores.with_more(study, &trials)?;
+        known = Known::new(study, &scores)?;
+        scores.best = known.as_ref().and_then(Known::best).or(scores.best);
+    }
+    Ok((scores, known))
 }
 
-fn profiles(study: &Study, scores: &Scores, uncertainty: Option<&Uncertainty>) -> Vec<Profile> {
+/// The best score at every value of each parameter, as far as points and what lies between them say.
+fn profiles(
+    study: &Study,
+    scores: &Scores,
+    known: Option<&Known>,
+    uncertainty: Option<&Uncertainty>,
+) -> Vec<Profile> {
     let ranges = study.definition().grid.ranges().iter().enumerate();
     ranges
         .map(|(dimension, range)| {
             let points = scores.points.iter().enumerate().map(|(position, point)| {
                 let inside = uncertainty.is_some_and(|u| u.indistinguishable[position]);
-                (point.values[dimension], point.score, inside)
+                let score = point.score.map(|score| {
+                    known.and_then(|known| known.mean(position)).unwrap_or(score)
+                });
+                (point.values[dimension], score, inside)
             });
-            Profile::new(range, points)
+            let unvisited = uncertainty.into_iter().flat_map(|u| &u.unvisited);
+            let unvisited = unvisited
+                .map(|place| (place.values[dimension], Some(place.score), place.indistinguishable));
+            Profile::new(range, points.chain(unvisited))
         })
         .collect()
-}
-
-fn uncertainty(
-    study: &Study,
-    scores: &Scores,
-    fitted: &[Option<Vec<f64>>],
-    best: usize,
-) -> Result<Uncertainty> {
-    let definition = study.definition();
-    let values = &scores.points[best].values;
-    if study.fitted_recordings() >= 2 {
-        // Where every recording has its own start, each score is a draw of its own and the bootstrap sees the
-        // noise of single simulations; one simulation for all recordings hides it.
-        let simulation_sd = match definition.start {
-            StartRule::Settled => {
-                standard_deviation(&repeats(study, scores, values, &Noise::careful_start())?)
-            }
-            StartRule::FromRecording => 0.0,
-        };
-        return Ok(bootstrap_indistinguishable(
-            fitted,
-            best,
-            simulation_sd,
-            LEVEL,
-            definition.seed,
-        ));
-    }
-    let repeats = repeats(study, scores, values, &Noise::careful_repeat())?;
-    let all: Vec<Option<f64>> = scores.points.iter().map(|point| point.score).collect();
-    Ok(spread_indistinguishable(&all, best, &repeats, LEVEL))
-}
-
-/// Scores of repeats of the best point; diverged ones are left out.
-///
-/// Every repeat starts a little differently and takes another timestep, from the study's down to half of it:
-/// for a walking robot the timestep does not converge (docs/fidelity.md), so a finer one is as good a choice,
-/// and what it changes belongs to the uncertainty.
-fn repeats(study: &Study, scores: &Scores, values: &[f64], noise: &Noise) -> Result<Vec<f64>> {
-    let set = study.parameter_set(values);
-    let repeats: Vec<Option<f64>> = (0..REPEATS)
-        .into_par_iter()
-        .map(|repeat| {
-            let timestep_factor = 0.5_f64.powf(repeat as f64 / (REPEATS - 1) as f64);
-            let row = study.simulate_perturbed(&set, noise, repeat, timestep_factor)?;
-            let Some(result) = row.completed() else {
-                return Ok(None);
-            };
-            let scores = scores.of_result(study, values, 0, result)?;
-            Ok(Some(scores.iter().sum::<f64>() / scores.len() as f64))
-        })
-        .collect::<Result<_>>()?;
-    Ok(repeats.into_iter().flatten().collect())
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::definition::{Definition, StartRule};
+use super::definition::{Definition, ScoreRule, StartRule};
 use super::recording::warnings_for;
 use super::split::Split;
 use super::study::Study;
@@ -32,6 +32,7 @@ pub struct StudyBuilder {
     fixed: Vec<(String, f64)>,
     ranges: Vec<(String, f64, f64, usize)>,
     metric: Option<&'static dyn Metric>,
+    score: ScoreRule,
     components: Components,
     seed: u64,
     split: Option<Split>,
@@ -71,6 +72,7 @@ impl Study {
             fixed: Vec::new(),
             ranges: Vec::new(),
             metric: None,
+            score: ScoreRule::default(),
             components: Components::default(),
             seed: 1,
             split: None,
@@ -119,6 +121,12 @@ impl StudyBuilder {
     /// How many principal components `pca` keeps; else those with 99 % of the variance.
     pub fn components(mut self, components: Components) -> Self {
         self.components = components;
+        self
+    }
+
+    /// What the score of a point is the mean over; else equally valid settings.
+    pub fn score(mut self, score: ScoreRule) -> Self {
+        self.score = score;
         self
     }
 
@@ -208,6 +216,7 @@ impl StudyBuilder {
             grid: Grid::new(ranges)?,
             parameters,
             metric,
+            score: self.score,
             components: self.components,
             seed: self.seed,
             split: self.split,

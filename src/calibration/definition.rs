@@ -26,6 +26,22 @@ pub enum StartRule {
     FromRecording,
 }
 
+/// What the score of a point is the mean over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+pub enum ScoreRule {
+    /// Equally valid settings: timesteps and substeps between the study's own and twice as fine, settled starts a
+    /// millimetre and a degree off.
+    #[default]
+    Valid,
+    /// These many of them, and the noise of the study's repeats besides: what an ensemble of real robots would do.
+    Ensemble {
+        /// How many.
+        repeats: usize,
+    },
+    /// Nothing: one run with the study's own settings, luck included.
+    Single,
+}
+
 /// What a study says, validated.
 #[derive(Debug)]
 pub struct Definition {
@@ -63,6 +79,8 @@ pub struct Definition {
     pub parameters: Vec<&'static Parameter>,
     /// How far apart two trajectories are.
     pub metric: &'static dyn Metric,
+    /// What the score of a point is the mean over.
+    pub score: ScoreRule,
     /// How many principal components the `pca` metric keeps.
     pub components: Components,
     /// Seed of everything random.

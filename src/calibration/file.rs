@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::definition::{Definition, StartRule};
+use super::definition::{Definition, ScoreRule, StartRule};
 use super::overrides::Overrides;
 use super::recording;
 use crate::calibration::identification::StartState;
@@ -38,6 +38,8 @@ struct StudyFile {
     #[serde(default = "default_metric")]
     metric: String,
     components: Option<ComponentsFile>,
+    #[serde(default)]
+    score: ScoreRule,
     #[serde(default = "default_seed")]
     seed: u64,
     #[serde(default, deserialize_with = "unique_keys")]
@@ -211,6 +213,7 @@ impl Definition {
             grid,
             parameters,
             metric,
+            score: overrides.score.unwrap_or(file.score),
             components,
             seed: overrides.seed.unwrap_or(file.seed),
             split: overrides.split,

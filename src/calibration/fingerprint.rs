@@ -17,6 +17,7 @@ impl Study {
             .with("morphology sha256", &definition.morphology_sha256)
             .with("metric", definition.metric.name())
             .with("components", format!("{:?}", definition.components))
+            .with("score", format!("{:?}", definition.score))
             .with("start", format!("{:?}", definition.start))
             .with(
                 "duration_s",

@@ -1,5 +1,6 @@
 //! What a caller wants different from a study's file.
 
+use super::definition::ScoreRule;
 use super::split::Split;
 use crate::calibration::identification::StartState;
 use crate::comparison::Metric;
@@ -47,6 +48,8 @@ pub struct Overrides {
     pub limit_recordings: Option<usize>,
     /// Metric in place of the file's.
     pub metric: Option<&'static dyn Metric>,
+    /// What a score is the mean over, in place of the file's.
+    pub score: Option<ScoreRule>,
     /// Points per parameter in place of the file's.
     pub points: Option<usize>,
     /// Seed in place of the file's.

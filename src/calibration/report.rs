@@ -10,7 +10,7 @@ use super::method::{Method, Tuned};
 use super::posterior::BestDraws;
 use super::score::Scores;
 use super::study::Study;
-use super::uncertainty::{Uncertainty, UncertaintySource};
+use super::uncertainty::{Uncertainty, UncertaintySource, own_score};
 use super::validation::Validation;
 use super::verdict::{Verdict, verdicts};
 use crate::comparison::pose_errors;
@@ -31,6 +31,8 @@ pub struct Report {
     pub complete: bool,
     /// Points evaluated.
     pub points: usize,
+    /// Simulations of all cases: a point that may be the best is simulated with several equally valid settings.
+    pub runs: usize,
     /// Points of the study's grid, or the optimizer's budget.
     pub points_total: usize,
     /// How an optimizer chose the points; `None` for a sweep.
@@ -71,8 +73,12 @@ pub struct Report {
 pub struct Best {
     /// Parameter values by name.
     pub parameters: BTreeMap<String, f64>,
-    /// Score in the metric's unit.
+    /// Score in the metric's unit: the mean over equally valid settings.
     pub score: f64,
+    /// How many settings that is the mean of.
+    pub settings: usize,
+    /// The score with the study's own settings, which is luck as far as it differs.
+    pub own_score: Option<f64>,
     /// Mean absolute difference of the net displacements, metres.
     pub displacement_error_m: Option<f64>,
 }
@@ -97,7 +103,7 @@ pub struct HowSure {
     pub level: f64,
     /// Standard deviation of the best score when reality is sampled again.
     pub best_score_sd: f64,
-    /// Standard deviation of the best score when the simulated start and timestep are varied.
+    /// Standard deviation of the best score over equally valid settings.
     pub simulation_sd: f64,
     /// Points that cannot be told apart from the best, itself included.
     pub indistinguishable: usize,
@@ -147,6 +153,16 @@ impl fmt::Display for Report {
                 self.metric,
                 quantity(best.score, self.unit)
             )?;
+            let spread = self.uncertainty.as_ref().map(|sure| sure.simulation_sd);
+            if let (true, Some(own), Some(spread)) = (best.settings > 1, best.own_score, spread) {
+                write!(
+                    f,
+                    " +- {} over {} equally valid settings; {} with the study's own",
+                    quantity(spread, self.unit),
+                    best.settings,
+                    quantity(own, self.unit)
+                )?;
+            }
         }
         if let Some(pose) = &self.pose {
             write!(
@@ -203,6 +219,8 @@ impl Report {
                     .map(|a| (a.parameter.name.to_owned(), a.value))
                     .collect(),
                 score,
+                settings: point.runs,
+                own_score: own_score(study, scores, best),
                 displacement_error_m: point.displacement_error_m,
             })
         });
@@ -260,6 +278,7 @@ impl Report {
             description: definition.description.clone(),
             complete: evidence.ending == Ending::Complete,
             points: scores.points.len(),
+            runs: scores.runs.len(),
             points_total,
             tuning: match evidence.method {
                 Method::Tune(tuned) => Some(tuned.clone()),
@@ -277,7 +296,17 @@ impl Report {
                 simulation_sd: u.simulation_sd,
                 indistinguishable: u.indistinguishable.iter().filter(|is_in| **is_in).count(),
             }),
-            verdicts: verdicts(study, scores, evidence.uncertainty, evidence.draws),
+            verdicts: match evidence.ending {
+                Ending::Complete => verdicts(
+                    study,
+                    scores,
+                    evidence.uncertainty,
+                    evidence.draws,
+                    evidence.audit.as_ref(),
+                ),
+                // The best of a part may not be the best of all.
+                Ending::Interrupted => Vec::new(),
+            },
             correlations: correlations(study, evidence.draws),
             audit: evidence.audit.clone(),
             validation: evidence.validation.clone(),

@@ -1,5 +1,7 @@
 //! From simulated outcomes to scores: build the basis where the metric needs one, average over recordings, find the best.
 
+use std::collections::HashMap;
+
 use super::study::Study;
 use crate::comparison::Basis;
 use crate::error::Result;
@@ -8,11 +10,13 @@ use crate::store::{CaseResult, CaseRow, Trial};
 use crate::trajectory::Prepared;
 use crate::unit::Unit;
 
-/// Score of one point of a study.
+/// Score of one run of a study, or the mean score of all runs at one point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointScore {
-    /// Index of the point.
+    /// Index of the run, or of the first run at the point.
     pub index: usize,
+    /// How many runs with a score it is the mean of.
+    pub runs: usize,
     /// Parameter values, in the study's order.
     pub values: Vec<f64>,
     /// Why it has no score, where a case diverged.
@@ -32,9 +36,12 @@ pub struct PointScore {
 /// Scores of all points evaluated so far.
 #[derive(Debug, Clone)]
 pub struct Scores {
-    /// By point index; a point not evaluated yet is missing.
+    /// Every run, by its index.
+    pub runs: Vec<PointScore>,
+    /// Every point, by the index of its first run, with the mean over its runs; a point not evaluated yet is missing.
     pub points: Vec<PointScore>,
-    /// Position in `points` of the lowest score, ties by order; `None` when every point diverged.
+    /// Position in `points` of the best; `None` when every point diverged. In an [`Answer`](super::Answer) the point that is
+    /// best on average over equally valid settings; before, the lowest mean of the runs so far, ties by order.
     pub best: Option<usize>,
     /// Unit of the scores.
     pub unit: Unit,
@@ -59,37 +66,84 @@ impl Scores {
     pub fn with_basis(study: &Study, trials: &[Trial], basis: Option<Basis>) -> Result<Self> {
         let metric = study.definition().metric;
         let real = study.real_paths();
-        let points = trials
+        let runs = trials
             .iter()
             .map(|trial| score(study, &real, basis.as_ref(), trial))
             .collect::<Result<Vec<_>>>()?;
+        Ok(Self::of_runs(runs, metric.unit(), basis))
+    }
+
+    /// These scores and those of more trials.
+    ///
+    /// # Errors
+    /// Paths that do not fit the basis.
+    pub(super) fn with_more(&self, study: &Study, trials: &[Trial]) -> Result<Self> {
+        let more = Self::with_basis(study, trials, self.basis.clone())?;
+        let runs = self.runs.iter().cloned().chain(more.runs).collect();
+        Ok(Self::of_runs(runs, self.unit, self.basis.clone()))
+    }
+
+    fn of_runs(runs: Vec<PointScore>, unit: Unit, basis: Option<Basis>) -> Self {
+        let points = points(&runs);
         let best = points
             .iter()
             .enumerate()
             .filter_map(|(position, point)| point.score.map(|score| (position, score)))
             .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
             .map(|(position, _)| position);
-        Ok(Self {
+        Self {
+            runs,
             points,
             best,
-            unit: metric.unit(),
+            unit,
             basis,
-        })
+        }
     }
 
-    /// Scores of one case's result at these parameter values against the recordings of that case.
-    ///
-    /// # Errors
-    /// A path that does not fit the basis.
-    pub(super) fn of_result(
-        &self,
-        study: &Study,
-        values: &[f64],
-        case: usize,
-        result: &CaseResult,
-    ) -> Result<Vec<f64>> {
-        let length_scale = study.recording_length_scale(values);
-        result_scores(study, self.basis.as_ref(), length_scale, case, result)
+    /// The runs at a point that have a score.
+    pub(super) fn runs_at(&self, values: &[f64]) -> impl Iterator<Item = &PointScore> {
+        let here = self.runs.iter().filter(move |run| run.values == values);
+        here.filter(|run| run.score.is_some())
+    }
+}
+
+/// Every point once, with the mean over its runs that did not diverge.
+fn points(runs: &[PointScore]) -> Vec<PointScore> {
+    let mut positions: HashMap<Vec<u64>, usize> = HashMap::new();
+    let mut members: Vec<Vec<&PointScore>> = Vec::new();
+    for run in runs {
+        let bits = run.values.iter().map(|value| value.to_bits()).collect();
+        let position = *positions.entry(bits).or_insert(members.len());
+        match members.get_mut(position) {
+            Some(known) => known.push(run),
+            None => members.push(vec![run]),
+        }
+    }
+    members.iter().map(|runs| mean_of(runs)).collect()
+}
+
+fn mean_of(runs: &[&PointScore]) -> PointScore {
+    let scored: Vec<&&PointScore> = runs.iter().filter(|run| run.score.is_some()).collect();
+    let Some(first) = scored.first() else {
+        return runs[0].clone();
+    };
+    let over = |value: &dyn Fn(&PointScore) -> Option<f64>| -> Option<f64> {
+        let values: Vec<f64> = scored.iter().filter_map(|run| value(run)).collect();
+        (!values.is_empty()).then(|| mean(&values))
+    };
+    let recordings = 0..first.recordings.len();
+    PointScore {
+        index: runs[0].index,
+        runs: scored.len(),
+        values: first.values.clone(),
+        diverged: None,
+        recordings: recordings
+            .map(|r| over(&|run| Some(run.recordings[r])).unwrap_or(f64::NAN))
+            .collect(),
+        score: over(&|run| run.score),
+        held_out: over(&|run| run.held_out),
+        displacement_error_m: over(&|run| run.displacement_error_m),
+        path_xy_m: first.path_xy_m.clone(),
     }
 }
 
@@ -122,6 +176,7 @@ fn score(
 ) -> Result<PointScore> {
     let mut point = PointScore {
         index: trial.index,
+        runs: 0,
         values: trial.values.clone(),
         diverged: trial.diverged().map(str::to_owned),
         recordings: Vec::new(),
@@ -138,6 +193,7 @@ fn score(
         return Ok(point);
     };
     let count = real.len();
+    point.runs = 1;
     let length_scale = study.recording_length_scale(&trial.values);
     point.recordings = vec![f64::NAN; count];
     let mut displacement_error_m = 0.0;
@@ -150,11 +206,11 @@ fn score(
                 .abs();
         }
     }
-    let mean_of = |held_out: bool| {
+    let part = |held_out: bool| {
         let chosen = study.part_of(&point.recordings, held_out);
         (!chosen.is_empty()).then(|| mean(&chosen))
     };
-    (point.score, point.held_out) = (mean_of(false), mean_of(true));
+    (point.score, point.held_out) = (part(false), part(true));
     point.displacement_error_m = Some(displacement_error_m / count as f64);
     Ok(point)
 }

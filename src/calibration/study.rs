@@ -5,16 +5,20 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::case::{Case, cases};
-use super::definition::Definition;
+use super::definition::{Definition, ScoreRule, StartRule};
 use super::overrides::Overrides;
+use super::setting::Settings;
 use crate::calibration::identification::{StartState, refine};
 use crate::comparison::{Context, Pair};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::simulation::parameter::{Assignment, ParameterSet};
 use crate::simulation::{self, Experiment, Noise};
 use crate::store::{CaseOutcome, CaseResult, CaseRow, Trial};
 use crate::trajectory::{Prepared, prepare};
 use crate::warning::Warning;
+
+/// Equally valid settings where the study does not say how many.
+const VALID_SETTINGS: usize = 16;
 
 /// A study with its cases.
 #[derive(Debug)]
@@ -40,6 +44,7 @@ impl Study {
     /// # Errors
     /// Recordings from which no run can start, or settings that cannot be simulated.
     pub fn new(definition: Definition) -> Result<Self> {
+        check_score(&definition).map_err(|e| definition.at_file(e))?;
         let (cases, mut warnings) = cases(&definition)?;
         warnings.extend(definition.warnings.iter().cloned());
         warnings.extend(definition.set.without_effect(&cases[0].experiment));
@@ -136,12 +141,43 @@ impl Study {
         self.simulate_values(index, self.definition.grid.values(index))
     }
 
-    /// Simulates every case at these values, as trial number `index`; cases run in parallel on the current rayon pool.
+    /// The equally valid settings that a score is the mean over.
+    pub(super) fn settings(&self) -> Settings {
+        let definition = &self.definition;
+        let start = match definition.start {
+            // With one recording nothing else says how repeatable reality is.
+            StartRule::Settled if self.fitted_recordings() < 2 => Noise::careful_repeat(),
+            StartRule::Settled => Noise::careful_start(),
+            StartRule::FromRecording => Noise::default(),
+        };
+        let (noise, count) = match definition.score {
+            ScoreRule::Valid => (start, VALID_SETTINGS),
+            ScoreRule::Ensemble { repeats } => (definition.noise.unwrap_or(start), repeats),
+            ScoreRule::Single => (start, 1),
+        };
+        Settings {
+            noise,
+            count,
+            seed: definition.seed,
+        }
+    }
+
+    /// Simulates every case at these values, as trial number `index`, whose number says with which of the equally valid
+    /// settings; cases run in parallel on the current rayon pool.
     ///
     /// # Errors
     /// As [`Study::simulate`].
     pub(super) fn simulate_values(&self, index: usize, values: Vec<f64>) -> Result<Trial> {
-        let cases = self.simulate_set(&self.parameter_set(&values))?;
+        let settings = self.settings();
+        let setting = settings.of_trial(index);
+        let set = self.parameter_set(&values);
+        let cases = (0..self.cases.len())
+            .into_par_iter()
+            .map(|case| {
+                let experiment = self.experiment_with(case, &set)?;
+                self.simulate_case(case, &settings.apply(setting, &experiment))
+            })
+            .collect::<Result<_>>()?;
         Ok(Trial {
             index,
             values,
@@ -314,4 +350,26 @@ impl Study {
         paths.sort_by_key(|(recording, _)| *recording);
         paths.into_iter().map(|(_, prepared)| prepared).collect()
     }
+}
+
+/// A mean over an ensemble needs repeats, and noise by which they differ.
+fn check_score(definition: &Definition) -> Result<()> {
+    let ScoreRule::Ensemble { repeats } = definition.score else {
+        return Ok(());
+    };
+    if !(2..=1000).contains(&repeats) {
+        return Err(Error::invalid("not a number of repeats")
+            .field("score")
+            .found(repeats)
+            .allowed("2 to 1000"));
+    }
+    if definition.noise.is_none() {
+        return Err(
+            Error::invalid("the study does not say how repeats differ")
+                .field("noise")
+                .found("no such section")
+                .hint("add a `noise` section, or score equally valid settings only"),
+        );
+    }
+    Ok(())
 }

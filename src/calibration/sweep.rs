@@ -3,14 +3,16 @@
 use super::answer::Answer;
 use super::keeping::{Keeping, Kept};
 use super::method::Method;
+use super::refinement::{ROUNDS, choose, runs_a_round};
 use super::score::Scores;
 use super::study::Study;
 use crate::error::Result;
-use crate::optimization::{Batch, RunOptions, drive};
-use crate::store::{Mode, Place};
+use crate::optimization::{Batch, Ending, RunOptions, drive};
+use crate::store::{Mode, Place, Storage as _};
 
 impl Study {
-    /// Simulates every point of the study's grid and says what cannot be told from the best.
+    /// Simulates every point of the study's grid, each with one of the equally valid settings, then those that may be the best
+    /// with more of them, and says what cannot be told from the best.
     ///
     /// The answer does not depend on the threads.
     ///
@@ -47,19 +49,40 @@ fn sweep(study: &Study, place: Option<(Place<'_>, Mode)>, run: &RunOptions<'_>) 
         expected: points,
     };
     let mut keeping = Keeping::open(&kept, place)?;
-    let batch = Batch {
-        points,
-        jobs: run.jobs,
-        stop: run.stop_flag(),
-    };
-    let ending = drive(
-        &batch,
+    let again = runs_a_round(study);
+    let total = points + ROUNDS * again;
+    let mut ending = drive(
+        &Batch {
+            points,
+            jobs: run.jobs,
+            stop: run.stop_flag(),
+        },
         &mut keeping,
         |index| study.simulate(index),
-        |done| run.tell(done, points, None),
+        |done| run.tell(done, total, None),
     )?;
+    let mut from = points;
+    for _ in 0..ROUNDS {
+        if ending == Ending::Interrupted || again == 0 {
+            break;
+        }
+        let scores = Scores::new(study, &keeping.rows_within(0..from)?)?;
+        let best = scores.best.and_then(|best| scores.points[best].score);
+        let chosen = run.install(|| choose(study, &scores, from, again))??;
+        ending = drive(
+            &Batch {
+                points: from + chosen.len(),
+                jobs: run.jobs,
+                stop: run.stop_flag(),
+            },
+            &mut keeping,
+            |index| study.simulate_values(index, chosen[index - from].clone()),
+            |done| run.tell(done, total, best),
+        )?;
+        from += chosen.len();
+    }
     let scores = Scores::new(study, &keeping.trials()?)?;
-    keeping.score(&scores.points)?;
+    keeping.score(&scores.runs)?;
     keeping.end(ending)?;
     run.install(|| Answer::new(study, Method::Sweep, ending, scores))?
 }

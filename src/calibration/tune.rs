@@ -82,7 +82,7 @@ fn tune(
         _ => Ending::Complete,
     };
     let scores = tuning.scores()?;
-    tuning.keeping.score(&scores.points)?;
+    tuning.keeping.score(&scores.runs)?;
     tuning.keeping.end(ending)?;
     let method = Method::Tune(Tuned {
         optimizer: options.optimizer.name(),
@@ -246,14 +246,14 @@ impl<'a> Tuning<'a> {
             .keeping
             .rows_within(offset..offset + candidates.len())?;
         let scores = Scores::with_basis(self.study, &trials, self.basis.clone())?;
-        for (point, scored) in candidates.iter().zip(&scores.points) {
+        for (point, scored) in candidates.iter().zip(&scores.runs) {
             self.notice(scored);
             self.told.push(Told {
                 point: point.clone(),
                 score: scored.score,
             });
         }
-        self.keeping.score(&scores.points)?;
+        self.keeping.score(&scores.runs)?;
         self.run
             .tell(self.told.len(), self.options.budget, self.best);
         Ok(())

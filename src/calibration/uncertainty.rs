@@ -1,23 +1,33 @@
 //! Which points of a study cannot be told apart from the best one.
 
-use crate::statistics::{normal_quantile, resamples, standard_deviation};
+use nalgebra::DVector;
+
+use super::posterior::BestDraws;
+use super::refinement::{coordinates, scored_runs};
+use super::score::Scores;
+use super::study::Study;
+use super::surface::Surface;
+use crate::error::Result;
+use crate::optimization::space_filling;
+use crate::random::Once;
+use crate::statistics::{mean, smaller_resamples, standard_deviation};
 
 /// Where the uncertainty of the scores comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum UncertaintySource {
-    /// Resampling the recordings (two or more).
+    /// Resampling the recordings (two or more), and what the runs leave open.
     Bootstrap,
-    /// Repeating the best point with perturbed starts (one recording).
-    Ensemble,
+    /// What the runs leave open alone (one recording).
+    Runs,
 }
 
 impl UncertaintySource {
     /// For people.
     pub fn label(self) -> &'static str {
         match self {
-            Self::Bootstrap => "bootstrap over recordings",
-            Self::Ensemble => "perturbed starts of the best point",
+            Self::Bootstrap => "recordings drawn again, equally valid settings",
+            Self::Runs => "equally valid settings",
         }
     }
 }
@@ -31,152 +41,173 @@ pub struct Uncertainty {
     pub level: f64,
     /// Standard deviation of the best point's score when reality is sampled again, in the metric's unit.
     pub best_score_sd: f64,
-    /// Standard deviation of the best point's score when its simulated start and timestep are varied, in the
-    /// metric's unit; 0 where every recording has its own start, because then the recordings carry that noise.
+    /// Standard deviation of the best point's score over equally valid settings, in the metric's unit.
     pub simulation_sd: f64,
     /// One flag per point; the best itself is always in.
     pub indistinguishable: Vec<bool>,
+    /// Places where nothing was simulated, and what is there.
+    pub unvisited: Vec<Unvisited>,
+}
+
+/// A place where nothing was simulated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unvisited {
+    /// Parameter values.
+    pub values: Vec<f64>,
+    /// The score that the runs around it suggest.
+    pub score: f64,
+    /// Whether it may be as good as the best.
+    pub indistinguishable: bool,
 }
 
 /// Confidence level of the indistinguishable set.
 pub const LEVEL: f64 = 0.95;
-/// Resamples of the bootstrap.
-const RESAMPLES: usize = 2000;
+/// Realities drawn.
+const DRAWS: usize = 1000;
+/// Points and places that the surface is known at, at most; worse points than these are told apart by their own scores.
+const NODES: usize = 900;
+/// Places where nothing was simulated, where the grid has more.
+const PLACES: usize = 300;
 
-/// Paired bootstrap over recordings (Efron & Tibshirani 1993, chapters 8 and 16).
-///
-/// `scores[point]` holds one score per recording, or `None` where the point has no score. Every point
-/// is one deterministic simulation, whose score would differ by `simulation_sd` from an equally valid start;
-/// the difference of two points then carries normal noise of √2 times that. A point is indistinguishable
-/// from `best` when the probability that it does at least as well exceeds `1 − level`: the mean of
-/// Φ(−difference / (√2 · simulation_sd)) over the resamples, or the share of resamples without that noise.
-pub fn bootstrap_indistinguishable(
-    scores: &[Option<Vec<f64>>],
-    best: usize,
-    simulation_sd: f64,
-    level: f64,
-    seed: u64,
-) -> Uncertainty {
-    let best_scores = scores[best].clone().unwrap_or_default();
-    let resamples = resamples(best_scores.len(), RESAMPLES, seed);
-    let noise_sd = std::f64::consts::SQRT_2 * simulation_sd;
-    let as_good = |difference: f64| {
-        if noise_sd > 0.0 {
-            0.5 * libm::erfc(difference / noise_sd * std::f64::consts::FRAC_1_SQRT_2)
-        } else {
-            f64::from(u8::from(difference <= 0.0))
+/// The score at every point and place, and everything that follows from it.
+pub(super) struct Known {
+    surface: Surface,
+    /// Position in the scores' points of each node that is one.
+    points: Vec<usize>,
+    /// Values at the nodes behind these.
+    places: Vec<Vec<f64>>,
+}
+
+impl Known {
+    /// `None` where there are too few scores.
+    ///
+    /// # Errors
+    /// As [`Surface::new`].
+    pub fn new(study: &Study, scores: &Scores) -> Result<Option<Self>> {
+        let mut points: Vec<usize> = (0..scores.points.len())
+            .filter(|position| scores.points[*position].score.is_some())
+            .collect();
+        let score = |position: &usize| scores.points[*position].score.unwrap_or(f64::INFINITY);
+        points.sort_by(|a, b| score(a).total_cmp(&score(b)).then(a.cmp(b)));
+        points.truncate(NODES - PLACES);
+        let places = places(study, scores);
+        let nodes: Vec<Vec<f64>> = points
+            .iter()
+            .map(|position| &scores.points[*position].values)
+            .chain(&places)
+            .map(|values| coordinates(study, values))
+            .collect();
+        let surface = Surface::new(&scored_runs(study, scores), &nodes)?;
+        Ok(surface.map(|surface| Self {
+            surface,
+            points,
+            places,
+        }))
+    }
+
+    /// Position of the best point among those that were simulated.
+    pub fn best(&self) -> Option<usize> {
+        let node = self.surface.lowest(0..self.points.len())?;
+        Some(self.points[node])
+    }
+
+    /// What another reality might have shown: the set and where its best lies.
+    pub fn judge(&self, study: &Study, scores: &Scores, best: usize) -> (Uncertainty, BestDraws) {
+        let definition = study.definition();
+        let recordings = study.fitted_recordings();
+        let resamples = smaller_resamples(recordings, DRAWS, definition.seed);
+        let mut rng = Once::BestPoint.generator(definition.seed);
+        let realities: Vec<DVector<f64>> = (0..DRAWS)
+            .map(|draw| self.surface.draw_reality(resamples.get(draw), &mut rng))
+            .collect();
+        let best_node = self.points.iter().position(|point| *point == best);
+        let as_good: Vec<bool> = (0..self.points.len() + self.places.len())
+            .map(|node| {
+                let wins = best_node.map_or(0, |best| {
+                    realities.iter().filter(|r| r[node] <= r[best]).count()
+                });
+                wins as f64 > (1.0 - LEVEL) * DRAWS as f64
+            })
+            .collect();
+        let mut indistinguishable = vec![false; scores.points.len()];
+        for (node, position) in self.points.iter().enumerate() {
+            indistinguishable[*position] = as_good[node];
         }
-    };
-    let indistinguishable = scores
-        .iter()
-        .enumerate()
-        .map(|(point, point_scores)| {
-            let Some(point_scores) = point_scores else {
-                return false;
-            };
-            let difference: Vec<f64> = point_scores
-                .iter()
-                .zip(&best_scores)
-                .map(|(p, b)| p - b)
-                .collect();
-            let probability: f64 = resamples
-                .iter()
-                .map(|resample| as_good(resample.mean(&difference)))
-                .sum();
-            point == best || probability > (1.0 - level) * RESAMPLES as f64
-        })
-        .collect();
-    let means: Vec<f64> = resamples
-        .iter()
-        .map(|resample| resample.mean(&best_scores))
-        .collect();
-    Uncertainty {
-        source: UncertaintySource::Bootstrap,
-        level,
-        best_score_sd: standard_deviation(&means),
-        simulation_sd,
-        indistinguishable,
-    }
-}
-
-/// With one recording: how much the score of the best point varies when its start is perturbed.
-///
-/// `repeats` are scores of the best point under perturbed starts. A point is indistinguishable when
-/// its score exceeds the best's by no more than two such single runs differ by chance
-/// (z·√2·sd, one-sided at `level`).
-pub fn spread_indistinguishable(
-    scores: &[Option<f64>],
-    best: usize,
-    repeats: &[f64],
-    level: f64,
-) -> Uncertainty {
-    let best_score_sd = standard_deviation(repeats);
-    let margin = normal_quantile(level) * std::f64::consts::SQRT_2 * best_score_sd;
-    let limit = scores[best].unwrap_or(f64::NEG_INFINITY) + margin;
-    let indistinguishable = scores
-        .iter()
-        .enumerate()
-        .map(|(point, score)| point == best || score.is_some_and(|score| score <= limit))
-        .collect();
-    Uncertainty {
-        source: UncertaintySource::Ensemble,
-        level,
-        best_score_sd,
-        simulation_sd: best_score_sd,
-        indistinguishable,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_point_that_is_worse_on_every_recording_is_told_apart() {
-        let scores = vec![Some(vec![1.0, 2.0, 3.0]), Some(vec![1.1, 2.1, 3.1]), None];
-        let set = bootstrap_indistinguishable(&scores, 0, 0.0, 0.95, 1);
-        assert_eq!(set.indistinguishable, [true, false, false]);
-    }
-
-    #[test]
-    fn a_point_that_wins_half_of_the_time_is_not_told_apart() {
-        let best: Vec<f64> = (0..20).map(|r| f64::from(r % 2)).collect();
-        let other: Vec<f64> = (0..20).map(|r| f64::from((r + 1) % 2) + 0.01).collect();
-        let set = bootstrap_indistinguishable(&[Some(best), Some(other)], 0, 0.0, 0.95, 1);
-        assert_eq!(set.indistinguishable, [true, true]);
-    }
-
-    #[test]
-    fn the_noise_of_single_simulations_widens_the_set() {
-        let scores = vec![Some(vec![1.0, 2.0, 3.0]), Some(vec![1.1, 2.1, 3.1])];
-        let told_apart = |simulation_sd| {
-            !bootstrap_indistinguishable(&scores, 0, simulation_sd, 0.95, 1).indistinguishable[1]
+        indistinguishable[best] = true;
+        let unvisited = self.places.iter().enumerate().map(|(index, values)| {
+            let node = self.points.len() + index;
+            Unvisited {
+                values: values.clone(),
+                score: self.surface.mean(node),
+                indistinguishable: as_good[node],
+            }
+        });
+        let values = self.points.iter().map(|position| &scores.points[*position].values);
+        let values: Vec<&Vec<f64>> = values.chain(&self.places).collect();
+        let draws = realities.iter().map(|r| values[r.imin()].as_slice());
+        let draws = BestDraws::new(&definition.grid, draws, definition.seed);
+        let fitted = study.part_of(&scores.points[best].recordings, false);
+        let over_settings: Vec<f64> = scores
+            .runs_at(&scores.points[best].values)
+            .filter_map(|run| run.score)
+            .collect();
+        let uncertainty = Uncertainty {
+            source: if recordings < 2 {
+                UncertaintySource::Runs
+            } else {
+                UncertaintySource::Bootstrap
+            },
+            level: LEVEL,
+            best_score_sd: match recordings {
+                0 | 1 => sd(&over_settings),
+                n => sd(&fitted) / (n as f64).sqrt(),
+            },
+            simulation_sd: sd(&over_settings),
+            indistinguishable,
+            unvisited: unvisited.collect(),
         };
-        // One-sided 5 %: told apart from a difference of 1.645 · √2 · sd on.
-        assert!(told_apart(0.1 / (1.65 * std::f64::consts::SQRT_2)));
-        assert!(!told_apart(0.1 / (1.64 * std::f64::consts::SQRT_2)));
+        (uncertainty, draws)
     }
 
-    /// Standard error of the mean of n values: sd / √n (with the population sd).
-    #[test]
-    fn the_bootstrap_spread_is_the_standard_error() {
-        let best: Vec<f64> = (0..50).map(|r| (f64::from(r) * 1.7).sin()).collect();
-        let mean = best.iter().sum::<f64>() / 50.0;
-        let expected = (best.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 50.0 / 50.0).sqrt();
-        let set = bootstrap_indistinguishable(&[Some(best)], 0, 0.0, 0.95, 3);
-        assert!(
-            (set.best_score_sd / expected - 1.0).abs() < 0.05,
-            "{} {expected}",
-            set.best_score_sd
-        );
+    /// Score at a point as its neighbours and all its runs have it.
+    pub fn mean(&self, position: usize) -> Option<f64> {
+        let node = self.points.iter().position(|point| *point == position)?;
+        Some(self.surface.mean(node))
     }
+}
 
-    #[test]
-    fn with_one_recording_the_margin_is_what_two_runs_differ_by_chance() {
-        let repeats = [0.9, 1.0, 1.1];
-        let scores = [Some(1.0), Some(1.2), Some(1.3), None];
-        let set = spread_indistinguishable(&scores, 0, &repeats, 0.95);
-        assert!((set.best_score_sd - 0.1).abs() < 1e-12);
-        assert_eq!(set.indistinguishable, [true, true, false, false]);
+fn sd(values: &[f64]) -> f64 {
+    match values {
+        [] | [_] => 0.0,
+        values => standard_deviation(values),
     }
+}
+
+/// Values where nothing was simulated: points of the grid, or where these are too many, places spread over it.
+fn places(study: &Study, scores: &Scores) -> Vec<Vec<f64>> {
+    let grid = &study.definition().grid;
+    let visited = |values: &Vec<f64>| scores.points.iter().any(|point| point.values == *values);
+    if grid.len() <= scores.points.len() {
+        return Vec::new();
+    }
+    if grid.len() <= PLACES {
+        let all = (0..grid.len()).map(|index| grid.values(index));
+        return all.filter(|values| !visited(values)).collect();
+    }
+    let ranges = grid.ranges();
+    space_filling(ranges.len(), 0, PLACES, study.definition().seed.wrapping_add(1))
+        .iter()
+        .map(|place| ranges.iter().zip(place).map(|(range, c)| range.at(*c)).collect())
+        .collect()
+}
+
+/// Mean of a point's runs, where it has all settings.
+pub(super) fn own_score(study: &Study, scores: &Scores, best: usize) -> Option<f64> {
+    let settings = study.settings();
+    let runs = scores.runs_at(&scores.points[best].values);
+    let own: Vec<f64> = runs
+        .filter(|run| settings.of_trial(run.index) == super::setting::Setting::OWN)
+        .filter_map(|run| run.score)
+        .collect();
+    (!own.is_empty()).then(|| mean(&own))
 }

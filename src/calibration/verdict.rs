@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::audit::Audit;
 use super::posterior::{BestDraws, INTERVAL_LEVEL};
 use super::score::Scores;
 use super::study::Study;
@@ -31,9 +32,6 @@ pub struct Verdict {
     pub text: String,
 }
 
-/// Above this share of the searched range a parameter counts as not determined.
-const UNIDENTIFIED_SHARE: f64 = 0.5;
-
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)
@@ -46,80 +44,102 @@ pub(super) fn verdicts(
     scores: &Scores,
     uncertainty: Option<&Uncertainty>,
     draws: Option<&BestDraws>,
+    audit: Option<&Audit>,
 ) -> Vec<Verdict> {
     let (Some(best), Some(uncertainty)) = (scores.best, uncertainty) else {
         return Vec::new();
     };
-    let points = &scores.points;
     let ranges = study.definition().grid.ranges();
     ranges
         .iter()
         .enumerate()
         .map(|(dimension, range)| {
-            let set = points
-                .iter()
-                .zip(&uncertainty.indistinguishable)
-                .filter(|(_, is_in)| **is_in);
-            let values: Vec<f64> = set.map(|(point, _)| point.values[dimension]).collect();
+            let points = scores.points.iter().zip(&uncertainty.indistinguishable);
+            let visited = points.map(|(point, is_in)| (&point.values, *is_in));
+            let unvisited = uncertainty.unvisited.iter();
+            let all = visited.chain(unvisited.map(|place| (&place.values, place.indistinguishable)));
+            let set = all.filter(|(_, is_in)| *is_in);
+            let values: Vec<f64> = set.map(|(values, _)| values[dimension]).collect();
             let low = values.iter().copied().fold(f64::INFINITY, f64::min);
             let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let interval = draws.map(|draws| draws.interval(dimension, INTERVAL_LEVEL));
-            verdict(range, points[best].values[dimension], (low, high), interval)
+            let name = range.parameter.name;
+            let found = Found {
+                best: scores.points[best].values[dimension],
+                low,
+                high,
+                interval,
+                is_resolved: !audit.is_some_and(|a| a.unresolved.iter().any(|u| u == name)),
+            };
+            verdict(range, &found)
         })
         .collect()
 }
 
-fn verdict(
-    range: &Range,
+/// What was found about one parameter.
+#[derive(Debug, Clone, Copy)]
+struct Found {
     best: f64,
-    (low, high): (f64, f64),
+    low: f64,
+    high: f64,
     interval: Option<(f64, f64)>,
-) -> Verdict {
-    let identified = high - low <= UNIDENTIFIED_SHARE * (range.to - range.from);
+    /// False where other numerics change the score more than the parameter does over its whole range.
+    is_resolved: bool,
+}
+
+fn verdict(range: &Range, found: &Found) -> Verdict {
+    let Found {
+        best,
+        low,
+        high,
+        interval,
+        is_resolved,
+    } = *found;
     // A grid cannot say more than its step.
-    let digits = (1.0 - (range.step() / 2.0).log10().floor()).clamp(0.0, 9.0) as usize;
+    let half_step = 0.5 * range.step();
+    let digits = (1.0 - half_step.log10().floor()).clamp(0.0, 9.0) as usize;
     let unit = range.parameter.unit.symbol();
-    let sure = |unit: &str| match interval {
-        Some((from, to)) => format!(
-            " (90 % interval {from:.digits$} to {to:.digits$}{}{unit})",
-            if unit.is_empty() { "" } else { " " }
-        ),
-        None => String::new(),
-    };
-    let show = |value: f64| format!("{value:.digits$} {unit}").trim_end().to_owned();
     let name = range.parameter.name;
+    let show = |value: f64| format!("{value:.digits$} {unit}").trim_end().to_owned();
+    let sure = interval.map_or(String::new(), |(from, to)| {
+        format!(" (90 % interval {from:.digits$} to {})", show(to))
+    });
+    let (low_end, high_end) = (low <= range.from + half_step, high >= range.to - half_step);
     // At a bound of the parameter itself (restitution 0) there is nothing to widen.
     let (lowest, highest) = range.parameter.bounds;
-    let at_edge =
-        (best == range.from && range.from > lowest) || (best == range.to && range.to < highest);
-    let text = match (identified, at_edge) {
-        (false, _) => format!(
+    let widen = (low_end && range.from > lowest) || (high_end && range.to < highest);
+    let is_determined = is_resolved && !(low_end && high_end);
+    let text = if !is_resolved {
+        format!(
+            "{name} is not determined: other numerical settings change the score more than its whole range does; \
+             use finer settings, another metric, or recordings of a motion that {name} changes more"
+        )
+    } else if !is_determined {
+        format!(
             "{name} is not determined by these recordings: values from {} to {} fit as well as the best, {}",
             show(low),
             show(high),
             show(best)
-        ),
-        (true, true) => format!(
-            "{name} = {} lies at the edge of the searched range: widen it before you believe it ({} to {} fit as well)",
+        )
+    } else if widen {
+        format!(
+            "{name} = {}{sure}, but values up to the edge of the searched range fit as well ({} to {}): widen it \
+             before you believe it",
             show(best),
             show(low),
             show(high)
-        ),
-        (true, false) if low == high => {
-            format!(
-                "{name} = {}{}, known to within the grid's step of {}",
-                show(best),
-                sure(unit),
-                show(range.step())
-            )
-        }
-        (true, false) => format!(
-            "{name} = {}{}; values from {} to {} fit as well",
+        )
+    } else if low_end {
+        format!("{name} is at most {}; best {}{sure}", show(high), show(best))
+    } else if high_end {
+        format!("{name} is at least {}; best {}{sure}", show(low), show(best))
+    } else {
+        format!(
+            "{name} = {}{sure}; values from {} to {} fit as well",
             show(best),
-            sure(unit),
             show(low),
             show(high)
-        ),
+        )
     };
     Verdict {
         parameter: name.to_owned(),
@@ -128,7 +148,7 @@ fn verdict(
         low,
         high,
         interval,
-        identified,
+        identified: is_determined,
         text,
     }
 }
@@ -142,29 +162,63 @@ mod tests {
         Range::new(by_name("floor.friction").unwrap(), 0.05, 1.05, 21).unwrap()
     }
 
+    fn found(best: f64, low: f64, high: f64) -> Found {
+        Found {
+            best,
+            low,
+            high,
+            interval: Some((low, high)),
+            is_resolved: true,
+        }
+    }
+
     #[test]
-    fn a_parameter_that_the_data_do_not_determine_is_called_so() {
-        let verdict = verdict(&friction(), 0.4, (0.05, 0.95), None);
+    fn a_parameter_whose_both_ends_fit_as_well_is_not_determined() {
+        let verdict = verdict(&friction(), &found(0.4, 0.05, 1.05));
         assert!(!verdict.identified);
         assert!(verdict.text.contains("not determined"), "{}", verdict.text);
     }
 
     #[test]
-    fn a_best_value_at_the_edge_is_not_believed() {
-        assert!(
-            verdict(&friction(), 0.05, (0.05, 0.1), None)
-                .text
-                .contains("widen")
-        );
+    fn a_set_that_reaches_the_edge_of_the_search_asks_for_a_wider_one() {
+        let text = verdict(&friction(), &found(0.1, 0.05, 0.2)).text;
+        assert!(text.contains("widen"), "{text}");
+    }
+
+    #[test]
+    fn at_a_bound_of_the_parameter_there_is_nothing_to_widen() {
+        let restitution =
+            Range::new(by_name("floor.restitution").unwrap(), 0.0, 0.9, 10).unwrap();
+        let text = verdict(&restitution, &found(0.1, 0.0, 0.3)).text;
+        assert!(text.starts_with("floor.restitution is at most 0.30"), "{text}");
+    }
+
+    #[test]
+    fn how_far_somebody_searched_does_not_decide_what_is_determined() {
+        let wide = Range::new(by_name("floor.friction").unwrap(), 0.05, 2.05, 41).unwrap();
+        let narrow = Range::new(by_name("floor.friction").unwrap(), 0.05, 1.05, 21).unwrap();
+        for range in [wide, narrow] {
+            assert!(verdict(&range, &found(0.4, 0.15, 0.85)).identified);
+        }
+    }
+
+    #[test]
+    fn where_numerics_matter_more_than_the_parameter_nothing_is_claimed() {
+        let unresolved = Found {
+            is_resolved: false,
+            ..found(0.45, 0.4, 0.5)
+        };
+        let verdict = verdict(&friction(), &unresolved);
+        assert!(!verdict.identified && !verdict.text.contains('='), "{}", verdict.text);
     }
 
     #[test]
     fn a_determined_parameter_gets_its_interval() {
-        let verdict = verdict(&friction(), 0.45, (0.4, 0.5), Some((0.41, 0.49)));
+        let verdict = verdict(&friction(), &found(0.45, 0.4, 0.5));
         assert!(verdict.identified);
         assert_eq!(
             verdict.text,
-            "floor.friction = 0.450 (90 % interval 0.410 to 0.490); values from 0.400 to 0.500 fit as well"
+            "floor.friction = 0.450 (90 % interval 0.400 to 0.500); values from 0.400 to 0.500 fit as well"
         );
     }
 }

@@ -100,6 +100,16 @@ impl Range {
         value.clamp(self.from, self.to)
     }
 
+    /// The coordinate from 0 to 1 at which [`Range::at`] has this value.
+    pub fn coordinate(&self, value: f64) -> f64 {
+        let share = if self.parameter.scale == Scale::Log && self.from > 0.0 {
+            libm::log(value / self.from) / libm::log(self.to / self.from)
+        } else {
+            (value - self.from) / (self.to - self.from)
+        };
+        share.clamp(0.0, 1.0)
+    }
+
     /// All values, increasing.
     pub fn values(&self) -> Vec<f64> {
         (0..self.points).map(|index| self.value(index)).collect()

@@ -31,7 +31,7 @@ pub(super) fn draw(
     tuned: &Tuned,
     subtitle: &str,
 ) -> Result<()> {
-    let points = &answer.scores.points;
+    let points = &answer.scores.runs;
     let numbered = |values: Vec<Option<f64>>| -> Vec<(f64, f64)> {
         let count = 1..=values.len();
         count
@@ -109,7 +109,7 @@ pub(super) fn write_trials(
         .chain(names)
         .chain(["score", "unit", "best_so_far"])
         .collect();
-    let points = &answer.scores.points;
+    let points = &answer.scores.runs;
     let rows = points.iter().zip(best_so_far(points)).map(|(point, best)| {
         let phase = if point.index < tuned.design {
             "design"

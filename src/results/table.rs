@@ -1,5 +1,6 @@
 //! `points.csv` and `scores.csv`: the same bytes for the same study, however it was run.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::calibration::{Answer, PointScore, Study};
@@ -19,6 +20,7 @@ pub(super) fn write_points(folder: &Path, study: &Study, answer: &Answer) -> Res
             "status",
             "displacement_error_m",
             "indistinguishable",
+            "runs",
         ])
         .collect();
     let is_in = |position: usize| {
@@ -37,12 +39,14 @@ pub(super) fn write_points(folder: &Path, study: &Study, answer: &Answer) -> Res
             row.push(status(point).to_owned());
             row.push(number(point.displacement_error_m));
             row.push(is_in(position).to_string());
+            row.push(point.runs.to_string());
             row
         });
     write(&folder.join("points.csv"), &header, rows)
 }
 
-/// One row a point that cannot be told apart from the best, with the study's fixed values: what `realgap search` draws from.
+/// One row a cell of the grid with points that cannot be told apart from the best, where an optimizer may have crowded, and one
+/// a place where nothing was simulated that may be as good; with the study's fixed values. Who draws from it draws evenly.
 pub(super) fn write_indistinguishable(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
     let Some(uncertainty) = &answer.uncertainty else {
         return Ok(());
@@ -61,14 +65,25 @@ pub(super) fn write_indistinguishable(folder: &Path, study: &Study, answer: &Ans
         .copied()
         .chain(fixed.iter().map(|a| a.parameter.name))
         .collect();
-    let rows = answer
-        .scores
-        .points
-        .iter()
+    let points = answer.scores.points.iter();
+    let visited = points
         .zip(&uncertainty.indistinguishable)
         .filter(|(_, is_in)| **is_in)
-        .map(|(point, _)| {
-            let values = point.values.iter().copied();
+        .map(|(point, _)| &point.values);
+    let unvisited = uncertainty.unvisited.iter();
+    let unvisited = unvisited
+        .filter(|place| place.indistinguishable)
+        .map(|place| &place.values);
+    let ranges = study.definition().grid.ranges();
+    let mut cells = BTreeSet::new();
+    let rows = visited
+        .chain(unvisited)
+        .filter(|values| {
+            let axes = ranges.iter().zip(values.iter());
+            cells.insert(axes.map(|(range, value)| range.nearest(*value)).collect::<Vec<_>>())
+        })
+        .map(|values| {
+            let values = values.iter().copied();
             let all = values.chain(fixed.iter().map(|a| a.value));
             all.map(|value| value.to_string()).collect()
         });

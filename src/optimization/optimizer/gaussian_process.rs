@@ -5,6 +5,8 @@ use std::f64::consts::{PI, SQRT_2};
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+use crate::statistics::matern_5_2;
+
 /// How a function is believed to behave.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Kernel {
@@ -46,8 +48,7 @@ impl Kernel {
     }
 
     fn covariance(&self, a: &[f64], b: &[f64]) -> f64 {
-        let s = 5.0_f64.sqrt() * self.distance(a, b);
-        self.variance * (1.0 + s + s * s / 3.0) * libm::exp(-s)
+        self.variance * matern_5_2(self.distance(a, b))
     }
 }
 

@@ -1,0 +1,98 @@
+//! Which points are simulated again: those that may be the best.
+
+use super::score::Scores;
+use super::setting::Setting;
+use super::study::Study;
+use super::surface::{ScoredRun, Surface};
+use crate::error::Result;
+use crate::random::Numbered;
+
+/// Rounds of a sweep after its grid; every round knows what the one before has found.
+pub(super) const ROUNDS: usize = 2;
+/// Runs of one round: a share of the grid's points, within bounds.
+const SHARE: usize = 4;
+const LEAST: usize = 16;
+const MOST: usize = 500;
+
+/// Runs of one round on a grid of so many points; none where there is one setting only.
+pub(super) fn runs_a_round(study: &Study) -> usize {
+    let points = study.definition().grid.len();
+    match study.settings().count {
+        1 => 0,
+        _ => (points / SHARE).clamp(LEAST.min(points), MOST),
+    }
+}
+
+/// The runs with a score, as a surface wants them.
+pub(super) fn scored_runs(study: &Study, scores: &Scores) -> Vec<ScoredRun> {
+    let settings = study.settings();
+    let scored = scores.runs.iter().filter(|run| run.score.is_some());
+    scored
+        .map(|run| ScoredRun {
+            at: coordinates(study, &run.values),
+            setting: settings.of_trial(run.index),
+            recordings: study.part_of(&run.recordings, false),
+        })
+        .collect()
+}
+
+/// Coordinates of a point, each from 0 to 1.
+pub(super) fn coordinates(study: &Study, values: &[f64]) -> Vec<f64> {
+    let ranges = study.definition().grid.ranges().iter().zip(values);
+    ranges.map(|(range, value)| range.coordinate(*value)).collect()
+}
+
+/// Values of the points for the trials from number `from` on: each is the best point of one surface that the scores allow, so
+/// that a point is chosen as often as it is probable that no other is better (Thompson 1933). A point that has been
+/// simulated with a trial's setting already is passed over.
+///
+/// # Errors
+/// As [`Surface::new`].
+pub(super) fn choose(
+    study: &Study,
+    scores: &Scores,
+    from: usize,
+    count: usize,
+) -> Result<Vec<Vec<f64>>> {
+    const DRAWS: usize = 50;
+    let settings = study.settings();
+    let mut scored: Vec<usize> = (0..scores.points.len())
+        .filter(|position| scores.points[*position].score.is_some())
+        .collect();
+    scored.sort_by(|a, b| {
+        let score = |position: usize| scores.points[position].score.unwrap_or(f64::INFINITY);
+        score(*a).total_cmp(&score(*b)).then(a.cmp(b))
+    });
+    scored.truncate(MOST);
+    let nodes: Vec<Vec<f64>> = scored
+        .iter()
+        .map(|position| coordinates(study, &scores.points[*position].values))
+        .collect();
+    let Some(surface) = Surface::new(&scored_runs(study, scores), &nodes)? else {
+        return Ok(Vec::new());
+    };
+    let mut seen: Vec<Vec<Setting>> = scored
+        .iter()
+        .map(|position| {
+            let runs = scores.runs_at(&scores.points[*position].values);
+            runs.map(|run| settings.of_trial(run.index)).collect()
+        })
+        .collect();
+    let seed = study.definition().seed;
+    let mut chosen = Vec::new();
+    for trial in from..from + count {
+        let setting = settings.of_trial(trial);
+        let mut rng = Numbered::Refinement.generator(seed, trial as u64);
+        let drawn = (0..DRAWS).find_map(|_| {
+            let best = surface.draw(&mut rng).imin();
+            (!seen[best].contains(&setting)).then_some(best)
+        });
+        let unseen = || surface.lowest((0..nodes.len()).filter(|n| !seen[*n].contains(&setting)));
+        let Some(node) = drawn.or_else(unseen) else {
+            break;
+        };
+        seen[node].push(setting);
+        chosen.push(scores.points[scored[node]].values.clone());
+    }
+    Ok(chosen)
+}

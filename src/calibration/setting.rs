@@ -1,0 +1,124 @@
+//! Equally valid settings: numerics and starts that nobody can choose between by reason.
+//!
+//! A step that is half as long, twice the substeps, or a start a millimetre off is as good a choice as the study's own, and
+//! for a robot that walks it changes the score. What all of them say on average is an answer; what one of them says is luck.
+
+use crate::simulation::{Experiment, Noise};
+
+/// One of the equally valid settings, by number; 0 is the study's own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct Setting(u64);
+
+/// What is left alone and what varies between the settings of a study.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Settings {
+    /// How starts (or, for an ensemble, whole repeats) differ.
+    pub noise: Noise,
+    /// How many there are.
+    pub count: usize,
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+impl Setting {
+    /// The study's own.
+    pub const OWN: Self = Self(0);
+
+    /// The setting with this number.
+    pub fn new(number: usize) -> Self {
+        Self(number as u64)
+    }
+
+    /// By how much the timestep is divided and the substeps are multiplied, each from 1 to 2: odd settings vary one, even
+    /// ones the other, spread so that any first few cover the range (van der Corput 1935).
+    fn factors(self) -> (f64, f64) {
+        if self == Self::OWN {
+            return (1.0, 1.0);
+        }
+        let factor = libm::exp2(1.0 - van_der_corput((self.0 - 1) / 2));
+        if self.0 % 2 == 1 {
+            (1.0, factor)
+        } else {
+            (factor, 1.0)
+        }
+    }
+}
+
+impl Settings {
+    /// The setting that trial number `index` is simulated with: all of them in turn, so that neighbours on a grid differ.
+    pub fn of_trial(&self, index: usize) -> Setting {
+        Setting::new(index % self.count)
+    }
+
+    /// The experiment as this setting has it.
+    pub fn apply(&self, setting: Setting, experiment: &Experiment) -> Experiment {
+        if setting == Setting::OWN {
+            return experiment.clone();
+        }
+        let (shorter, more) = setting.factors();
+        let mut changed = self.noise.perturb(experiment, self.seed, setting.0);
+        changed.solver.timestep_s /= shorter;
+        changed.solver.substeps = (changed.solver.substeps as f64 * more).round() as usize;
+        changed
+    }
+}
+
+/// The index-th number of the sequence 0, 1/2, 1/4, 3/4, 1/8 …
+fn van_der_corput(mut index: u64) -> f64 {
+    let (mut value, mut digit) = (0.0, 0.5);
+    while index > 0 {
+        if index % 2 == 1 {
+            value += digit;
+        }
+        index /= 2;
+        digit *= 0.5;
+    }
+    value
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::morphology::Morphology;
+
+    fn experiment() -> Experiment {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/morphologies/tripod.ron");
+        Experiment::new(Morphology::read(path).unwrap().assemble())
+    }
+
+    fn settings() -> Settings {
+        Settings {
+            noise: Noise::careful_start(),
+            count: 16,
+            seed: 1,
+        }
+    }
+
+    #[test]
+    fn the_first_setting_is_the_study_s_own() {
+        let own = experiment();
+        let same = settings().apply(Setting::OWN, &own);
+        assert_eq!(format!("{own:?}"), format!("{same:?}"));
+    }
+
+    #[test]
+    fn no_setting_is_coarser_than_the_study_s_own_or_finer_than_half_of_it() {
+        let own = experiment();
+        for number in 1..16 {
+            let changed = settings().apply(Setting::new(number), &own).solver;
+            let finer = own.solver.timestep_s / changed.timestep_s;
+            let more = changed.substeps as f64 / own.solver.substeps as f64;
+            assert!((1.0..=2.0).contains(&finer), "{number}: {finer}");
+            assert!((1.0..=2.0).contains(&more), "{number}: {more}");
+            assert!(finer * more > 1.0, "{number} changes nothing");
+        }
+    }
+
+    #[test]
+    fn any_first_few_cover_the_range() {
+        let of = |number| Setting::new(number).factors();
+        // Twice the substeps, half the step, then what lies between.
+        assert_eq!((of(1), of(2)), ((1.0, 2.0), (2.0, 1.0)));
+        assert!((of(3).1 - 2.0_f64.sqrt()).abs() < 1e-12 && of(3).0 == 1.0);
+    }
+}

@@ -1,0 +1,296 @@
+//! What runs at some points say about the score at every point, those that nobody visited included.
+//!
+//! The score of a run is, on a logarithmic scale, a smooth function of the parameters, plus a smooth deviation of the
+//! [setting](super::setting) that the run has, plus what is left: the ruggedness of a single run. All three are Gaussian
+//! processes with one kernel shape (Matérn 5/2, a length scale a parameter), whose sizes are those that make the scores
+//! likeliest (Rasmussen & Williams 2006, section 5.4; sums of processes: section 4.2.4). The answer is the first of the three;
+//! the second comes back as doubt, because reality too has one setting of its own that nobody knows.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rand_distr::{ChiSquared, Distribution, StandardNormal};
+
+use super::setting::Setting;
+use crate::error::Result;
+use crate::optimization::{Brief, History, Proposal, Told, default_optimizer};
+use crate::random::Generator;
+use crate::statistics::{Resample, matern_5_2, mean, standard_deviation};
+
+/// One run at one point.
+#[derive(Debug, Clone)]
+pub(super) struct ScoredRun {
+    /// Coordinates of the point, 0 to 1.
+    pub at: Vec<f64>,
+    /// The setting that it had.
+    pub setting: Setting,
+    /// One score a fitted recording.
+    pub recordings: Vec<f64>,
+}
+
+/// Sizes of the three parts.
+#[derive(Debug, Clone)]
+struct Kernel {
+    lengths: Vec<f64>,
+    /// Variance of the score over the parameters.
+    variance: f64,
+    /// Variance of what a setting changes, as a share of it.
+    between_settings: f64,
+    /// Variance of a single run about that.
+    noise: f64,
+}
+
+/// Bounds of lengths (shares of the range), variance, share between settings, and noise; scores are standardised.
+const LENGTH: (f64, f64) = (0.05, 5.0);
+const VARIANCE: (f64, f64) = (0.1, 30.0);
+const BETWEEN: (f64, f64) = (1e-4, 1.0);
+const NOISE: (f64, f64) = (1e-4, 1.0);
+/// Runs that the kernel is fitted to, and runs that the surface knows at most; work grows with the cube of either.
+const FITTED: usize = 150;
+const KNOWN: usize = 900;
+/// Kernels tried per number of a kernel.
+const TRIES: usize = 60;
+
+impl Kernel {
+    fn new(coordinates: &[f64]) -> Self {
+        let within = |coordinate: f64, (low, high): (f64, f64)| {
+            libm::exp(libm::log(low) + coordinate * (libm::log(high) - libm::log(low)))
+        };
+        let n = coordinates.len() - 3;
+        Self {
+            lengths: coordinates[..n].iter().map(|c| within(*c, LENGTH)).collect(),
+            variance: within(coordinates[n], VARIANCE),
+            between_settings: within(coordinates[n + 1], BETWEEN),
+            noise: within(coordinates[n + 2], NOISE),
+        }
+    }
+
+    /// Covariance of the answer at two points.
+    fn covariance(&self, a: &[f64], b: &[f64]) -> f64 {
+        let axes = a.iter().zip(b).zip(&self.lengths);
+        let squares = axes.map(|((a, b), length)| ((a - b) / length).powi(2));
+        self.variance * matern_5_2(squares.sum::<f64>().sqrt())
+    }
+
+    /// Covariance of all runs, factored; `None` where it is singular.
+    fn factor(&self, runs: &[&ScoredRun]) -> Option<Cholesky<f64, Dyn>> {
+        let n = runs.len();
+        let mut matrix = DMatrix::zeros(n, n);
+        for column in 0..n {
+            for row in column..n {
+                let (a, b) = (runs[row], runs[column]);
+                let same = f64::from(u8::from(a.setting == b.setting));
+                let alike = 1.0 + self.between_settings * same;
+                matrix[(row, column)] = alike * self.covariance(&a.at, &b.at);
+            }
+            matrix[(column, column)] += self.noise;
+        }
+        Cholesky::new(matrix)
+    }
+
+    /// Minus twice the log likelihood of the values, without its constant.
+    fn misfit(&self, runs: &[&ScoredRun], values: &DVector<f64>) -> Option<f64> {
+        let factor = self.factor(runs)?;
+        let logs: f64 = factor.l_dirty().diagonal().map(libm::log).sum();
+        Some(values.dot(&factor.solve(values)) + 2.0 * logs)
+    }
+
+    /// The likeliest kernel, found by the optimizer that tunes simulations.
+    fn fit(runs: &[&ScoredRun], values: &DVector<f64>, dimensions: usize) -> Result<Self> {
+        let brief = Brief {
+            points: vec![2; dimensions + 3],
+            budget: TRIES * (dimensions + 3),
+            seed: 1,
+        };
+        let mut told: Vec<Told> = Vec::new();
+        while told.len() < brief.budget {
+            let history = History {
+                design: &[],
+                told: &told,
+            };
+            let Proposal::Evaluate(points) = default_optimizer().propose(&brief, &history)? else {
+                break;
+            };
+            told.extend(points.into_iter().map(|point| {
+                let score = Self::new(&point).misfit(runs, values);
+                Told { point, score }
+            }));
+        }
+        let scored = told.iter().filter_map(|t| Some((t.score?, &t.point)));
+        let best = scored.min_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(Self::new(best.map_or(&vec![0.5; dimensions + 3], |(_, point)| point)))
+    }
+}
+
+/// From scores to the scale on which they are modelled: ln(score + offset), mean 0 and standard deviation 1.
+#[derive(Debug, Clone, Copy)]
+struct Scale {
+    offset: f64,
+    mean: f64,
+    sd: f64,
+}
+
+impl Scale {
+    /// The offset is the lowest score: a point twice as bad as the best is as far away as one that is five times as bad from
+    /// one that is twice, so that a few terrible points do not decide how smooth the good ones are.
+    fn new(scores: &[f64]) -> Self {
+        let lowest = scores.iter().copied().fold(f64::INFINITY, f64::min);
+        let offset = lowest.max(1e-3 * mean(scores)).max(f64::MIN_POSITIVE);
+        let logs: Vec<f64> = scores.iter().map(|s| libm::log(s + offset)).collect();
+        let sd = standard_deviation(&logs);
+        Self {
+            offset,
+            mean: mean(&logs),
+            sd: if sd > 0.0 { sd } else { 1.0 },
+        }
+    }
+
+    fn of(self, score: f64) -> f64 {
+        (libm::log(score.max(0.0) + self.offset) - self.mean) / self.sd
+    }
+
+    fn back(self, value: f64) -> f64 {
+        (libm::exp(value * self.sd + self.mean) - self.offset).max(0.0)
+    }
+}
+
+/// The score over the parameters, known at nodes.
+#[derive(Debug)]
+pub(super) struct Surface {
+    scale: Scale,
+    /// The runs' scores, one row a run.
+    scores: Vec<Vec<f64>>,
+    /// From the runs' values to the mean at the nodes.
+    weights: DMatrix<f64>,
+    /// A root of the covariance of the answer at the nodes, given the runs.
+    doubt: DMatrix<f64>,
+    /// A root of the covariance of what one more setting changes.
+    deviation: DMatrix<f64>,
+    /// Means at the nodes, standardised.
+    means: DVector<f64>,
+}
+
+impl Surface {
+    /// `None` for fewer than three runs with a score. `nodes` are coordinates.
+    ///
+    /// # Errors
+    /// None beyond those of the optimizer that fits the kernel.
+    pub fn new(runs: &[ScoredRun], nodes: &[Vec<f64>]) -> Result<Option<Self>> {
+        if runs.len() < 3 || nodes.is_empty() {
+            return Ok(None);
+        }
+        let runs = thin(&runs.iter().collect::<Vec<_>>(), KNOWN);
+        let plain = |runs: &[&ScoredRun]| -> Vec<f64> {
+            runs.iter().map(|run| mean(&run.recordings)).collect()
+        };
+        let scores = plain(&runs);
+        let scale = Scale::new(&scores);
+        let fitted = thin(&runs, FITTED);
+        let values = |scores: Vec<f64>| {
+            DVector::from_iterator(scores.len(), scores.into_iter().map(|s| scale.of(s)))
+        };
+        let kernel = Kernel::fit(&fitted, &values(plain(&fitted)), nodes[0].len())?;
+        let Some(factor) = kernel.factor(&runs) else {
+            return Ok(None);
+        };
+        let across = DMatrix::from_fn(runs.len(), nodes.len(), |run, node| {
+            kernel.covariance(&runs[run].at, &nodes[node])
+        });
+        let between = DMatrix::from_fn(nodes.len(), nodes.len(), |a, b| {
+            kernel.covariance(&nodes[a], &nodes[b])
+        });
+        let weights = factor.solve(&across).transpose();
+        let doubt = root(&between - &weights * &across);
+        // A single recording is one run of its own, whose ruggedness no other recording averages out.
+        let alone = if runs[0].recordings.len() < 2 {
+            kernel.noise / kernel.variance
+        } else {
+            0.0
+        };
+        let deviation = root(between * (kernel.between_settings + alone));
+        let means = &weights * values(scores);
+        Ok(Some(Self {
+            scale,
+            scores: runs.iter().map(|run| run.recordings.clone()).collect(),
+            weights,
+            doubt,
+            deviation,
+            means,
+        }))
+    }
+
+    /// Mean score at a node.
+    pub fn mean(&self, node: usize) -> f64 {
+        self.scale.back(self.means[node])
+    }
+
+    /// The node with the lowest mean among some.
+    pub fn lowest(&self, among: impl IntoIterator<Item = usize>) -> Option<usize> {
+        let among = among.into_iter();
+        among.min_by(|a, b| self.means[*a].total_cmp(&self.means[*b]))
+    }
+
+    /// One surface that the runs allow, standardised: what the answer may be.
+    pub fn draw(&self, rng: &mut Generator) -> DVector<f64> {
+        &self.means + &self.doubt * normals(self.doubt.ncols(), rng)
+    }
+
+    /// One surface that another reality would have shown: recordings drawn again, another setting of its own.
+    ///
+    /// Resamples hold one recording less than there are, which makes the variance of their mean that of the mean
+    /// (Efron & Tibshirani 1993, section 6.2), and deviate as widely as Student's t says for so few.
+    pub fn draw_reality(&self, resample: Option<&Resample>, rng: &mut Generator) -> DVector<f64> {
+        let means = match resample {
+            None => self.means.clone(),
+            Some(resample) => {
+                let freedom = (self.scores[0].len() - 1) as f64;
+                let wide = ChiSquared::new(freedom)
+                    .map_or(1.0, |chi| (freedom / chi.sample(rng)).sqrt());
+                let values = self.scores.iter().map(|scores| {
+                    let here = mean(scores);
+                    self.scale.of(here + wide * (resample.mean(scores) - here))
+                });
+                &self.weights * DVector::from_iterator(self.scores.len(), values)
+            }
+        };
+        means
+            + &self.doubt * normals(self.doubt.ncols(), rng)
+            + &self.deviation * normals(self.deviation.ncols(), rng)
+    }
+}
+
+fn normals(count: usize, rng: &mut Generator) -> DVector<f64> {
+    DVector::from_fn(count, |_, _| StandardNormal.sample(rng))
+}
+
+/// A lower triangular matrix whose square this is, up to rounding.
+fn root(mut covariance: DMatrix<f64>) -> DMatrix<f64> {
+    let largest = covariance.diagonal().max().max(f64::MIN_POSITIVE);
+    let mut jitter = 1e-9 * largest;
+    for index in 0..covariance.nrows() {
+        covariance[(index, index)] += jitter;
+    }
+    loop {
+        if let Some(factor) = Cholesky::new(covariance.clone()) {
+            return factor.l();
+        }
+        for index in 0..covariance.nrows() {
+            covariance[(index, index)] += 9.0 * jitter;
+        }
+        jitter *= 10.0;
+    }
+}
+
+/// At most `most` of the runs: the better half, the others spread evenly over the rest.
+fn thin<'a>(runs: &[&'a ScoredRun], most: usize) -> Vec<&'a ScoredRun> {
+    if runs.len() <= most {
+        return runs.to_vec();
+    }
+    let mut ranked: Vec<(f64, &ScoredRun)> = runs
+        .iter()
+        .map(|run| (mean(&run.recordings), *run))
+        .collect();
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (better, rest) = ranked.split_at(most / 2);
+    let wanted = most - better.len();
+    let spread = (0..wanted).map(|index| rest[index * rest.len() / wanted]);
+    better.iter().copied().chain(spread).map(|(_, run)| run).collect()
+}
