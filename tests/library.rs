@@ -92,7 +92,8 @@ fn an_answer_prints_its_report_and_can_be_written_anywhere() {
         ..RunOptions::default()
     };
     let answer = study.sweep(&run).unwrap();
-    assert_eq!(heard.lock().unwrap().last(), Some(&9));
+    // Nine points, and twice nine runs of those that may be the best.
+    assert_eq!(heard.lock().unwrap().last(), Some(&27));
     let text = answer.to_string();
     for verdict in &answer.report.verdicts {
         assert!(text.contains(&verdict.text), "{text}");

@@ -22,7 +22,7 @@ fn a_sweep_leaves_everything_that_was_promised() {
     assert_eq!(
         points.lines().next(),
         Some(
-            "floor.friction,floor.restitution,score,unit,status,displacement_error_m,indistinguishable"
+            "floor.friction,floor.restitution,score,unit,status,displacement_error_m,indistinguishable,runs"
         )
     );
     assert_eq!(points.lines().count(), 1 + 9);
@@ -116,7 +116,7 @@ fn one_parameter_gives_a_curve_and_three_give_slices() {
         warnings.contains("other-robot") && warnings.contains("one-recording"),
         "{warnings}"
     );
-    assert_eq!(summary(&one)["uncertainty"]["source"], "ensemble");
+    assert_eq!(summary(&one)["uncertainty"]["source"], "runs");
     let three = folder.path().join("three");
     realgap()
         .arg("sweep")
@@ -161,7 +161,7 @@ fn a_diverged_point_has_no_score_and_never_wins() {
         .assert()
         .success();
     let points = read(&out, "points.csv");
-    assert!(points.contains("\n0,,m,diverged,,false\n"), "{points}");
+    assert!(points.contains("\n0,,m,diverged,,false,0\n"), "{points}");
     assert_eq!(summary(&out)["best"]["parameters"]["floor.friction"], 10.0);
     assert_eq!(summary(&out)["diverged"], 1);
 }

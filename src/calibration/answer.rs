@@ -144,13 +144,20 @@ fn profiles(
             let points = scores.points.iter().enumerate().map(|(position, point)| {
                 let inside = uncertainty.is_some_and(|u| u.indistinguishable[position]);
                 let score = point.score.map(|score| {
-                    known.and_then(|known| known.mean(position)).unwrap_or(score)
+                    known
+                        .and_then(|known| known.mean(position))
+                        .unwrap_or(score)
                 });
                 (point.values[dimension], score, inside)
             });
             let unvisited = uncertainty.into_iter().flat_map(|u| &u.unvisited);
-            let unvisited = unvisited
-                .map(|place| (place.values[dimension], Some(place.score), place.indistinguishable));
+            let unvisited = unvisited.map(|place| {
+                (
+                    place.values[dimension],
+                    Some(place.score),
+                    place.indistinguishable,
+                )
+            });
             Profile::new(range, points.chain(unvisited))
         })
         .collect()

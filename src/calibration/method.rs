@@ -34,6 +34,8 @@ pub struct Tuned {
     pub budget: usize,
     /// Points of the space-filling first design.
     pub design: usize,
+    /// Points evaluated; what is simulated after them completes the settings of the best one.
+    pub evaluated: usize,
     /// Why it ended.
     pub termination: Termination,
 }

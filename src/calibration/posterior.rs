@@ -19,11 +19,7 @@ pub const INTERVAL_LEVEL: f64 = 0.90;
 impl BestDraws {
     /// From the best point of each reality that was drawn, moved at random within its cell of `grid`, because a grid cannot
     /// say more than its step.
-    pub(super) fn new<'a>(
-        grid: &Grid,
-        best: impl Iterator<Item = &'a [f64]>,
-        seed: u64,
-    ) -> Self {
+    pub(super) fn new<'a>(grid: &Grid, best: impl Iterator<Item = &'a [f64]>, seed: u64) -> Self {
         let mut rng = Once::WithinCell.generator(seed);
         let draws = best
             .map(|values| {

@@ -39,7 +39,9 @@ pub(super) fn scored_runs(study: &Study, scores: &Scores) -> Vec<ScoredRun> {
 /// Coordinates of a point, each from 0 to 1.
 pub(super) fn coordinates(study: &Study, values: &[f64]) -> Vec<f64> {
     let ranges = study.definition().grid.ranges().iter().zip(values);
-    ranges.map(|(range, value)| range.coordinate(*value)).collect()
+    ranges
+        .map(|(range, value)| range.coordinate(*value))
+        .collect()
 }
 
 /// Values of the points for the trials from number `from` on: each is the best point of one surface that the scores allow, so

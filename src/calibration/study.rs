@@ -364,12 +364,10 @@ fn check_score(definition: &Definition) -> Result<()> {
             .allowed("2 to 1000"));
     }
     if definition.noise.is_none() {
-        return Err(
-            Error::invalid("the study does not say how repeats differ")
-                .field("noise")
-                .found("no such section")
-                .hint("add a `noise` section, or score equally valid settings only"),
-        );
+        return Err(Error::invalid("the study does not say how repeats differ")
+            .field("noise")
+            .found("no such section")
+            .hint("add a `noise` section, or score equally valid settings only"));
     }
     Ok(())
 }

@@ -56,7 +56,10 @@ impl Kernel {
         };
         let n = coordinates.len() - 3;
         Self {
-            lengths: coordinates[..n].iter().map(|c| within(*c, LENGTH)).collect(),
+            lengths: coordinates[..n]
+                .iter()
+                .map(|c| within(*c, LENGTH))
+                .collect(),
             variance: within(coordinates[n], VARIANCE),
             between_settings: within(coordinates[n + 1], BETWEEN),
             noise: within(coordinates[n + 2], NOISE),
@@ -86,11 +89,13 @@ impl Kernel {
         Cholesky::new(matrix)
     }
 
-    /// Minus twice the log likelihood of the values, without its constant.
+    /// Minus twice the log likelihood of the values, without its constant; their mean is the likeliest.
     fn misfit(&self, runs: &[&ScoredRun], values: &DVector<f64>) -> Option<f64> {
         let factor = self.factor(runs)?;
         let logs: f64 = factor.l_dirty().diagonal().map(libm::log).sum();
-        Some(values.dot(&factor.solve(values)) + 2.0 * logs)
+        let mean = mean_weights(&factor).dot(values);
+        let rest = values.add_scalar(-mean);
+        Some(rest.dot(&factor.solve(&rest)) + 2.0 * logs)
     }
 
     /// The likeliest kernel, found by the optimizer that tunes simulations.
@@ -116,8 +121,19 @@ impl Kernel {
         }
         let scored = told.iter().filter_map(|t| Some((t.score?, &t.point)));
         let best = scored.min_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(Self::new(best.map_or(&vec![0.5; dimensions + 3], |(_, point)| point)))
+        Ok(Self::new(
+            best.map_or(&vec![0.5; dimensions + 3], |(_, point)| point),
+        ))
     }
+}
+
+/// Shares that the values have in their likeliest mean (ordinary kriging, Cressie 1993, section 3.2): where runs crowd, each
+/// counts little, so that a crowd of good ones does not promise that the rest is as good.
+fn mean_weights(factor: &Cholesky<f64, Dyn>) -> DVector<f64> {
+    let ones = DVector::repeat(factor.l_dirty().nrows(), 1.0);
+    let solved = factor.solve(&ones);
+    let sum = solved.sum();
+    solved / sum
 }
 
 /// From scores to the scale on which they are modelled: ln(score + offset), mean 0 and standard deviation 1.
@@ -197,8 +213,19 @@ impl Surface {
         let between = DMatrix::from_fn(nodes.len(), nodes.len(), |a, b| {
             kernel.covariance(&nodes[a], &nodes[b])
         });
-        let weights = factor.solve(&across).transpose();
-        let doubt = root(&between - &weights * &across);
+        let known = factor.solve(&across);
+        // What the runs nearby do not explain of a node comes from the mean, and has its doubt.
+        let shares = mean_weights(&factor);
+        let unexplained = DVector::from_fn(nodes.len(), |node, _| 1.0 - known.column(node).sum());
+        let mean_variance = factor
+            .solve(&DVector::repeat(runs.len(), 1.0))
+            .sum()
+            .recip();
+        let doubt = root(
+            &between - known.tr_mul(&across)
+                + &unexplained * unexplained.transpose() * mean_variance,
+        );
+        let weights = known.transpose() + &unexplained * shares.transpose();
         // A single recording is one run of its own, whose ruggedness no other recording averages out.
         let alone = if runs[0].recordings.len() < 2 {
             kernel.noise / kernel.variance
@@ -242,8 +269,8 @@ impl Surface {
             None => self.means.clone(),
             Some(resample) => {
                 let freedom = (self.scores[0].len() - 1) as f64;
-                let wide = ChiSquared::new(freedom)
-                    .map_or(1.0, |chi| (freedom / chi.sample(rng)).sqrt());
+                let wide =
+                    ChiSquared::new(freedom).map_or(1.0, |chi| (freedom / chi.sample(rng)).sqrt());
                 let values = self.scores.iter().map(|scores| {
                     let here = mean(scores);
                     self.scale.of(here + wide * (resample.mean(scores) - here))
@@ -292,5 +319,120 @@ fn thin<'a>(runs: &[&'a ScoredRun], most: usize) -> Vec<&'a ScoredRun> {
     let (better, rest) = ranked.split_at(most / 2);
     let wanted = most - better.len();
     let spread = (0..wanted).map(|index| rest[index * rest.len() / wanted]);
-    better.iter().copied().chain(spread).map(|(_, run)| run).collect()
+    better
+        .iter()
+        .copied()
+        .chain(spread)
+        .map(|(_, run)| run)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Once;
+
+    /// A valley at 0.4 whose runs are rugged, and whose settings move it.
+    fn valley(at: f64, setting: usize, rugged: f64, moved: f64) -> ScoredRun {
+        let centre = 0.4 + moved * ((setting as f64 * 1.7).sin());
+        let noise = rugged * ((at * 977.0 + setting as f64 * 31.0).sin());
+        let score = 1.0 + 20.0 * (at - centre).powi(2) + noise;
+        ScoredRun {
+            at: vec![at],
+            setting: Setting::new(setting),
+            recordings: vec![score, score * 1.05, score * 0.95],
+        }
+    }
+
+    fn line(count: usize) -> Vec<Vec<f64>> {
+        (0..count)
+            .map(|i| vec![i as f64 / (count - 1) as f64])
+            .collect()
+    }
+
+    fn surface(runs: &[ScoredRun], nodes: &[Vec<f64>]) -> Surface {
+        Surface::new(runs, nodes).unwrap().unwrap()
+    }
+
+    /// Lowest nodes of many realities, sorted.
+    fn lowest(surface: &Surface, nodes: &[Vec<f64>]) -> Vec<f64> {
+        let mut rng = Once::BestPoint.generator(7);
+        let mut all: Vec<f64> = (0..400)
+            .map(|_| nodes[surface.draw_reality(None, &mut rng).imin()][0])
+            .collect();
+        all.sort_by(f64::total_cmp);
+        all
+    }
+
+    #[test]
+    fn the_lucky_run_is_not_the_best_point() {
+        let nodes = line(41);
+        let mut runs: Vec<ScoredRun> = nodes
+            .iter()
+            .enumerate()
+            .map(|(index, node)| valley(node[0], index % 16, 0.2, 0.0))
+            .collect();
+        // One run far from the valley is lucky by chance.
+        runs[36].recordings = vec![0.9; 3];
+        let surface = surface(&runs, &nodes);
+        let best = nodes[surface.lowest(0..41).unwrap()][0];
+        assert!((best - 0.4).abs() <= 0.1, "{best}");
+    }
+
+    #[test]
+    fn what_settings_move_widens_the_answer_by_as_much() {
+        let nodes = line(41);
+        let width = |moved: f64| {
+            let runs: Vec<ScoredRun> = (0..3)
+                .flat_map(|pass| {
+                    nodes
+                        .iter()
+                        .enumerate()
+                        .map(move |(i, node)| (pass, i, node))
+                })
+                .map(|(pass, index, node)| valley(node[0], (index + 5 * pass) % 16, 0.02, moved))
+                .collect();
+            let draws = lowest(&surface(&runs, &nodes), &nodes);
+            draws[380] - draws[20]
+        };
+        let (still, moved) = (width(0.0), width(0.15));
+        assert!(still < 0.15, "{still}");
+        // Nine of ten places of a sine's minimum lie within 0.15 of its centre.
+        assert!((0.15..=0.6).contains(&moved), "{moved}");
+    }
+
+    #[test]
+    fn where_nobody_was_anything_may_be() {
+        let nodes = line(41);
+        // All runs on the left half, crowded around a shallow minimum.
+        let runs: Vec<ScoredRun> = (0..60)
+            .map(|i| valley(0.5 * (i as f64 * 0.618).fract(), i % 16, 0.02, 0.0))
+            .collect();
+        let surface = surface(&runs, &nodes);
+        let mut rng = Once::BestPoint.generator(7);
+        let spread = |node: usize, rng: &mut Generator| {
+            let draws: Vec<f64> = (0..200).map(|_| surface.draw(rng)[node]).collect();
+            standard_deviation(&draws)
+        };
+        let (visited, unvisited) = (spread(8, &mut rng), spread(40, &mut rng));
+        assert!(unvisited > 5.0 * visited, "{visited} {unvisited}");
+    }
+
+    #[test]
+    fn a_crowd_of_good_runs_promises_nothing_elsewhere() {
+        let nodes = line(41);
+        let mut runs: Vec<ScoredRun> = (0..8)
+            .map(|i| valley(i as f64 / 7.0, i, 0.02, 0.0))
+            .collect();
+        runs.extend(
+            (0..60).map(|i| valley(0.38 + 0.04 * (i as f64 * 0.618).fract(), i % 16, 0.02, 0.0)),
+        );
+        let draws = lowest(&surface(&runs, &nodes), &nodes);
+        assert!(
+            draws[20] > 0.25 && draws[380] < 0.55,
+            "{} {}",
+            draws[20],
+            draws[380]
+        );
+    }
 }

@@ -88,6 +88,7 @@ fn tune(
         optimizer: options.optimizer.name(),
         budget: tuning.budget,
         design: tuning.design.len(),
+        evaluated: tuning.told.len(),
         termination,
     });
     run.install(|| Answer::new(study, method, ending, scores))?

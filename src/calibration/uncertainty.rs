@@ -142,7 +142,10 @@ impl Known {
                 indistinguishable: as_good[node],
             }
         });
-        let values = self.points.iter().map(|position| &scores.points[*position].values);
+        let values = self
+            .points
+            .iter()
+            .map(|position| &scores.points[*position].values);
         let values: Vec<&Vec<f64>> = values.chain(&self.places).collect();
         let draws = realities.iter().map(|r| values[r.imin()].as_slice());
         let draws = BestDraws::new(&definition.grid, draws, definition.seed);
@@ -195,10 +198,21 @@ fn places(study: &Study, scores: &Scores) -> Vec<Vec<f64>> {
         return all.filter(|values| !visited(values)).collect();
     }
     let ranges = grid.ranges();
-    space_filling(ranges.len(), 0, PLACES, study.definition().seed.wrapping_add(1))
-        .iter()
-        .map(|place| ranges.iter().zip(place).map(|(range, c)| range.at(*c)).collect())
-        .collect()
+    space_filling(
+        ranges.len(),
+        0,
+        PLACES,
+        study.definition().seed.wrapping_add(1),
+    )
+    .iter()
+    .map(|place| {
+        ranges
+            .iter()
+            .zip(place)
+            .map(|(range, c)| range.at(*c))
+            .collect()
+    })
+    .collect()
 }
 
 /// Mean of a point's runs, where it has all settings.

@@ -57,7 +57,8 @@ pub(super) fn verdicts(
             let points = scores.points.iter().zip(&uncertainty.indistinguishable);
             let visited = points.map(|(point, is_in)| (&point.values, *is_in));
             let unvisited = uncertainty.unvisited.iter();
-            let all = visited.chain(unvisited.map(|place| (&place.values, place.indistinguishable)));
+            let all =
+                visited.chain(unvisited.map(|place| (&place.values, place.indistinguishable)));
             let set = all.filter(|(_, is_in)| *is_in);
             let values: Vec<f64> = set.map(|(values, _)| values[dimension]).collect();
             let low = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -130,9 +131,17 @@ fn verdict(range: &Range, found: &Found) -> Verdict {
             show(high)
         )
     } else if low_end {
-        format!("{name} is at most {}; best {}{sure}", show(high), show(best))
+        format!(
+            "{name} is at most {}; best {}{sure}",
+            show(high),
+            show(best)
+        )
     } else if high_end {
-        format!("{name} is at least {}; best {}{sure}", show(low), show(best))
+        format!(
+            "{name} is at least {}; best {}{sure}",
+            show(low),
+            show(best)
+        )
     } else {
         format!(
             "{name} = {}{sure}; values from {} to {} fit as well",
@@ -187,10 +196,12 @@ mod tests {
 
     #[test]
     fn at_a_bound_of_the_parameter_there_is_nothing_to_widen() {
-        let restitution =
-            Range::new(by_name("floor.restitution").unwrap(), 0.0, 0.9, 10).unwrap();
+        let restitution = Range::new(by_name("floor.restitution").unwrap(), 0.0, 0.9, 10).unwrap();
         let text = verdict(&restitution, &found(0.1, 0.0, 0.3)).text;
-        assert!(text.starts_with("floor.restitution is at most 0.30"), "{text}");
+        assert!(
+            text.starts_with("floor.restitution is at most 0.30"),
+            "{text}"
+        );
     }
 
     #[test]
@@ -209,7 +220,11 @@ mod tests {
             ..found(0.45, 0.4, 0.5)
         };
         let verdict = verdict(&friction(), &unresolved);
-        assert!(!verdict.identified && !verdict.text.contains('='), "{}", verdict.text);
+        assert!(
+            !verdict.identified && !verdict.text.contains('='),
+            "{}",
+            verdict.text
+        );
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::calibration::{Answer, Mode, Overrides, Split, Study};
+use realgap::calibration::{Answer, Mode, Overrides, ScoreRule, Split, Study};
 use realgap::optimization::Ending;
 use realgap::results::{self, Kind};
 use realgap::unit::counted;
@@ -28,6 +28,10 @@ pub struct StudyOptions {
     /// Metric in place of the study's own
     #[arg(long, value_name = "NAME")]
     metric: Option<String>,
+    /// What a score is the mean over, in place of the study's own: valid (16 equally valid timesteps, substeps and starts),
+    /// ensemble or ensemble:N (N of them with the study's noise; 16), single (one run, luck included)
+    #[arg(long, value_name = "RULE", value_parser = parse_score)]
+    score: Option<ScoreRule>,
     /// Seed in place of the study's own
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
@@ -52,11 +56,28 @@ pub struct StudyOptions {
     format: Format,
 }
 
+/// Repeats of `--score ensemble`.
+const REPEATS: usize = 16;
+
+fn parse_score(text: &str) -> std::result::Result<ScoreRule, String> {
+    match text.split_once(':') {
+        None if text == "valid" => Ok(ScoreRule::Valid),
+        None if text == "single" => Ok(ScoreRule::Single),
+        None if text == "ensemble" => Ok(ScoreRule::Ensemble { repeats: REPEATS }),
+        Some(("ensemble", repeats)) => match repeats.parse() {
+            Ok(repeats) => Ok(ScoreRule::Ensemble { repeats }),
+            Err(_) => Err(format!("{repeats} is not a number of repeats")),
+        },
+        _ => Err("allowed: valid, ensemble, ensemble:N, single".to_owned()),
+    }
+}
+
 impl StudyOptions {
     /// The study with its recordings read, its warnings printed.
     pub fn study(&self, points: Option<usize>) -> Result<Study> {
         let overrides = Overrides {
             metric: metric_option(self.metric.as_deref())?,
+            score: self.score,
             points,
             seed: self.seed,
             set: self.values.parameter_set()?,

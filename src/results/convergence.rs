@@ -23,6 +23,12 @@ fn best_so_far(points: &[PointScore]) -> Vec<Option<f64>> {
         .collect()
 }
 
+/// The runs that the optimizer asked for, without those that complete the settings of the best point.
+fn chosen<'a>(answer: &'a Answer, tuned: &Tuned) -> &'a [PointScore] {
+    let runs = &answer.scores.runs;
+    &runs[..runs.len().min(tuned.evaluated)]
+}
+
 /// The score of every trial and the best so far, over the number of simulations.
 pub(super) fn draw(
     folder: &Path,
@@ -31,7 +37,7 @@ pub(super) fn draw(
     tuned: &Tuned,
     subtitle: &str,
 ) -> Result<()> {
-    let points = &answer.scores.runs;
+    let points = chosen(answer, tuned);
     let numbered = |values: Vec<Option<f64>>| -> Vec<(f64, f64)> {
         let count = 1..=values.len();
         count
@@ -109,7 +115,7 @@ pub(super) fn write_trials(
         .chain(names)
         .chain(["score", "unit", "best_so_far"])
         .collect();
-    let points = &answer.scores.runs;
+    let points = chosen(answer, tuned);
     let rows = points.iter().zip(best_so_far(points)).map(|(point, best)| {
         let phase = if point.index < tuned.design {
             "design"

@@ -80,7 +80,10 @@ pub(super) fn write_indistinguishable(folder: &Path, study: &Study, answer: &Ans
         .chain(unvisited)
         .filter(|values| {
             let axes = ranges.iter().zip(values.iter());
-            cells.insert(axes.map(|(range, value)| range.nearest(*value)).collect::<Vec<_>>())
+            cells.insert(
+                axes.map(|(range, value)| range.nearest(*value))
+                    .collect::<Vec<_>>(),
+            )
         })
         .map(|values| {
             let values = values.iter().copied();

@@ -10,7 +10,7 @@ mod rank;
 mod significance;
 
 pub use bootstrap::{Resample, percentile_interval, resamples, smaller_resamples};
-pub use matern::matern_5_2;
 pub use describe::{mean, median, quantile, standard_deviation};
+pub use matern::matern_5_2;
 pub use proportion::{Proportion, normal_quantile};
 pub use significance::{PValueMethod, SampleTest, kolmogorov_smirnov, mann_whitney, spearman};

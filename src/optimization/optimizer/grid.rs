@@ -37,6 +37,10 @@ impl Optimizer for FullGrid {
         "Every combination of evenly spaced values: the study's own points, or as many as the budget allows (paper 003, section 2.3)."
     }
 
+    fn design(&self, _dimensions: usize) -> usize {
+        0
+    }
+
     fn batch(&self, brief: &Brief) -> usize {
         Self::points(brief).iter().product()
     }

@@ -96,10 +96,10 @@ pub trait Optimizer: Sync {
     /// One sentence for people, with its source.
     fn doc(&self) -> &'static str;
 
-    /// Smallest first design that it needs for so many parameters; 0 where it brings its own.
+    /// Smallest space-filling first design for so many parameters; 0 where it goes everywhere by itself. Without one, what lies
+    /// far from an optimizer's favourite would stay unknown.
     fn design(&self, dimensions: usize) -> usize {
-        let _ = dimensions;
-        0
+        4 * dimensions
     }
 
     /// Most candidates in one batch.

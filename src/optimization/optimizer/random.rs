@@ -44,6 +44,10 @@ impl Optimizer for Random {
         "A scrambled Sobol sequence (Burley 2020): even cover of any number of parameters, the yardstick for the others."
     }
 
+    fn design(&self, _dimensions: usize) -> usize {
+        0
+    }
+
     fn batch(&self, brief: &Brief) -> usize {
         BATCH.min(brief.budget)
     }
