@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(
     clippy::print_stdout,
-    reason = "the numbers in docs/fidelity/coverage.md"
+    reason = "the numbers in docs/fidelity/intervals.md"
 )]
 
 mod common;
@@ -202,7 +202,7 @@ fn nine_of_ten_intervals_of_a_sweep_hold_the_truth() {
     assert!((80.0..=100.0).contains(&intervals), "{intervals} %");
 }
 
-/// The table of docs/fidelity/coverage.md: `cargo test --release --test coverage -- --ignored --nocapture`.
+/// The table of docs/fidelity/intervals.md: `cargo test --release --test coverage -- --ignored --nocapture`.
 #[test]
 #[ignore = "hours: the whole table"]
 fn the_table_of_coverage() {

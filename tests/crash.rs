@@ -351,7 +351,7 @@ fn what_is_complete_is_used_again_and_a_killed_second_run_takes_nothing_away() {
         process.kill().unwrap();
         process.wait().unwrap();
         let listing = realgap::store::Listing::read(&out).unwrap();
-        assert!(listing.complete && listing.rows.len() == 9);
+        assert!(listing.complete && listing.rows.len() == 9 + 2 * 9);
     }
     std::fs::remove_file(out.join("heatmap.png")).unwrap();
     run("sweep", &[]).success();
@@ -389,7 +389,7 @@ fn a_smaller_budget_than_what_is_stored_uses_all_of_it() {
         (read(&out, "points.csv"), summary(&out))
     };
     let (points, first) = tune("24");
-    let (again, second) = tune("12");
+    let (again, second) = tune("16");
     assert_eq!(points, again);
     assert_eq!(first["best"], second["best"]);
     assert_eq!(

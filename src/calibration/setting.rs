@@ -58,7 +58,7 @@ impl Settings {
         let (shorter, more) = setting.factors();
         let mut changed = self.noise.perturb(experiment, self.seed, setting.0);
         changed.solver.timestep_s /= shorter;
-        changed.solver.substeps = (changed.solver.substeps as f64 * more).round() as usize;
+        changed.solver.substeps = (changed.solver.substeps as f64 * more).ceil() as usize;
         changed
     }
 }
