@@ -2,8 +2,8 @@
 //!
 //! The score of a run is, on a logarithmic scale, a smooth function of the parameters, plus a smooth deviation of the
 //! [setting](super::setting) that the run has, plus what is left: the ruggedness of a single run. All three are Gaussian
-//! processes with one kernel shape (Matérn 5/2, a length scale a parameter), whose sizes are those that make the scores
-//! likeliest (Rasmussen & Williams 2006, section 5.4; sums of processes: section 4.2.4). The answer is the first of the three;
+//! processes with one kernel shape (Matérn 5/2, a length scale a parameter), whose sizes are the most
+//! probable given the scores (Rasmussen & Williams 2006, section 5.4, with weak priors; sums of processes: section 4.2.4). The answer is the first of the three;
 //! the second comes back as doubt, because reality too has one setting of its own that nobody knows.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -43,6 +43,12 @@ const LENGTH: (f64, f64) = (0.05, 5.0);
 const VARIANCE: (f64, f64) = (0.1, 30.0);
 const BETWEEN: (f64, f64) = (1e-4, 1.0);
 const NOISE: (f64, f64) = (1e-4, 1.0);
+/// What sizes are likely before any run is seen, as median and standard deviation of the logarithm: wide enough that fifty runs
+/// overrule them, narrow enough that ten do not invent a score that changes from point to point.
+const LIKELY_LENGTH: (f64, f64) = (0.4, 0.8);
+const LIKELY_VARIANCE: (f64, f64) = (1.5, 1.0);
+const LIKELY_BETWEEN: (f64, f64) = (0.05, 1.5);
+const LIKELY_NOISE: (f64, f64) = (0.03, 1.5);
 /// Runs that the kernel is fitted to, and runs that the surface knows at most; work grows with the cube of either.
 const FITTED: usize = 150;
 const KNOWN: usize = 900;
@@ -89,13 +95,23 @@ impl Kernel {
         Cholesky::new(matrix)
     }
 
+    /// Minus twice the logarithm of how likely these sizes were before, without its constant.
+    fn surprise(&self) -> f64 {
+        let of = |value: f64, (median, sd): (f64, f64)| (libm::log(value / median) / sd).powi(2);
+        let lengths = self.lengths.iter().map(|length| of(*length, LIKELY_LENGTH));
+        lengths.sum::<f64>()
+            + of(self.variance, LIKELY_VARIANCE)
+            + of(self.between_settings, LIKELY_BETWEEN)
+            + of(self.noise, LIKELY_NOISE)
+    }
+
     /// Minus twice the log likelihood of the values, without its constant; their mean is the likeliest.
     fn misfit(&self, runs: &[&ScoredRun], values: &DVector<f64>) -> Option<f64> {
         let factor = self.factor(runs)?;
         let logs: f64 = factor.l_dirty().diagonal().map(libm::log).sum();
         let mean = mean_weights(&factor).dot(values);
         let rest = values.add_scalar(-mean);
-        Some(rest.dot(&factor.solve(&rest)) + 2.0 * logs)
+        Some(rest.dot(&factor.solve(&rest)) + 2.0 * logs + self.surprise())
     }
 
     /// The likeliest kernel, found by the optimizer that tunes simulations.
