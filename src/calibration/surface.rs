@@ -1,10 +1,10 @@
 //! What runs at some points say about the score at every point, those that nobody visited included.
 //!
 //! The score of a run is, on a logarithmic scale, a smooth function of the parameters, plus a smooth deviation of the
-//! [setting](super::setting) that the run has, plus what is left: the ruggedness of a single run. All three are Gaussian
-//! processes with one kernel shape (Matérn 5/2, a length scale a parameter), whose sizes are the most
-//! probable given the scores (Rasmussen & Williams 2006, section 5.4, with weak priors; sums of processes: section 4.2.4). The answer is the first of the three;
-//! the second comes back as doubt, because reality too has one setting of its own that nobody knows.
+//! [setting](super::setting) that the run has, plus what is left: the ruggedness of a single run. The first two are Gaussian
+//! processes with one kernel shape (Matérn 5/2, a length scale a parameter); all sizes are the most probable given the
+//! scores (Rasmussen & Williams 2006, section 5.4, with weak priors; sums of processes: section 4.2.4). The answer is the
+//! first part; the second comes back as doubt, because reality too has one setting of its own that nobody knows.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
