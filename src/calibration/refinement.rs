@@ -23,6 +23,19 @@ pub(super) fn runs_a_round(study: &Study) -> usize {
     }
 }
 
+impl Study {
+    /// Simulations of a sweep, each of all cases: the grid, the points that are simulated again, and the settings of the best.
+    pub fn sweep_runs(&self) -> usize {
+        let settings = self.settings().count;
+        self.definition().grid.len() + ROUNDS * runs_a_round(self) + settings - 1
+    }
+
+    /// What one of them costs on average, in runs with the study's own settings; substeps count like steps.
+    pub fn run_cost(&self) -> f64 {
+        self.settings().mean_cost(&self.cases()[0].experiment)
+    }
+}
+
 /// The runs with a score, as a surface wants them.
 pub(super) fn scored_runs(study: &Study, scores: &Scores) -> Vec<ScoredRun> {
     let settings = study.settings();

@@ -50,6 +50,15 @@ impl Settings {
         Setting::new(index % self.count)
     }
 
+    /// What a run costs on average over the settings, in runs with the study's own.
+    pub fn mean_cost(&self, own: &Experiment) -> f64 {
+        let steps = |experiment: &Experiment| {
+            experiment.solver.substeps as f64 / experiment.solver.timestep_s
+        };
+        let all = (0..self.count).map(|number| steps(&self.apply(Setting::new(number), own)));
+        all.sum::<f64>() / self.count as f64 / steps(own)
+    }
+
     /// The experiment as this setting has it.
     pub fn apply(&self, setting: Setting, experiment: &Experiment) -> Experiment {
         if setting == Setting::OWN {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::calibration::{Definition, Overrides, StartRule, read_parameters};
+use realgap::calibration::{Definition, Overrides, read_parameters};
 use realgap::file::Source;
 use realgap::plot::check_picture_path;
 use realgap::robot::genome::Specimen;
@@ -275,13 +275,10 @@ fn study(path: &Path) -> Result<Contents> {
     match Definition::read(path, &Overrides::default()) {
         Ok(whole) => {
             let recordings = whole.recordings.len();
-            let simulations = match whole.start {
-                StartRule::Settled => points,
-                StartRule::FromRecording => points * recordings,
-            };
             let study = realgap::calibration::Study::new(whole)?;
+            let simulations = study.sweep_runs() * study.cases().len();
             let one = cpu_s_per_point(&study)?;
-            let cpu_s = one * points as f64;
+            let cpu_s = one * study.run_cost() * study.sweep_runs() as f64;
             lines.push(format!(
                 "  {}, {}, {}",
                 counted(recordings, "recording"),
@@ -289,7 +286,7 @@ fn study(path: &Path) -> Result<Contents> {
                 counted(simulations, "simulation")
             ));
             lines.push(format!(
-                "  about {cpu_s:.0} CPU s ({one:.3} s a point, from a slice of one on this machine just now)"
+                "  about {cpu_s:.0} CPU s for a sweep ({one:.3} s a point and setting, from a slice of one on this machine just now)"
             ));
             details["recordings"] = json!(recordings);
             details["simulations"] = json!(simulations);
