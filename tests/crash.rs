@@ -237,7 +237,7 @@ fn writers(folder: &Path, out: &Path) -> Vec<Vec<String>> {
     let robot = "morphologies/tripod.ron";
     [
         vec!["sweep", &study],
-        vec!["tune", &study, "--metric", "rms", "--budget", "10"],
+        vec!["tune", &study, "--metric", "rms", "--budget", "30"],
         vec!["search", &search],
         vec!["ensemble", &study, "--repeats", "2", "--noise", &noise],
         vec!["gap", &study, "--repeats", "2", "--noise", &noise],
@@ -388,8 +388,8 @@ fn a_smaller_budget_than_what_is_stored_uses_all_of_it() {
         command.assert().success();
         (read(&out, "points.csv"), summary(&out))
     };
-    let (points, first) = tune("24");
-    let (again, second) = tune("16");
+    let (points, first) = tune("40");
+    let (again, second) = tune("30");
     assert_eq!(points, again);
     assert_eq!(first["best"], second["best"]);
     assert_eq!(

@@ -100,7 +100,7 @@ fn every_command_writes_the_same_bytes_for_any_number_of_threads() {
     for (args, more) in [
         (vec!["sweep", &study], &[][..]),
         (
-            vec!["tune", &study, "--metric", "rms", "--budget", "24"],
+            vec!["tune", &study, "--metric", "rms", "--budget", "30"],
             &[],
         ),
         (vec!["search", &search], &[]),

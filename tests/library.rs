@@ -71,7 +71,7 @@ fn tuning_has_the_same_bits_with_and_without_a_store() {
     let study = quick("rms");
     let options = TuneOptions {
         optimizer: optimizer_by_name("cma-es").unwrap(),
-        budget: 14,
+        budget: 30,
         patience: None,
     };
     let folder = tempfile::tempdir().unwrap();

@@ -103,11 +103,11 @@ fn threads_and_larger_budgets_change_no_bit() {
                 .collect();
             tune(&study, &out(name), &all).success();
         };
-        run("one", &["--budget", "36", "-j", "1"]);
-        run("two", &["--budget", "36", "-j", "2"]);
+        run("one", &["--budget", "50", "-j", "1"]);
+        run("two", &["--budget", "50", "-j", "2"]);
         // 29 ends in the middle of a batch.
-        run("parts", &["--budget", "29"]);
-        run("parts", &["--budget", "36", "--resume"]);
+        run("parts", &["--budget", "43"]);
+        run("parts", &["--budget", "50", "--resume"]);
         let trials = read(&out("one"), "trials.csv");
         assert_eq!(
             trials,
@@ -179,8 +179,8 @@ fn what_cannot_be_tuned_is_refused_with_a_reason() {
     );
     refused(&["--hold-out", "1.5"], &["between 0 and 1"]);
     // An unfinished or different run in the folder is not overwritten.
-    tune(&study, &out, &["--budget", "20"]).success();
-    let output = tune(&study, &out, &["--budget", "20", "--seed", "2"]).code(1);
+    tune(&study, &out, &["--budget", "44"]).success();
+    let output = tune(&study, &out, &["--budget", "44", "--seed", "2"]).code(1);
     assert!(text(&output.get_output().stderr).contains("now 2, stored 1"));
 }
 

@@ -7,12 +7,15 @@ use super::study::Study;
 use crate::calibration::Profile;
 use crate::error::Result;
 use crate::simulation::{Experiment, Solver};
+use crate::unit::counted;
 
 /// The best point again, with one numerical setting changed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AuditRow {
     /// What was changed, and to what.
     pub setting: String,
+    /// True for a setting that is coarser than the study's: it says how much there is to lose, not how sure the answer is.
+    pub coarser: bool,
     /// The score then; `None` where it diverged.
     pub score: Option<f64>,
     /// `score` minus the best score.
@@ -24,10 +27,14 @@ pub struct AuditRow {
 pub struct Audit {
     /// Half and double timestep, half and double substeps, and the limit of hard contact.
     pub rows: Vec<AuditRow>,
-    /// Largest absolute change.
+    /// Largest absolute change by a setting that is no coarser than the study's.
     pub largest_change: f64,
-    /// Parameters whose whole searched range changes the best score by less than that.
+    /// Largest absolute change by a coarser one.
+    pub largest_coarser_change: f64,
+    /// Parameters whose whole searched range changes the best score by less than `largest_change`.
     pub unresolved: Vec<String>,
+    /// Parameters whose indistinguishable values differ in score by less than `largest_change`.
+    pub shaken: Vec<String>,
 }
 
 /// Longest timestep that an experiment may have, seconds.
@@ -47,39 +54,54 @@ impl Audit {
         let point = &scores.points[best];
         let solver = study.experiment(0, &point.values)?.solver;
         let mut rows = Vec::new();
-        for (setting, change) in changes(&solver) {
+        for (setting, coarser, change) in changes(&solver) {
             let trial = study.simulate_changed(&point.values, change)?;
             let score = Scores::with_basis(study, &[trial], scores.basis.clone())?.points[0].score;
             rows.push(AuditRow {
                 setting,
+                coarser,
                 score,
                 change: score.zip(point.score).map(|(now, best)| now - best),
             });
         }
-        let largest_change = rows
-            .iter()
-            .filter_map(|row| row.change)
-            .fold(0.0, |largest: f64, change| largest.max(change.abs()));
-        let unresolved = profiles
-            .iter()
-            .filter(|profile| profile.spread() < largest_change)
-            .map(|profile| profile.parameter.name.to_owned())
-            .collect();
+        let largest = |coarser: bool| {
+            let rows = rows.iter().filter(|row| row.coarser == coarser);
+            let changes = rows.filter_map(|row| row.change);
+            changes.fold(0.0, |largest: f64, change| largest.max(change.abs()))
+        };
+        let (largest_change, largest_coarser_change) = (largest(false), largest(true));
+        let names = |spread: fn(&Profile) -> f64| -> Vec<String> {
+            let less = profiles.iter().filter(|p| spread(p) < largest_change);
+            less.map(|profile| profile.parameter.name.to_owned())
+                .collect()
+        };
+        let (unresolved, shaken) = (names(Profile::spread), names(Profile::spread_within));
         Ok(Some(Self {
             rows,
             largest_change,
+            largest_coarser_change,
             unresolved,
+            shaken,
         }))
+    }
+
+    /// The setting, no coarser than the study's, that changes the score most, and by how much.
+    pub fn worst(&self) -> Option<(&str, f64)> {
+        let rows = self.rows.iter().filter(|row| !row.coarser);
+        let changed = rows.filter_map(|row| Some((row.setting.as_str(), row.change?)));
+        changed.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
     }
 }
 
-fn changes(solver: &Solver) -> Vec<(String, Change)> {
-    let mut changes: Vec<(String, Change)> = Vec::new();
+/// Settings: what they are called, whether they are coarser, and what they change.
+fn changes(solver: &Solver) -> Vec<(String, bool, Change)> {
+    let mut changes: Vec<(String, bool, Change)> = Vec::new();
     for factor in [0.5, 2.0] {
         let timestep_s = solver.timestep_s * factor;
         if timestep_s <= LONGEST_S {
             changes.push((
                 format!("timestep {factor} times: {timestep_s:.3e} s"),
+                factor > 1.0,
                 Box::new(move |e| e.solver.timestep_s = timestep_s),
             ));
         }
@@ -87,7 +109,12 @@ fn changes(solver: &Solver) -> Vec<(String, Change)> {
     for substeps in [solver.substeps / 2, solver.substeps * 2] {
         if (1..=256).contains(&substeps) {
             changes.push((
-                format!("{substeps} substeps instead of {}", solver.substeps),
+                format!(
+                    "{} instead of {}",
+                    counted(substeps, "substep"),
+                    solver.substeps
+                ),
+                substeps < solver.substeps,
                 Box::new(move |e| e.solver.substeps = substeps),
             ));
         }
@@ -95,6 +122,7 @@ fn changes(solver: &Solver) -> Vec<(String, Change)> {
     // Convergence in the step alone is not correctness: a contact that is too soft converges, too.
     changes.push((
         "limit of hard contact and short steps".to_owned(),
+        false,
         Box::new(|e| *e = e.at_limit(e.joint_kind())),
     ));
     changes

@@ -40,10 +40,24 @@ impl Profile {
 
     /// Largest minus smallest score along the profile: how much the parameter matters over its range.
     pub fn spread(&self) -> f64 {
-        let known = self.scores.iter().flatten();
-        let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| {
-            (low.min(*s), high.max(*s))
-        });
-        (high - low).max(0.0)
+        difference(self.scores.iter().flatten())
     }
+
+    /// Largest minus smallest score of the values that cannot be told from the best.
+    pub fn spread_within(&self) -> f64 {
+        let inside = self.scores.iter().zip(&self.indistinguishable);
+        difference(
+            inside
+                .filter(|(_, is_in)| **is_in)
+                .filter_map(|(score, _)| score.as_ref()),
+        )
+    }
+}
+
+/// Largest minus smallest; 0 for none.
+fn difference<'a>(known: impl Iterator<Item = &'a f64>) -> f64 {
+    let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| {
+        (low.min(*s), high.max(*s))
+    });
+    (high - low).max(0.0)
 }

@@ -198,8 +198,9 @@ impl fmt::Display for Report {
         if let Some(audit) = &self.audit {
             write!(
                 f,
-                "\n  other timesteps, other substeps and hard contact change the score by up to {}",
-                quantity(audit.largest_change, self.unit)
+                "\n  finer timesteps, more substeps and hard contact change the score by up to {}, coarser settings by up to {}",
+                quantity(audit.largest_change, self.unit),
+                quantity(audit.largest_coarser_change, self.unit)
             )?;
         }
         Ok(())
@@ -255,7 +256,7 @@ impl Report {
             warnings.push(Warning::new(
                 Code::Unresolved,
                 format!(
-                    "timestep, substeps or hard contact change the best score by {}, more than the whole range of {}: these scores cannot tell",
+                    "finer timesteps, more substeps or hard contact change the best score by {}, more than the whole range of {}: these scores cannot tell",
                     quantity(audit.largest_change, scores.unit),
                     audit.unresolved.join(", ")
                 ),

@@ -10,6 +10,7 @@ use super::score::Scores;
 use super::study::Study;
 use super::uncertainty::Uncertainty;
 use crate::optimization::Range;
+use crate::unit::quantity;
 
 /// One parameter's best value and the range that fits as well.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -65,12 +66,20 @@ pub(super) fn verdicts(
             let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let interval = draws.map(|draws| draws.interval(dimension, INTERVAL_LEVEL));
             let name = range.parameter.name;
+            let named = |names: &[String]| names.iter().any(|other| other == name);
+            let shaken = audit.filter(|audit| named(&audit.shaken));
             let found = Found {
                 best: scores.points[best].values[dimension],
                 low,
                 high,
                 interval,
-                is_resolved: !audit.is_some_and(|a| a.unresolved.iter().any(|u| u == name)),
+                is_resolved: !audit.is_some_and(|audit| named(&audit.unresolved)),
+                shaken_by: shaken.and_then(Audit::worst).map(|(setting, change)| {
+                    format!(
+                        "{setting} changes the score by {}",
+                        quantity(change.abs(), scores.unit)
+                    )
+                }),
             };
             verdict(range, &found)
         })
@@ -78,7 +87,7 @@ pub(super) fn verdicts(
 }
 
 /// What was found about one parameter.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Found {
     best: f64,
     low: f64,
@@ -86,6 +95,8 @@ struct Found {
     interval: Option<(f64, f64)>,
     /// False where other numerics change the score more than the parameter does over its whole range.
     is_resolved: bool,
+    /// What changes the score more than the values that fit do.
+    shaken_by: Option<String>,
 }
 
 fn verdict(range: &Range, found: &Found) -> Verdict {
@@ -95,6 +106,7 @@ fn verdict(range: &Range, found: &Found) -> Verdict {
         high,
         interval,
         is_resolved,
+        ref shaken_by,
     } = *found;
     // A grid cannot say more than its step.
     let half_step = 0.5 * range.step();
@@ -142,6 +154,13 @@ fn verdict(range: &Range, found: &Found) -> Verdict {
             show(low),
             show(best)
         )
+    } else if let (Some(shaken_by), Some((from, to))) = (shaken_by, interval) {
+        format!(
+            "{name} lies between {from:.digits$} and {} (90 %; best {}), no nearer: {shaken_by}, more than these values \
+             do; finer settings, another metric or gait would tell more",
+            show(to),
+            show(best)
+        )
     } else {
         format!(
             "{name} = {}{sure}; values from {} to {} fit as well",
@@ -178,6 +197,7 @@ mod tests {
             high,
             interval: Some((low, high)),
             is_resolved: true,
+            shaken_by: None,
         }
     }
 
@@ -224,6 +244,19 @@ mod tests {
             !verdict.identified && !verdict.text.contains('='),
             "{}",
             verdict.text
+        );
+    }
+
+    #[test]
+    fn no_single_value_is_named_where_numerics_change_more_than_the_values_that_fit() {
+        let shaken = Found {
+            shaken_by: Some("6 substeps instead of 3 changes the score by 2 cm".to_owned()),
+            ..found(0.45, 0.4, 0.5)
+        };
+        let text = verdict(&friction(), &shaken).text;
+        assert!(
+            text.starts_with("floor.friction lies between 0.400 and 0.500 (90 %; best 0.450), no nearer: 6 substeps"),
+            "{text}"
         );
     }
 

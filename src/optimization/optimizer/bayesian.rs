@@ -149,10 +149,6 @@ impl Optimizer for Bayesian {
         "Gaussian process with expected improvement (Jones et al. 1998): fewest simulations, most thought between them; for budgets of a few hundred."
     }
 
-    fn design(&self, dimensions: usize) -> usize {
-        5 * dimensions
-    }
-
     fn batch(&self, _brief: &Brief) -> usize {
         BATCH
     }

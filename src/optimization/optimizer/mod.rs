@@ -97,9 +97,10 @@ pub trait Optimizer: Sync {
     fn doc(&self) -> &'static str;
 
     /// Smallest space-filling first design for so many parameters; 0 where it goes everywhere by itself. Without one, what lies
-    /// far from an optimizer's favourite would stay unknown.
+    /// far from an optimizer's favourite would stay unknown; ten points a parameter are what a Gaussian process needs
+    /// (Loeppky, Sacks & Welch 2009).
     fn design(&self, dimensions: usize) -> usize {
-        4 * dimensions
+        10 * dimensions
     }
 
     /// Most candidates in one batch.

@@ -172,10 +172,6 @@ impl Optimizer for NelderMead {
         "Downhill simplex (Nelder & Mead 1965), restarted from the best points of a space-filling first design; one candidate at a time."
     }
 
-    fn design(&self, dimensions: usize) -> usize {
-        6 * dimensions
-    }
-
     fn batch(&self, brief: &Brief) -> usize {
         brief.dimensions() + 1
     }
