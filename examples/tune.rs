@@ -16,7 +16,7 @@ pub fn main() -> Result<()> {
     let study = Study::read("sweeps/tripod_self.ron", &overrides)?;
     let options = TuneOptions {
         optimizer: optimizer_by_name("nelder-mead")?,
-        budget: 16,
+        budget: 30,
         ..TuneOptions::default()
     };
     let answer = study.tune(&options, &RunOptions::default())?;

@@ -394,7 +394,7 @@ fn a_smaller_budget_than_what_is_stored_uses_all_of_it() {
     assert_eq!(first["best"], second["best"]);
     assert_eq!(
         (&second["points"], &second["points_total"]),
-        (&24.into(), &24.into())
+        (&40.into(), &40.into())
     );
     assert_eq!(second["complete"], true);
     let (more, third) = tune("36");
