@@ -227,7 +227,10 @@ impl<'a> Map<'a> {
                         self.study.definition().name,
                         range.parameter.name
                     ),
-                    format!("{}; every other parameter at its best", self.subtitle),
+                    format!(
+                        "{}; the others wherever that is; smooth through all runs",
+                        self.subtitle
+                    ),
                 ),
                 x: axis(range),
                 x_values: tried.iter().map(|index| profile.values[*index]).collect(),
