@@ -7,7 +7,8 @@ use std::path::Path;
 
 use common::{STANDIN_NUMERICS, project, read, realgap, study, summary, text};
 
-/// The tripod for a second, compared point by point: no basis, so that small budgets are enough.
+/// The tripod for a second, compared point by point: no basis, so that small budgets are enough. Cheap numerics: what is
+/// tried is the tuning.
 fn quick(folder: &Path) -> std::path::PathBuf {
     let root = project().display();
     study(
@@ -17,6 +18,8 @@ fn quick(folder: &Path) -> std::path::PathBuf {
     recordings: [\"{root}/real_trajectories/tripod_standin/*.csv\"],
     start: Settled,
     duration_s: 1.0,
+    timestep_s: 0.004166666666666667,
+    joint: Impulse,
     parameters: [
         (name: \"floor.friction\", from: 0.1, to: 0.9),
         (name: \"servo.gain\", from: 0.5, to: 2.0),
