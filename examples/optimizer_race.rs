@@ -34,9 +34,7 @@ fn overrides(seed: u64, arguments: &[String]) -> Overrides {
 }
 
 fn cell(grid: &Grid, values: &[f64]) -> usize {
-    let ranges = grid.ranges().iter().zip(values);
-    let coordinates: Vec<usize> = ranges.map(|(range, value)| range.nearest(*value)).collect();
-    grid.index(&coordinates)
+    grid.index(&grid.nearest(values))
 }
 
 /// Cells of the grid that cannot be told from the best.

@@ -4,7 +4,7 @@
 //! `cargo run --example own_optimizer`
 
 use realgap::Result;
-use realgap::optimization::{Brief, History, Optimizer, Proposal, Told};
+use realgap::optimization::{Brief, History, Optimizer, Proposal, minimise};
 
 /// Looks to both sides of the best point along every axis, in steps that shrink.
 struct Compass;
@@ -42,22 +42,11 @@ fn main() -> Result<()> {
         budget: 80,
         seed: 1,
     };
-    let mut told: Vec<Told> = Vec::new();
-    while told.len() < brief.budget {
-        let history = History {
-            design: &[],
-            told: &told,
-        };
-        // One line in OPTIMIZERS does the same for `realgap tune --optimizer compass`.
-        let Proposal::Evaluate(points) = Compass.propose(&brief, &history)? else {
-            break;
-        };
-        told.extend(points.into_iter().map(|point| {
-            let squares = point.iter().zip(hidden).map(|(x, h)| (x - h).powi(2));
-            let score = Some(squares.sum());
-            Told { point, score }
-        }));
-    }
+    // One line in OPTIMIZERS does the same for `realgap tune --optimizer compass`.
+    let told = minimise(&Compass, &brief, |point| {
+        let squares = point.iter().zip(hidden).map(|(x, h)| (x - h).powi(2));
+        Some(squares.sum())
+    })?;
     let scores = told.iter().filter_map(|told| told.score);
     let best = scores.fold(f64::INFINITY, f64::min);
     println!("{} points, the best {:.4} away", told.len(), best.sqrt());

@@ -7,7 +7,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use common::{quick_study, read, realgap, summary, text, wait_for_points};
+use common::{
+    quick_study, read, realgap, start, start_on_one_thread, summary, text, wait_for_points,
+};
 use realgap::store::{FolderLock, Store, Trial};
 
 #[test]
@@ -24,15 +26,7 @@ fn a_killed_sweep_goes_on_and_ends_with_the_same_bytes() {
         .success();
 
     let killed = folder.path().join("killed");
-    let mut process = Command::new(env!("CARGO_BIN_EXE_realgap"))
-        .arg("sweep")
-        .arg(&study)
-        .args(["--jobs", "1", "-o"])
-        .arg(&killed)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
+    let mut process = start_on_one_thread("sweep", &study, &killed);
     wait_for_points(&killed, 5);
     process.kill().unwrap();
     process.wait().unwrap();
@@ -102,15 +96,7 @@ fn the_second_process_on_a_folder_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let study = quick_study(folder.path(), 30);
-    let mut first = Command::new(env!("CARGO_BIN_EXE_realgap"))
-        .arg("sweep")
-        .arg(&study)
-        .args(["--jobs", "1", "-o"])
-        .arg(&out)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
+    let mut first = start_on_one_thread("sweep", &study, &out);
     wait_for_points(&out, 1);
     let second = realgap()
         .arg("sweep")
@@ -338,15 +324,12 @@ fn what_is_complete_is_used_again_and_a_killed_second_run_takes_nothing_away() {
     );
     // Killed at any moment, the second run leaves a complete store.
     for delay_ms in [0, 30, 100, 300, 700] {
-        let mut process = Command::new(env!("CARGO_BIN_EXE_realgap"))
-            .arg("sweep")
-            .arg(&study)
-            .arg("-o")
-            .arg(&out)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
+        let mut process = start(&[
+            "sweep",
+            study.to_str().unwrap(),
+            "-o",
+            out.to_str().unwrap(),
+        ]);
         std::thread::sleep(Duration::from_millis(delay_ms));
         process.kill().unwrap();
         process.wait().unwrap();

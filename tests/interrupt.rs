@@ -5,21 +5,10 @@
 mod common;
 
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
-use common::{quick_study, read, summary, text, wait_for_points};
-
-/// Starts a command with its output to be read later.
-fn start(args: &[&str]) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_realgap"))
-        .args(args)
-        .current_dir(common::project())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap()
-}
+use common::{quick_study, read, start, start_on_one_thread, summary, text, wait_for_points};
 
 /// Sends a signal.
 fn signal(process: &Child, name: &str) {
@@ -43,15 +32,7 @@ fn ctrl_c_saves_draws_and_exits_with_130() {
     let folder = tempfile::tempdir().unwrap();
     let study = quick_study(folder.path(), 30);
     let out = folder.path().join("out");
-    let process = Command::new(env!("CARGO_BIN_EXE_realgap"))
-        .arg("sweep")
-        .arg(&study)
-        .args(["--jobs", "1", "-o"])
-        .arg(&out)
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let process = start_on_one_thread("sweep", &study, &out);
     wait_for_points(&out, 5);
     Command::new("kill")
         .args(["-INT", &process.id().to_string()])

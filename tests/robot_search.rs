@@ -4,11 +4,11 @@
 mod common;
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use common::{project, read, realgap, summary, text};
+use common::{project, read, realgap, start_on_one_thread, summary, text};
 use realgap::file::Source;
 use realgap::optimization::{Ending, Progress, RunOptions};
 use realgap::robot::genome::{Gene, Genome};
@@ -283,15 +283,7 @@ fn threads_and_kill_9_do_not_change_a_bit_and_everything_is_written() {
     assert_eq!(said["robots"], 14);
 
     let killed = folder.path().join("killed");
-    let mut process = Command::new(env!("CARGO_BIN_EXE_realgap"))
-        .arg("search")
-        .arg(&file)
-        .args(["--jobs", "1", "-o"])
-        .arg(&killed)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
+    let mut process = start_on_one_thread("search", &file, &killed);
     wait_for_robots(&killed, 3);
     process.kill().unwrap();
     process.wait().unwrap();
@@ -479,15 +471,7 @@ fn ctrl_c_saves_draws_and_exits_with_130() {
         "strategy: Evolution(population: 200, generations: 1, variation: (max_modules: 2)), duration_s: 5.0,",
     );
     let out = folder.path().join("out");
-    let mut process = Command::new(env!("CARGO_BIN_EXE_realgap"))
-        .arg("search")
-        .arg(&file)
-        .args(["--jobs", "1", "-o"])
-        .arg(&out)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
+    let mut process = start_on_one_thread("search", &file, &out);
     wait_for_robots(&out, 3);
     let pid = process.id().to_string();
     assert!(

@@ -38,22 +38,14 @@ impl Study {
 
 /// The runs with a score, as a surface wants them.
 pub(super) fn scored_runs(study: &Study, scores: &Scores) -> Vec<ScoredRun> {
-    let settings = study.settings();
+    let (settings, grid) = (study.settings(), &study.definition().grid);
     let scored = scores.runs.iter().filter(|run| run.score.is_some());
     scored
         .map(|run| ScoredRun {
-            at: coordinates(study, &run.values),
+            at: grid.place_of(&run.values),
             setting: settings.of_trial(run.index),
             recordings: study.part_of(&run.recordings, false),
         })
-        .collect()
-}
-
-/// Coordinates of a point, each from 0 to 1.
-pub(super) fn coordinates(study: &Study, values: &[f64]) -> Vec<f64> {
-    let ranges = study.definition().grid.ranges().iter().zip(values);
-    ranges
-        .map(|(range, value)| range.coordinate(*value))
         .collect()
 }
 
@@ -70,18 +62,12 @@ pub(super) fn choose(
     count: usize,
 ) -> Result<Vec<Vec<f64>>> {
     const DRAWS: usize = 50;
-    let settings = study.settings();
-    let mut scored: Vec<usize> = (0..scores.points.len())
-        .filter(|position| scores.points[*position].score.is_some())
-        .collect();
-    scored.sort_by(|a, b| {
-        let score = |position: usize| scores.points[position].score.unwrap_or(f64::INFINITY);
-        score(*a).total_cmp(&score(*b)).then(a.cmp(b))
-    });
+    let (settings, grid) = (study.settings(), &study.definition().grid);
+    let mut scored = scores.ranked();
     scored.truncate(MOST);
     let nodes: Vec<Vec<f64>> = scored
         .iter()
-        .map(|position| coordinates(study, &scores.points[*position].values))
+        .map(|position| grid.place_of(&scores.points[*position].values))
         .collect();
     let Some(surface) = Surface::new(&scored_runs(study, scores), &nodes)? else {
         return Ok(Vec::new());

@@ -85,19 +85,25 @@ impl Scores {
 
     fn of_runs(runs: Vec<PointScore>, unit: Unit, basis: Option<Basis>) -> Self {
         let points = points(&runs);
-        let best = points
-            .iter()
-            .enumerate()
-            .filter_map(|(position, point)| point.score.map(|score| (position, score)))
-            .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
-            .map(|(position, _)| position);
-        Self {
+        let mut scores = Self {
             runs,
             points,
-            best,
+            best: None,
             unit,
             basis,
-        }
+        };
+        scores.best = scores.ranked().first().copied();
+        scores
+    }
+
+    /// Positions of the points that have a score, the lowest first, ties by order.
+    pub(super) fn ranked(&self) -> Vec<usize> {
+        let scored = self.points.iter().enumerate();
+        let mut ranked: Vec<(usize, f64)> = scored
+            .filter_map(|(position, point)| Some((position, point.score?)))
+            .collect();
+        ranked.sort_by(|a, b| a.1.total_cmp(&b.1));
+        ranked.into_iter().map(|(position, _)| position).collect()
     }
 
     /// The runs at a point that have a score.

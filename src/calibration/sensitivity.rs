@@ -117,7 +117,7 @@ fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
         .into_par_iter()
         .map(|repeat| {
             let noise = Noise::careful_start();
-            let outcome = study.simulate_perturbed(&tasks[0], &noise, repeat, 1.0);
+            let outcome = study.simulate_perturbed(&tasks[0], &noise, repeat);
             report();
             outcome
         })

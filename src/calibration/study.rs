@@ -215,7 +215,7 @@ impl Study {
             .recording_length_scale
     }
 
-    /// Simulates case 0 with these parameters under `noise`, repeat number `repeat`, at `timestep_factor` times the timestep.
+    /// Simulates case 0 with these parameters under `noise`, repeat number `repeat`.
     ///
     /// # Errors
     /// As [`Study::simulate`].
@@ -224,10 +224,8 @@ impl Study {
         set: &ParameterSet,
         noise: &Noise,
         repeat: u64,
-        timestep_factor: f64,
     ) -> Result<CaseRow> {
-        let mut experiment = self.experiment_with(0, set)?;
-        experiment.solver.timestep_s *= timestep_factor;
+        let experiment = self.experiment_with(0, set)?;
         self.simulate_case(0, &noise.perturb(&experiment, self.definition.seed, repeat))
     }
 

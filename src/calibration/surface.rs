@@ -11,7 +11,7 @@ use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
 use super::setting::Setting;
 use crate::error::Result;
-use crate::optimization::{Brief, History, Proposal, Told, default_optimizer};
+use crate::optimization::{Brief, default_optimizer, minimise};
 use crate::random::Generator;
 use crate::statistics::{Resample, matern_5_2, mean, standard_deviation};
 
@@ -121,20 +121,9 @@ impl Kernel {
             budget: TRIES * (dimensions + 3),
             seed: 1,
         };
-        let mut told: Vec<Told> = Vec::new();
-        while told.len() < brief.budget {
-            let history = History {
-                design: &[],
-                told: &told,
-            };
-            let Proposal::Evaluate(points) = default_optimizer().propose(&brief, &history)? else {
-                break;
-            };
-            told.extend(points.into_iter().map(|point| {
-                let score = Self::new(&point).misfit(runs, values);
-                Told { point, score }
-            }));
-        }
+        let told = minimise(default_optimizer(), &brief, |point| {
+            Self::new(point).misfit(runs, values)
+        })?;
         let scored = told.iter().filter_map(|t| Some((t.score?, &t.point)));
         let best = scored.min_by(|a, b| a.0.total_cmp(&b.0));
         Ok(Self::new(

@@ -220,7 +220,7 @@ impl<'a> Tuning<'a> {
     /// Evaluates the candidates that follow what has been told; stored ones are not simulated again.
     fn evaluate(&mut self, candidates: &[UnitPoint]) -> Result<Ending> {
         let offset = self.told.len();
-        let ranges = self.study.definition().grid.ranges();
+        let grid = &self.study.definition().grid;
         let batch = Batch {
             points: offset + candidates.len(),
             jobs: self.run.jobs,
@@ -230,10 +230,7 @@ impl<'a> Tuning<'a> {
             &batch,
             &mut self.keeping,
             |index| {
-                let point = candidates[index - offset].iter().zip(ranges);
-                let values = point
-                    .map(|(coordinate, range)| range.at(*coordinate))
-                    .collect();
+                let values = grid.values_at(&candidates[index - offset]);
                 self.study.simulate_values(index, values)
             },
             |done| self.run.tell(done, self.options.budget, self.best),

@@ -3,8 +3,9 @@
 use nalgebra::DVector;
 
 use super::posterior::BestDraws;
-use super::refinement::{coordinates, scored_runs};
+use super::refinement::scored_runs;
 use super::score::Scores;
+use super::setting::Setting;
 use super::study::Study;
 use super::surface::Surface;
 use crate::error::Result;
@@ -84,18 +85,14 @@ impl Known {
     /// # Errors
     /// As [`Surface::new`].
     pub fn new(study: &Study, scores: &Scores) -> Result<Option<Self>> {
-        let mut points: Vec<usize> = (0..scores.points.len())
-            .filter(|position| scores.points[*position].score.is_some())
-            .collect();
-        let score = |position: &usize| scores.points[*position].score.unwrap_or(f64::INFINITY);
-        points.sort_by(|a, b| score(a).total_cmp(&score(b)).then(a.cmp(b)));
+        let mut points = scores.ranked();
         points.truncate(NODES - PLACES);
         let places = places(study, scores);
         let nodes: Vec<Vec<f64>> = points
             .iter()
             .map(|position| &scores.points[*position].values)
             .chain(&places)
-            .map(|values| coordinates(study, values))
+            .map(|values| study.definition().grid.place_of(values))
             .collect();
         let surface = Surface::new(&scored_runs(study, scores), &nodes)?;
         Ok(surface.map(|surface| Self {
@@ -162,10 +159,10 @@ impl Known {
             },
             level: LEVEL,
             best_score_sd: match recordings {
-                0 | 1 => sd(&over_settings),
-                n => sd(&fitted) / (n as f64).sqrt(),
+                0 | 1 => standard_deviation(&over_settings),
+                n => standard_deviation(&fitted) / (n as f64).sqrt(),
             },
-            simulation_sd: sd(&over_settings),
+            simulation_sd: standard_deviation(&over_settings),
             indistinguishable,
             unvisited: unvisited.collect(),
         };
@@ -176,13 +173,6 @@ impl Known {
     pub fn mean(&self, position: usize) -> Option<f64> {
         let node = self.points.iter().position(|point| *point == position)?;
         Some(self.surface.mean(node))
-    }
-}
-
-fn sd(values: &[f64]) -> f64 {
-    match values {
-        [] | [_] => 0.0,
-        values => standard_deviation(values),
     }
 }
 
@@ -197,30 +187,19 @@ fn places(study: &Study, scores: &Scores) -> Vec<Vec<f64>> {
         let all = (0..grid.len()).map(|index| grid.values(index));
         return all.filter(|values| !visited(values)).collect();
     }
-    let ranges = grid.ranges();
-    space_filling(
-        ranges.len(),
-        0,
-        PLACES,
-        study.definition().seed.wrapping_add(1),
-    )
-    .iter()
-    .map(|place| {
-        ranges
-            .iter()
-            .zip(place)
-            .map(|(range, c)| range.at(*c))
-            .collect()
-    })
-    .collect()
+    let seed = study.definition().seed.wrapping_add(1);
+    space_filling(grid.ranges().len(), 0, PLACES, seed)
+        .iter()
+        .map(|place| grid.values_at(place))
+        .collect()
 }
 
-/// Mean of a point's runs, where it has all settings.
+/// Score of a point with the study's own settings; `None` where it has not been simulated with them.
 pub(super) fn own_score(study: &Study, scores: &Scores, best: usize) -> Option<f64> {
     let settings = study.settings();
     let runs = scores.runs_at(&scores.points[best].values);
     let own: Vec<f64> = runs
-        .filter(|run| settings.of_trial(run.index) == super::setting::Setting::OWN)
+        .filter(|run| settings.of_trial(run.index) == Setting::OWN)
         .filter_map(|run| run.score)
         .collect();
     (!own.is_empty()).then(|| mean(&own))

@@ -204,6 +204,26 @@ impl Grid {
             .fold(0, |index, (range, c)| index * range.points + c)
     }
 
+    /// Index along each range of the point nearest to these values.
+    pub fn nearest(&self, values: &[f64]) -> Vec<usize> {
+        let axes = self.ranges.iter().zip(values);
+        axes.map(|(range, value)| range.nearest(*value)).collect()
+    }
+
+    /// Parameter values at a place: a coordinate from 0 to 1 for each range, as [`Range::at`].
+    pub fn values_at(&self, place: &[f64]) -> Vec<f64> {
+        let axes = self.ranges.iter().zip(place);
+        axes.map(|(range, coordinate)| range.at(*coordinate))
+            .collect()
+    }
+
+    /// The place where [`Grid::values_at`] has these values.
+    pub fn place_of(&self, values: &[f64]) -> Vec<f64> {
+        let axes = self.ranges.iter().zip(values);
+        axes.map(|(range, value)| range.coordinate(*value))
+            .collect()
+    }
+
     /// Parameter values of point number `index`.
     pub fn values(&self, index: usize) -> Vec<f64> {
         self.coordinates(index)

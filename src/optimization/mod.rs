@@ -4,11 +4,13 @@
 
 mod driver;
 mod grid;
+mod minimise;
 mod optimizer;
 mod options;
 
 pub use driver::{Batch, Ending, drive, pool};
 pub use grid::{Grid, MAX_POINTS, Range};
+pub use minimise::minimise;
 pub use optimizer::{
     Brief, History, OPTIMIZERS, Optimizer, Proposal, Told, UnitPoint, default_optimizer,
     optimizer_by_name, space_filling,

@@ -114,13 +114,7 @@ impl<'a> Map<'a> {
 
     fn best_coordinates(&self) -> Option<Vec<usize>> {
         let best = &self.answer.scores.points[self.answer.scores.best?];
-        let ranges = self.grid().ranges().iter();
-        Some(
-            ranges
-                .zip(&best.values)
-                .map(|(range, value)| range.nearest(*value))
-                .collect(),
-        )
+        Some(self.grid().nearest(&best.values))
     }
 
     fn truth(&self, x: &Range, y: Option<&Range>) -> Option<Truth> {

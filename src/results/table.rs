@@ -74,17 +74,11 @@ pub(super) fn write_indistinguishable(folder: &Path, study: &Study, answer: &Ans
     let unvisited = unvisited
         .filter(|place| place.indistinguishable)
         .map(|place| &place.values);
-    let ranges = study.definition().grid.ranges();
+    let grid = &study.definition().grid;
     let mut cells = BTreeSet::new();
     let rows = visited
         .chain(unvisited)
-        .filter(|values| {
-            let axes = ranges.iter().zip(values.iter());
-            cells.insert(
-                axes.map(|(range, value)| range.nearest(*value))
-                    .collect::<Vec<_>>(),
-            )
-        })
+        .filter(|values| cells.insert(grid.nearest(values)))
         .map(|values| {
             let values = values.iter().copied();
             let all = values.chain(fixed.iter().map(|a| a.value));

@@ -4,6 +4,7 @@
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
 use std::path::{Path, PathBuf};
+use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 use assert_cmd::Command;
@@ -18,6 +19,23 @@ pub fn realgap() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_realgap"));
     command.current_dir(project());
     command
+}
+
+/// Starts the command in the project's folder, what it says to be read later.
+pub fn start(args: &[&str]) -> Child {
+    std::process::Command::new(env!("CARGO_BIN_EXE_realgap"))
+        .args(args)
+        .current_dir(project())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// Starts a command on a file of ours that writes a folder, on one thread.
+pub fn start_on_one_thread(command: &str, file: &Path, out: &Path) -> Child {
+    let [file, out] = [file, out].map(|path| path.to_str().unwrap());
+    start(&[command, file, "--jobs", "1", "-o", out])
 }
 
 /// Output as text.
