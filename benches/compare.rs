@@ -52,6 +52,7 @@ fn compare(criterion: &mut Criterion) {
         simulated_prepared: all[1],
     };
     let context = Context {
+        spread: None,
         basis: Some(&basis),
         body_length_m: Some(0.1),
     };

@@ -21,9 +21,15 @@ pub fn main() -> Result<()> {
     };
     let context = Context {
         basis: None,
+        spread: None,
         body_length_m: Some(0.06),
     };
-    for metric in METRICS.iter().filter(|metric| !metric.needs().basis) {
+    for metric in METRICS
+        .iter()
+        .filter(|metric| !metric.needs().basis && !metric.needs().spread)
+        // These recordings have no joints.
+        .filter(|metric| !metric.needs().joints)
+    {
         let score = metric.compare(&pair, &context)?;
         println!(
             "{:<13} {}",

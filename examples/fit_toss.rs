@@ -95,6 +95,8 @@ fn run() -> Result<()> {
         }
         if fold == 0 {
             let file = BestFile {
+                study: None,
+                fitted_on: Vec::new(),
                 description: format!(
                     "Fitted on the even-numbered recordings (--every {FOLDS} --offset 0, in order of their paths, counted from 0; {} of them): length scale from \
                      their flights, the rest (centre of mass along z included) by CMA-ES on the pose metric from flight starts. Held-out errors on the odd-numbered (--every {FOLDS} --offset 1): {}.",

@@ -4,7 +4,7 @@
 //! `cargo run --example own_format`
 
 use nalgebra::Vector3;
-use realgap::trajectory::{Format, Parsed, Rendered, Trajectory};
+use realgap::trajectory::{Format, Parsed, Reading, Rendered, Trajectory};
 use realgap::unit::LengthUnit;
 use realgap::{Error, Result};
 
@@ -21,7 +21,8 @@ impl Format for Track {
     fn extensions(&self) -> &'static [&'static str] {
         &["track"]
     }
-    fn parse(&self, text: &str, unit: LengthUnit) -> Result<Parsed> {
+    fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
+        let metres = reading.length.unwrap_or_default().metres();
         let (mut times_s, mut positions_world_m) = (Vec::new(), Vec::new());
         for (index, line) in text.lines().enumerate() {
             let number = |text: &str| {
@@ -40,7 +41,7 @@ impl Format for Track {
                     .allowed("3: time, x and y"));
             };
             times_s.push(time_s);
-            positions_world_m.push(Vector3::new(x, y, 0.0) * unit.metres());
+            positions_world_m.push(Vector3::new(x, y, 0.0) * metres);
         }
         Ok(Parsed {
             trajectory: Trajectory::new(times_s, positions_world_m)?.planar(),
@@ -63,7 +64,7 @@ impl Format for Track {
 
 fn main() -> Result<()> {
     let written = "0: 0 0\n1: 100 0\n2: 200 50\n";
-    let parsed = Track.parse(written, LengthUnit::Centimetre)?;
+    let parsed = Track.parse(written, &LengthUnit::Centimetre.into())?;
     // One line in FORMATS does the same for every file that ends in `.track`.
     print!("{}", Track.render(&parsed.trajectory).text);
     Ok(())

@@ -7,7 +7,7 @@ use realgap::Result;
 use realgap::comparison::{
     Comparison, Components, Context, Measurement, Metric, Needs, Pair, position_metrics,
 };
-use realgap::trajectory::{Recording, Trajectory};
+use realgap::trajectory::{Reading, Recording, Trajectory};
 use realgap::unit::Unit;
 
 /// Difference of the highest points of the two paths above the straight line from start to end.
@@ -57,7 +57,9 @@ fn arc(name: &str, height_m: f64) -> Result<Recording> {
         name: name.to_owned(),
         path: name.into(),
         trajectory: Trajectory::new(times_s, positions)?,
+        bodies: Vec::new(),
         meta: None,
+        reading: Reading::default(),
         warnings: Vec::new(),
     })
 }

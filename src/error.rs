@@ -100,6 +100,20 @@ pub enum Advice {
     OtherSeed,
     /// Read the file in this unit of length.
     Unit(LengthUnit),
+    /// Say which column of a recording holds what.
+    MapColumns,
+    /// Read one robot, or one run, of a file that holds several.
+    ChooseRobot,
+    /// Sort the samples of a recording by time.
+    SortSamples,
+    /// Leave samples out that the tracker has lost.
+    SkipLost,
+    /// Begin to read below the first lines.
+    SkipLines,
+    /// Read another part of a recording.
+    Crop,
+    /// Say in which unit a recording measures time.
+    TimeUnit,
     /// Name the recordings.
     Recordings,
     /// Give values that a calibration has found.
@@ -122,6 +136,19 @@ impl fmt::Display for Advice {
             Self::OtherOptimizer => f.write_str("choose another optimizer"),
             Self::OtherSeed => f.write_str("choose another seed"),
             Self::Unit(unit) => write!(f, "read it in {unit}"),
+            Self::MapColumns => f.write_str(
+                "say which column is which: `columns: (t: \"NAME in ms\", x: \"NAME in mm\", ...)` in `reading`",
+            ),
+            Self::ChooseRobot => {
+                f.write_str("read one of them: `only: (column: \"NAME\", value: \"VALUE\")` in `reading`")
+            }
+            Self::SortSamples => f.write_str("sort them: `sort: true` in `reading`"),
+            Self::SkipLost => f.write_str("leave lost samples out: `skip_lost: true` in `reading`"),
+            Self::SkipLines => f.write_str("begin below them: `skip_lines: N` in `reading`"),
+            Self::Crop => {
+                f.write_str("choose another part: `crop: (from_s: ..., to_s: ...)` in `reading`")
+            }
+            Self::TimeUnit => f.write_str("say their unit: `time: \"ms\"` in `reading`"),
             Self::Recordings => f.write_str("name the recordings, e.g. FOLDER/*.csv"),
             Self::CalibratedValues => f.write_str("give values, e.g. those of a sweep's best.ron"),
             Self::MetricWithoutBasis => f.write_str(
@@ -248,6 +275,13 @@ impl Error {
     /// The ways out, in the order of preference.
     pub fn advice(&self) -> &[Advice] {
         &self.0.advice
+    }
+
+    /// The same error without its ways out: for who can take none of them.
+    #[must_use]
+    pub fn without_advice(mut self) -> Self {
+        self.0.advice.clear();
+        self
     }
 
     /// The same error whose ways out are said in a program's own words, e.g. with its options.

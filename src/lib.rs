@@ -98,6 +98,7 @@ pub mod random;
 pub mod results;
 pub mod robot;
 pub mod search;
+pub mod sensing;
 pub mod simulation;
 pub mod statistics;
 pub mod store;
@@ -121,6 +122,7 @@ pub mod guide {
 [docs/tutorial.md]: crate::guide::tutorial
 [docs/cli.md]: crate::guide::cli
 [docs/conventions.md]: crate::guide::conventions
+[docs/recordings.md]: crate::guide::recordings
 [docs/gallery.md]: crate::guide::gallery
 [docs/glossary.md]: crate::guide::glossary
 [docs/design.md]: crate::guide::design
@@ -134,6 +136,8 @@ pub mod guide {
 [docs/fidelity/precision.md]: crate::guide::fidelity::precision
 [docs/fidelity/joints.md]: crate::guide::fidelity::joints
 [docs/fidelity/tosses.md]: crate::guide::fidelity::tosses
+[docs/fidelity/hardware.md]: crate::guide::fidelity::hardware
+[docs/fidelity/servo.md]: crate::guide::fidelity::servo
 [docs/fidelity/engines.md]: crate::guide::fidelity::engines
 [docs/fidelity/stand_ins.md]: crate::guide::fidelity::stand_ins
 [docs/fidelity/tuning.md]: crate::guide::fidelity::tuning
@@ -143,6 +147,7 @@ pub mod guide {
 [docs/fidelity/gap.md]: crate::guide::fidelity::gap
 [docs/fidelity/genomes.md]: crate::guide::fidelity::genomes
 [docs/fidelity/search.md]: crate::guide::fidelity::search
+[docs/fidelity/sensing.md]: crate::guide::fidelity::sensing
 [docs/upstream/contact_stiffness.md]: crate::guide::upstream::contact_stiffness
 [docs/upstream/friction_direction.md]: crate::guide::upstream::friction_direction
 [docs/upstream/multibody_root.md]: crate::guide::upstream::multibody_root
@@ -162,10 +167,12 @@ pub mod guide {
 [docs/images/fitness.png]: ../../../../../docs/images/fitness.png
 [docs/images/gallery.png]: ../../../../../docs/images/gallery.png
 [docs/images/heatmap.png]: ../../../../../docs/images/heatmap.png
+[docs/images/histograms.png]: ../../../../../docs/images/histograms.png
 [docs/images/paths.png]: ../../../../../docs/images/paths.png
 [docs/images/profile.png]: ../../../../../docs/images/profile.png
 [docs/images/robot.png]: ../../../../../docs/images/robot.png
 [docs/images/sensitivity.png]: ../../../../../docs/images/sensitivity.png
+[docs/images/sensor.png]: ../../../../../docs/images/sensor.png
 [docs/images/trajectories.png]: ../../../../../docs/images/trajectories.png
 "
         };
@@ -182,6 +189,10 @@ pub mod guide {
     #[doc = links!()]
     #[doc = include_str!("../docs/conventions.md")]
     pub mod conventions {}
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/recordings.md")]
+    pub mod recordings {}
 
     #[doc = links!()]
     #[doc = include_str!("../docs/glossary.md")]
@@ -241,6 +252,12 @@ pub mod guide {
         #[doc = links!()]
         #[doc = include_str!("../docs/fidelity/tosses.md")]
         pub mod tosses {}
+        #[doc = include_str!("../docs/fidelity/hardware.md")]
+        pub mod hardware {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/servo.md")]
+        pub mod servo {}
 
         #[doc = links!()]
         #[doc = include_str!("../docs/fidelity/engines.md")]
@@ -277,6 +294,10 @@ pub mod guide {
         #[doc = links!()]
         #[doc = include_str!("../docs/fidelity/search.md")]
         pub mod search {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/sensing.md")]
+        pub mod sensing {}
     }
 
     #[doc = links!()]

@@ -29,8 +29,10 @@ pub type Generator = ChaCha8Rng;
 pub enum Numbered {
     /// Start position, height, tilt and heading of a repeat, and the zeros of its servos.
     Start,
-    /// Errors of a camera that records a repeat.
+    /// Errors of a camera that records a repeat: positions and orientations.
     Camera,
+    /// Errors of the times of that camera.
+    CameraTime,
     /// Gain of each servo.
     ServoGain,
     /// Phase of each servo's command.
@@ -51,13 +53,18 @@ pub enum Numbered {
     UncertainParameter,
     /// Which point of a sweep is simulated again.
     Refinement,
+    /// What a sensor reads.
+    SensorReading,
+    /// Errors of wheels: how far a command goes, how far it turns.
+    Actuator,
 }
 
 impl Numbered {
     /// Every stream.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 15] = [
         Self::Start,
         Self::Camera,
+        Self::CameraTime,
         Self::ServoGain,
         Self::ServoPhase,
         Self::ServoLatency,
@@ -68,6 +75,8 @@ impl Numbered {
         Self::SearchStep,
         Self::UncertainParameter,
         Self::Refinement,
+        Self::SensorReading,
+        Self::Actuator,
     ];
 
     fn number(self) -> u64 {
@@ -84,6 +93,9 @@ impl Numbered {
             Self::SearchStep => 10,
             Self::UncertainParameter => 101,
             Self::Refinement => 11,
+            Self::CameraTime => 12,
+            Self::SensorReading => 30,
+            Self::Actuator => 31,
         }
     }
 
@@ -112,15 +124,24 @@ pub enum Once {
     BestPoint,
     /// Where within its cell of a grid a best point lies.
     WithinCell,
+    /// Which of two samples each run is put into ([`crate::statistics::energy_test`]).
+    Permutation,
+    /// Which readings of a log a smaller log would hold.
+    Subset,
+    /// Guesses that know nothing, for others to be better than.
+    RandomGuess,
 }
 
 impl Once {
     /// Every stream.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 7] = [
         Self::Resampling,
         Self::Split,
         Self::BestPoint,
         Self::WithinCell,
+        Self::Permutation,
+        Self::Subset,
+        Self::RandomGuess,
     ];
 
     fn number(self) -> u64 {
@@ -129,6 +150,9 @@ impl Once {
             Self::BestPoint => 1,
             Self::Split => 2,
             Self::WithinCell => 3,
+            Self::Permutation => 4,
+            Self::Subset => 30,
+            Self::RandomGuess => 31,
         }
     }
 

@@ -4,25 +4,19 @@
 //! the edges, through the types of this module. World frame: z up. Quaternions: real part first
 //! in files (`qw, qx, qy, qz`), world from body.
 
+mod file_unit;
 mod number;
 
 use std::fmt;
 
-pub use number::{DisplayUnit, number, quantity};
-
-/// Writes a unit as its label, e.g. `m`: for fields of reports.
-pub(crate) fn as_label<S: serde::Serializer>(
-    unit: &Unit,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(unit.label())
-}
+pub use file_unit::{AngleUnit, LengthUnit, TimeUnit};
+pub use number::{DisplayUnit, decimals, number, quantity};
 
 /// Standard magnitude of gravity used by default, in m/s², along −z of the world.
 pub const GRAVITY_M_S2: f64 = 9.81;
 
 /// Unit of a score, parameter or column. Values are stored in the unit named here.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Unit {
     /// Dimensionless (a ratio, a coefficient, a count).
@@ -45,10 +39,24 @@ pub enum Unit {
     RadianPerSecond,
     /// Newton metre.
     NewtonMetre,
+    /// Newton metre second per radian: a torque per speed.
+    NewtonMetreSecondPerRadian,
     /// Metre per second squared.
     MetrePerSecondSquared,
     /// Per second (a servo gain).
     PerSecond,
+    /// Per radian.
+    PerRadian,
+    /// Volt.
+    Volt,
+    /// Ohm.
+    Ohm,
+    /// Newton metre per ampere: a motor's torque constant.
+    NewtonMetrePerAmpere,
+    /// Per newton metre.
+    PerNewtonMetre,
+    /// Kilogram square metre: an inertia.
+    KilogramSquareMetre,
 }
 
 impl Unit {
@@ -65,8 +73,15 @@ impl Unit {
             Self::MetrePerSecond => "m/s",
             Self::RadianPerSecond => "rad/s",
             Self::NewtonMetre => "N m",
+            Self::NewtonMetreSecondPerRadian => "N m s/rad",
             Self::MetrePerSecondSquared => "m/s^2",
             Self::PerSecond => "1/s",
+            Self::PerRadian => "1/rad",
+            Self::Volt => "V",
+            Self::Ohm => "ohm",
+            Self::NewtonMetrePerAmpere => "N m/A",
+            Self::PerNewtonMetre => "1/(N m)",
+            Self::KilogramSquareMetre => "kg m^2",
         }
     }
 
@@ -80,42 +95,16 @@ impl Unit {
     }
 }
 
+/// As its label, e.g. `m`: what stands in a report is what people read.
+impl serde::Serialize for Unit {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.label())
+    }
+}
+
 impl fmt::Display for Unit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.label())
-    }
-}
-
-/// Unit of length of a file; everything inside the crate is metres.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-pub enum LengthUnit {
-    /// Metres (the default).
-    #[default]
-    Metre,
-    /// Centimetres.
-    Centimetre,
-    /// Millimetres.
-    Millimetre,
-}
-
-impl LengthUnit {
-    /// Metres per unit: 1, 0.01 or 0.001.
-    pub fn metres(self) -> f64 {
-        match self {
-            Self::Metre => 1.0,
-            Self::Centimetre => 0.01,
-            Self::Millimetre => 0.001,
-        }
-    }
-}
-
-impl fmt::Display for LengthUnit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Metre => "metres",
-            Self::Centimetre => "centimetres",
-            Self::Millimetre => "millimetres",
-        })
     }
 }
 

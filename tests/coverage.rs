@@ -12,7 +12,7 @@ use realgap::comparison;
 use realgap::optimization::{RunOptions, optimizer_by_name};
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::parameter::by_name;
-use realgap::simulation::{Camera, Experiment, Noise, run};
+use realgap::simulation::{Camera, Distribution, Experiment, Noise, run};
 use realgap::trajectory::Trajectory;
 
 /// What is varied: from, to, points.
@@ -77,8 +77,8 @@ fn reality(plan: Plan, seed: u64) -> Vec<Trajectory> {
     let more = 2.0_f64.powf(share(0.414_213_562_373_095));
     hidden.solver.substeps = (hidden.solver.substeps as f64 * more).round() as usize;
     let camera = Camera {
-        position_m: 1e-3,
-        orientation_rad: 0.0,
+        position_m: Distribution::Normal(1e-3),
+        ..Camera::default()
     };
     (0..plan.recordings)
         .map(|repeat| {
@@ -166,7 +166,7 @@ fn study(plan: Plan, seed: u64) -> Hits {
 }
 
 /// Runs the studies and says which share of intervals and of sets hold the truth.
-fn table_row(what: &str, plan: Plan, studies: u64) -> (f64, f64) {
+fn table_row(what: &str, plan: Plan, studies: u64) -> (f64, f64, f64) {
     let all: Vec<Hits> = (0..studies).map(|seed| study(plan, seed)).collect();
     let share = |count: usize| 100.0 * count as f64 / studies as f64;
     let covered = |d: usize| share(all.iter().filter(|hits| hits.intervals[d]).count());
@@ -184,7 +184,8 @@ fn table_row(what: &str, plan: Plan, studies: u64) -> (f64, f64) {
         width(0),
         width(1)
     );
-    (0.5 * (covered(0) + covered(1)), sets)
+    let covers = 0.5 * (covered(0) + covered(1));
+    (covers, sets, 0.5 * (width(0) + width(1)))
 }
 
 const SHORT: Plan = Plan {
@@ -198,8 +199,11 @@ const SHORT: Plan = Plan {
 /// 40 studies and two parameters, true coverage 0.90: below 80 % in 0.5 % of cases, at 58 % never.
 #[test]
 fn nine_of_ten_intervals_of_a_sweep_hold_the_truth() {
-    let (intervals, _) = table_row("sweep, short", SHORT, 40);
-    assert!((80.0..=100.0).contains(&intervals), "{intervals} %");
+    let (intervals, sets, width) = table_row("sweep, short", SHORT, 40);
+    assert!(intervals >= 80.0, "{intervals} %");
+    assert!(sets >= 85.0, "{sets} %");
+    // Everything holds the truth; an answer is less than everything.
+    assert!(width < 0.45, "{width} of the range");
 }
 
 /// The table of docs/fidelity/intervals.md: `cargo test --release --test coverage -- --ignored --nocapture`.

@@ -1,5 +1,6 @@
 //! What an ensemble says about repeats is exact where it can be worked out by hand, and the same on any thread.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![allow(clippy::print_stdout, reason = "a table is printed")]
 
 mod common;
 
@@ -7,10 +8,11 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use realgap::RunOptions;
 use realgap::prediction::ensemble::{
-    BEHAVIOURS, Ensemble, Envelope, Forecast, Kind, LEVELS, Motion, Quantiles, Reality, Repeat,
-    behaviours, cut_m, repeat, rms_m, run,
+    BEHAVIOURS, Ensemble, Envelope, Forecast, Kind, LEAST_PATHS, LEVELS, Motion, Quantiles,
+    Reality, Repeat, behaviours, cut_m, repeat, rms_m, run,
 };
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Divergence, Experiment, Noise, Outcome, Perturbation};
@@ -260,6 +262,71 @@ fn envelopes_cover_new_draws_of_the_same_distribution_as_often_as_they_promise()
     }
 }
 
+/// How often the band for whole paths holds a whole path, and the regions for each time hold its end and all of it, by level.
+fn band_coverage(repeats: usize, split: bool, ensembles: u64) -> [[f64; 3]; 3] {
+    let trials = 20;
+    let counts: Vec<[[usize; 3]; 3]> = (0..ensembles)
+        .into_par_iter()
+        .map(|seed| {
+            let known = drawn(repeats, 2 * seed, split);
+            let known: Vec<&Prepared> = known.iter().collect();
+            let band = Envelope::of_whole_paths(&known, 18.1, BODY_M).unwrap();
+            let (band, envelope) = (band.unwrap(), Envelope::new(&known, 18.1, BODY_M).unwrap());
+            let new = drawn(trials, 2 * seed + 1, split);
+            let count = |of: &dyn Fn(usize, &Prepared) -> bool| {
+                std::array::from_fn(|level| new.iter().filter(|path| of(level, path)).count())
+            };
+            [
+                count(&|level, path| band.holds(level, path)),
+                count(&|level, path| envelope.regions[90].contains(level, path.xy_m()[90])),
+                count(&|level, path| envelope.holds(level, path)),
+            ]
+        })
+        .collect();
+    let all = (ensembles * trials as u64) as f64;
+    std::array::from_fn(|what| {
+        std::array::from_fn(|level| {
+            counts.iter().map(|c| c[what][level]).sum::<usize>() as f64 / all
+        })
+    })
+}
+
+#[test]
+fn the_band_for_whole_paths_holds_them_as_often_as_it_promises() {
+    for (repeats, split) in [(20, false), (50, false), (50, true)] {
+        let [band, _, _] = band_coverage(repeats, split, 600);
+        for (share, level) in band.iter().zip(LEVELS) {
+            // 600 bands: how much each holds has a standard deviation of up to 0.14, so their mean one of 0.006.
+            assert!((share - level).abs() < 0.025, "{repeats}: {band:?}");
+        }
+    }
+    let few = drawn(LEAST_PATHS - 1, 1, false);
+    let few: Vec<&Prepared> = few.iter().collect();
+    assert!(
+        Envelope::of_whole_paths(&few, 18.1, BODY_M)
+            .unwrap()
+            .is_none()
+    );
+}
+
+/// The table of docs/fidelity/ensembles.md.
+#[test]
+#[ignore = "a minute"]
+fn the_table_of_envelopes() {
+    println!(
+        "| repeats | drawn | whole paths in the band | points in the regions, middle | whole paths in the regions |"
+    );
+    for split in [false, true] {
+        for repeats in [20, 50, 100, 200] {
+            let shares = band_coverage(repeats, split, 2000);
+            let cells =
+                shares.map(|by_level| by_level.map(|s| format!("{:.1}", 100.0 * s)).join(", "));
+            let drawn = if split { "two groups" } else { "one group" };
+            println!("| {repeats} | {drawn} | {} |", cells.join(" | "));
+        }
+    }
+}
+
 fn ensemble_of(paths: Vec<Prepared>) -> Ensemble {
     let first = paths[0].clone();
     hand_made(
@@ -271,13 +338,7 @@ fn ensemble_of(paths: Vec<Prepared>) -> Ensemble {
 fn against(ensemble: &Ensemble, real: &[Prepared]) -> Reality {
     let summary = Forecast::new(ensemble).unwrap();
     let real: Vec<(&str, &Prepared)> = real.iter().map(|p| ("real", p)).collect();
-    Reality::new(
-        ensemble,
-        summary.envelope.as_ref().unwrap(),
-        &summary.behaviours,
-        &real,
-    )
-    .unwrap()
+    Reality::new(ensemble, &summary, &real).unwrap()
 }
 
 #[test]

@@ -4,16 +4,18 @@
 //! them they say so and pass.
 #![allow(clippy::unwrap_used)] // a test may fail loudly
 
+mod common;
+
 use std::collections::HashSet;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use common::python_with;
 use realgap::export::{FORMATS, Robot, format_named};
 use realgap::file::Source;
 use realgap::robot::morphology::Morphology;
-use realgap::simulation::Experiment;
 use realgap::simulation::parameter::ParameterSet;
+use realgap::simulation::{Experiment, JointKind, JointState, run};
 use roxmltree::{Document, Node};
 
 fn folder() -> PathBuf {
@@ -104,7 +106,10 @@ fn every_robot_is_well_formed_complete_and_its_names_are_unique() {
             } else {
                 "link"
             };
-            assert_eq!(all(&document, part).count(), assembly.parts.len());
+            // URDF holds a mounted robot by a joint to a link of the world.
+            let world = part == "link" && assembly.mount_world_m.is_some();
+            let bodies = assembly.parts.len() + usize::from(world);
+            assert_eq!(all(&document, part).count(), bodies);
             for tag in [
                 "body",
                 "geom",
@@ -125,7 +130,7 @@ fn every_robot_is_well_formed_complete_and_its_names_are_unique() {
                 }
             }
             let hinges = all(&document, "joint").filter(|n| n.has_attribute("type"));
-            assert_eq!(hinges.count(), assembly.hinges.len());
+            assert_eq!(hinges.count(), assembly.hinges.len() + usize::from(world));
         }
     }
 }
@@ -213,19 +218,7 @@ fn the_command_line_writes_the_file_and_says_what_is_missing() {
 
 /// Runs a Python script on the arguments, or says that it cannot.
 fn python(package: &str, script: &str, arguments: &[&Path]) -> Option<String> {
-    let python = std::env::var("REALGAP_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let importable = Command::new(&python)
-        .args(["-c", &format!("import {package}, numpy")])
-        .output()
-        .is_ok_and(|done| done.status.success());
-    if !importable {
-        // Not `eprintln!`, which the test harness hides where a test passes.
-        let _ = writeln!(
-            std::io::stderr(),
-            "SKIPPED: {python} cannot import {package} and numpy (tools/requirements-engines.txt, REALGAP_PYTHON)"
-        );
-        return None;
-    }
+    let python = python_with(package)?;
     let done = Command::new(&python)
         .arg("-c")
         .arg(script)
@@ -320,6 +313,91 @@ print(*c, *I.ravel(), *d.site('track').xpos)
     assert_eq!(seen.len(), 15);
     for (expected, seen) in expected.zip(&seen) {
         assert!((expected - seen).abs() < 1e-9, "{expected} is not {seen}");
+    }
+}
+
+/// An arm of two boxes on a mounted stand, with friction and limits.
+fn pendulum() -> Morphology {
+    let text = r#"(
+        name: "pendulum",
+        mount_m: (0, 0, 1),
+        modules: [
+            (name: "stand", kind: Passive(side_m: 0.05, mass_kg: 1)),
+            (name: "arm", kind: Passive(sides_m: (0.06, 0.02, 0.2), mass_kg: 0.2, centre_of_mass_m: (0.004, 0, -0.01),
+                boxes: [(sides_m: (0.02, 0.02, 0.2)), (sides_m: (0.06, 0.02, 0.04), centre_m: (0, 0, -0.08))])),
+        ],
+        hinges: [(name: "shoulder", parent: "stand", child: "arm", anchor_m: (0, 0.05, 0), child_anchor_m: (0, 0, 0.1),
+            axis: (0, 1, 0.2), viscous_nm_s_rad: 1e-3, dry_nm: 0.004, limits_rad: (-1.2, 1.2))],
+        never_touch: [("stand", "arm")],
+    )"#;
+    Morphology::parse(&Source::new("pendulum.ron", text)).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn hinges_with_friction_and_limits_and_mounts_are_in_both_formats() {
+    let robot = pendulum();
+    let text = render(&robot, "mjcf", &[("hinge.dry_nm", 0.01)]);
+    let document = Document::parse(&text).unwrap();
+    let joint = all(&document, "joint").next().unwrap();
+    assert_eq!(joint.attribute("name"), Some("shoulder"));
+    assert_eq!(numbers(joint, "damping"), [1e-3]);
+    assert_eq!(numbers(joint, "frictionloss"), [0.01]);
+    assert_eq!(numbers(joint, "range"), [-1.2, 1.2]);
+    assert_eq!(
+        all(&document, "freejoint").count() + all(&document, "general").count(),
+        0
+    );
+    let text = render(&robot, "urdf", &[]);
+    let document = Document::parse(&text).unwrap();
+    let kind = |name: &str| {
+        let joint = all(&document, "joint").find(|n| n.attribute("name") == Some(name));
+        joint.unwrap().attribute("type").unwrap().to_owned()
+    };
+    assert_eq!(
+        (kind("mount"), kind("shoulder")),
+        ("fixed".to_owned(), "revolute".to_owned())
+    );
+    let dynamics = all(&document, "dynamics").next().unwrap();
+    assert_eq!(numbers(dynamics, "friction"), [0.004]);
+}
+
+#[test]
+fn mujoco_swings_a_pendulum_as_realgap_does() {
+    let robot = pendulum();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pendulum.mjcf");
+    std::fs::write(&path, render(&robot, "mjcf", &[])).unwrap();
+    let script = r"
+import sys, mujoco
+m = mujoco.MjModel.from_xml_path(sys.argv[1]); d = mujoco.MjData(m)
+d.qpos[0] = 1.0
+while d.time < 1.5 - 1e-9: mujoco.mj_step(m, d)
+print(d.qpos[0], d.qvel[0])
+";
+    let Some(said) = python("mujoco", script, &[&path]) else {
+        return;
+    };
+    let seen: Vec<f64> = said
+        .split_whitespace()
+        .map(|w| w.parse().unwrap())
+        .collect();
+    for kind in [JointKind::Impulse, JointKind::Multibody] {
+        let mut experiment = Experiment::new(robot.assemble());
+        experiment.solver.joint = kind;
+        experiment.solver.timestep_s = 1.0 / 2000.0;
+        experiment.duration_s = 1.5;
+        experiment.start_joints = vec![JointState {
+            angle_rad: 1.0,
+            speed_rad_s: 0.0,
+        }];
+        let motion = run(&experiment).unwrap().outcome.completed().unwrap();
+        let joint = motion.joint("shoulder").unwrap();
+        let angle_rad = joint.angles_rad[joint.angles_rad.len() - 1];
+        assert!(
+            (angle_rad - seen[0]).abs() < 0.02,
+            "{kind:?}: {angle_rad} is not {}",
+            seen[0]
+        );
     }
 }
 

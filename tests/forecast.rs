@@ -41,7 +41,8 @@ fn an_ensemble_of_a_study_prints_and_writes_what_will_happen() {
         let output = realgap()
             .arg("ensemble")
             .arg(&study)
-            .args(["--repeats", "8", "--jobs", jobs, "--format", "json", "-o"])
+            .args(["--repeats", "8", "--jobs", jobs, "--format", "json"])
+            .args(["--model-error", "off", "-o"])
             .arg(&results)
             .output()
             .unwrap();
@@ -83,7 +84,7 @@ fn a_repeat_replayed_alone_goes_as_far_as_in_the_ensemble() {
     realgap()
         .arg("ensemble")
         .arg(&study)
-        .args(["--repeats", "4", "-o"])
+        .args(["--repeats", "4", "--model-error", "off", "-o"])
         .arg(&results)
         .assert()
         .success();
@@ -111,7 +112,7 @@ fn a_study_without_noise_is_refused_with_a_section_to_copy_and_zero_noise_is_war
     let output = realgap()
         .arg("ensemble")
         .arg(study(folder.path(), ""))
-        .args(["--repeats", "2", "-o"])
+        .args(["--repeats", "2", "--model-error", "off", "-o"])
         .arg(folder.path().join("a"))
         .output()
         .unwrap();
@@ -124,7 +125,7 @@ fn a_study_without_noise_is_refused_with_a_section_to_copy_and_zero_noise_is_war
     let output = realgap()
         .arg("ensemble")
         .arg(study(folder.path(), "noise: (),"))
-        .args(["--repeats", "2", "-o"])
+        .args(["--repeats", "2", "--model-error", "off", "-o"])
         .arg(folder.path().join("b"))
         .output()
         .unwrap();

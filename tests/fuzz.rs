@@ -16,7 +16,7 @@ use realgap::robot::genome::{Genome, Specimen};
 use realgap::robot::morphology::Morphology;
 use realgap::search::{Search, generator};
 use realgap::simulation::{Experiment, run};
-use realgap::trajectory::{self, prepare, read_meta};
+use realgap::trajectory::{self, Reading, prepare, read_meta};
 use realgap::unit::LengthUnit;
 use realgap::{Error, Result};
 
@@ -218,6 +218,7 @@ fn read(path: &Path, bytes: &[u8], simulates: bool) -> Vec<Error> {
     note(Definition::read_without_recordings(path, &Overrides::default()).map(drop));
     note(read_parameters(path).map(drop));
     note(read_noise(path).map(drop));
+    note(source().and_then(|source| Reading::parse(&source).map(drop)));
     note(read_meta(path).map(drop));
     for name in ["run.csv", "run.tum"] {
         let path = path.with_file_name(name);

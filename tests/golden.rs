@@ -1,6 +1,8 @@
 //! Every comparison agrees with independent libraries (tests/golden/README.md), to 1e-6 relative.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test may fail loudly
 
+mod common;
+
 use std::path::{Path, PathBuf};
 
 use nalgebra::{UnitQuaternion, Vector3};
@@ -15,13 +17,6 @@ const ZERO: f64 = 1e-12;
 
 fn golden_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden")
-}
-
-fn shared_folder() -> PathBuf {
-    std::env::var_os("REALGAP_SHARED").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"),
-        PathBuf::from,
-    )
 }
 
 /// Compares the table with the reference values; returns the largest relative deviation.
@@ -159,11 +154,10 @@ fn the_turned_curve_differs_by_the_rounding_of_its_file_only() {
 
 #[test]
 fn recorded_runs_agree_with_the_reference_libraries() {
-    let path = shared_folder().join("data/two_wheel_runs/runs.csv");
-    if !path.is_file() {
-        println!("SKIPPED: {} is not there", path.display());
+    let Some(folder) = common::shared_data("two_wheel_runs") else {
         return;
-    }
+    };
+    let path = folder.join("runs.csv");
     let all = read_groups(&path, LengthUnit::Metre, &["condition", "run"]).unwrap();
     assert_eq!(all.len(), 74);
     let us1: Vec<Recording> = all

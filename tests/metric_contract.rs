@@ -6,9 +6,9 @@ use std::f64::consts::PI;
 use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use realgap::comparison::{
-    Basis, Components, Context, DEFAULT_METRIC, METRICS, Metric, Pair, by_name, pose_errors,
+    Basis, Components, Context, DEFAULT_METRIC, METRICS, Metric, Pair, Spread, by_name, pose_errors,
 };
-use realgap::trajectory::{Trajectory, prepare};
+use realgap::trajectory::{JointTrack, Trajectory, prepare};
 use realgap::unit::Unit;
 
 /// A smooth path in space with orientation, chosen by five numbers.
@@ -30,6 +30,12 @@ fn path(shape: [f64; 5], points: usize) -> Trajectory {
         .unwrap()
         .with_orientations(turns.collect())
         .unwrap()
+        .with_joints(vec![JointTrack {
+            name: "elbow".to_owned(),
+            angles_rad: (0..points).map(|i| a * (b * at(i)).sin()).collect(),
+            speeds_rad_s: None,
+        }])
+        .unwrap()
 }
 
 fn moved(trajectory: &Trajectory, angle_rad: f64, shift_m: Vector3<f64>) -> Trajectory {
@@ -43,6 +49,8 @@ fn moved(trajectory: &Trajectory, angle_rad: f64, shift_m: Vector3<f64>) -> Traj
     .unwrap()
     .with_orientations(orientations.map(|q| turn * q).collect())
     .unwrap()
+    .with_joints(trajectory.joints().to_vec())
+    .unwrap()
 }
 
 fn score(metric: &dyn Metric, real: &Trajectory, simulated: &Trajectory) -> f64 {
@@ -53,8 +61,10 @@ fn score(metric: &dyn Metric, real: &Trajectory, simulated: &Trajectory) -> f64 
         Components::default(),
     )
     .unwrap();
+    let spread = Spread::of(&[&real_prepared, &simulated_prepared, &third]).unwrap();
     let context = Context {
         basis: Some(&basis),
+        spread: Some(&spread),
         body_length_m: Some(0.1),
     };
     let pair = Pair {
@@ -177,6 +187,12 @@ fn motionless_trajectories_compare_without_nan() {
     let still = Trajectory::new(vec![0.0, 1.0, 2.0], vec![Vector3::new(1.0, 2.0, 3.0); 3])
         .unwrap()
         .with_orientations(vec![UnitQuaternion::identity(); 3])
+        .unwrap()
+        .with_joints(vec![JointTrack {
+            name: "elbow".to_owned(),
+            angles_rad: vec![0.5; 3],
+            speeds_rad_s: None,
+        }])
         .unwrap();
     for metric in METRICS {
         assert_eq!(score(*metric, &still, &still), 0.0, "{}", metric.name());

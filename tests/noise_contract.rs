@@ -9,9 +9,10 @@ use realgap::calibration::{Definition, Overrides};
 use realgap::file::{Source, parse_ron};
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Distribution, Experiment, Noise, Perturbation, run};
+use realgap::trajectory::Trajectory;
 
-/// Less than this is no demonstration, metres.
-const VISIBLE_M: f64 = 1e-4;
+/// Less than this is no demonstration, metres or radians.
+const VISIBLE: f64 = 1e-4;
 
 fn walk() -> Experiment {
     let path = common::project().join("morphologies/tripod.ron");
@@ -38,7 +39,11 @@ fn only(name: &str) -> Noise {
         _ if name.ends_with("_relative") => "LogNormal(0.05)",
         _ => "Normal(0.0175)",
     };
-    noise(&format!("{name}: {distribution}")).unwrap()
+    let text = match name.split_once('.') {
+        Some((part, field)) => format!("{part}: ({field}: {distribution})"),
+        None => format!("{name}: {distribution}"),
+    };
+    noise(&text).unwrap()
 }
 
 #[test]
@@ -47,20 +52,25 @@ fn every_kind_of_noise_changes_a_run_and_a_repeat_can_be_made_again() {
     let intended = run(&base).unwrap().outcome.completed().unwrap();
     for name in names() {
         let of = |repeat| {
-            let run = run(&only(name).perturb(&base, 3, repeat)).unwrap();
-            run.outcome.completed().unwrap()
+            let noise = only(name);
+            let run = run(&noise.perturb(&base, 3, repeat)).unwrap();
+            let motion = run.outcome.completed().unwrap();
+            noise.record(motion, 3, repeat).unwrap()
         };
         let drawn = of(1);
         assert_eq!(drawn, of(1), "{name} is not repeatable");
-        let moved_m = drawn
-            .positions_world_m()
-            .iter()
+        // A metre and a radian count alike: what is seen of either is a change.
+        let turns = |motion: &Trajectory| motion.orientations_world_from_body().unwrap().to_vec();
+        let (drawn_turns, intended_turns) = (turns(&drawn), turns(&intended));
+        let positions = drawn.positions_world_m().iter();
+        let changes = positions
             .zip(intended.positions_world_m())
             .map(|(a, b)| (a - b).norm())
-            .fold(0.0, f64::max);
+            .chain((drawn_turns.iter().zip(&intended_turns)).map(|(a, b)| a.angle_to(b)));
+        let change = changes.fold(0.0, f64::max);
         assert!(
-            moved_m > VISIBLE_M,
-            "{name} moves the run by {moved_m:e} m only"
+            change > VISIBLE,
+            "{name} changes the run by {change:e} only"
         );
     }
 }
@@ -163,6 +173,9 @@ fn noise_that_makes_no_sense_is_refused_with_the_way_out() {
         ("friction_run_relative: LogNormal(5.0)", "sd <= 2"),
         ("start_positon_m: Normal(0.001)", "start_position_m"),
         ("mass_relative: Gaussian(0.1)", "LogNormal"),
+        ("camera: (position_m: Normal(-1.0))", "camera.position_m"),
+        ("camera: (position_m: LogNormal(0.1))", "Normal(sd)"),
+        ("camera: (orientation_rad: Normal(0.1))", "angle_rad"),
     ] {
         let error = noise(text).unwrap_err().to_string();
         assert!(error.contains(message), "{text}: {error}");

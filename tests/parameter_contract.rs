@@ -6,11 +6,14 @@
 #![allow(clippy::unwrap_used)] // a test may fail loudly
 
 use std::path::Path;
+use std::sync::Arc;
 
-use nalgebra::{UnitQuaternion, Vector3};
-use realgap::robot::morphology::Morphology;
-use realgap::simulation::parameter::{self, Parameter};
-use realgap::simulation::{Experiment, Start, run};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use realgap::robot::morphology::{Gait, Morphology};
+use realgap::simulation::parameter::{self, Parameter, ParameterSet};
+use realgap::simulation::{
+    Experiment, JointState, SceneBody, SceneBox, SceneMotion, Start, Vehicle, run,
+};
 use realgap::trajectory::{State, Trajectory};
 
 /// Less than this is no demonstration, metres.
@@ -38,6 +41,76 @@ fn toss() -> Experiment {
         velocity_world_m_s: Vector3::new(0.8, 0.3, 0.0),
         angular_velocity_body_rad_s: Vector3::new(2.0, 5.0, 1.0),
     });
+    experiment
+}
+
+/// Two hinged boxes fly, fold, hit the floor and slide.
+fn elbow() -> Experiment {
+    let mut experiment = robot("elbow");
+    experiment.start = toss().start;
+    experiment.start_joints = vec![JointState {
+        angle_rad: -1.0,
+        speed_rad_s: 5.0,
+    }];
+    experiment
+}
+
+/// A servo that is a motor behind a gear swings a weight.
+fn swung() -> Experiment {
+    let mut experiment = robot("servo_pendulum");
+    let hinges = &mut Arc::make_mut(&mut experiment.assembly).hinges;
+    hinges[0].actuator.as_mut().unwrap().gait = Gait {
+        offset_rad: 0.4,
+        amplitude_rad: 0.8,
+        frequency_hz: 1.0,
+        phase_rad: 0.0,
+    };
+    experiment
+}
+
+/// The same with friction that falls with speed.
+fn sticky() -> Experiment {
+    let load = parameter::by_name("servo.stribeck_load").unwrap();
+    load.apply(&swung(), 0.2).unwrap()
+}
+
+/// A driven body pushes a cube, a little off its middle.
+fn pushed() -> Experiment {
+    let mut experiment = robot("cube");
+    let track = Trajectory::new(
+        vec![0.0, 1.0],
+        vec![
+            Vector3::new(-0.08, 0.02, 0.05),
+            Vector3::new(0.1, 0.02, 0.05),
+        ],
+    );
+    let track = track
+        .unwrap()
+        .with_orientations(vec![UnitQuaternion::identity(); 2]);
+    experiment.scene = vec![SceneBody {
+        name: "tip".to_owned(),
+        boxes: vec![SceneBox {
+            sides_m: Vector3::new(0.02, 0.02, 0.02),
+            body_from_box: Isometry3::identity(),
+        }],
+        friction: 0.5,
+        motion: SceneMotion::Driven {
+            track: Some(Arc::new(track.unwrap())),
+        },
+    }];
+    experiment
+}
+
+/// A two-wheel robot avoids two boxes, with the draws of a repeat.
+fn driven() -> Experiment {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("vehicles/two_wheel.ron");
+    let vehicle = Vehicle::read(path, None).unwrap();
+    let mut experiment = robot("cube");
+    experiment.drive = vehicle.drive;
+    experiment.vehicle = Some(Arc::new(vehicle));
+    experiment.duration_s = 4.0;
+    experiment.perturbation.draw = Some((1, 2));
+    experiment.drive.sampling_s = 0.02;
     experiment
 }
 
@@ -74,7 +147,43 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         "servo.gain" => (vec![walk], 1.0, 0.5),
         "servo.latency_s" => (vec![walk], 0.0, 0.1),
         "servo.backlash_rad" => (vec![walk], 0.0, 0.1),
+        "servo.position_gain" => (vec![swung], 400.0, 300.0),
+        "servo.duty_1_rad" => (vec![swung], 0.0028, 0.002),
+        "servo.supply_v" => (vec![swung], 7.3, 6.0),
+        "servo.torque_constant_nm_a" => (vec![swung], 0.4, 0.3),
+        "servo.resistance_ohm" => (vec![swung], 3.3, 4.0),
+        "servo.ripple_ohm" => (vec![swung], 0.0, 4.0),
+        "servo.armature_kg_m2" => (vec![swung], 0.0, 0.002),
+        "servo.slew_1_s" => (vec![swung], 100.0, 2.0),
+        "servo.dry_nm" | "servo.viscous_nm_s_rad" => (vec![swung], 0.0, 0.02),
+        "servo.stribeck_nm" => (vec![swung], 0.0, 0.1),
+        "servo.motor_load" | "servo.output_load" | "servo.stribeck_load" => (vec![swung], 0.0, 0.2),
+        "servo.quadratic_1_nm" => (vec![swung], 0.0, 0.5),
+        // Form of a part that is there only where something falls with speed.
+        "servo.stribeck_speed_rad_s" => (vec![sticky], 0.1, 1.0),
+        "servo.stribeck_shape" => (vec![sticky], 1.0, 3.0),
         "gait.frequency_scale" | "gait.amplitude_scale" => (vec![walk], 1.0, 0.7),
+        "hinge.viscous_nm_s_rad" | "hinge.dry_nm" => (vec![elbow], 0.0, 0.002),
+        "pusher.offset_x_m" | "pusher.offset_y_m" | "pusher.offset_z_m" => {
+            (vec![pushed], 0.0, 0.01)
+        }
+        "pusher.friction" => (vec![pushed], 0.1, 0.9),
+        "vehicle.drift_rad_s" | "vehicle.drift_offset_rad" => (vec![driven], 0.0, 0.1),
+        "vehicle.filter_readings" => (vec![driven], 0.0, 4.0),
+        "vehicle.frame_rate_hz" => (vec![driven], 11.6, 5.0),
+        "vehicle.sampling_s" => (vec![driven], 0.1, 0.3),
+        "vehicle.tag_ahead_m" | "vehicle.tag_left_m" => (vec![driven], 0.0, 0.02),
+        "vehicle.sensor_ahead_m" => (vec![driven], 0.08, 0.02),
+        "vehicle.stale_s" => (vec![driven], 0.0, 0.3),
+        "vehicle.speed_m_s" => (vec![driven], 0.2, 0.3),
+        "vehicle.threshold_m" => (vec![driven], 0.1, 0.15),
+        "vehicle.turn_rate_rad_s" => (vec![driven], 4.0, 3.0),
+        name if name.starts_with("vehicle.ideal") || name.ends_with("_noise") => {
+            (vec![driven], 0.0, 1.0)
+        }
+        name if name.starts_with("vehicle.") => (vec![driven], 0.0, 0.05),
+        name if name.starts_with("module.") && name.ends_with("scale") => (vec![elbow], 1.0, 1.3),
+        name if name.starts_with("module.") => (vec![elbow], 0.0, 0.005),
         _ => (
             vec![toss, walk],
             low + 0.01 * (high - low),
@@ -85,12 +194,40 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
 
 /// Parameters of recordings act on the comparison, not on a run; their own test has them.
 fn simulated() -> impl Iterator<Item = &'static Parameter> {
-    parameter::all().filter(|p| !p.name.starts_with("recording."))
+    parameter::all()
+        .filter(|p| !p.name.starts_with("recording."))
+        .chain(of_a_module())
+}
+
+/// The parameters of one module.
+fn of_a_module() -> impl Iterator<Item = &'static Parameter> {
+    parameter::families().map(|p| parameter::by_name(&p.name.replace("NAME", "first")).unwrap())
 }
 
 fn path_of(experiment: &Experiment) -> Trajectory {
     let run = run(experiment).unwrap();
     run.outcome.completed().unwrap()
+}
+
+#[test]
+fn a_parameter_of_a_module_that_the_robot_does_not_have_is_said_to_have_no_effect() {
+    let said = |name: &str, experiment: &Experiment| {
+        let set = ParameterSet::new().with(format!("{name}=1.2").parse().unwrap());
+        let warnings = set.without_effect(experiment);
+        warnings
+            .first()
+            .map(|w| w.message.clone())
+            .unwrap_or_default()
+    };
+    assert_eq!(said("module.second.mass_scale", &elbow()), "");
+    assert!(said("module.third.mass_scale", &elbow()).contains("no module `third`"));
+    assert!(said("hinge.dry_nm", &walk()).contains("states no hinges"));
+    assert!(said("servo.gain", &elbow()).contains("no servos"));
+    assert!(said("servo.dry_nm", &walk()).contains("no servo of the robot is a motor"));
+    assert!(said("pusher.friction", &toss()).contains("no driven body"));
+    for wrong in ["module.first.mass", "module..mass_scale", "module.first"] {
+        assert!(parameter::by_name(wrong).is_err(), "{wrong}");
+    }
 }
 
 fn largest_distance_m(a: &Trajectory, b: &Trajectory) -> f64 {
@@ -124,16 +261,22 @@ fn every_parameter_changes_a_run() {
 
 #[test]
 fn what_is_set_is_read_back_and_nothing_else_changes() {
-    for parameter in parameter::all() {
+    for parameter in parameter::all().chain(of_a_module()) {
         let (_, one, other) = case(parameter);
-        let base = walk();
+        // Motors have what their robot's file states, and the tripod has none.
+        let is_of_motor =
+            parameter.name.starts_with("servo.") && parameter.value(&walk()).is_none();
+        let base = if is_of_motor { swung() } else { walk() };
         for value in [one, other] {
             let changed = parameter.apply(&base, value).unwrap();
-            assert_eq!((parameter.get)(&changed), Some(value), "{}", parameter.name);
-            for unrelated in parameter::all().filter(|p| *p != parameter) {
+            assert_eq!(parameter.value(&changed), Some(value), "{}", parameter.name);
+            for unrelated in parameter::all()
+                .chain(of_a_module())
+                .filter(|p| *p != parameter)
+            {
                 assert_eq!(
-                    (unrelated.get)(&changed),
-                    (unrelated.get)(&base),
+                    unrelated.value(&changed),
+                    unrelated.value(&base),
                     "{} changes {}",
                     parameter.name,
                     unrelated.name

@@ -8,7 +8,9 @@ use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use common::{project, read, realgap, start_on_one_thread, summary, text};
+use common::{
+    SMALL_SEARCH, project, read, realgap, search_file, start_on_one_thread, summary, text,
+};
 use realgap::file::Source;
 use realgap::optimization::{Ending, Progress, RunOptions};
 use realgap::robot::genome::{Gene, Genome};
@@ -232,17 +234,6 @@ fn what_cannot_be_searched_is_refused_with_its_place() {
     }
 }
 
-/// A quick search in a file of its own.
-fn quick(folder: &Path, body: &str) -> PathBuf {
-    let path = folder.join("quick.ron");
-    std::fs::write(&path, format!("Search(\n{body}\n)\n")).unwrap();
-    path
-}
-
-const SMALL: &str = "strategy: Evolution(population: 6, generations: 3, variation: (max_modules: 3)), duration_s: 1.0, repeats: 3,
-    parameters: [(name: \"floor.friction\", low: 0.4, high: 0.6)],
-    finalists: (count: 2, repeats: 5),";
-
 /// Everything that must not depend on how a search was run.
 fn results(folder: &Path) -> String {
     let mut best: Vec<PathBuf> = std::fs::read_dir(folder.join("best"))
@@ -262,7 +253,7 @@ fn results(folder: &Path) -> String {
 #[test]
 fn threads_and_kill_9_do_not_change_a_bit_and_everything_is_written() {
     let folder = tempfile::tempdir().unwrap();
-    let file = quick(folder.path(), SMALL);
+    let file = search_file(folder.path(), SMALL_SEARCH);
     let run = |out: &Path, more: &[&str]| {
         let mut command = realgap();
         command
@@ -325,7 +316,7 @@ fn threads_and_kill_9_do_not_change_a_bit_and_everything_is_written() {
 #[test]
 fn in_memory_and_in_a_folder_the_bits_are_the_same_also_after_an_interruption() {
     let folder = tempfile::tempdir().unwrap();
-    let search = search(SMALL);
+    let search = search(SMALL_SEARCH);
     let whole = search.run(&RunOptions::default()).unwrap();
     assert_eq!(whole.robots.len(), search.strategy().budget());
 
@@ -384,7 +375,7 @@ fn wait_for_robots(folder: &Path, count: usize) {
 #[test]
 fn an_archive_is_written_and_drawn() {
     let folder = tempfile::tempdir().unwrap();
-    let file = quick(
+    let file = search_file(
         folder.path(),
         "strategy: MapElites(initial: 8, batch: 4, evaluations: 16, variation: (max_modules: 3), axes: [
             (name: \"modules\", from: 0.5, to: 3.5, cells: 3), (name: \"active_faces\", from: -0.5, to: 3.5, cells: 4)]),
@@ -417,56 +408,11 @@ fn shipped_searches_are_sound() {
     }
 }
 
-#[test]
-fn the_mujoco_tool_reruns_finalists_where_there_is_mujoco() {
-    use std::io::Write as _;
-    let python = std::env::var("REALGAP_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let importable = Command::new(&python)
-        .args(["-c", "import mujoco, numpy"])
-        .output()
-        .is_ok_and(|done| done.status.success());
-    if !importable {
-        // Not `eprintln!`, which the test harness hides where a test passes.
-        let _ = writeln!(
-            std::io::stderr(),
-            "SKIPPED: {python} cannot import mujoco and numpy (tools/requirements.txt, REALGAP_PYTHON)"
-        );
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let file = quick(folder.path(), SMALL);
-    let out = folder.path().join("out");
-    realgap()
-        .arg("search")
-        .arg(&file)
-        .arg("-o")
-        .arg(&out)
-        .assert()
-        .success();
-    let done = Command::new(&python)
-        .arg(project().join("tools/rerun_finalists.py"))
-        .arg(&out)
-        .env("PYTHONDONTWRITEBYTECODE", "1")
-        .output()
-        .unwrap();
-    assert!(done.status.success(), "{}", text(&done.stderr));
-    let report: serde_json::Value =
-        serde_json::from_str(&read(&out.join("best"), "mujoco.json")).unwrap();
-    let robots = report["robots"].as_array().unwrap();
-    assert_eq!(robots.len(), 2);
-    assert!(
-        robots
-            .iter()
-            .all(|r| r["mujoco_median_m"].as_f64().unwrap() < 1.0),
-        "{report}"
-    );
-}
-
 #[cfg(unix)]
 #[test]
 fn ctrl_c_saves_draws_and_exits_with_130() {
     let folder = tempfile::tempdir().unwrap();
-    let file = quick(
+    let file = search_file(
         folder.path(),
         "strategy: Evolution(population: 200, generations: 1, variation: (max_modules: 2)), duration_s: 5.0,",
     );

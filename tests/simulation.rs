@@ -5,7 +5,9 @@ mod common;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use realgap::robot::morphology::Morphology;
-use realgap::simulation::{Camera, Experiment, JointKind, Noise, Sampling, Start, run};
+use realgap::simulation::{
+    Camera, Distribution, Experiment, JointKind, Noise, Sampling, Start, run,
+};
 use realgap::trajectory::State;
 
 fn experiment(robot: &str) -> Experiment {
@@ -171,8 +173,9 @@ fn a_repeat_can_be_replayed_alone() {
     let base = experiment("tripod");
     let noise = Noise::unmeasured_robot();
     let camera = Camera {
-        position_m: 1e-3,
-        orientation_rad: 1e-2,
+        position_m: Distribution::Normal(1e-3),
+        angle_rad: Distribution::Normal(1e-2),
+        time_s: Distribution::Normal(2e-3),
     };
     assert_eq!(noise.perturb(&base, 7, 3), noise.perturb(&base, 7, 3));
     assert_ne!(noise.perturb(&base, 7, 3), noise.perturb(&base, 7, 4));
@@ -201,7 +204,7 @@ fn the_camera_error_has_the_size_that_was_asked_for() {
     };
     let truth = run(&base).unwrap().outcome.completed().unwrap();
     let camera = Camera {
-        position_m: 2e-3,
+        position_m: Distribution::Normal(2e-3),
         ..Camera::default()
     };
     let seen = camera.record(&truth, 1, 0).unwrap();

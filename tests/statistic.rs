@@ -4,8 +4,8 @@
 mod common;
 
 use realgap::statistics::{
-    PValueMethod, Proportion, SampleTest, kolmogorov_smirnov, mann_whitney, median, quantile,
-    spearman,
+    PValueMethod, Proportion, SampleTest, anderson_darling, kolmogorov_smirnov, mann_whitney,
+    median, quantile, spearman,
 };
 
 /// One line of the golden file.
@@ -130,4 +130,21 @@ fn samples_that_say_nothing_are_refused() {
     ]) {
         assert!(error.contains(word), "{error}");
     }
+}
+
+#[test]
+fn normality_is_tested_as_statsmodels_does() {
+    for line in golden("anderson-darling") {
+        let found = anderson_darling(&line.x).unwrap();
+        assert!(
+            (found.statistic - line.first).abs() <= 1e-9 * line.first.abs().max(1.0)
+                && (found.p_value - line.second).abs() <= 1e-9,
+            "{} values: {found:?}, expected {} and {}",
+            line.x.len(),
+            line.first,
+            line.second
+        );
+    }
+    assert!(anderson_darling(&[1.0; 7]).is_err());
+    assert_eq!(anderson_darling(&[1.0; 8]).unwrap().p_value, 0.0);
 }

@@ -265,10 +265,13 @@ fn two_hidden_floor_values_of_real_tosses_are_where_others_found_them() {
     let friction = summary["best"]["parameters"]["floor.friction"]
         .as_f64()
         .unwrap();
-    // Others found 0.17 to 0.20 on all tosses; the grid of this quick check has a step of 0.05.
+    // Others found 0.17 to 0.20 and 0.125 on all tosses; the grid of this quick check has steps of 0.05 and 0.125.
     assert!((0.15..=0.25).contains(&friction), "{friction}");
+    let restitution = summary["best"]["parameters"]["floor.restitution"].as_f64();
+    assert_eq!(restitution, Some(0.125));
     let position = summary["pose"]["position_percent"].as_f64().unwrap();
-    assert!(position < 18.0, "{position} %");
+    // 15.4 % here; another start, a wrong frame or a lost centre of mass costs a percent at least.
+    assert!(position < 16.0, "{position} %");
 }
 
 #[test]

@@ -243,6 +243,18 @@ fn every_optimizer_finds_the_hidden_floor_of_the_stand_ins() {
 }
 
 #[test]
+fn the_best_of_single_runs_is_the_lowest_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = quick(folder.path());
+    let out = folder.path().join("out");
+    tune(&study, &out, &["--budget", "40", "--score", "single"]).success();
+    let trials = read(&out, "trials.csv");
+    let lowest = trials.lines().last().unwrap().rsplit(',').next().unwrap();
+    let best = summary(&out)["best"]["score"].as_f64().unwrap();
+    assert_eq!(best, lowest.parse::<f64>().unwrap());
+}
+
+#[test]
 fn results_can_be_read_without_the_study() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");

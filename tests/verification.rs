@@ -31,7 +31,7 @@ fn the_default_settings_pass_every_check_but_the_documented_ones() {
 }
 
 #[test]
-fn names_are_unique_and_every_check_can_fail() {
+fn names_are_unique_and_every_check_fails_just_beyond_its_tolerance() {
     let checks = &*DEFAULT;
     let mut seen = std::collections::BTreeSet::new();
     for check in checks {
@@ -39,8 +39,24 @@ fn names_are_unique_and_every_check_can_fail() {
         let (Tolerance::Relative(limit) | Tolerance::Absolute(limit)) = check.tolerance;
         assert!(limit > 0.0 && limit.is_finite(), "{}", check.name);
         // Relative to zero nothing could ever pass.
-        if matches!(check.tolerance, Tolerance::Relative(_)) {
-            assert!(check.expected != 0.0, "{}", check.name);
+        let unit = match check.tolerance {
+            Tolerance::Relative(_) => check.expected.abs(),
+            Tolerance::Absolute(_) => 1.0,
+        };
+        assert!(unit > 0.0, "{}", check.name);
+        for (share, verdict) in [(0.99, Verdict::Pass), (1.01, Verdict::Fail)] {
+            for side in [-1.0, 1.0] {
+                let measured = check.expected + side * share * limit * unit;
+                let moved = Check::new(
+                    check.name.clone(),
+                    "",
+                    check.expected,
+                    measured,
+                    check.unit,
+                    check.tolerance,
+                );
+                assert_eq!(moved.verdict, verdict, "{} at {measured}", check.name);
+            }
         }
     }
 }

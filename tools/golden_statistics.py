@@ -7,6 +7,7 @@ from itertools import combinations
 
 import numpy as np
 from scipy import stats
+from statsmodels.stats.diagnostic import normal_ad
 from statsmodels.stats.proportion import proportion_confint
 
 rng = np.random.default_rng(1)
@@ -80,3 +81,16 @@ for count, trials, level in [(0, 10, 0.95), (10, 10, 0.95), (3, 20, 0.95), (1, 1
 for values in [normal(0, 1), normal(0, 2), normal(0, 9), tied(0, 10)]:
     for level in [0.0, 0.05, 0.3, 0.5, 0.9, 1.0]:
         row("quantile", "linear", values, [level], np.quantile(values, level), np.median(values))
+
+# One sample for each branch of the p value, from hardly off the normal to far off.
+for values in [
+    stats.norm.ppf((np.arange(12) + 0.5) / 12),
+    normal(0, 30),
+    normal(3, 200),
+    np.round(rng.exponential(1.0, 40), 6),
+    np.round(rng.uniform(0, 1, 60), 6),
+    tied(0, 50),
+    np.round(rng.standard_cauchy(400), 6),
+]:
+    a, p = normal_ad(np.asarray(values))
+    row("anderson-darling", "asymptotic", values, [], a, p)

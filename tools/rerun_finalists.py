@@ -5,6 +5,8 @@
     python3 -m pip install -r tools/requirements.txt
     python3 tools/rerun_finalists.py results/best_robot
 
+`realgap search --mujoco` does it at the end of a search and lets it decide which robots survive.
+
 RESULTS/best/NAME.draws.json holds what was drawn for every repeat of a finalist: start, servos, masses, frictions. The first `--draws` of them run in
 MuJoCo with contacts hard and steps short enough that neither matters (1/16000 s, solref 0.0005: at 1/1000 s MuJoCo takes these robots half as far),
 and the two distributions are compared: medians, rank correlation draw by draw, and the largest distance of the distribution functions. A robot agrees
@@ -96,6 +98,7 @@ def main():
     parser.add_argument("results", type=pathlib.Path, help="folder of a search")
     parser.add_argument("--draws", type=int, default=8, help="repeats of every robot [default: 8]")
     parser.add_argument("--tolerance", type=float, default=0.15, help="largest difference of the medians, as a share [default: 0.15]")
+    parser.add_argument("--output", type=pathlib.Path, help="where the table goes as JSON [default: RESULTS/best/mujoco.json]")
     options = parser.parse_args()
     summary = json.loads((options.results / "summary.json").read_text())
     best = options.results / "best"
@@ -120,7 +123,7 @@ def main():
                          "ks_distance": distance, "agrees": bool(agrees), "realgap_m": here, "mujoco_m": there})
             print(f"{robot['file']:<20} {here_m:>7.3f} m {there_m:>7.3f} m {there_m / here_m:>6.2f} {growth or math.nan:>8.2f} {'-' if correlation is None else f'{correlation:.2f}':>7} {distance:>5.2f}  {'yes' if agrees else 'NO'}", flush=True)
     text = json.dumps({"mujoco": mujoco.__version__, "numpy": np.__version__, "timestep_s": TIMESTEP_S, "solref_s": SOLREF_S, "tolerance": options.tolerance, "robots": rows}, indent=2)
-    (best / "mujoco.json").write_text(text + "\n")
+    (options.output or best / "mujoco.json").write_text(text + "\n")
 
 
 if __name__ == "__main__":

@@ -16,8 +16,9 @@ class Robot:
         self.model = mujoco.MjModel.from_xml_path(str(path))
         m = self.model
         self.name = self.text("robot")
-        # In MuJoCo's order of joints; joint 0 is the free one.
-        self.joints = [m.joint(j).name for j in range(m.njnt) if m.jnt_type[j] == mujoco.mjtJoint.mjJNT_HINGE]
+        # In MuJoCo's order of joints; joint 0 is the free one. Passive hinges have neither servo nor gait.
+        driven = set(m.actuator_trnid[:, 0])
+        self.joints = [m.joint(j).name for j in range(m.njnt) if j in driven]
         self.angle_at = np.array([m.joint(name).qposadr[0] for name in self.joints], dtype=int)
         self.actuator = np.array([m.actuator(name).id for name in self.joints], dtype=int)
         gaits = np.array([self.numbers(f"gait_{name}") for name in self.joints]).reshape(-1, 4)
@@ -28,6 +29,8 @@ class Robot:
         self.gain_1_s = servos[:, 0]
         # -1 says "no limit".
         self.max_speed_rad_s = np.where(servos[:, 1] < 0, np.inf, servos[:, 1])
+        # A robot that is mounted stays where it is.
+        self.is_free = m.njnt > 0 and m.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
         self.track = m.site("track").id
         self.floor = m.geom("floor").id
 
@@ -85,13 +88,15 @@ class Robot:
         quat = np.zeros(4)
         mujoco.mju_axisAngle2Quat(quat, np.asarray(turn_rad) / angle if angle > 0 else np.array([0.0, 0, 1]), angle)
         # The root's centre goes to x = y = 0 before the shift, as in realgap.
-        data.qpos[0:3] = [shift_m[0], shift_m[1], 1.0]
-        data.qpos[3:7] = quat
+        if self.is_free:
+            data.qpos[0:3] = [shift_m[0], shift_m[1], 1.0]
+            data.qpos[3:7] = quat
         data.qpos[self.angle_at] = self.command_rad(0.0) + servo_zero_rad
         mujoco.mj_forward(m, data)
-        normal_z = data.geom_xmat[self.floor].reshape(3, 3)[2, 2]
-        data.qpos[2] += -self.lowest_m(data) / normal_z + max(shift_m[2], 0.0)
-        mujoco.mj_forward(m, data)
+        if self.is_free:
+            normal_z = data.geom_xmat[self.floor].reshape(3, 3)[2, 2]
+            data.qpos[2] += -self.lowest_m(data) / normal_z + max(shift_m[2], 0.0)
+            mujoco.mj_forward(m, data)
         return data
 
     def settle(self, data, servo_zero_rad=0.0, limit_s=3.0):

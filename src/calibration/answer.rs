@@ -9,7 +9,7 @@ use super::method::Method;
 use super::posterior::BestDraws;
 use super::profile::Profile;
 use super::report::{Evidence, Report};
-use super::score::Scores;
+use super::score::{PointScore, Scores};
 use super::setting::Setting;
 use super::study::Study;
 use super::uncertainty::{Known, Uncertainty};
@@ -46,12 +46,14 @@ impl fmt::Display for Answer {
 const CHAMPIONS: usize = 4;
 
 impl Answer {
-    /// Works out how sure the best of these scores is; simulations run on the current rayon pool.
+    /// Works out how sure the best of these scores is; simulations run on the current rayon pool. `refits`: as
+    /// [`Validation::new`] wants them.
     pub(super) fn new(
         study: &Study,
         method: Method,
         ending: Ending,
         scores: Scores,
+        refits: Option<Vec<PointScore>>,
     ) -> Result<Self> {
         let (scores, known) = match ending {
             Ending::Complete => settled(study, scores)?,
@@ -78,7 +80,7 @@ impl Answer {
             uncertainty: uncertainty.as_ref(),
             draws: draws.as_ref(),
             audit,
-            validation: Validation::new(study, &scores)?,
+            validation: Validation::new(study, &scores, refits)?,
         };
         let report = Report::new(study, &evidence)?;
         Ok(Self {
@@ -101,6 +103,10 @@ fn settled(study: &Study, mut scores: Scores) -> Result<(Scores, Option<Known>)>
     let last = scores.runs.iter().map(|run| run.index).max().unwrap_or(0);
     let mut next = (last / settings.count + 1) * settings.count;
     let mut known = Known::new(study, &scores)?;
+    if settings.count == 1 {
+        // Who asks for single runs gets the lowest of them, luck included.
+        return Ok((scores, known));
+    }
     for _ in 0..CHAMPIONS {
         let Some(best) = known.as_ref().and_then(Known::best) else {
             break;

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::basis::BasisRule;
 use super::definition::{Definition, ScoreRule, StartRule};
+use super::fitted::samples_sha256;
 use super::recording::warnings_for;
 use super::split::Split;
 use super::study::Study;
@@ -14,8 +16,7 @@ use crate::optimization::{Grid, Range};
 use crate::robot::morphology::Morphology;
 use crate::simulation::Noise;
 use crate::simulation::parameter::{Assignment, ParameterSet, by_name};
-use crate::trajectory::{Recording, Trajectory};
-use crate::unit::LengthUnit;
+use crate::trajectory::{Reading, Recording, Trajectory};
 
 /// A study as it is put together; [`Study::builder`] begins one.
 ///
@@ -33,6 +34,7 @@ pub struct StudyBuilder {
     ranges: Vec<(String, f64, f64, usize)>,
     metric: Option<&'static dyn Metric>,
     score: ScoreRule,
+    basis: BasisRule,
     components: Components,
     seed: u64,
     split: Option<Split>,
@@ -73,6 +75,7 @@ impl Study {
             ranges: Vec::new(),
             metric: None,
             score: ScoreRule::default(),
+            basis: BasisRule::default(),
             components: Components::default(),
             seed: 1,
             split: None,
@@ -95,7 +98,9 @@ impl StudyBuilder {
             path: PathBuf::from(&name),
             name,
             trajectory,
+            bodies: Vec::new(),
             meta: None,
+            reading: Reading::default(),
             warnings: Vec::new(),
         })
     }
@@ -115,6 +120,12 @@ impl StudyBuilder {
     /// How far apart two trajectories are; else `pca`.
     pub fn metric(mut self, metric: &'static dyn Metric) -> Self {
         self.metric = Some(metric);
+        self
+    }
+
+    /// Where the basis of `pca` comes from; else the recordings and the simulations.
+    pub fn basis(mut self, basis: BasisRule) -> Self {
+        self.basis = basis;
         self
     }
 
@@ -206,17 +217,23 @@ impl StudyBuilder {
             recording_globs: Vec::new(),
             recordings_sha256: self.recordings.iter().map(samples_sha256).collect(),
             warnings: warnings_for(&self.robot, &self.recordings),
+            vehicle: None,
+            condition: None,
             morphology: self.robot,
             recordings: self.recordings,
             start: self.start,
             start_state: self.start_state,
+            only_at_rest: false,
+            scene: Vec::new(),
+            commands: None,
             duration_s: self.duration_s,
-            unit: LengthUnit::Metre,
+            reading: Reading::default(),
             set,
             grid: Grid::new(ranges)?,
             parameters,
             metric,
             score: self.score,
+            basis: self.basis,
             components: self.components,
             seed: self.seed,
             split: self.split,
@@ -224,9 +241,4 @@ impl StudyBuilder {
             noise: self.noise,
         })
     }
-}
-
-/// Hash of what was recorded, in place of that of a file.
-fn samples_sha256(recording: &Recording) -> String {
-    sha256(format!("{:?}", recording.trajectory).as_bytes())
 }

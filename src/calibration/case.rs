@@ -1,15 +1,18 @@
 //! One simulation of a study and the recordings it is compared with.
 
 use std::borrow::Cow;
+use std::sync::{Arc, Mutex};
 
 use nalgebra::Vector3;
 
-use super::clip::clip;
 use super::definition::{Definition, StartRule};
-use crate::calibration::identification::{Body, EQUAL_MOMENTS, Refined, StartState, refine};
-use crate::error::{Error, Result};
+use super::{joints, scene_file};
+use crate::calibration::identification::{
+    Body, EQUAL_MOMENTS, KnownFlight, Refined, StartState, refine,
+};
+use crate::error::{Advice, Error, Result};
 use crate::simulation::{Experiment, Sampling, Start};
-use crate::trajectory::{Prepared, Recording, State, Trajectory, prepare};
+use crate::trajectory::{Prepared, Recording, State, Trajectory, clip, prepare};
 use crate::warning::{Code, Warning};
 
 /// One recording as it is compared: cut to the simulated duration, and prepared.
@@ -49,6 +52,8 @@ pub struct Case {
     pub experiment: Experiment,
     /// The recordings it is compared with, at least one.
     pub targets: Vec<Target>,
+    /// What its flight was found to be last, for whoever asks next.
+    pub(super) flight: Arc<Mutex<Option<KnownFlight>>>,
 }
 
 /// Samples per second of a simulation that starts settled; the comparison resamples to 182 points anyway.
@@ -61,10 +66,31 @@ pub(super) fn cases(definition: &Definition) -> Result<(Vec<Case>, Vec<Warning>)
             definition.at_file(Error::invalid("no recordings to compare with").field("recordings"))
         );
     }
+    if !definition.metric.needs().joints
+        && let Some(recording) = definition
+            .recordings
+            .iter()
+            .find(|recording| recording.trajectory.is_of_joints())
+    {
+        return Err(Error::invalid("a recording of joints alone has no path")
+            .field("metric")
+            .found(definition.metric.name())
+            .allowed("joints")
+            .at_file(&recording.path));
+    }
     let base = definition.experiment();
     match definition.start {
         StartRule::Settled => settled(definition, &base),
         StartRule::FromRecording => from_recordings(definition, &base),
+    }
+}
+
+/// The error about a run; of recordings whose times are doubted, what would mend these.
+fn doubted(error: Error, recordings: &[Recording]) -> Error {
+    let mut warnings = recordings.iter().flat_map(|recording| &recording.warnings);
+    match warnings.find(|warning| warning.code == Code::UnlikelyTime) {
+        Some(warning) => error.hint(&warning.message).advise(Advice::TimeUnit),
+        None => error,
     }
 }
 
@@ -84,9 +110,13 @@ fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec
         duration_s = shortest_s;
     }
     let mut experiment = base.clone();
+    // Runs that begin as one share the track of the first recording.
+    scene_file::lead(&mut experiment, &definition.recordings[0])?;
     experiment.duration_s = duration_s;
     experiment.sampling = Sampling::Rate(SETTLED_RATE_HZ);
-    experiment.check().map_err(|e| definition.at_file(e))?;
+    experiment
+        .check()
+        .map_err(|e| definition.at_file(doubted(e, &definition.recordings)))?;
     let targets = definition
         .recordings
         .iter()
@@ -97,6 +127,7 @@ fn settled(definition: &Definition, base: &Experiment) -> Result<(Vec<Case>, Vec
         vec![Case {
             experiment,
             targets,
+            flight: Arc::default(),
         }],
         warnings,
     ))
@@ -118,13 +149,29 @@ fn from_recordings(
         )?;
         let times_s = target.motion.times_s();
         let mut experiment = base.clone();
-        experiment.start = Start::State(first_state(recording, &mut warnings)?);
+        if recording.trajectory.is_of_joints() && base.assembly.mount_world_m.is_some() {
+            // What is held needs no state but its joints'.
+            experiment.start = Start::Settled;
+        } else {
+            experiment.start = Start::State(first_state(recording, &mut warnings)?);
+        }
+        let commands = definition.commands.as_ref();
+        joints::set_up(&mut experiment, recording, commands, &mut warnings);
+        if let Some(commands) = commands {
+            commands
+                .set_up(&mut experiment, recording)
+                .map_err(|e| definition.at_file(e))?;
+        }
+        scene_file::lead(&mut experiment, recording)?;
         experiment.duration_s = target.motion.duration_s();
         experiment.sampling = Sampling::Times(times_s.iter().map(|t| t - times_s[0]).collect());
-        experiment.check().map_err(|e| e.at_file(&recording.path))?;
+        experiment
+            .check()
+            .map_err(|e| doubted(e, std::slice::from_ref(recording)).at_file(&recording.path))?;
         cases.push(Case {
             experiment,
             targets: vec![target],
+            flight: Arc::default(),
         });
     }
     warnings.extend(start_state_warnings(definition, &cases)?);
@@ -142,7 +189,8 @@ fn start_state_warnings(definition: &Definition, cases: &[Case]) -> Result<Vec<W
         format!("start states: {}", rule.label()),
     )];
     if rule == StartState::Flight
-        && Body::new(&cases[0].experiment).is_ok_and(|body| body.moment_ratio > EQUAL_MOMENTS)
+        && Body::new(&cases[0].experiment)
+            .is_ok_and(|body| body.linkage.is_none() && body.moment_ratio > EQUAL_MOMENTS)
     {
         warnings.push(Warning::new(
             Code::UnequalMoments,
@@ -176,7 +224,9 @@ fn target(
 ) -> Result<Target> {
     let motion = clip(&recording.trajectory, duration_s)?;
     let prepared = prepare(&motion).map_err(|e| e.at_file(&recording.path))?;
-    warnings.extend(prepared.warnings().iter().cloned());
+    if !motion.is_of_joints() {
+        warnings.extend(prepared.warnings().iter().cloned());
+    }
     Ok(Target {
         recording: index,
         motion,

@@ -2,9 +2,12 @@
 
 use std::fmt;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize, Serializer};
 
+use super::basis::BasisRule;
+use super::command_file::Commands;
 use super::split::Split;
 use crate::calibration::identification::StartState;
 use crate::comparison::{Components, Metric};
@@ -12,9 +15,8 @@ use crate::error::Error;
 use crate::optimization::Grid;
 use crate::robot::morphology::Morphology;
 use crate::simulation::parameter::{Parameter, ParameterSet};
-use crate::simulation::{Experiment, Noise};
-use crate::trajectory::{Recording, Source};
-use crate::unit::LengthUnit;
+use crate::simulation::{Experiment, Noise, SceneBody, Vehicle};
+use crate::trajectory::{Reading, Recording, Source};
 use crate::warning::Warning;
 
 /// Where a simulated run starts.
@@ -43,7 +45,7 @@ pub enum ScoreRule {
 }
 
 /// What a study says, validated.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Definition {
     /// File stem.
     pub name: String,
@@ -55,6 +57,10 @@ pub struct Definition {
     pub description: String,
     /// The robot.
     pub morphology: Morphology,
+    /// The two-wheel robot that is simulated in place of the morphology, which then is only its size.
+    pub vehicle: Option<Arc<Vehicle>>,
+    /// Which set of a file with several (`condition,run,…`) is compared with.
+    pub condition: Option<String>,
     /// SHA-256 of the morphology file.
     pub morphology_sha256: String,
     /// Globs of the recordings, relative to the file.
@@ -67,10 +73,16 @@ pub struct Definition {
     pub start: StartRule,
     /// Which state of a recording runs start from, where they start from recordings.
     pub start_state: StartState,
+    /// Whether recordings that end while moving are left out.
+    pub only_at_rest: bool,
+    /// Other bodies beside the robot.
+    pub scene: Vec<SceneBody>,
+    /// What the recordings say of the servos.
+    pub commands: Option<Commands>,
     /// Length of the runs, seconds; `None`: as long as the recordings.
     pub duration_s: Option<f64>,
-    /// Unit of length of the recordings' files.
-    pub unit: LengthUnit,
+    /// How the recordings' files are read.
+    pub reading: Reading,
     /// Fixed parameter values.
     pub set: ParameterSet,
     /// The parameters that vary, and how far.
@@ -81,6 +93,8 @@ pub struct Definition {
     pub metric: &'static dyn Metric,
     /// What the score of a point is the mean over.
     pub score: ScoreRule,
+    /// Where the basis of the `pca` metric comes from.
+    pub basis: BasisRule,
     /// How many principal components the `pca` metric keeps.
     pub components: Components,
     /// Seed of everything random.
@@ -143,7 +157,12 @@ impl Definition {
 
     /// The experiment with everything that the study fixes, before any recording has a say.
     pub fn experiment(&self) -> Experiment {
-        let base = Experiment::new(self.morphology.assemble());
+        let mut base = Experiment::new(self.morphology.assemble());
+        base.scene = self.scene.clone();
+        if let Some(vehicle) = &self.vehicle {
+            base.drive = vehicle.drive;
+            base.vehicle = Some(Arc::clone(vehicle));
+        }
         self.set.apply(&base)
     }
 }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::definition::StartUsed;
+use super::recording::few_recordings;
 use super::rest::{FaceOdds, face_at_end};
 use super::study::Study;
 use crate::calibration::identification::is_at_rest;
@@ -43,10 +44,16 @@ pub struct RecordingErrors {
     pub position_percent: Option<f64>,
     /// Mean rotation error, degrees.
     pub rotation_deg: Option<f64>,
+    /// Mean error of the joints, degrees; `None` without joints, too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hinge_deg: Option<f64>,
     /// Position error at the end, percent of the body length.
     pub final_position_percent: Option<f64>,
     /// Rotation error at the end, degrees.
     pub final_rotation_deg: Option<f64>,
+    /// Error of the joints at the end, degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub final_hinge_deg: Option<f64>,
     /// Face that ended down, where the recording ends at rest.
     pub real_face_down: Option<&'static str>,
     /// Face that points down at the end of the simulation.
@@ -66,10 +73,16 @@ pub struct Evaluation {
     pub position_percent: Average,
     /// Mean rotation error of each recording, degrees.
     pub rotation_deg: Average,
+    /// Mean error of the joints of each recording, degrees; `None` without joints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hinge_deg: Option<Average>,
     /// Position error at the end, percent of the body length.
     pub final_position_percent: Average,
     /// Rotation error at the end, degrees.
     pub final_rotation_deg: Average,
+    /// Error of the joints at the end, degrees; `None` without joints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub final_hinge_deg: Option<Average>,
     /// Recordings that end more than 45° off; diverged simulations count.
     pub over_45_deg: usize,
     /// Which face ends down.
@@ -139,8 +152,10 @@ fn evaluate_case(
                 recording: recording.name.clone(),
                 position_percent: errors.as_ref().map(|e| 100.0 * e.position_fraction_mean),
                 rotation_deg: errors.as_ref().map(|e| e.rotation_rad_mean.to_degrees()),
+                hinge_deg: joint_deg(errors.as_ref().and_then(|e| e.joint_rad_mean)),
                 final_position_percent: errors.as_ref().map(|e| 100.0 * e.position_fraction_final),
                 final_rotation_deg: errors.as_ref().map(|e| e.rotation_rad_final.to_degrees()),
+                final_hinge_deg: joint_deg(errors.as_ref().and_then(|e| e.joint_rad_final)),
                 real_face_down: is_at_rest(&target.motion)
                     .then(|| face_at_end(&target.motion))
                     .flatten(),
@@ -151,6 +166,10 @@ fn evaluate_case(
             Ok((target.recording, row))
         })
         .collect()
+}
+
+fn joint_deg(error_rad: Option<f64>) -> Option<f64> {
+    error_rad.map(f64::to_degrees)
 }
 
 fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> Result<Evaluation> {
@@ -181,6 +200,7 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
             ));
         }
     }
+    warnings.extend(few_recordings(rows.len()));
     if rows.len() == 1 {
         warnings.push(Warning::new(
             Code::OneRecording,
@@ -197,8 +217,10 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
         recordings: rows.len(),
         position_percent: average(|row| row.position_percent)?,
         rotation_deg: average(|row| row.rotation_deg)?,
+        hinge_deg: Average::of(rows.iter().filter_map(|row| row.hinge_deg).collect()),
         final_position_percent: average(|row| row.final_position_percent)?,
         final_rotation_deg: average(|row| row.final_rotation_deg)?,
+        final_hinge_deg: Average::of(rows.iter().filter_map(|row| row.final_hinge_deg).collect()),
         over_45_deg: over,
         resting_faces: resting_faces(&rows),
         cpu_ms_per_s: 1e3 * cpu_s / simulated_s,
@@ -214,7 +236,7 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
 }
 
 /// The study's fingerprint with the hashes of hundreds of recordings folded into one.
-fn provenance(study: &Study) -> BTreeMap<String, String> {
+pub(super) fn provenance(study: &Study) -> BTreeMap<String, String> {
     let digest = sha256(study.definition().recordings_sha256.concat());
     study
         .fingerprint()
@@ -236,7 +258,7 @@ fn resting_faces(rows: &[RecordingErrors]) -> Vec<FaceOdds> {
 
 impl Average {
     /// Of at least one value.
-    fn of(values: Vec<f64>) -> Option<Self> {
+    pub(super) fn of(values: Vec<f64>) -> Option<Self> {
         let root = (values.len() as f64).sqrt();
         (!values.is_empty()).then(|| Self {
             mean: mean(&values),

@@ -2,20 +2,26 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::Deserialize;
 
+use super::basis::BasisRule;
+use super::command_file::Commands;
 use super::definition::{Definition, ScoreRule, StartRule};
+use super::fitted::in_sample;
 use super::overrides::Overrides;
 use super::recording;
+use super::scene_file::BodyFile;
 use crate::calibration::identification::StartState;
 use crate::comparison::{self, Components};
-use crate::error::{Error, Result};
-use crate::file::{Source, name_of_file, parse_ron, unique_keys};
+use crate::error::{Error, ErrorKind, Result};
+use crate::file::{Source, name_of_file, parse_ron, sha256, unique_keys};
 use crate::optimization::{Grid, MAX_POINTS, Range};
 use crate::robot::morphology::Morphology;
-use crate::simulation::Noise;
 use crate::simulation::parameter::{Assignment, ParameterSet, by_name};
+use crate::simulation::{Noise, Vehicle};
+use crate::trajectory::Reading;
 
 /// A study file as written.
 #[derive(Debug, Deserialize)]
@@ -23,11 +29,20 @@ use crate::simulation::parameter::{Assignment, ParameterSet, by_name};
 struct StudyFile {
     #[serde(default)]
     description: String,
-    morphology: PathBuf,
+    morphology: Option<PathBuf>,
+    vehicle: Option<VehicleFile>,
+    condition: Option<String>,
     #[serde(default)]
     recordings: Vec<String>,
+    #[serde(default)]
+    reading: Reading,
     start: StartRule,
     start_state: Option<StartState>,
+    #[serde(default)]
+    only_at_rest: bool,
+    #[serde(default)]
+    scene: Vec<BodyFile>,
+    commands: Option<Commands>,
     duration_s: Option<f64>,
     timestep_s: Option<f64>,
     substeps: Option<usize>,
@@ -37,6 +52,7 @@ struct StudyFile {
     parameters: Vec<RangeFile>,
     #[serde(default = "default_metric")]
     metric: String,
+    basis: Option<BasisFile>,
     components: Option<ComponentsFile>,
     #[serde(default)]
     score: ScoreRule,
@@ -45,6 +61,14 @@ struct StudyFile {
     #[serde(default, deserialize_with = "unique_keys")]
     truth: BTreeMap<String, f64>,
     noise: Option<Noise>,
+}
+
+/// A two-wheel robot in place of a morphology.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Vehicle")]
+struct VehicleFile {
+    file: PathBuf,
+    sensor: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, Deserialize)]
@@ -57,6 +81,13 @@ enum Joint {
 enum ComponentsFile {
     Variance(f64),
     Count(usize),
+}
+
+#[derive(Debug, Clone, Deserialize)]
+enum BasisFile {
+    Everything,
+    Recordings,
+    File(PathBuf),
 }
 
 #[derive(Debug, Deserialize)]
@@ -90,9 +121,17 @@ impl Definition {
     pub fn read(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
         let path = path.as_ref();
         let definition = Self::read_without_recordings(path, overrides)?;
-        let found = recording::find(path, &definition.recording_globs, overrides)?;
+        let mut found = recording::find(&definition, path, overrides)?;
+        let moving = if definition.only_at_rest {
+            found.keep_those_at_rest().map_err(|e| e.at_file(path))?
+        } else {
+            None
+        };
+        let mut warnings = recording::warnings_for(&definition.morphology, &found.recordings);
+        warnings.extend(moving);
+        warnings.extend(in_sample(&found.recordings, &overrides.fitted_on));
         Ok(Self {
-            warnings: recording::warnings_for(&definition.morphology, &found.recordings),
+            warnings,
             recordings: found.recordings,
             recordings_sha256: found.sha256,
             ..definition
@@ -108,16 +147,24 @@ impl Definition {
         let source = Source::read(path, "study")?;
         let file: StudyFile = parse_ron(&source)?;
 
-        let morphology_path = path
-            .parent()
-            .unwrap_or(Path::new(""))
-            .join(&file.morphology);
-        let morphology_source =
-            Source::read(&morphology_path, "morphology").map_err(|e| match e.file() {
-                Some(_) => e,
-                None => source.at("morphology", e),
-            })?;
-        let morphology = Morphology::parse(&morphology_source)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let (morphology, morphology_sha256, vehicle) = match (&file.morphology, &file.vehicle) {
+            (Some(named), None) => {
+                let robot = morphology_source(&source, &folder.join(named))?;
+                (Morphology::parse(&robot)?, robot.sha256(), None)
+            }
+            (None, Some(named)) => {
+                let vehicle = Vehicle::read(folder.join(&named.file), named.sensor.as_deref())?;
+                let sha256 = sha256(vehicle.text.as_bytes());
+                (outside_of(&vehicle)?, sha256, Some(Arc::new(vehicle)))
+            }
+            _ => {
+                return Err(Error::invalid("a study is of one robot")
+                    .at_file(path)
+                    .allowed("`morphology: \"...\"`, or `vehicle: (file: \"...\")`")
+                    .hint("add `morphology: ...`"));
+            }
+        };
 
         let mut set = ParameterSet::new();
         let named = [
@@ -163,6 +210,12 @@ impl Definition {
             Some(metric) => metric,
             None => comparison::by_name(&file.metric).map_err(|e| source.at("metric", e))?,
         };
+        let basis = match (&overrides.basis, &file.basis) {
+            (Some(basis), _) => basis.clone(),
+            (None, None | Some(BasisFile::Everything)) => BasisRule::Everything,
+            (None, Some(BasisFile::Recordings)) => BasisRule::Recordings,
+            (None, Some(BasisFile::File(saved))) => BasisRule::read(folder.join(saved))?,
+        };
         let components = match file.components {
             None => Components::default(),
             Some(ComponentsFile::Variance(share)) => Components::Variance(share),
@@ -178,6 +231,9 @@ impl Definition {
                 .allowed("0.001 to 3600 s");
             return Err(source.at("duration_s", error));
         }
+        if let Some((field, error)) = file.reading.fault() {
+            return Err(source.at(&format!("reading.{field}"), error));
+        }
         if let Some((field, error)) = file.noise.and_then(|noise| noise.fault()) {
             return Err(source.at(&format!("noise.{field}"), error));
         }
@@ -191,6 +247,13 @@ impl Definition {
                 .hint("use `start: FromRecording`");
             return Err(source.at("start", error));
         }
+        let mut scene = Vec::with_capacity(file.scene.len());
+        for (index, body) in file.scene.into_iter().enumerate() {
+            let body = body
+                .into_body()
+                .map_err(|e| source.at(&format!("scene[{index}]"), e))?;
+            scene.push(body);
+        }
         let truth = file
             .truth
             .iter()
@@ -202,18 +265,24 @@ impl Definition {
             text: source.text().to_owned(),
             description: file.description,
             morphology,
-            morphology_sha256: morphology_source.sha256(),
+            morphology_sha256,
+            vehicle,
+            condition: file.condition,
             recordings: Vec::new(),
             recordings_sha256: Vec::new(),
             start: file.start,
             start_state,
+            only_at_rest: file.only_at_rest,
+            scene,
+            commands: file.commands,
             duration_s: file.duration_s,
-            unit: overrides.unit,
+            reading: overrides.reading.clone().or(&file.reading),
             set,
             grid,
             parameters,
             metric,
             score: overrides.score.unwrap_or(file.score),
+            basis,
             components,
             seed: overrides.seed.unwrap_or(file.seed),
             split: overrides.split,
@@ -223,4 +292,31 @@ impl Definition {
             warnings: Vec::new(),
         })
     }
+}
+
+/// Reads the robot that a study names.
+fn morphology_source(study: &Source, named: &Path) -> Result<Source> {
+    Source::read(named, "morphology").map_err(|e| {
+        let e = match e.file() {
+            Some(_) => e,
+            None => study.at("morphology", e),
+        };
+        match e.kind() {
+            ErrorKind::Io => e.hint(format!(
+                "`morphology` in {} names it; relative paths in a study start at the study's folder",
+                study.path().display()
+            )),
+            _ => e,
+        }
+    })
+}
+
+/// A cube of a vehicle's size and name, for everything that asks how large a robot is.
+fn outside_of(vehicle: &Vehicle) -> Result<Morphology> {
+    let text = format!(
+        "(name: {:?}, defaults: (side_m: {}, mass_kg: 0.3), modules: [(name: \"body\", kind: Passive())], glue: [])",
+        vehicle.name,
+        2.0 * vehicle.radius_m
+    );
+    Morphology::parse(&Source::new("vehicle", text))
 }

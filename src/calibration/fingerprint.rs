@@ -1,5 +1,7 @@
 //! Everything that decides a study's results, so that two studies never share a results folder.
 
+use std::collections::BTreeSet;
+
 use super::study::Study;
 use crate::calibration::identification::StartState;
 use crate::simulation::ENGINE_VERSION;
@@ -29,7 +31,22 @@ impl Study {
             .with("contact", format!("{:?}", experiment.contact))
             .with("set", &definition.set)
             .with("seed", definition.seed)
-            .with("unit of the recordings", format!("{:?}", definition.unit));
+            .with(
+                "unit of the recordings",
+                format!("{:?}", definition.reading.length.unwrap_or_default()),
+            );
+        // How the recordings are read, a `meta.ron` beside them included.
+        let read_as = definition.recordings.iter().map(|r| r.reading.to_string());
+        let read_as: BTreeSet<String> = read_as.filter(|how| !how.is_empty()).collect();
+        for (index, how) in read_as.into_iter().enumerate() {
+            print = print.with(format!("reading {index}"), how);
+        }
+        if let Some(condition) = &definition.condition {
+            print = print.with("condition", condition);
+        }
+        if definition.basis.is_known() {
+            print = print.with("basis", definition.basis.label());
+        }
         if definition.start_state != StartState::FirstSample {
             print = print.with("start state", definition.start_state.label());
         }

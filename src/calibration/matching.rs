@@ -34,6 +34,11 @@ pub(super) fn matching_files(base: &Path, pattern: &str) -> Result<Vec<PathBuf>>
     Ok(found)
 }
 
+/// Whether a name fits a pattern with wildcards; a pattern that is none fits nothing.
+pub(super) fn name_matches(pattern: &str, name: &str) -> bool {
+    Pattern::new(pattern).is_ok_and(|pattern| pattern.matches_with(name, OPTIONS))
+}
+
 /// One step down the path.
 enum Step {
     /// To this name.

@@ -1,12 +1,13 @@
 //! What a caller wants different from a study's file.
 
+use super::basis::BasisRule;
 use super::definition::ScoreRule;
 use super::split::Split;
 use crate::calibration::identification::StartState;
 use crate::comparison::Metric;
 use crate::error::{Error, Result};
 use crate::simulation::parameter::ParameterSet;
-use crate::unit::LengthUnit;
+use crate::trajectory::Reading;
 
 /// A part of the recordings: the `offset`-th of every `every`, in order of their paths, counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +49,8 @@ pub struct Overrides {
     pub limit_recordings: Option<usize>,
     /// Metric in place of the file's.
     pub metric: Option<&'static dyn Metric>,
+    /// Where the basis of `pca` comes from, in place of the file's.
+    pub basis: Option<BasisRule>,
     /// What a score is the mean over, in place of the file's.
     pub score: Option<ScoreRule>,
     /// Points per parameter in place of the file's.
@@ -56,8 +59,13 @@ pub struct Overrides {
     pub seed: Option<u64>,
     /// Fixed values, after the file's own.
     pub set: ParameterSet,
-    /// Unit of length of the recordings.
-    pub unit: LengthUnit,
+    /// What the values were fitted on ([`recording_id`](super::recording_id)): a warning says which of the recordings are among
+    /// them.
+    pub fitted_on: Vec<String>,
+    /// How the recordings are read, before what the file says of it.
+    pub reading: Reading,
+    /// Whether sets of recordings without a study are cut to the shortest and compared at equal times; a study always does.
+    pub equal_times: bool,
     /// Which recordings are kept from the fit to check it.
     pub split: Option<Split>,
 }

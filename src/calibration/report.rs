@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::audit::Audit;
 use super::method::{Method, Tuned};
 use super::posterior::BestDraws;
+use super::recording::few_recordings;
 use super::score::Scores;
 use super::study::Study;
 use super::uncertainty::{Uncertainty, UncertaintySource, own_score};
@@ -17,7 +18,7 @@ use crate::comparison::pose_errors;
 use crate::error::Result;
 use crate::optimization::Ending;
 use crate::simulation;
-use crate::unit::{Unit, as_label, counted, quantity};
+use crate::unit::{Unit, counted, quantity};
 use crate::warning::{Code, Warning};
 
 /// What a sweep or tuning says, with how sure it is and where it comes from; its `Display` is for people.
@@ -44,7 +45,6 @@ pub struct Report {
     /// The metric.
     pub metric: &'static str,
     /// Its unit.
-    #[serde(serialize_with = "as_label")]
     pub unit: Unit,
     /// The best point; `None` when every point diverged.
     pub best: Option<Best>,
@@ -268,6 +268,7 @@ impl Report {
                 .as_ref()
                 .and_then(|validation| validation.warning()),
         );
+        warnings.extend(few_recordings(study.fitted_recordings()));
         if study.fitted_recordings() == 1 {
             warnings.push(Warning::new(
                 Code::OneRecording,

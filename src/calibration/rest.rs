@@ -139,7 +139,7 @@ fn resting_odds(
         .filter(|parameter| fixed.value(parameter.name).is_none());
     let (mut values, mut at_default) = (BTreeMap::new(), Vec::new());
     for parameter in free {
-        if let Some(value) = (parameter.get)(&study.cases()[0].experiment) {
+        if let Some(value) = parameter.value(&study.cases()[0].experiment) {
             values.insert(parameter.name.to_owned(), value);
             at_default.push(parameter.name.to_owned());
         }

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::basis::basis;
 use super::study::Study;
 use crate::comparison::Basis;
 use crate::error::Result;
@@ -151,27 +152,6 @@ fn mean_of(runs: &[&PointScore]) -> PointScore {
         displacement_error_m: over(&|run| run.displacement_error_m),
         path_xy_m: first.path_xy_m.clone(),
     }
-}
-
-/// Basis of all recordings and all completed simulations, diverged ones left out; `None` where the metric needs none.
-///
-/// # Errors
-/// Paths from which no basis can be built.
-pub(super) fn basis<'a>(
-    study: &Study,
-    rows: impl IntoIterator<Item = &'a CaseRow>,
-) -> Result<Option<Basis>> {
-    if !study.definition().metric.needs().basis {
-        return Ok(None);
-    }
-    let real = study.real_paths();
-    let simulated: Vec<Prepared> = rows
-        .into_iter()
-        .filter_map(CaseRow::completed)
-        .map(|result| Prepared::from_xy_m(result.path_xy_m.clone()))
-        .collect::<Result<_>>()?;
-    let all: Vec<&Prepared> = real.iter().copied().chain(&simulated).collect();
-    Basis::fit(&all, study.definition().components).map(Some)
 }
 
 fn score(

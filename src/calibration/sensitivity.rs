@@ -5,8 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::basis::basis;
 use super::definition::StartRule;
-use super::score::{basis, result_scores};
+use super::score::result_scores;
 use super::study::Study;
 use crate::error::{Advice, Error, Result};
 use crate::optimization::RunOptions;
@@ -82,7 +83,7 @@ fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
     let experiment = study.experiment_with(0, &base)?;
     let nudged: Vec<(&'static Parameter, f64, [Option<f64>; 2])> = parameter::all()
         .filter_map(|parameter| {
-            let value = (parameter.get)(&experiment)?;
+            let value = parameter.value(&experiment)?;
             let one = Assignment { parameter, value };
             let acts = ParameterSet::new()
                 .with(one)

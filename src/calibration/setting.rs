@@ -28,20 +28,6 @@ impl Setting {
     pub fn new(number: usize) -> Self {
         Self(number as u64)
     }
-
-    /// By how much the timestep is divided and the substeps are multiplied, each from 1 to 2: odd settings vary one, even
-    /// ones the other, spread so that any first few cover the range (van der Corput 1935).
-    fn factors(self) -> (f64, f64) {
-        if self == Self::OWN {
-            return (1.0, 1.0);
-        }
-        let factor = libm::exp2(1.0 - van_der_corput((self.0 - 1) / 2));
-        if self.0 % 2 == 1 {
-            (1.0, factor)
-        } else {
-            (factor, 1.0)
-        }
-    }
 }
 
 impl Settings {
@@ -64,25 +50,9 @@ impl Settings {
         if setting == Setting::OWN {
             return experiment.clone();
         }
-        let (shorter, more) = setting.factors();
-        let mut changed = self.noise.perturb(experiment, self.seed, setting.0);
-        changed.solver.timestep_s /= shorter;
-        changed.solver.substeps = (changed.solver.substeps as f64 * more).ceil() as usize;
-        changed
+        let perturbed = self.noise.perturb(experiment, self.seed, setting.0);
+        perturbed.with_numerics(setting.0)
     }
-}
-
-/// The index-th number of the sequence 0, 1/2, 1/4, 3/4, 1/8 …
-fn van_der_corput(mut index: u64) -> f64 {
-    let (mut value, mut digit) = (0.0, 0.5);
-    while index > 0 {
-        if index % 2 == 1 {
-            value += digit;
-        }
-        index /= 2;
-        digit *= 0.5;
-    }
-    value
 }
 
 #[cfg(test)]
@@ -121,13 +91,5 @@ mod tests {
             assert!((1.0..=2.0).contains(&more), "{number}: {more}");
             assert!(finer * more > 1.0, "{number} changes nothing");
         }
-    }
-
-    #[test]
-    fn any_first_few_cover_the_range() {
-        let of = |number| Setting::new(number).factors();
-        // Twice the substeps, half the step, then what lies between.
-        assert_eq!((of(1), of(2)), ((1.0, 2.0), (2.0, 1.0)));
-        assert!((of(3).1 - 2.0_f64.sqrt()).abs() < 1e-12 && of(3).0 == 1.0);
     }
 }

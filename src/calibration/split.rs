@@ -25,8 +25,14 @@ impl fmt::Display for Split {
     }
 }
 
+/// The recordings that are held out in fold number `fold` of so many, in shuffled order; the same for the same seed.
+pub(super) fn fold(recordings: usize, seed: u64, folds: usize, fold: usize) -> Vec<usize> {
+    let order = shuffled(recordings, seed).into_iter();
+    order.skip(fold).step_by(folds).collect()
+}
+
 /// Shuffled order of the recordings; the same for the same seed.
-pub(super) fn shuffled(recordings: usize, seed: u64) -> Vec<usize> {
+fn shuffled(recordings: usize, seed: u64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..recordings).collect();
     order.shuffle(&mut Once::Split.generator(seed));
     order

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
+use super::basis::basis;
 use super::case::{Case, cases};
 use super::definition::{Definition, ScoreRule, StartRule};
 use super::overrides::Overrides;
 use super::setting::Settings;
-use crate::calibration::identification::{StartState, refine};
-use crate::comparison::{Context, Pair};
+use crate::calibration::identification::{StartState, refine_again};
+use crate::comparison::{Context, Pair, Spread};
 use crate::error::{Error, Result};
 use crate::simulation::parameter::{Assignment, ParameterSet};
 use crate::simulation::{self, Experiment, Noise};
@@ -21,13 +22,15 @@ use crate::warning::Warning;
 const VALID_SETTINGS: usize = 16;
 
 /// A study with its cases.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Study {
     definition: Definition,
     cases: Vec<Case>,
     warnings: Vec<Warning>,
     held_out: Vec<bool>,
     body_length_m: f64,
+    /// Of the recordings that are fitted, in recorded lengths, where the metric asks for it.
+    spread: Option<Spread>,
 }
 
 impl Study {
@@ -57,13 +60,23 @@ impl Study {
             Some(split) => split.held_out(definition.recordings.len(), definition.seed)?,
             None => vec![false; definition.recordings.len()],
         };
-        let study = Self {
+        let mut study = Self {
             definition,
             cases,
             warnings,
             held_out,
             body_length_m,
+            spread: None,
         };
+        if study.definition.metric.needs().spread {
+            let fitted = study.part_of(&study.real_paths(), false);
+            let spread = Spread::of(&fitted).map_err(|e| study.definition.at_file(e))?;
+            study.spread = Some(spread);
+        }
+        if study.definition.basis.is_known() {
+            // Refused before any work.
+            basis(&study, []).map_err(|e| study.definition.at_file(e))?;
+        }
         study.check_recordings()?;
         Ok(study)
     }
@@ -82,7 +95,7 @@ impl Study {
             };
             self.definition
                 .metric
-                .compare(&pair, &self.context())
+                .compare(&pair, &self.context(self.spread.as_ref()))
                 .map_err(|e| e.at_file(&self.definition.recordings[target.recording].path))?;
         }
         Ok(())
@@ -116,9 +129,10 @@ impl Study {
             .sum()
     }
 
-    pub(super) fn context(&self) -> Context<'_> {
+    fn context<'a>(&self, spread: Option<&'a Spread>) -> Context<'a> {
         Context {
             basis: None,
+            spread,
             body_length_m: Some(self.body_length_m),
         }
     }
@@ -205,7 +219,13 @@ impl Study {
         // Centre of mass, gravity and length scale decide the start, so it comes after the parameters.
         let recording = self.cases[case].targets[0].recording;
         let recorded = &self.definition.recordings[recording].trajectory;
-        Ok(refine(self.definition.start_state, experiment, recorded)?.0)
+        let mut known = self.cases[case]
+            .flight
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let rule = self.definition.start_state;
+        let refined = refine_again(rule, experiment, recorded, &mut known)?.0;
+        Ok(refined)
     }
 
     /// Recorded lengths over true ones at these values.
@@ -270,13 +290,22 @@ impl Study {
     }
 
     /// The values, one a recording, of those that the fit sees, or of those that are kept from it.
-    pub(super) fn part_of(&self, recordings: &[f64], held_out: bool) -> Vec<f64> {
+    pub(super) fn part_of<T: Copy>(&self, recordings: &[T], held_out: bool) -> Vec<T> {
         recordings
             .iter()
             .zip(&self.held_out)
             .filter(|(_, is_held_out)| **is_held_out == held_out)
             .map(|(value, _)| *value)
             .collect()
+    }
+
+    /// The same study with these recordings kept from the fit, and no others.
+    pub(super) fn without(&self, held_out: &[usize]) -> Self {
+        let recordings = 0..self.definition.recordings.len();
+        Self {
+            held_out: recordings.map(|index| held_out.contains(&index)).collect(),
+            ..self.clone()
+        }
     }
 
     /// Number of recordings that the fit sees.
@@ -297,6 +326,10 @@ impl Study {
         };
         let prepared = prepare(&motion)?;
         let needs_basis = self.definition.metric.needs().basis;
+        // What is compared here is in true lengths.
+        let spread = self.spread.as_ref();
+        let spread = spread.map(|spread| spread.scaled(1.0 / experiment.recording_length_scale));
+        let context = self.context(spread.as_ref());
         let mut scores = Vec::new();
         if !needs_basis {
             for target in &self.cases[case].targets {
@@ -307,12 +340,7 @@ impl Study {
                     real_prepared: &target.prepared,
                     simulated_prepared: &prepared,
                 };
-                scores.push(
-                    self.definition
-                        .metric
-                        .compare(&pair, &self.context())?
-                        .value,
-                );
+                scores.push(self.definition.metric.compare(&pair, &context)?.value);
             }
         }
         // Scores with a basis exist only once all paths are known; the pictures need the first case's.

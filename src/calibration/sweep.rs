@@ -37,6 +37,9 @@ impl Study {
     }
 }
 
+/// What follows the last trial.
+pub(super) const WEIGHING: &str = "weighing what cannot be told apart, auditing the numerics";
+
 fn sweep(study: &Study, place: Option<(Place<'_>, Mode)>, run: &RunOptions<'_>) -> Result<Answer> {
     let grid = &study.definition().grid;
     grid.check_size()
@@ -81,8 +84,9 @@ fn sweep(study: &Study, place: Option<(Place<'_>, Mode)>, run: &RunOptions<'_>) 
         )?;
         from += chosen.len();
     }
+    run.tell_finishing(WEIGHING, from);
     let scores = Scores::new(study, &keeping.trials()?)?;
     keeping.score(&scores.runs)?;
     keeping.end(ending)?;
-    run.install(|| Answer::new(study, Method::Sweep, ending, scores))?
+    run.install(|| Answer::new(study, Method::Sweep, ending, scores, None))?
 }

@@ -1,17 +1,20 @@
 //! Tuning: an optimizer chooses the points, stored as they come.
 
 use super::answer::Answer;
+use super::basis::basis;
 use super::keeping::{Keeping, Kept};
 use super::method::{Method, Termination, Tuned};
-use super::score::{PointScore, Scores, basis};
+use super::score::{PointScore, Scores};
+use super::split::{Split, fold};
 use super::study::Study;
+use super::sweep::WEIGHING;
 use crate::comparison::Basis;
 use crate::error::{Advice, Error, Result};
 use crate::optimization::{
     Batch, Brief, Ending, History, Optimizer, Proposal, RunOptions, Told, UnitPoint,
     default_optimizer, drive, space_filling,
 };
-use crate::store::{Mode, Place, Storage};
+use crate::store::{Mode, Place, Storage, Trial};
 
 /// How to tune.
 #[derive(Debug, Clone, Copy)]
@@ -76,6 +79,11 @@ fn tune(
     run: &RunOptions<'_>,
 ) -> Result<Answer> {
     let mut tuning = Tuning::open(study, place, options, run)?;
+    let folds = match study.definition().split {
+        Some(Split::Folds(folds)) => folds,
+        _ => 0,
+    };
+    tuning.shown = (0, (folds + 1) * options.budget);
     let termination = tuning.search()?;
     let ending = match termination {
         Termination::Interrupted => Ending::Interrupted,
@@ -84,14 +92,52 @@ fn tune(
     let scores = tuning.scores()?;
     tuning.keeping.score(&scores.runs)?;
     tuning.keeping.end(ending)?;
+    let evaluated = tuning.told.len();
     let method = Method::Tune(Tuned {
         optimizer: options.optimizer.name(),
         budget: tuning.budget,
         design: tuning.design.len(),
-        evaluated: tuning.told.len(),
+        evaluated,
         termination,
     });
-    run.install(|| Answer::new(study, method, ending, scores))?
+    let refits = match ending {
+        Ending::Complete if folds > 0 => {
+            let known = tuning.keeping.trials()?;
+            refits(study, options, run, folds, &known)?
+        }
+        _ => None,
+    };
+    run.tell_finishing(WEIGHING, evaluated);
+    run.install(|| Answer::new(study, method, ending, scores, refits))?
+}
+
+/// The best point of the same tuning without the recordings of each fold, in memory; trials that are `known` are not simulated
+/// again. `None` where it was interrupted, or where a fold has no point with a score.
+fn refits(
+    study: &Study,
+    options: &TuneOptions,
+    run: &RunOptions<'_>,
+    folds: usize,
+    known: &[Trial],
+) -> Result<Option<Vec<PointScore>>> {
+    let definition = study.definition();
+    let recordings = definition.recordings.len();
+    let mut best = Vec::new();
+    for number in 0..folds {
+        let study = study.without(&fold(recordings, definition.seed, folds, number));
+        let mut tuning = Tuning::open(&study, None, options, run)?;
+        tuning.known = known;
+        tuning.shown = ((number + 1) * options.budget, (folds + 1) * options.budget);
+        if tuning.search()? == Termination::Interrupted {
+            return Ok(None);
+        }
+        let scores = tuning.scores()?;
+        match scores.best {
+            Some(winner) => best.push(scores.points[winner].clone()),
+            None => return Ok(None),
+        }
+    }
+    Ok(Some(best))
 }
 
 struct Tuning<'a> {
@@ -107,6 +153,10 @@ struct Tuning<'a> {
     told: Vec<Told>,
     best: Option<f64>,
     since_best: usize,
+    /// Trials of the same study by an earlier tuning, by index.
+    known: &'a [Trial],
+    /// Points before these, and all, for the progress.
+    shown: (usize, usize),
 }
 
 impl<'a> Tuning<'a> {
@@ -123,7 +173,7 @@ impl<'a> Tuning<'a> {
             .iter()
             .map(|range| range.points)
             .collect();
-        let needs_basis = definition.metric.needs().basis;
+        let needs_basis = definition.metric.needs().basis && !definition.basis.is_known();
         let design =
             options
                 .optimizer
@@ -181,6 +231,8 @@ impl<'a> Tuning<'a> {
             told: Vec::new(),
             best: None,
             since_best: 0,
+            known: &[],
+            shown: (0, options.budget),
         })
     }
 
@@ -220,6 +272,7 @@ impl<'a> Tuning<'a> {
     /// Evaluates the candidates that follow what has been told; stored ones are not simulated again.
     fn evaluate(&mut self, candidates: &[UnitPoint]) -> Result<Ending> {
         let offset = self.told.len();
+        let (before, total) = self.shown;
         let grid = &self.study.definition().grid;
         let batch = Batch {
             points: offset + candidates.len(),
@@ -231,9 +284,12 @@ impl<'a> Tuning<'a> {
             &mut self.keeping,
             |index| {
                 let values = grid.values_at(&candidates[index - offset]);
-                self.study.simulate_values(index, values)
+                match self.known.get(index) {
+                    Some(trial) if trial.values == values => Ok(trial.clone()),
+                    _ => self.study.simulate_values(index, values),
+                }
             },
-            |done| self.run.tell(done, self.options.budget, self.best),
+            |done| self.run.tell(before + done, total, self.best),
         )
     }
 
@@ -252,8 +308,8 @@ impl<'a> Tuning<'a> {
             });
         }
         self.keeping.score(&scores.runs)?;
-        self.run
-            .tell(self.told.len(), self.options.budget, self.best);
+        let (before, total) = self.shown;
+        self.run.tell(before + self.told.len(), total, self.best);
         Ok(())
     }
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::score::{PointScore, Scores};
-use super::split::{Split, shuffled};
+use super::split::{Split, fold};
 use super::study::Study;
 use crate::error::Result;
 use crate::statistics::{mean, standard_deviation};
@@ -43,17 +43,23 @@ pub struct Fold {
 const PARTED: f64 = 2.0;
 
 impl Validation {
-    /// `None` where nothing is held out or nothing has a score.
+    /// `None` where nothing is held out or nothing has a score. `refits` are the best points of the fit repeated without the
+    /// recordings of each fold; where there are none, every point was evaluated, and the best for the others is one of them.
     ///
     /// # Errors
     /// None beyond those of [`Split::held_out`].
-    pub fn new(study: &Study, scores: &Scores) -> Result<Option<Self>> {
+    pub fn new(
+        study: &Study,
+        scores: &Scores,
+        refits: Option<Vec<PointScore>>,
+    ) -> Result<Option<Self>> {
         let (Some(split), Some(best)) = (study.definition().split, scores.best) else {
             return Ok(None);
         };
+        let best = &scores.points[best];
         match split {
-            Split::HoldOut(_) => Ok(Some(Self::hold_out(study, &scores.points[best], split))),
-            Split::Folds(folds) => Ok(Self::folds(study, scores, &scores.points[best], folds)),
+            Split::HoldOut(_) => Ok(Some(Self::hold_out(study, best, split))),
+            Split::Folds(folds) => Ok(Self::folds(study, scores, best, folds, refits)),
         }
     }
 
@@ -71,31 +77,31 @@ impl Validation {
         }
     }
 
-    fn folds(study: &Study, scores: &Scores, best: &PointScore, folds: usize) -> Option<Self> {
-        let recordings = &study.definition().recordings;
-        let order = shuffled(recordings.len(), study.definition().seed);
-        let scored: Vec<&PointScore> = scores
-            .points
-            .iter()
-            .filter(|point| point.score.is_some())
-            .collect();
+    fn folds(
+        study: &Study,
+        scores: &Scores,
+        best: &PointScore,
+        folds: usize,
+        refits: Option<Vec<PointScore>>,
+    ) -> Option<Self> {
+        let definition = study.definition();
+        let recordings = &definition.recordings;
         let mut differences = Vec::new();
         let mut rows = Vec::new();
-        for fold in 0..folds {
-            let held_out: Vec<usize> = order.iter().skip(fold).step_by(folds).copied().collect();
+        for number in 0..folds {
+            let held_out = fold(recordings.len(), definition.seed, folds, number);
             let over = |point: &PointScore, keep: bool| {
-                let chosen: Vec<f64> = point
-                    .recordings
-                    .iter()
-                    .enumerate()
-                    .filter(|(recording, _)| held_out.contains(recording) != keep)
-                    .map(|(_, score)| *score)
-                    .collect();
-                mean(&chosen)
+                let all = point.recordings.iter().enumerate();
+                let chosen = all.filter(|(recording, _)| held_out.contains(recording) != keep);
+                mean(&chosen.map(|(_, score)| *score).collect::<Vec<f64>>())
             };
-            let winner = scored
-                .iter()
-                .min_by(|a, b| over(a, true).total_cmp(&over(b, true)))?;
+            let winner = match &refits {
+                Some(refits) => refits.get(number)?,
+                None => {
+                    let scored = scores.points.iter().filter(|point| point.score.is_some());
+                    scored.min_by(|a, b| over(a, true).total_cmp(&over(b, true)))?
+                }
+            };
             differences.extend(
                 held_out
                     .iter()

@@ -1,5 +1,6 @@
 //! Says in options what the library says in words.
 
+use clap::error::{ContextKind, ContextValue, ErrorKind as ClapKind};
 use clap::{Command, CommandFactory};
 use realgap::unit::LengthUnit;
 use realgap::warning::Code;
@@ -21,15 +22,34 @@ pub fn in_options(error: Error) -> Error {
 
 /// A warning with the options by which its reason can be taken away.
 pub fn warning_in_options(warning: &Warning) -> String {
-    match warning.code {
-        Code::FreeParameter => {
-            format!(
-                "{} (--parameters best.ron, or --set NAME=VALUE) [{}]",
-                warning.message, warning.code
-            )
-        }
-        _ => warning.to_string(),
+    let options = match warning.code {
+        Code::FreeParameter => "--parameters best.ron, or --set NAME=VALUE",
+        Code::DifferentDurations => "--time absolute compares at equal times",
+        Code::Hole | Code::Standstill => "--crop FROM:TO",
+        Code::QuaternionOrder => "--quaternion ORDER",
+        Code::SeveralRobots => "--where COLUMN=VALUE",
+        Code::UnlikelyLength => "--unit UNIT",
+        Code::UnlikelyTime => "--time-unit UNIT",
+        _ => return warning.to_string(),
+    };
+    format!("{} ({options}) [{}]", warning.message, warning.code)
+}
+
+/// The same complaint about an option; where its value is a number with a decimal comma, with the number as it is written here.
+pub fn with_decimal_point(mut error: clap::Error) -> clap::Error {
+    if error.kind() == ClapKind::ValueValidation
+        && let Some(ContextValue::String(value)) = error.get(ContextKind::InvalidValue)
+        && let number = value.replacen(',', ".", 1)
+        && number != *value
+        && number.parse::<f64>().is_ok()
+    {
+        let tip = format!("decimals follow a point: {number}");
+        error.insert(
+            ContextKind::Suggested,
+            ContextValue::StyledStrs(vec![tip.into()]),
+        );
     }
+    error
 }
 
 fn option(advice: &Advice) -> String {
@@ -43,6 +63,16 @@ fn option(advice: &Advice) -> String {
         Advice::Unit(LengthUnit::Metre) => "read it with --unit m".to_owned(),
         Advice::Unit(LengthUnit::Centimetre) => "read it with --unit cm".to_owned(),
         Advice::Unit(LengthUnit::Millimetre) => "read it with --unit mm".to_owned(),
+        Advice::MapColumns => {
+            "say which column is which, e.g. --column 'x=NAME in mm' (docs/recordings.md)"
+                .to_owned()
+        }
+        Advice::ChooseRobot => "read one of them with --where COLUMN=VALUE".to_owned(),
+        Advice::SortSamples => "sort them with --sort-samples".to_owned(),
+        Advice::SkipLost => "leave lost samples out with --skip-lost".to_owned(),
+        Advice::SkipLines => "begin below them with --skip-lines N".to_owned(),
+        Advice::Crop => "choose another part with --crop FROM:TO".to_owned(),
+        Advice::TimeUnit => "say their unit, e.g. --time-unit ms".to_owned(),
         Advice::Recordings => "name them with --recordings 'FOLDER/*.csv'".to_owned(),
         Advice::CalibratedValues => {
             "give values with --parameters best.ron, or --set NAME=VALUE".to_owned()

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::calibration::{Answer, Mode, Overrides, ScoreRule, Split, Study};
+use realgap::calibration::{Answer, BasisRule, Mode, Overrides, ScoreRule, Split, Study};
 use realgap::optimization::Ending;
 use realgap::results::{self, Kind};
 use realgap::unit::counted;
@@ -28,6 +28,10 @@ pub struct StudyOptions {
     /// Metric in place of the study's own
     #[arg(long, value_name = "NAME")]
     metric: Option<String>,
+    /// Basis of the pca metric, in place of the study's own: the basis.json of another results folder, so that scores can be
+    /// compared, or `recordings` for what the recordings alone do
+    #[arg(long, value_name = "FILE|recordings")]
+    basis: Option<String>,
     /// What a score is the mean over, in place of the study's own: valid (16 equally valid timesteps, substeps and starts),
     /// ensemble or ensemble:N (N of them with the study's noise; 16), single (one run, luck included)
     #[arg(long, value_name = "RULE", value_parser = parse_score)]
@@ -72,11 +76,20 @@ fn parse_score(text: &str) -> std::result::Result<ScoreRule, String> {
     }
 }
 
+/// What `--basis` names.
+fn basis_rule(text: &str) -> Result<BasisRule> {
+    match text {
+        "recordings" => Ok(BasisRule::Recordings),
+        file => BasisRule::read(file),
+    }
+}
+
 impl StudyOptions {
     /// The study with its recordings read, its warnings printed.
     pub fn study(&self, points: Option<usize>) -> Result<Study> {
         let overrides = Overrides {
             metric: metric_option(self.metric.as_deref())?,
+            basis: self.basis.as_deref().map(basis_rule).transpose()?,
             score: self.score,
             points,
             seed: self.seed,

@@ -10,16 +10,20 @@ use realgap::plot::check_picture_path;
 use realgap::robot::genome::Specimen;
 use realgap::robot::morphology::Morphology;
 use realgap::search::{self, Search};
-use realgap::simulation::Experiment;
+use realgap::sensing::arena::{Arena, Boundary};
+use realgap::sensing::range::RangeModel;
 use realgap::simulation::verification::known_limits;
+use realgap::simulation::{Experiment, Vehicle};
 use realgap::text::shown;
-use realgap::unit::{LengthUnit, counted};
-use realgap::{Error, Result, Warning, results::portrait, trajectory};
+use realgap::trajectory::Reading;
+use realgap::unit::counted;
+use realgap::{Error, Result, Warning, results::draw_arena, results::portrait, trajectory};
 use serde_json::{Value, json};
 
 use super::estimate::cpu_s_per_point;
 use super::kind::Kind;
-use super::option::{Format, UnitOption};
+use super::option::Format;
+use super::reading::ReadingOptions;
 use super::terminal;
 
 /// Validate morphologies, genomes, studies, searches, parameter files and trajectories, and print what they hold
@@ -28,10 +32,9 @@ pub struct Check {
     /// Files: .ron, .csv or .tum
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Unit of length of trajectories
-    #[arg(long, value_enum, default_value_t)]
-    unit: UnitOption,
-    /// Draw the robot into this file (.png or .svg); for one morphology or genome
+    #[command(flatten)]
+    reading: ReadingOptions,
+    /// Draw the robot or arena into this file (.png or .svg); for one morphology, genome or arena
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// How to print
@@ -57,8 +60,9 @@ impl Check {
         }
         let mut reports = Vec::new();
         let mut failed = 0;
-        for path in &self.files {
-            let found = describe(path, LengthUnit::from(self.unit));
+        for (index, path) in self.files.iter().enumerate() {
+            let reading = self.reading.of_file(index, self.files.len())?;
+            let found = describe(path, &reading);
             if let Err(error) = &found {
                 failed += 1;
                 terminal::print_error(error);
@@ -96,6 +100,11 @@ impl Check {
                 .allowed("one morphology or genome"));
         };
         let source = Source::read(path, "morphology")?;
+        if Kind::of_ron(&source) == Some(Kind::Arena) {
+            draw_arena(&Arena::parse(&source)?, plot)?;
+            terminal::note(format!("drawn: {}", plot.display()));
+            return Ok(());
+        }
         let robot = if source.locate("genes").is_some() {
             let specimen = Specimen::parse(&source)?;
             specimen
@@ -132,7 +141,7 @@ fn report(path: &Path, found: Result<Contents>) -> Value {
     }
 }
 
-fn describe(path: &Path, unit: LengthUnit) -> Result<Contents> {
+fn describe(path: &Path, reading: &Reading) -> Result<Contents> {
     if path.is_dir() {
         let folder = path.display();
         return Err(
@@ -144,7 +153,7 @@ fn describe(path: &Path, unit: LengthUnit) -> Result<Contents> {
         );
     }
     if path.extension().is_none_or(|extension| extension != "ron") {
-        return motion(path, unit);
+        return motion(path, reading);
     }
     let source = Source::read(path, "RON file")?;
     match Kind::of_ron(&source) {
@@ -154,6 +163,9 @@ fn describe(path: &Path, unit: LengthUnit) -> Result<Contents> {
         Some(Kind::Search) => search(path),
         Some(Kind::Parameters) => parameters(path),
         Some(Kind::Meta) => meta(path),
+        Some(Kind::Arena) => arena(&source),
+        Some(Kind::Sensor) => sensor(&source),
+        Some(Kind::Vehicle) => vehicle(path),
         _ => Err(Error::invalid("not a file of ours")
             .at_file(path)
             .allowed("a morphology (modules, glue), a genome (modules, genes), a study (morphology, parameters), a search (strategy), a parameter file (parameters) or a meta.ron (robot, source)")),
@@ -193,7 +205,7 @@ fn morphology(source: &Source) -> Result<Contents> {
             "parts": summary.parts,
             "mass_kg": summary.mass_kg,
             "size_m": [size[0], size[1], size[2]],
-            "track": robot.track(),
+            "track": robot.modules()[robot.track()].name,
             "body_length_m": summary.body_length_m,
         }),
         warnings: [
@@ -360,6 +372,82 @@ fn parameters(path: &Path) -> Result<Contents> {
     })
 }
 
+fn arena(source: &Source) -> Result<Contents> {
+    let arena = Arena::parse(source)?;
+    let [x, y] = arena.size_m;
+    let edge = match arena.boundary {
+        Boundary::Solid => "walls all round",
+        Boundary::Open => "nothing around it",
+    };
+    let start = match arena.start {
+        Some([x, y, heading]) => format!(
+            "  robots start at ({x}, {y}) m, heading {:.1} deg",
+            heading.to_degrees()
+        ),
+        None => "  robots start nowhere in particular".to_owned(),
+    };
+    Ok(Contents {
+        kind: Kind::Arena,
+        lines: vec![
+            format!(
+                "  arena \"{}\": {x} x {y} m, {edge}, {}",
+                shown(&arena.name, SHOWN),
+                counted(arena.objects.len(), "object")
+            ),
+            start,
+        ],
+        details: json!({
+            "name": arena.name,
+            "size_m": arena.size_m,
+            "objects": arena.objects.len(),
+            "start": arena.start,
+        }),
+        warnings: Vec::new(),
+    })
+}
+
+fn sensor(source: &Source) -> Result<Contents> {
+    let sensor = RangeModel::parse(source)?;
+    let (low, high) = sensor.range;
+    Ok(Contents {
+        kind: Kind::Sensor,
+        lines: vec![
+            format!(
+                "  range sensor: {low} to {high} {}, {}",
+                sensor.distance_unit.symbol(),
+                shown(&sensor.description, SHOWN)
+            ),
+            format!(
+                "  mean {}, spread {}",
+                sensor.mean.form.name(),
+                sensor.spread.form.name()
+            ),
+        ],
+        details: json!({
+            "range": sensor.range,
+            "distance_unit": sensor.distance_unit,
+            "mean": sensor.mean.form.name(),
+            "spread": sensor.spread.form.name(),
+        }),
+        warnings: Vec::new(),
+    })
+}
+
+fn vehicle(path: &Path) -> Result<Contents> {
+    let vehicle = Vehicle::read(path, None)?;
+    Ok(Contents {
+        kind: Kind::Vehicle,
+        lines: vec![format!(
+            "  vehicle \"{}\": radius {} m, in the arena \"{}\"",
+            shown(&vehicle.name, SHOWN),
+            vehicle.radius_m,
+            shown(&vehicle.arena.name, SHOWN)
+        )],
+        details: json!({ "name": vehicle.name, "radius_m": vehicle.radius_m, "arena": vehicle.arena.name }),
+        warnings: Vec::new(),
+    })
+}
+
 fn meta(path: &Path) -> Result<Contents> {
     let meta = trajectory::read_meta(path)?;
     let lines = vec![
@@ -389,11 +477,11 @@ fn meta(path: &Path) -> Result<Contents> {
     })
 }
 
-fn motion(path: &Path, unit: LengthUnit) -> Result<Contents> {
+fn motion(path: &Path, reading: &Reading) -> Result<Contents> {
     let mut lines = Vec::new();
     let mut recordings = Vec::new();
     let mut warnings = Vec::new();
-    for recording in trajectory::read_all(path, unit)? {
+    for recording in trajectory::read_all(path, reading)? {
         let motion = &recording.trajectory;
         let prepared = trajectory::prepare(motion).map_err(|e| e.at_file(path))?;
         let has_orientations = motion.orientations_world_from_body().is_some();

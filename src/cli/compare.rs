@@ -4,14 +4,22 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::comparison::{self, Comparison, Components, Context, Metric, Row, position_metrics};
-use realgap::plot::{Caption, Overlay, OverlayPath, Side, TextTable, draw_overlay, quantity};
-use realgap::trajectory::{self, Recording, Source};
-use realgap::unit::{LengthUnit, Unit};
+use realgap::comparison::{
+    self, Basis, Comparison, Components, Context, Metric, Row, position_metrics,
+};
+use realgap::file::Source as SourceText;
+use realgap::plot::{
+    Caption, Cloud, Overlay, OverlayPath, Side, TextTable, draw_lines, draw_overlay, plane,
+    quantity,
+};
+use realgap::trajectory::{self, Recording, Source, cut_to_shortest};
+use realgap::unit::Unit;
+use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 use serde_json::{Value, json};
 
-use super::option::{Format, UnitOption};
+use super::option::{Format, TimeOption};
+use super::reading::ReadingOptions;
 use super::terminal;
 
 /// Compare trajectories with a reference, real with simulated or real with real
@@ -35,19 +43,33 @@ pub struct Compare {
     /// Keep the fewest principal components that explain this share of the variance [default: 0.99]
     #[arg(long, value_name = "F")]
     variance: Option<f64>,
+    /// Use this basis, e.g. the basis.json of a results folder, so that numbers of different comparisons can be compared
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["components", "variance"])]
+    basis: Option<PathBuf>,
+    /// Write the basis that was used into this .json file
+    #[arg(long, value_name = "FILE")]
+    save_basis: Option<PathBuf>,
     /// Body length of the robot in metres, for the metric `pose`
     #[arg(long, value_name = "M")]
     body_length: Option<f64>,
-    /// Unit of length of the files
+    /// When two paths are compared: at equal fractions of their durations, or at equal times, as far as the shortest lasts
     #[arg(long, value_enum, default_value_t)]
-    unit: UnitOption,
+    time: TimeOption,
+    #[command(flatten)]
+    reading: ReadingOptions,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
     /// Draw the aligned trajectories into this .png or .svg
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    /// Draw every trajectory as a dot in the plane of the first two principal components into this .png or .svg
+    #[arg(long, value_name = "FILE")]
+    plane: Option<PathBuf>,
 }
+
+/// Colours tell so many dots apart, and the reference.
+const NAMED_DOTS: usize = 5;
 
 impl Compare {
     pub fn run(self) -> Result<ExitCode> {
@@ -55,7 +77,7 @@ impl Compare {
             "all" => None,
             name => Some(comparison::by_name(name).map_err(Error::into_usage)?),
         };
-        if let Some(plot) = &self.plot {
+        for plot in self.plot.iter().chain(&self.plane) {
             realgap::plot::check_picture_path(plot)?;
         }
         let components = match (self.components, self.variance) {
@@ -69,37 +91,75 @@ impl Compare {
                 "`all` are the metrics of positions; pose and rotation are asked for by name",
             ));
         }
-        let unit = LengthUnit::from(self.unit);
-        let reference = trajectory::read(&self.reference, unit)?;
-        let others: Vec<Recording> = self
+        let files = 1 + self.trajectories.len();
+        let read = |index: usize, path: &PathBuf| {
+            trajectory::read(path, self.reading.of_file(index, files)?)
+        };
+        let mut reference = read(0, &self.reference)?;
+        let mut others: Vec<Recording> = self
             .trajectories
             .iter()
-            .map(|path| trajectory::read(path, unit))
+            .enumerate()
+            .map(|(index, path)| read(1 + index, path))
             .collect::<Result<_>>()?;
-        terminal::print_warnings(
-            std::iter::once(&reference)
-                .chain(&others)
-                .flat_map(|r| &r.warnings),
-        );
-        let comparison = Comparison::new(&reference, &others, components)?;
+        let mut said = Vec::new();
+        for recording in std::iter::once(&reference).chain(&others) {
+            for warning in &recording.warnings {
+                // Which file is read in its own way matters where others are not.
+                said.push(match warning.code {
+                    Code::ReadAs => Warning::new(
+                        warning.code,
+                        format!("{}: {}", recording.name, warning.message),
+                    ),
+                    _ => warning.clone(),
+                });
+            }
+        }
+        if self.time == TimeOption::Absolute {
+            let mut all: Vec<&mut Recording> =
+                std::iter::once(&mut reference).chain(&mut others).collect();
+            said.extend(cut_to_shortest(&mut all)?);
+        }
+        let comparison = match &self.basis {
+            Some(file) => {
+                let basis = Basis::parse(&SourceText::read(file, "basis")?)?;
+                Comparison::new(&reference, &others, components)?.with_basis(basis)
+            }
+            None => Comparison::new(&reference, &others, components)?,
+        };
+        said.extend(comparison.warnings());
+        terminal::print_warnings(&said);
         match chosen {
-            None => self.print_all(&comparison)?,
-            Some(metric) => self.print_one(&comparison, metric, &others)?,
+            None => self.print_all(&comparison, &said)?,
+            Some(metric) => self.print_one(&comparison, metric, &others, &said)?,
         }
         if let Some(plot) = &self.plot {
             let metric = chosen.unwrap_or(comparison::METRICS[0]);
             self.draw(plot, &comparison, metric, &reference, &others)?;
             terminal::note(format!("drawn: {}", plot.display()));
         }
+        if let Some(plane) = &self.plane {
+            self.draw_plane(plane, &comparison, &others)?;
+            terminal::note(format!("drawn: {}", plane.display()));
+        }
+        if let Some(file) = &self.save_basis {
+            let json = terminal::json(comparison.basis())?;
+            realgap::file::write_atomic(file, format!("{json}\n").as_bytes())?;
+            terminal::note(format!("written: {}", file.display()));
+        }
         Ok(ExitCode::SUCCESS)
     }
 
-    fn print_all(&self, comparison: &Comparison<'_>) -> Result<()> {
+    fn print_all(&self, comparison: &Comparison<'_>, said: &[Warning]) -> Result<()> {
         let metrics = position_metrics();
         let rows = comparison.rows(&metrics)?;
         terminal::print_warnings(rows.iter().flat_map(|row| &row.warnings));
         if self.format == Format::Json {
-            terminal::print(terminal::json(&rows)?);
+            let rows = rows.into_iter().map(|mut row| {
+                row.warnings.splice(0..0, said.iter().cloned());
+                row
+            });
+            terminal::print(terminal::json(&rows.collect::<Vec<_>>())?);
             return Ok(());
         }
         // Metrics down, trajectories across: a dozen columns of figures would not fit a terminal.
@@ -142,6 +202,7 @@ impl Compare {
         comparison: &Comparison<'_>,
         metric: &dyn Metric,
         others: &[Recording],
+        said: &[Warning],
     ) -> Result<()> {
         let scores = self.scores(comparison, metric, others)?;
         let mut warnings: Vec<&Warning> = scores.iter().flat_map(|score| &score.warnings).collect();
@@ -153,7 +214,8 @@ impl Compare {
                 .zip(&scores)
                 .map(|(other, score)| {
                     json!({"trajectory": other.name, "reference": self.reference.file_stem().unwrap_or_default().to_string_lossy(), metric.column(): score.value,
-                           "metric": metric.name(), "unit": score.unit.label(), "samples": score.samples})
+                           "metric": metric.name(), "unit": score.unit, "samples": score.samples,
+                           "warnings": said.iter().chain(&score.warnings).collect::<Vec<_>>()})
                 })
                 .collect();
             terminal::print(terminal::json(&rows)?);
@@ -189,8 +251,16 @@ impl Compare {
     ) -> Result<Vec<comparison::Score>> {
         let context = Context {
             basis: Some(comparison.basis()),
+            spread: None,
             body_length_m: self.body_length,
         };
+        if metric.needs().spread {
+            return Err(Error::usage(format!(
+                "the metric `{}` needs repeats of the real run, and here is one reference",
+                metric.name()
+            ))
+            .hint("use it in a study: realgap sweep STUDY --metric pca-whitened"));
+        }
         if metric.needs().body_length && self.body_length.is_none() {
             return Err(Error::usage(format!(
                 "the metric `{}` needs --body-length",
@@ -209,6 +279,52 @@ impl Compare {
                     .map_err(|e| e.at_file(&other.path))
             })
             .collect()
+    }
+
+    fn draw_plane(
+        &self,
+        file: &std::path::Path,
+        comparison: &Comparison<'_>,
+        others: &[Recording],
+    ) -> Result<()> {
+        let reference = comparison.reference_prepared();
+        let all = std::iter::once(reference).chain(comparison.others_prepared());
+        let Some(basis) = Basis::plane(Some(comparison.basis()), all)? else {
+            return Err(
+                Error::usage("these trajectories differ in fewer than two components")
+                    .hint("compare at least three different trajectories"),
+            );
+        };
+        let stem = self.reference.file_stem().unwrap_or_default();
+        let places = comparison.others_prepared().iter();
+        let places: Vec<(f64, f64)> = places.map(|path| basis.in_plane_m(path)).collect();
+        let mut clouds = if others.len() > NAMED_DOTS {
+            let label = format!("{} others", others.len());
+            vec![Cloud {
+                label,
+                colour: 0,
+                points_m: places,
+            }]
+        } else {
+            let named = others.iter().zip(places).enumerate();
+            named
+                .map(|(colour, (other, place))| Cloud {
+                    label: other.name.clone(),
+                    colour,
+                    points_m: vec![place],
+                })
+                .collect()
+        };
+        clouds.push(Cloud {
+            label: format!("{} (reference)", stem.to_string_lossy()),
+            colour: NAMED_DOTS,
+            points_m: vec![basis.in_plane_m(reference)],
+        });
+        let caption = Caption::new(
+            "trajectories in the first two principal components",
+            format!("basis of {} trajectories", basis.trajectories()),
+        );
+        draw_lines(&plane(caption, basis.plane_shares(), clouds), file)
     }
 
     fn draw(

@@ -8,10 +8,12 @@ use realgap::file::write_atomic;
 use realgap::robot::genome::{Locus, Specimen};
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Settling, settle};
+use realgap::unit::decimals;
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning, plot, results::portrait};
 use serde_json::json;
 
+use super::kind::read_specimen;
 use super::option::Format;
 use super::terminal;
 
@@ -40,7 +42,7 @@ impl Develop {
         if let Some(plot) = &self.plot {
             plot::check_picture_path(plot)?;
         }
-        let specimen = Specimen::read(&self.genome)?;
+        let specimen = read_specimen(&self.genome)?;
         let robot = match specimen.develop() {
             Ok(robot) => robot,
             Err(misfit) => {
@@ -119,11 +121,11 @@ impl Develop {
                 }
                 Some(drive) => {
                     row.extend(["active", drive.face.name(), on].map(str::to_owned));
-                    let degrees = |angle: f64| format!("{:.1} deg", angle.to_degrees());
-                    row.push(degrees(drive.gait.amplitude_rad));
-                    row.push(format!("{:.2} Hz", drive.gait.frequency_hz));
-                    row.push(degrees(drive.gait.phase_rad));
-                    row.push(degrees(drive.gait.offset_rad));
+                    let degrees = |angle: f64| decimals(angle.to_degrees(), 1) + " deg";
+                    row.push(degrees(drive.actuator.gait.amplitude_rad));
+                    row.push(format!("{:.2} Hz", drive.actuator.gait.frequency_hz));
+                    row.push(degrees(drive.actuator.gait.phase_rad));
+                    row.push(degrees(drive.actuator.gait.offset_rad));
                 }
             }
             table.push(row);

@@ -16,7 +16,8 @@ use realgap::unit::{Unit, quantity};
 use realgap::{Error, Result};
 
 use super::folder::ResultsFolder;
-use super::option::{Format, Jobs, MOST_REPEATS, Recordings, Values};
+use super::kind::read_repeatable;
+use super::option::{Format, Jobs, MOST_REPEATS, ModelErrorOption, Recordings, Values};
 use super::{interrupt, progress, terminal};
 
 /// Repeat a study's experiment under its noise: what will really happen, and how sure may we be?
@@ -47,6 +48,8 @@ pub struct Ensemble {
     #[arg(long, value_name = "K", requires = "output")]
     only: Option<u64>,
     #[command(flatten)]
+    model: ModelErrorOption,
+    #[command(flatten)]
     jobs: Jobs,
     /// Folder for the results [default: results/<study>_ensemble]; with --only, a file
     #[arg(short, long, value_name = "DIR")]
@@ -60,11 +63,12 @@ impl Ensemble {
     pub fn run(self) -> Result<ExitCode> {
         let overrides = Overrides {
             set: self.values.parameter_set()?,
+            fitted_on: self.values.fitted_on()?,
             // Nothing is scored by the study's metric here, so none can refuse a recording.
             metric: Some(comparison::by_name("rms")?),
             ..self.recordings.overrides()?
         };
-        let study = Repeatable::read(&self.study, &overrides)?;
+        let study = read_repeatable(&self.study, &overrides)?;
         let (noise, noise_from) = match &self.noise {
             Some(file) => (read_noise(file)?, file),
             None => (study.noise()?, &self.study),
@@ -74,6 +78,7 @@ impl Ensemble {
             noise_from: noise_from.display().to_string(),
             repeats: self.repeats as usize,
             seed: self.seed.unwrap_or(study.definition.seed),
+            model: self.model.points()?,
         };
         terminal::print_warnings(&study.warnings);
         if let (Some(number), Some(file)) = (self.only, &self.output) {

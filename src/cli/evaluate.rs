@@ -6,14 +6,14 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::Result;
 use realgap::calibration::identification::StartState;
-use realgap::calibration::{Average, Evaluation, Overrides};
-use realgap::comparison::Pose;
+use realgap::calibration::{Average, Evaluation, JointEvaluation, Overrides};
+use realgap::comparison::{Joints, Pose};
 use realgap::optimization::RunOptions;
 use realgap::plot::{Side, TextTable};
 use realgap::simulation::parameter::ParameterSet;
 use realgap::unit::counted;
 
-use super::kind::read_study;
+use super::kind::{read_definition, read_study};
 use super::option::{Format, Jobs, Recordings, StartOption, Values};
 use super::{progress, terminal};
 
@@ -44,13 +44,17 @@ pub struct Evaluate {
 
 impl Evaluate {
     pub fn run(self) -> Result<ExitCode> {
-        let overrides = Overrides {
+        let mut overrides = Overrides {
             set: self.values.parameter_set()?,
+            fitted_on: self.values.fitted_on()?,
             start_state: self.start.map(StartState::from),
-            // The report is of pose errors, whatever the study optimises.
-            metric: Some(&Pose),
             ..self.recordings.overrides()?
         };
+        let definition = read_definition(&self.study, &overrides)?;
+        let mut recordings = definition.recordings.iter();
+        let is_of_joints = recordings.all(|recording| recording.trajectory.is_of_joints());
+        // The report is of pose errors, or of joints where there is nothing else, whatever the study optimises.
+        overrides.metric = Some(if is_of_joints { &Joints } else { &Pose });
         let study = read_study(&self.study, &overrides)?;
         let bar = progress::bar(study.cases().len(), "evaluating");
         let follow = progress::follow(&bar);
@@ -59,6 +63,11 @@ impl Evaluate {
             progress: Some(&follow),
             ..RunOptions::default()
         };
+        if is_of_joints {
+            let result = study.evaluate_joints(&ParameterSet::new(), &run);
+            bar.finish_and_clear();
+            return self.report_joints(result?);
+        }
         // Every value is in the study's own set by now.
         let result = study.evaluate(&ParameterSet::new(), &run);
         bar.finish_and_clear();
@@ -73,6 +82,38 @@ impl Evaluate {
         }
         Ok(ExitCode::SUCCESS)
     }
+
+    fn report_joints(&self, mut result: JointEvaluation) -> Result<ExitCode> {
+        terminal::print_warnings(&result.warnings);
+        if !self.rows {
+            result.rows.clear();
+        }
+        match self.format {
+            Format::Json => terminal::print(terminal::json(&result)?),
+            Format::Table => print_joints(&result),
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+fn print_joints(result: &JointEvaluation) {
+    let mut table = TextTable::new([("recording", Side::Left), ("joints, mrad", Side::Right)]);
+    for row in &result.rows {
+        let value = row.angle_mrad;
+        let value = value.map_or("diverged".to_owned(), |v| format!("{v:.1}"));
+        table.push([row.recording.clone(), value]);
+    }
+    if !result.rows.is_empty() {
+        terminal::print(table.render(terminal::stdout_wants_colour()).trim_end());
+    }
+    terminal::print(format!(
+        "{}: joints {:.1} +- {:.1} mrad (median {:.1}); {:.2} CPU ms per simulated second",
+        counted(result.recordings, "recording"),
+        result.angle_mrad.mean,
+        result.angle_mrad.standard_error,
+        result.angle_mrad.median,
+        result.cpu_ms_per_s
+    ));
 }
 
 fn print(result: &Evaluation) {
@@ -83,12 +124,15 @@ fn print(result: &Evaluation) {
         ("median", Side::Right),
         ("standard error", Side::Right),
     ]);
-    for (name, spread) in [
-        ("position, % of body length", &result.position_percent),
-        ("rotation, deg", &result.rotation_deg),
-        ("final position, %", &result.final_position_percent),
-        ("final rotation, deg", &result.final_rotation_deg),
-    ] {
+    let rows = [
+        ("position, % of body length", Some(&result.position_percent)),
+        ("rotation, deg", Some(&result.rotation_deg)),
+        ("joints, deg", result.hinge_deg.as_ref()),
+        ("final position, %", Some(&result.final_position_percent)),
+        ("final rotation, deg", Some(&result.final_rotation_deg)),
+        ("final joints, deg", result.final_hinge_deg.as_ref()),
+    ];
+    for (name, spread) in rows.into_iter().filter_map(|(name, s)| Some((name, s?))) {
         let Average {
             mean,
             median,

@@ -13,7 +13,7 @@ use realgap::{Error, Result, Warning};
 
 use super::folder::ResultsFolder;
 use super::kind::read_study;
-use super::option::{Format, Jobs, MOST_REPEATS, Recordings, Values, metric_option};
+use super::option::{Format, Jobs, MOST_REPEATS, Recordings, TimeOption, Values, metric_option};
 use super::{interrupt, progress, terminal};
 
 /// How many noise floors is the simulation away from reality, and until when may it be trusted?
@@ -34,6 +34,10 @@ pub struct Gap {
     /// [default: condition, where there is one]
     #[arg(long, value_name = "COLUMN", conflicts_with = "study")]
     group: Option<String>,
+    /// Without a study: compare the runs of a set at equal fractions of their durations, or at equal times, as far as the shortest
+    /// lasts; a study always compares at equal times
+    #[arg(long, value_enum, conflicts_with = "study")]
+    time: Option<TimeOption>,
     /// Metric, repeatable [default: the study's (or pca), rms and displacement]
     #[arg(long = "metric", value_name = "NAME")]
     metrics: Vec<String>,
@@ -43,8 +47,8 @@ pub struct Gap {
     /// Number of repeats under noise of each start
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=MOST_REPEATS))]
     repeats: u32,
-    /// Seed of noise and resamples [default: the study's, or 1]
-    #[arg(long, value_name = "SEED")]
+    /// Seed of noise and permutations [default: the study's]
+    #[arg(long, value_name = "SEED", requires = "study")]
     seed: Option<u64>,
     #[command(flatten)]
     jobs: Jobs,
@@ -84,6 +88,7 @@ impl Gap {
     fn with_study(&self, path: &Path) -> Result<ExitCode> {
         let overrides = Overrides {
             set: self.values.parameter_set()?,
+            fitted_on: self.values.fitted_on()?,
             metric: metric_option(self.metrics.first().map(String::as_str))?,
             ..self.recordings.overrides()?
         };
@@ -148,14 +153,17 @@ impl Gap {
                 .field("--set, --parameters")
                 .hint("name the study: realgap gap STUDY --set ..."));
         }
-        let seed = self.seed.unwrap_or(1);
         let scoring = Scoring {
             metrics: self.metrics(by_name(DEFAULT_METRIC)?)?,
             components: Components::default(),
             body_length_m: None,
-            seed,
+            seed: 1,
         };
-        let sets = read_sets(&self.recordings.overrides()?, self.group.as_deref())?;
+        let overrides = Overrides {
+            equal_times: self.time == Some(TimeOption::Absolute),
+            ..self.recordings.overrides()?
+        };
+        let sets = read_sets(&overrides, self.group.as_deref())?;
         let run = RunOptions {
             jobs: self.jobs.count(),
             ..RunOptions::default()

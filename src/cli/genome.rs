@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 use realgap::file::write_atomic;
-use realgap::robot::genome::{Genome, Specimen};
+use realgap::robot::genome::{Genome, Locus, Specimen};
 use realgap::robot::morphology::Morphology;
 use realgap::search::generator;
 use realgap::{Error, Result};
+use serde_json::{Value, json};
 
 use super::terminal;
 
@@ -39,6 +40,18 @@ struct Random {
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// How to print; a file is always RON, which is what `realgap develop` reads
+    #[arg(long, value_enum, default_value_t)]
+    format: GenomeFormat,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum GenomeFormat {
+    /// A genome file
+    #[default]
+    Ron,
+    /// JSON for machines
+    Json,
 }
 
 impl GenomeCommand {
@@ -60,7 +73,8 @@ impl Random {
         let mut specimen = Specimen::new(name, genome);
         let usual = specimen.development.max_modules;
         specimen.development.max_modules = usual.max(self.modules);
-        if let Err(misfit) = specimen.develop() {
+        let misfit = specimen.develop().err();
+        if let Some(misfit) = &misfit {
             terminal::note(format!(
                 "note: this genome does not develop: {misfit} [{}]",
                 misfit.code()
@@ -69,7 +83,23 @@ impl Random {
         let text = specimen.to_ron()?;
         match &self.output {
             Some(path) => write_atomic(path, text.as_bytes())?,
+            None if self.format == GenomeFormat::Json => {}
             None => terminal::print(text.trim_end()),
+        }
+        if self.format == GenomeFormat::Json {
+            let genes = specimen.genome.genes().iter().map(|gene| {
+                let named = Locus::ALL.map(|l| (l.name().to_owned(), json!(gene.get(l))));
+                Value::Object(named.into_iter().collect())
+            });
+            terminal::print(terminal::json(&json!({
+                "name": specimen.name,
+                "modules": specimen.genome.len(),
+                "seed": self.seed,
+                "genes": genes.collect::<Vec<_>>(),
+                "develops": misfit.is_none(),
+                "reason": misfit.map(|misfit| misfit.code()),
+                "output": self.output,
+            }))?);
         }
         Ok(ExitCode::SUCCESS)
     }

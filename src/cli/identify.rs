@@ -1,11 +1,15 @@
 //! `realgap identify`: what free flight tells before any contact model can spoil it.
 
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use realgap::calibration::identification::{Identification, Interval, LengthReading, identify};
-use realgap::calibration::{BestFile, Definition, Overrides, RestingOdds, StartRule};
+use realgap::calibration::identification::{
+    FlightErrors, Identification, Interval, JointIdentification, LengthReading, identify,
+    identify_joints,
+};
+use realgap::calibration::{BestFile, Definition, Overrides, RestingOdds, StartRule, recording_id};
 use realgap::comparison::Pose;
 use realgap::file::{check_writable, write_atomic, write_ron};
 use realgap::optimization::RunOptions;
@@ -71,27 +75,34 @@ impl Identify {
             Reading::LengthScale => LengthReading::LengthScale,
             Reading::Gravity => LengthReading::Gravity,
         };
-        let found =
-            identify(&study.experiment(), &study.recordings, reading, study.seed).map_err(|e| {
-                match e.file() {
+        let experiment = study.experiment();
+        if !experiment.assembly.hinges.is_empty() {
+            let found = identify_joints(&experiment, &study.recordings, reading, study.seed)
+                .map_err(|e| match e.file() {
                     Some(_) => e,
                     None => e.at_file(&self.study),
-                }
-            })?;
+                })?;
+            return self.report_joints(&study, &found);
+        }
+        let found = identify(&experiment, &study.recordings, reading, study.seed).map_err(|e| {
+            match e.file() {
+                Some(_) => e,
+                None => e.at_file(&self.study),
+            }
+        })?;
         let name = study.name.clone();
+        let fitted_on = study.recordings.iter().map(recording_id).collect();
         let (odds, more) = simulate_rest(study, &found)?;
         terminal::print_warnings(found.warnings.iter().chain(&more));
         if let Some(output) = &self.output {
-            let file = BestFile {
-                description: format!(
-                    "Identified from the free flight of {} of {} of the study {} (realgap identify); no contact was used.",
-                    found.flying,
-                    counted(found.recordings, "recording"),
-                    name
-                ),
-                parameters: found.parameters.clone(),
-            };
-            write_atomic(output, write_ron(&file)?.as_bytes())?;
+            write(
+                output,
+                &name,
+                found.flying,
+                found.recordings,
+                &found.parameters,
+                fitted_on,
+            )?;
         }
         match self.format {
             Format::Json => terminal::print(terminal::json(&Report {
@@ -105,6 +116,122 @@ impl Identify {
         }
         Ok(ExitCode::SUCCESS)
     }
+}
+
+impl Identify {
+    fn report_joints(&self, study: &Definition, found: &JointIdentification) -> Result<ExitCode> {
+        terminal::print_warnings(study.warnings.iter().chain(&found.warnings));
+        if let Some(output) = &self.output {
+            write(
+                output,
+                &study.name,
+                found.flying,
+                found.recordings,
+                &found.parameters,
+                study.recordings.iter().map(recording_id).collect(),
+            )?;
+        }
+        match self.format {
+            Format::Json => terminal::print(terminal::json(found)?),
+            Format::Table => print_joints(found),
+        }
+        if let Some(output) = &self.output {
+            terminal::note(format!("written: {}", output.display()));
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// Writes what was identified as a file for `--parameters`.
+fn write(
+    output: &Path,
+    study: &str,
+    flying: usize,
+    recordings: usize,
+    parameters: &BTreeMap<String, f64>,
+    fitted_on: Vec<String>,
+) -> Result<()> {
+    let file = BestFile {
+        study: None,
+        description: format!(
+            "Identified from the free flight of {flying} of {} of the study {study} (realgap identify); no contact was used.",
+            counted(recordings, "recording"),
+        ),
+        parameters: parameters.clone(),
+        fitted_on,
+    };
+    write_atomic(output, write_ron(&file)?.as_bytes())
+}
+
+fn print_joints(found: &JointIdentification) {
+    let colour = terminal::stdout_wants_colour();
+    let mut table = TextTable::new([
+        ("parameter", Side::Left),
+        ("stated", Side::Right),
+        ("flight says", Side::Right),
+        ("2.5 %", Side::Right),
+        ("97.5 %", Side::Right),
+        ("left of prior", Side::Right),
+        ("verdict", Side::Left),
+    ]);
+    for verdict in &found.verdicts {
+        let text = |value: f64| {
+            if verdict.is_determined {
+                format!("{value:.5}")
+            } else {
+                String::new()
+            }
+        };
+        table.push([
+            verdict.parameter.to_owned(),
+            format!("{}", verdict.stated),
+            text(verdict.estimate.value),
+            text(verdict.estimate.low),
+            text(verdict.estimate.high),
+            format!("{:.2}", verdict.left_of_prior),
+            if verdict.is_determined {
+                "determined".to_owned()
+            } else {
+                "not determined: as stated".to_owned()
+            },
+        ]);
+    }
+    let mut errors = TextTable::new([
+        ("last sample of flight, median", Side::Left),
+        ("mm", Side::Right),
+        ("deg", Side::Right),
+        ("joints, deg", Side::Right),
+    ]);
+    for (name, e) in [
+        (
+            "whole flight fitted, as stated",
+            &found.last_sample_as_stated,
+        ),
+        ("whole flight fitted, as identified", &found.last_sample),
+        ("two thirds fitted, as stated", &found.predicted_as_stated),
+        ("two thirds fitted, as identified", &found.predicted),
+    ] {
+        let FlightErrors {
+            position_m,
+            rotation_deg,
+            hinge_deg,
+        } = e;
+        errors.push([
+            name.to_owned(),
+            format!("{:.2}", 1e3 * position_m),
+            format!("{rotation_deg:.2}"),
+            format!("{hinge_deg:.2}"),
+        ]);
+    }
+    terminal::print(format!(
+        "{} of {} fly, {}; {:.3} mm unexplained (root mean square)\n{}\n{}",
+        found.flying,
+        counted(found.recordings, "recording"),
+        counted(found.samples, "sample"),
+        1e3 * found.residual_m,
+        table.render(colour).trim_end(),
+        errors.render(colour).trim_end()
+    ));
 }
 
 /// What JSON holds: the identification, and the simulated odds beside the real ones.

@@ -1,9 +1,10 @@
 //! Which kind of file of ours this is, so that a mix-up is answered with what it is and what to do with it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use realgap::calibration::{Definition, Overrides, Study};
+use realgap::calibration::{Definition, Overrides, Repeatable, Study, read_best, study_of};
 use realgap::file::Source;
+use realgap::robot::genome::Specimen;
 use realgap::robot::morphology::Morphology;
 use realgap::search::{self, Search};
 use realgap::{Error, Result, trajectory};
@@ -18,6 +19,9 @@ pub enum Kind {
     Parameters,
     Meta,
     Trajectory,
+    Arena,
+    Sensor,
+    Vehicle,
 }
 
 impl Kind {
@@ -30,6 +34,10 @@ impl Kind {
             ("genes", Self::Genome),
             ("modules", Self::Morphology),
             ("morphology", Self::Study),
+            ("vehicle", Self::Study),
+            ("boundary", Self::Arena),
+            ("spread", Self::Sensor),
+            ("radius_m", Self::Vehicle),
             ("parameters", Self::Parameters),
             ("robot", Self::Meta),
         ]
@@ -47,6 +55,9 @@ impl Kind {
             Self::Parameters => "parameter file",
             Self::Meta => "meta.ron of recordings",
             Self::Trajectory => "trajectory",
+            Self::Arena => "arena",
+            Self::Sensor => "sensor model",
+            Self::Vehicle => "vehicle",
         }
     }
 
@@ -70,6 +81,13 @@ impl Kind {
             Self::Meta => {
                 format!("`realgap check {path}` shows what it says about the recordings beside it")
             }
+            Self::Arena => format!(
+                "`realgap check {path} --plot arena.png` draws an arena; a vehicle names it"
+            ),
+            Self::Sensor => {
+                format!("`realgap belief {path}` and `realgap sense {path}` use a sensor model")
+            }
+            Self::Vehicle => format!("a study names {path}: vehicle: (file: ...)"),
             Self::Trajectory => {
                 format!(
                     "`realgap check {path}` describes a trajectory, `realgap compare` compares two"
@@ -84,6 +102,17 @@ pub fn read_morphology(path: &Path) -> Result<Morphology> {
     Morphology::read(path).map_err(|error| explain(path, Kind::Morphology, error))
 }
 
+/// Reads a genome.
+pub fn read_specimen(path: &Path) -> Result<Specimen> {
+    Specimen::read(path).map_err(|error| explain(path, Kind::Genome, error))
+}
+
+/// Reads a study for its repeats.
+pub fn read_repeatable(path: &Path, overrides: &Overrides) -> Result<Repeatable> {
+    let (path, overrides) = &behind(path, overrides)?;
+    Repeatable::read(path, overrides).map_err(|error| explain(path, Kind::Study, error))
+}
+
 /// Reads a search.
 pub fn read_search(path: &Path, overrides: &search::Overrides) -> Result<Search> {
     Search::read(path, overrides).map_err(|error| explain(path, Kind::Search, error))
@@ -96,7 +125,20 @@ pub fn read_study(path: &Path, overrides: &Overrides) -> Result<Study> {
 
 /// Reads a study and its recordings without making them ready to run.
 pub fn read_definition(path: &Path, overrides: &Overrides) -> Result<Definition> {
+    let (path, overrides) = &behind(path, overrides)?;
     Definition::read(path, overrides).map_err(|error| explain(path, Kind::Study, error))
+}
+
+/// The study that is meant: a parameter file that names the study of its values stands for that study with these values.
+fn behind(path: &Path, overrides: &Overrides) -> Result<(PathBuf, Overrides)> {
+    let Some(study) = study_of(path) else {
+        return Ok((path.to_path_buf(), overrides.clone()));
+    };
+    let (values, fitted_on) = read_best(path)?;
+    let mut overrides = overrides.clone();
+    overrides.set = values.with_all(&overrides.set);
+    overrides.fitted_on.extend(fitted_on);
+    Ok((study, overrides))
 }
 
 /// The error of reading `path` as `wanted`; where the file is clearly of another kind, an error that says so.

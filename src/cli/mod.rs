@@ -2,6 +2,8 @@
 
 mod advice;
 mod answer;
+mod belief;
+mod characterise;
 mod check;
 mod compare;
 mod completions;
@@ -16,14 +18,18 @@ mod genome;
 mod identify;
 mod interrupt;
 mod kind;
+mod mujoco;
 mod option;
 mod parameters;
 mod predict;
 mod progress;
+mod reading;
 mod record;
 mod results;
 mod search;
+mod sense;
 mod sensitivity;
+mod sensorgraph;
 mod simulate;
 mod sweep;
 mod terminal;
@@ -79,6 +85,10 @@ enum Command {
     Develop(develop::Develop),
     Genome(genome::GenomeCommand),
     Export(export::Export),
+    Characterise(characterise::Characterise),
+    Sense(sense::Sense),
+    Belief(belief::Belief),
+    Sensorgraph(sensorgraph::SensorgraphCommand),
     Parameters(parameters::Parameters),
     Verify(verify::Verify),
     Completions(completions::Completions),
@@ -87,7 +97,7 @@ enum Command {
 /// Parses the arguments, runs the command, prints the error if there is one.
 pub fn main() -> ExitCode {
     interrupt::listen();
-    let cli = Cli::parse();
+    let cli = Cli::try_parse().unwrap_or_else(|error| advice::with_decimal_point(error).exit());
     match run(cli.command) {
         Ok(_) if terminal::output_lost() => ExitCode::FAILURE,
         Ok(code) => code,
@@ -121,6 +131,10 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Develop(develop) => develop.run(),
         Command::Genome(genome) => genome.run(),
         Command::Export(export) => export.run(),
+        Command::Characterise(characterise) => characterise.run(),
+        Command::Sense(sense) => sense.run(),
+        Command::Belief(belief) => belief.run(),
+        Command::Sensorgraph(graph) => graph.run(),
         Command::Parameters(parameters) => parameters.run(),
         Command::Verify(verify) => verify.run(),
         Command::Completions(completions) => completions.run(),

@@ -5,13 +5,15 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use realgap::calibration::identification::StartState;
-use realgap::calibration::{Overrides, Part, read_parameters};
+use realgap::calibration::{Overrides, Part, read_best, read_parameters};
 use realgap::comparison::{self, Metric};
+use realgap::search::read_indistinguishable;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{JointKind, Solver};
-use realgap::unit::LengthUnit;
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
+
+use super::reading::ReadingOptions;
 
 /// Most repeats: the distances of all pairs are held in memory.
 pub const MOST_REPEATS: i64 = 5000;
@@ -26,26 +28,14 @@ pub enum Format {
     Json,
 }
 
-/// Unit of length of a file that is not in metres.
+/// At which times two trajectories are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum UnitOption {
-    /// Metres
+pub enum TimeOption {
+    /// At equal fractions of their durations
     #[default]
-    M,
-    /// Centimetres
-    Cm,
-    /// Millimetres
-    Mm,
-}
-
-impl From<UnitOption> for LengthUnit {
-    fn from(unit: UnitOption) -> Self {
-        match unit {
-            UnitOption::M => Self::Metre,
-            UnitOption::Cm => Self::Centimetre,
-            UnitOption::Mm => Self::Millimetre,
-        }
-    }
+    Relative,
+    /// At equal times since their starts
+    Absolute,
 }
 
 /// How parts are jointed.
@@ -113,24 +103,28 @@ impl From<StartOption> for StartState {
     }
 }
 
-/// Which recordings, and in what unit.
+/// Which recordings, and how they are read.
 #[derive(Debug, Clone, Args)]
 pub struct Recordings {
     /// Recordings in place of the study's own; quote the glob (repeatable)
     #[arg(long, value_name = "GLOB")]
     recordings: Vec<String>,
     /// Use only every N-th recording, in order of their paths: a part for fitting, the others for checking
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_count)]
     every: Option<NonZeroUsize>,
     /// Where --every starts, 0 to N-1
     #[arg(long, value_name = "K", default_value_t = 0, requires = "every")]
     offset: usize,
     /// Use only the first N recordings (after --every)
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_count)]
     limit_recordings: Option<NonZeroUsize>,
-    /// Unit of length of the recordings
-    #[arg(long, value_enum, default_value_t)]
-    unit: UnitOption,
+    #[command(flatten)]
+    reading: ReadingOptions,
+}
+
+fn parse_count(text: &str) -> std::result::Result<NonZeroUsize, String> {
+    text.parse()
+        .map_err(|_| "allowed: a whole number, 1 or more".to_owned())
 }
 
 impl Recordings {
@@ -143,7 +137,7 @@ impl Recordings {
                 .map(|every| Part::new(every.get(), self.offset))
                 .transpose()?,
             limit_recordings: self.limit_recordings.map(NonZeroUsize::get),
-            unit: LengthUnit::from(self.unit),
+            reading: self.reading.reading()?,
             ..Overrides::default()
         })
     }
@@ -154,6 +148,43 @@ pub fn metric_option(name: Option<&str>) -> Result<Option<&'static dyn Metric>> 
     name.map(comparison::by_name)
         .transpose()
         .map_err(Error::into_usage)
+}
+
+/// Whether other models are tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Switch {
+    /// Try them
+    #[default]
+    On,
+    /// Spare their time
+    Off,
+}
+
+/// How far models that are as valid part.
+#[derive(Debug, Clone, Args)]
+pub struct ModelErrorOption {
+    /// Try models that are as valid: other steps, contacts at their limit, the other kind of joint (about as many runs again)
+    #[arg(long, value_name = "SWITCH", value_enum, default_value_t)]
+    model_error: Switch,
+    /// Results folder of a sweep or tuning whose indistinguishable points take part as models, too
+    #[arg(long, value_name = "DIR")]
+    indistinguishable: Option<PathBuf>,
+}
+
+impl ModelErrorOption {
+    /// The points that take part; `None` where no other model is to be tried.
+    pub fn points(&self) -> Result<Option<Vec<ParameterSet>>> {
+        match (self.model_error, &self.indistinguishable) {
+            (Switch::Off, Some(_)) => Err(Error::usage(
+                "nothing takes part in a model error that is off",
+            )
+            .field("--indistinguishable")
+            .hint("leave --model-error on")),
+            (Switch::Off, None) => Ok(None),
+            (Switch::On, Some(folder)) => read_indistinguishable(folder).map(Some),
+            (Switch::On, None) => Ok(Some(Vec::new())),
+        }
+    }
 }
 
 /// How many threads work in parallel.
@@ -204,6 +235,15 @@ fn parse_assignment(text: &str) -> std::result::Result<Assignment, String> {
 }
 
 impl Values {
+    /// The recordings that the values in the files were fitted on.
+    pub fn fitted_on(&self) -> Result<Vec<String>> {
+        let mut all = Vec::new();
+        for path in &self.parameters {
+            all.extend(read_best(path)?.1);
+        }
+        Ok(all)
+    }
+
     /// All values: files first, in order, then `--set`.
     pub fn parameter_set(&self) -> Result<ParameterSet> {
         let mut all = ParameterSet::new();

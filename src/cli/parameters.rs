@@ -31,6 +31,7 @@ impl Parameters {
     pub fn run(self) -> Result<ExitCode> {
         if self.format == Format::Json {
             let rows: Vec<_> = parameter::all()
+                .chain(parameter::families())
                 .map(|p| {
                     json!({"name": p.name, "unit": p.unit.label(), "low": p.bounds.0, "high": p.bounds.1,
                            "default": p.default_value(), "whole": p.whole, "small_step": step(p.nudge),
@@ -49,7 +50,7 @@ impl Parameters {
             ("small step", Side::Right),
             ("meaning", Side::Left),
         ]);
-        for p in parameter::all() {
+        for p in parameter::all().chain(parameter::families()) {
             let default = p.default_value().map_or("robot".to_owned(), |value| {
                 format!("{value:.6}")
                     .trim_end_matches('0')

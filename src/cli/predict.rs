@@ -6,15 +6,15 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::calibration::read_noise;
 use realgap::optimization::RunOptions;
-use realgap::prediction::{Card, Growth, SuccessRule, ensemble};
+use realgap::prediction::{Card, Growth, ModelError, SuccessRule, ensemble};
 use realgap::results::{Kind, write_prediction};
-use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Noise, Sampling};
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 
 use super::folder::ResultsFolder;
-use super::option::{Format, Jobs, MOST_REPEATS, Values, recording_unused};
+use super::kind::read_morphology;
+use super::option::{Format, Jobs, MOST_REPEATS, ModelErrorOption, Values, recording_unused};
 use super::{interrupt, progress, terminal};
 
 /// Say what a robot will do before anybody builds it: how far, which behaviours, how likely
@@ -44,6 +44,8 @@ pub struct Predict {
     #[arg(long, value_name = "M")]
     success_m: Option<f64>,
     #[command(flatten)]
+    model: ModelErrorOption,
+    #[command(flatten)]
     jobs: Jobs,
     /// Folder for the results
     #[arg(short, long, value_name = "DIR")]
@@ -65,7 +67,8 @@ impl Predict {
             }
             None => SuccessRule::HalfOfNoiseFree,
         };
-        let morphology = Morphology::read(&self.morphology)?;
+        let points = self.model.points()?;
+        let morphology = read_morphology(&self.morphology)?;
         let values = self.values.parameter_set()?;
         let mut experiment = Experiment::new(morphology.assemble());
         experiment.duration_s = self.duration;
@@ -103,7 +106,18 @@ impl Predict {
             true => Growth::of(&experiment)?,
             false => None,
         };
-        let card = Card::new(morphology.name(), &repeats, rule)?
+        let card = Card::new(morphology.name(), &repeats, rule)?;
+        let quiet = RunOptions {
+            progress: None,
+            ..run
+        };
+        let model = points.map(|points| {
+            let forecast = &card.prediction;
+            ModelError::new(&experiment, &repeats, forecast, &points, &quiet)
+        });
+        let model = model.transpose()?.flatten();
+        let card = card
+            .with_model(&repeats, model)
             .with_parameters(&values)
             .with_noise_from(noise_from)
             .with_growth(growth)

@@ -10,6 +10,14 @@ use realgap::optimization::Progress;
 pub fn follow(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {
     let begun = AtomicBool::new(false);
     move |progress| {
+        if let Some(what) = progress.finishing {
+            // A full bar would stand there as if nothing happened any more.
+            if let Ok(style) = ProgressStyle::with_template("{msg} {spinner} {elapsed}") {
+                bar.set_style(style);
+            }
+            bar.set_message(what);
+            return;
+        }
         bar.set_length(progress.total as u64);
         if !begun.swap(true, Ordering::Relaxed) {
             // Rate and time left count from here, not from what an earlier run did.
@@ -18,6 +26,17 @@ pub fn follow(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {
         }
         bar.set_position(progress.done as u64);
     }
+}
+
+/// Something that turns while another program works.
+pub fn spinner(what: &str) -> ProgressBar {
+    let spinner = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(8));
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed}") {
+        spinner.set_style(style);
+    }
+    spinner.set_message(what.to_owned());
+    spinner.enable_steady_tick(Duration::from_millis(250));
+    spinner
 }
 
 /// A bar of `total` steps. It draws nothing in the first instants, so short work stays quiet.

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::simulation::{self, Camera, Distribution, Experiment, Noise, Outcome, Sampling};
 use realgap::store::FolderLock;
-use realgap::trajectory::{self, Meta, Source};
+use realgap::trajectory::{self, Meta, Reading, Source};
 use realgap::unit::counted;
 use realgap::{Advice, Error, Result};
 use serde_json::json;
@@ -56,6 +56,9 @@ pub struct Record {
     /// Camera orientation error, standard deviation in radians
     #[arg(long, value_name = "RAD", default_value_t = 0.005)]
     camera_angle_noise: f64,
+    /// Camera time error, standard deviation in seconds
+    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    camera_time_noise: f64,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -76,8 +79,9 @@ impl Record {
             ..Noise::default()
         };
         let camera = Camera {
-            position_m: self.camera_noise,
-            orientation_rad: self.camera_angle_noise,
+            position_m: Distribution::Normal(self.camera_noise),
+            angle_rad: Distribution::Normal(self.camera_angle_noise),
+            time_s: Distribution::Normal(self.camera_time_noise),
         };
         noise.check()?;
         camera.check()?;
@@ -132,7 +136,7 @@ impl Record {
             source: Source::StandIn,
             description: format!(
                 "STAND-IN: simulated by realgap {} ({}), not recorded from hardware. {} repeats of {} s at {} Hz, seed {}, with {}. \
-                 Noise (standard deviations): start {} m and {} rad, servo zero {} rad, camera {} m and {} rad.",
+                 Noise (standard deviations): start {} m and {} rad, servo zero {} rad, camera {} m, {} rad and {} s.",
                 env!("CARGO_PKG_VERSION"),
                 simulation::ENGINE_VERSION,
                 self.repeats,
@@ -149,9 +153,11 @@ impl Record {
                 self.servo_zero_noise,
                 self.camera_noise,
                 self.camera_angle_noise,
+                self.camera_time_noise,
             ),
             frame: "world, z up; pose of the tracked module's centre".to_owned(),
             licence: "MIT OR Apache-2.0".to_owned(),
+            reading: Reading::default(),
         };
         trajectory::write_meta(&self.output, &meta)?;
         let text = match self.format {
@@ -173,6 +179,7 @@ impl Record {
                     "servo_zero_rad": self.servo_zero_noise,
                     "camera_m": self.camera_noise,
                     "camera_rad": self.camera_angle_noise,
+                    "camera_s": self.camera_time_noise,
                 },
                 "engine": simulation::ENGINE_VERSION,
                 "version": env!("CARGO_PKG_VERSION"),

@@ -52,7 +52,9 @@ enum ResultsFormat {
 
 impl Results {
     pub fn run(self) -> Result<ExitCode> {
-        let mut listing = Listing::read(&self.folder)?.sorted(self.sort.as_deref())?;
+        // Who only looks has neither a run to resume nor another folder to choose.
+        let listing = Listing::read(&self.folder).map_err(Error::without_advice)?;
+        let mut listing = listing.sorted(self.sort.as_deref())?;
         if !self.per_recording {
             listing = listing.without_details();
         }

@@ -16,7 +16,7 @@ use realgap::{Error, Result};
 use super::folder::ResultsFolder;
 use super::kind::read_search;
 use super::option::{Format, Jobs, Values, recording_unused};
-use super::{interrupt, progress, terminal};
+use super::{interrupt, mujoco, progress, terminal};
 
 /// Search for the robot that walks best, by what will really happen
 ///
@@ -38,6 +38,9 @@ pub struct Search {
     /// Let every repeat use one of the points that cannot be told from the best of this results folder of sweep or tune
     #[arg(long, value_name = "DIR")]
     indistinguishable: Option<PathBuf>,
+    /// Run the finalists in MuJoCo, too, with this Python (python3 unless named): one that walks otherwise there does not survive
+    #[arg(long, value_name = "PYTHON", num_args = 0..=1, require_equals = true, default_missing_value = "python3")]
+    mujoco: Option<String>,
     /// Seed in place of the file's own
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
@@ -81,13 +84,35 @@ impl Search {
         let results = self.simulate(&search, &folder, &options);
         folder.check()?;
         let results = results?;
-        let mut finalists = Ok(Vec::new());
+        let (mut finalists, mut baseline) = (Ok(Vec::new()), None);
         if results.ending == Ending::Complete {
             finalists = look_again(&search, &results, &options);
+            if finalists.is_ok() {
+                baseline = search.baseline(&options)?;
+            }
         }
         let known = finalists.as_ref().map_or(&[][..], Vec::as_slice);
         folder.check()?;
-        let summary = write_search(folder.path(), &search, &results, known)?;
+        let write = |finalists: &[Finalist]| {
+            write_search(
+                folder.path(),
+                &search,
+                &results,
+                finalists,
+                baseline.as_ref(),
+            )
+        };
+        let mut summary = write(known)?;
+        if let (Some(python), Ok(known)) = (&self.mujoco, &finalists)
+            && !known.is_empty()
+        {
+            let bar = progress::spinner("running the best in MuJoCo");
+            let reranked = mujoco::rerun(python, folder.path(), &search, known.clone());
+            bar.finish_and_clear();
+            let reranked = reranked?;
+            summary = write(&reranked)?;
+            finalists = Ok(reranked);
+        }
         folder.write_timing(jobs)?;
         terminal::print_warnings(&summary.warnings);
         match self.format {
@@ -214,7 +239,7 @@ fn print(summary: &SearchSummary, search: &search::Search, head: &str) {
             ("in the search", Side::Right),
             ("new draws", Side::Right),
             ("displacement, 90 %", Side::Right),
-            ("P(success)", Side::Right),
+            ("P(half of noise-free)", Side::Right),
             ("survives", Side::Left),
         ]);
         let metres = |value: f64| quantity(value, Unit::Metre);
@@ -234,7 +259,10 @@ fn print(summary: &SearchSummary, search: &search::Search, head: &str) {
                     }),
                 robot
                     .success
-                    .map_or("-".to_owned(), |p| format!("{:.0} %", 100.0 * p)),
+                    .zip(robot.success_m)
+                    .map_or("-".to_owned(), |(p, m)| {
+                        format!("{:.0} % over {}", 100.0 * p, metres(m))
+                    }),
                 match (robot.survives, robot.largest_change, robot.worst_rerun) {
                     (true, ..) => "yes".to_owned(),
                     (_, Some(change), Some(worst)) => {
@@ -246,6 +274,17 @@ fn print(summary: &SearchSummary, search: &search::Search, head: &str) {
         }
         let rendered = table.render(terminal::stdout_wants_colour());
         lines.push(rendered.trim_end().to_owned());
+        if let Some(baseline) = &summary.baseline {
+            let worth = match (&baseline.failure, baseline.fitness) {
+                (Some(failure), _) => format!("fails: {failure}"),
+                (None, Some(fitness)) => quantity(fitness, unit),
+                (None, None) => "diverges".to_owned(),
+            };
+            lines.push(format!(
+                "  started from {}: {worth} with the new draws",
+                baseline.robot
+            ));
+        }
     }
     terminal::print(lines.join("\n"));
 }

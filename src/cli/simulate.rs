@@ -9,7 +9,7 @@ use realgap::plot::quantity;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{self, Divergence, Experiment, JointKind, Outcome, Run, Sampling};
 use realgap::trajectory;
-use realgap::unit::Unit;
+use realgap::unit::{Unit, decimals};
 use realgap::{Error, Result};
 use serde_json::json;
 
@@ -141,16 +141,17 @@ impl Simulate {
                 quantity(path, Unit::Metre)
             ));
             lines.push(format!(
-                "  heading           {:.1} deg (direction of the net displacement)",
-                net.y.atan2(net.x).to_degrees()
+                "  heading           {} deg (direction of the net displacement)",
+                decimals(net.y.atan2(net.x).to_degrees(), 1)
             ));
             if let Some(turned) = turned_rad {
                 lines.push(format!(
-                    "  turned            {:.1} deg (change of the tracked module's heading)",
-                    turned.to_degrees()
+                    "  turned            {} deg (change of the tracked module's heading)",
+                    decimals(turned.to_degrees(), 1)
                 ));
             }
-            if !experiment.assembly.hinges.is_empty() {
+            let mut hinges = experiment.assembly.hinges.iter();
+            if hinges.any(|hinge| hinge.actuator.is_some()) {
                 lines.push(format!(
                     "  servo error       {:.2} deg rms",
                     run.servo_rms_rad.to_degrees()

@@ -60,7 +60,7 @@ impl Tune {
         let follow = progress::follow(&bar);
         let say = |progress: Progress| {
             follow(progress);
-            if let Some(best) = progress.best {
+            if let Some(best) = progress.best.filter(|_| progress.finishing.is_none()) {
                 bar.set_message(format!("tuning, best {}", quantity(best, unit)));
             }
         };

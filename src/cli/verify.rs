@@ -113,14 +113,7 @@ impl Verify {
         }
         let joint_is_set = values.value("solver.joint").is_some();
         // Solver and contact do not depend on the robot.
-        let nobody = Assembly {
-            module_names: Vec::new(),
-            parts: Vec::new(),
-            hinges: Vec::new(),
-            track_part: 0,
-            robot_from_track: nalgebra::Isometry3::identity(),
-            body_length_m: 1.0,
-        };
+        let nobody = Assembly::nobody();
         let mut experiment = values.apply(&Experiment::new(nobody));
         if let Some(timestep_s) = self.timestep {
             experiment.solver.timestep_s = timestep_s;

@@ -173,6 +173,36 @@ impl Basis {
         (sum / POINTS as f64).sqrt()
     }
 
+    /// The first two components: of `known` where it holds two, else of `paths`; `None` where there are fewer.
+    ///
+    /// # Errors
+    /// No path at all.
+    pub fn plane<'a>(
+        known: Option<&Self>,
+        paths: impl Iterator<Item = &'a Prepared>,
+    ) -> Result<Option<Self>> {
+        let two = Components::Count(2);
+        let known = known.and_then(|basis| basis.keeping(two).ok());
+        let basis = match known {
+            Some(basis) => basis,
+            None => Self::fit(&paths.collect::<Vec<_>>(), two)?,
+        };
+        Ok((basis.kept == 2).then_some(basis))
+    }
+
+    /// Where a path lies in the plane of the first two components, of which there must be two, in metres of root mean square
+    /// distance: two paths are at least as far apart as their dots.
+    pub fn in_plane_m(&self, prepared: &Prepared) -> (f64, f64) {
+        let coefficients_m = self.coefficients_m(prepared);
+        let at = |k: usize| coefficients_m.get(k).copied().unwrap_or(0.0) / (POINTS as f64).sqrt();
+        (at(0), at(1))
+    }
+
+    /// Shares of the first two components in the variance, 0 to 1.
+    pub fn plane_shares(&self) -> [f64; 2] {
+        [0, 1].map(|k| self.explained_variance_ratio.get(k).copied().unwrap_or(0.0))
+    }
+
     /// Share of each kept component in the squared distance of all points of `a` and `b`, from 0 to 1.
     ///
     /// The first is mostly distance travelled, the others are shape; what is missing to 1 is what the kept
@@ -221,7 +251,7 @@ fn vector(prepared: &Prepared) -> Vec<f64> {
     values(prepared).collect()
 }
 
-fn difference(a: &Prepared, b: &Prepared) -> [f64; VECTOR] {
+pub(super) fn difference(a: &Prepared, b: &Prepared) -> [f64; VECTOR] {
     let mut difference = [0.0; VECTOR];
     for (index, (p, q)) in a.xy_m().iter().zip(b.xy_m()).enumerate() {
         difference[index] = p[0] - q[0];

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::basis::Basis;
+use super::spread::Spread;
 use crate::error::{Error, Result};
 use crate::trajectory::{Prepared, Trajectory};
 use crate::unit::Unit;
@@ -26,6 +27,8 @@ pub struct Pair<'a> {
 pub struct Context<'a> {
     /// Principal components of all trajectories of the comparison.
     pub basis: Option<&'a Basis>,
+    /// How recordings of the run differ.
+    pub spread: Option<&'a Spread>,
     /// Width of the robot, metres.
     pub body_length_m: Option<f64>,
 }
@@ -37,10 +40,14 @@ pub struct Needs {
     pub preparation: bool,
     /// [`Context::basis`].
     pub basis: bool,
+    /// [`Context::spread`].
+    pub spread: bool,
     /// Orientations in both trajectories.
     pub orientation: bool,
     /// [`Context::body_length_m`].
     pub body_length: bool,
+    /// Joints in both trajectories.
+    pub joints: bool,
 }
 
 impl Needs {
@@ -48,8 +55,10 @@ impl Needs {
     pub const POINTS: Self = Self {
         preparation: true,
         basis: false,
+        spread: false,
         orientation: false,
         body_length: false,
+        joints: false,
     };
 }
 
@@ -175,12 +184,21 @@ fn check_needs(name: &str, needs: Needs, pair: &Pair<'_>, context: &Context<'_>)
             "fit one with Basis::fit on all trajectories of the comparison",
         );
     }
+    if needs.spread && context.spread.is_none() {
+        return refuse(
+            "the spread of reality",
+            "take it from repeats of the real run with Spread::of; in a study they are its recordings",
+        );
+    }
     if needs.body_length
         && !context
             .body_length_m
             .is_some_and(|m| m > 0.0 && m.is_finite())
     {
         return refuse("the body length of the robot", "it must be more than 0 m");
+    }
+    if needs.joints && (pair.real.joints().is_empty() || pair.simulated.joints().is_empty()) {
+        return refuse("joints", "columns NAME_rad in both");
     }
     if needs.orientation {
         for (which, trajectory) in [("reference", pair.real), ("other", pair.simulated)] {

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::joint;
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::error::{Error, Result};
 use crate::trajectory::{Interpolator, Trajectory};
@@ -46,10 +47,10 @@ impl Metric for Rotation {
     }
 }
 
-/// Mean position error / body length + mean rotation error in radians, over every recorded sample.
+/// Mean position error / body length + mean rotation error in radians + mean joint error in radians, over every recorded sample.
 ///
 /// No preparation: both run from their own start time in the same world frame; the simulation is interpolated at
-/// the recorded times. See [`pose_errors`] for the two parts.
+/// the recorded times. See [`pose_errors`] for the parts.
 #[derive(Debug, Clone, Copy)]
 pub struct Pose;
 
@@ -64,14 +65,16 @@ impl Metric for Pose {
         Unit::One
     }
     fn doc(&self) -> &'static str {
-        "mean position error / body length + mean rotation error in radians, over every recorded sample"
+        "mean position error / body length + mean errors of rotation and of joints (where both have them) in radians, over every recorded sample"
     }
     fn needs(&self) -> Needs {
         Needs {
             preparation: false,
             basis: false,
+            spread: false,
             orientation: true,
             body_length: true,
+            joints: false,
         }
     }
     fn is_symmetric(&self) -> bool {
@@ -98,10 +101,14 @@ pub struct PoseErrors {
     pub position_fraction_mean: f64,
     /// Mean rotation error, radians.
     pub rotation_rad_mean: f64,
+    /// Mean error of the joints that both trajectories have, radians, within half a turn; `None` without any.
+    pub joint_rad_mean: Option<f64>,
     /// Position error at the last compared sample, as a fraction of the body length.
     pub position_fraction_final: f64,
     /// Rotation error at the last compared sample, radians.
     pub rotation_rad_final: f64,
+    /// Mean error of the joints at the last compared sample, radians.
+    pub joint_rad_final: Option<f64>,
     /// Number of recorded samples that were compared.
     pub samples: usize,
     /// `shorter-simulation`, if it ended before the recording.
@@ -111,13 +118,13 @@ pub struct PoseErrors {
 impl PoseErrors {
     /// The value of the metric `pose`.
     pub fn score(&self) -> f64 {
-        self.position_fraction_mean + self.rotation_rad_mean
+        self.position_fraction_mean + self.rotation_rad_mean + self.joint_rad_mean.unwrap_or(0.0)
     }
 }
 
 /// Position and rotation errors of `simulated` at every sample time of `real`.
 ///
-/// Times count from each trajectory's own start. Positions are compared in all three dimensions, or in the x-y plane if
+/// Joints are compared by name; those that only one of the two has are left out. Times count from each trajectory's own start. Positions are compared in all three dimensions, or in the x-y plane if
 /// either trajectory is planar. Recorded samples after the end of the simulation are left out, with a warning.
 ///
 /// # Errors
@@ -149,6 +156,8 @@ pub fn pose_errors(
     let mut at = Interpolator::new(simulated);
     let (mut position_sum_m, mut rotation_sum_rad) = (0.0, 0.0);
     let (mut position_m, mut rotation_rad) = (0.0, 0.0);
+    let joints = joint::common(real, simulated);
+    let (mut joint_sum_rad, mut joint_rad) = (0.0, 0.0);
     let mut samples = 0_usize;
     for ((time_s, recorded), q) in real
         .times_s()
@@ -169,6 +178,10 @@ pub fn pose_errors(
         rotation_rad = at
             .orientation_world_from_body(since_start_s)
             .map_or(0.0, |simulated| q.angle_to(&simulated));
+        if !joints.is_empty() {
+            joint_rad = joint::error_at_rad(&joints, &mut at, since_start_s, samples);
+            joint_sum_rad += joint_rad;
+        }
         position_sum_m += position_m;
         rotation_sum_rad += rotation_rad;
         samples += 1;
@@ -189,6 +202,8 @@ pub fn pose_errors(
     Ok(PoseErrors {
         position_fraction_mean: position_sum_m / n / body_length_m,
         rotation_rad_mean: rotation_sum_rad / n,
+        joint_rad_mean: (!joints.is_empty()).then_some(joint_sum_rad / n),
+        joint_rad_final: (!joints.is_empty()).then_some(joint_rad),
         position_fraction_final: position_m / body_length_m,
         rotation_rad_final: rotation_rad,
         samples,

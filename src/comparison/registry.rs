@@ -2,11 +2,14 @@
 
 use super::cluster::PcaCluster;
 use super::evo::{Ape, Rpe, UmeyamaApe};
+use super::joint::Joints;
 use super::metric::Metric;
 use super::pca::Pca;
 use super::pointwise::{Displacement, Rms};
 use super::pose::{Pose, Rotation};
+use super::residual::Shape;
 use super::shape::{Dtw, Frechet, Hausdorff};
+use super::whitened::PcaWhitened;
 use crate::error::Result;
 use crate::file::look_up;
 
@@ -16,8 +19,10 @@ pub const DEFAULT_METRIC: &str = "pca";
 /// Every known metric; the first is the default.
 pub const METRICS: &[&dyn Metric] = &[
     &Pca,
+    &PcaWhitened,
     &PcaCluster,
     &Displacement,
+    &Shape,
     &Rms,
     &Hausdorff,
     &Frechet,
@@ -27,6 +32,7 @@ pub const METRICS: &[&dyn Metric] = &[
     &Rpe,
     &Rotation,
     &Pose,
+    &Joints,
 ];
 
 /// The metric called `name`.

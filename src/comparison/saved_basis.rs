@@ -4,6 +4,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::basis::{Basis, VECTOR, dot};
 use crate::error::{Error, Result};
+use crate::file::Source;
 
 /// The kept part of a [`Basis`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -13,6 +14,20 @@ struct SavedBasis {
     explained_variance_ratio: Vec<f64>,
     mean_m: Vec<f64>,
     components: Vec<Vec<f64>>,
+}
+
+impl Basis {
+    /// A basis as JSON: `basis.json` of a results folder, or what `realgap compare` was told to save.
+    ///
+    /// # Errors
+    /// A text that is no such basis.
+    pub fn parse(source: &Source) -> Result<Self> {
+        serde_json::from_str(source.text()).map_err(|e| {
+            Error::invalid(format!("not a saved basis: {e}"))
+                .at_file(source.path())
+                .allowed("basis.json of a results folder, or a basis saved by a comparison")
+        })
+    }
 }
 
 impl Serialize for Basis {

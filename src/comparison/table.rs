@@ -8,8 +8,8 @@ use super::basis::{Basis, Components};
 use super::metric::{Context, Metric, Pair};
 use super::registry::METRICS;
 use crate::trajectory::{Prepared, Recording, prepare};
-use crate::unit::Unit;
-use crate::warning::Warning;
+use crate::unit::{LengthUnit, Unit, number};
+use crate::warning::{Code, Warning};
 
 /// One trajectory against the reference. Written (serde) as one flat object, whose keys are the names of the fields and
 /// the columns of the metrics.
@@ -61,10 +61,18 @@ pub fn position_metrics() -> Vec<&'static dyn Metric> {
     let mut metrics = METRICS.to_vec();
     metrics.retain(|metric| {
         let needs = metric.needs();
-        !needs.orientation && !needs.body_length
+        !needs.orientation && !needs.body_length && !needs.spread && !needs.joints
     });
     metrics
 }
+
+/// How much larger a path is whose file is in another unit than those of the others, by more than robots differ.
+const ANOTHER_UNIT: [(std::ops::Range<f64>, LengthUnit); 2] = [
+    (50.0..200.0, LengthUnit::Centimetre),
+    (300.0..3000.0, LengthUnit::Millimetre),
+];
+/// What goes no farther is at rest, and says nothing of units, metres.
+const STILL_M: f64 = 1e-4;
 
 /// Recordings prepared together, with the basis of all of them.
 #[derive(Debug, Clone)]
@@ -123,7 +131,13 @@ impl<'a> Comparison<'a> {
         })
     }
 
-    /// The basis of all distinct recordings.
+    /// The same with a basis that was fitted elsewhere.
+    #[must_use]
+    pub fn with_basis(self, basis: Basis) -> Self {
+        Self { basis, ..self }
+    }
+
+    /// The basis of all distinct recordings, or the one given.
     pub fn basis(&self) -> &Basis {
         &self.basis
     }
@@ -136,6 +150,30 @@ impl<'a> Comparison<'a> {
     /// The other recordings, prepared, in the order given.
     pub fn others_prepared(&self) -> &[Prepared] {
         &self.others_prepared
+    }
+
+    /// What the reader should know of all of them together: paths whose sizes look like different units of length.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let extent_m = |recording: &Recording| recording.trajectory.extent_m();
+        let reference_m = extent_m(self.reference);
+        let unlike = self.others.iter().filter_map(|other| {
+            let factor = extent_m(other) / reference_m;
+            let size = factor.max(factor.recip());
+            let unit = ANOTHER_UNIT.iter().find(|(sizes, _)| sizes.contains(&size));
+            let (_, unit) = unit.filter(|_| extent_m(other).min(reference_m) > STILL_M)?;
+            let larger = if factor > 1.0 { other } else { self.reference };
+            Some(Warning::new(
+                Code::UnlikelyLength,
+                format!(
+                    "{} goes {} times as far as {}: if it is in {unit}, read it with `length: \"{}\"`",
+                    larger.name,
+                    number(size),
+                    if factor > 1.0 { &self.reference.name } else { &other.name },
+                    unit.symbol()
+                ),
+            ))
+        });
+        unlike.collect()
     }
 
     /// Pair number `index`: the reference and one of the others; `None` beyond the last.
@@ -172,6 +210,7 @@ impl<'a> Comparison<'a> {
     ) -> crate::Result<Row> {
         let context = Context {
             basis: Some(&self.basis),
+            spread: None,
             body_length_m: None,
         };
         let mut warnings: Vec<Warning> = Vec::new();

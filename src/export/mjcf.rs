@@ -3,7 +3,7 @@
 use super::format::{Exported, Format};
 use super::robot::{Robot, origin_robot_m, quaternion, seen_from};
 use super::xml::{Element, numbers, vector};
-use crate::robot::morphology::{Hinge, Servo, ServoLaw, Solid};
+use crate::robot::morphology::{Actuator, Hinge, Motor, Servo, ServoLaw, Solid};
 use crate::warning::{Code, Warning};
 
 /// MuJoCo's XML.
@@ -70,16 +70,23 @@ impl Format for Mjcf {
         if !hinges.is_empty() {
             let mut contact = Element::new("contact");
             let mut actuator = Element::new("actuator");
-            for hinge in hinges {
+            let joined = hinges
+                .iter()
+                .map(|hinge| (hinge.parent_part, hinge.child_part));
+            for (a, b) in joined.chain(robot.parts_apart()) {
                 contact.push(
                     Element::new("exclude")
-                        .with("body1", robot.part_name(hinge.parent_part))
-                        .with("body2", robot.part_name(hinge.child_part)),
+                        .with("body1", robot.part_name(a))
+                        .with("body2", robot.part_name(b)),
                 );
-                actuator.push(motor(robot, hinge));
+            }
+            for (hinge, driven) in robot.driven_hinges() {
+                actuator.push(motor(&hinge.name, &driven.servo));
             }
             root.push(contact);
-            root.push(actuator);
+            if robot.has_servos() {
+                root.push(actuator);
+            }
         }
         Exported {
             text: root.document(&comments),
@@ -102,7 +109,7 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
             "realgap's timestep, substeps and contact settings (the file has hardened MuJoCo settings of its own)",
         ),
     ];
-    if !robot.assembly.hinges.is_empty() {
+    if robot.has_servos() {
         warnings.push(Warning::new(
             Code::GaitNeedsProgram,
             "the gait as motion (it is in <custom>; tools/record_standin.py reads it and drives the servos)",
@@ -132,9 +139,8 @@ fn custom(robot: &Robot<'_>) -> Element {
         "body_length_m".to_owned(),
         numbers([robot.assembly.body_length_m]),
     ));
-    for hinge in &robot.assembly.hinges {
-        let name = robot.hinge_name(hinge);
-        let gait = &hinge.gait;
+    for (hinge, Actuator { servo, gait }) in robot.driven_hinges() {
+        let name = &hinge.name;
         custom.push(numeric(
             format!("gait_{name}"),
             numbers([
@@ -148,7 +154,7 @@ fn custom(robot: &Robot<'_>) -> Element {
             law,
             max_torque_nm,
             max_speed_rad_s,
-        } = hinge.servo;
+        } = *servo;
         let (law, data) = match law {
             ServoLaw::Velocity { gain_1_s } => {
                 let speed = if max_speed_rad_s.is_finite() {
@@ -164,6 +170,14 @@ fn custom(robot: &Robot<'_>) -> Element {
             } => (
                 "torque",
                 [stiffness_nm_rad, damping_nm_s_rad, max_torque_nm],
+            ),
+            ServoLaw::Motor(motor) => (
+                "torque",
+                [
+                    motor.stiffness_nm_rad(),
+                    motor.damping_nm_s_rad(),
+                    max_torque_nm.min(motor.stall_nm()),
+                ],
             ),
         };
         custom.push(text(&format!("law_{name}"), law));
@@ -203,6 +217,10 @@ fn body(robot: &Robot<'_>, part: usize, hinge: Option<&Hinge>) -> Element {
     let origin_m = origin_robot_m(cluster);
     let mut element = Element::new("body").with("name", robot.part_name(part));
     match hinge {
+        None if robot.assembly.mount_world_m.is_some() => {
+            let mount_m = robot.assembly.mount_world_m.unwrap_or_default();
+            element = element.with("pos", vector(&(origin_m + mount_m)));
+        }
         None => {
             let height_m = robot.floor.height_m + robot.clearance_m() + GAP_M;
             element = element
@@ -214,13 +232,9 @@ fn body(robot: &Robot<'_>, part: usize, hinge: Option<&Hinge>) -> Element {
         }
         Some(hinge) => {
             let parent_m = origin_robot_m(&robot.assembly.parts[hinge.parent_part]);
-            element = element.with("pos", vector(&(origin_m - parent_m))).child(
-                Element::new("joint")
-                    .with("name", robot.hinge_name(hinge))
-                    .with("type", "hinge")
-                    .with("axis", vector(&hinge.axis_robot))
-                    .with("pos", vector(&(hinge.anchor_robot_m - origin_m))),
-            );
+            element = element
+                .with("pos", vector(&(origin_m - parent_m)))
+                .child(joint(hinge, &origin_m));
         }
     }
     let mass = cluster.mass(&nalgebra::Isometry3::identity());
@@ -259,6 +273,33 @@ fn body(robot: &Robot<'_>, part: usize, hinge: Option<&Hinge>) -> Element {
     element
 }
 
+fn joint(hinge: &Hinge, origin_m: &nalgebra::Vector3<f64>) -> Element {
+    let mut joint = Element::new("joint")
+        .with("name", &hinge.name)
+        .with("type", "hinge")
+        .with("axis", vector(&hinge.axis_robot))
+        .with("pos", vector(&(hinge.anchor_robot_m - origin_m)));
+    let bearing = &hinge.bearing;
+    // MuJoCo's friction does not depend on load or speed: a gear's dry and viscous parts are what it can be told.
+    let motor = hinge.actuator.as_ref().and_then(|a| a.servo.law.motor());
+    let gear = motor.map(|motor| motor.friction).unwrap_or_default();
+    let viscous_nm_s_rad = bearing.viscous_nm_s_rad + gear.viscous_nm_s_rad;
+    if viscous_nm_s_rad > 0.0 {
+        joint = joint.with("damping", numbers([viscous_nm_s_rad]));
+    }
+    let dry_nm = bearing.dry_nm + gear.dry_nm;
+    if dry_nm > 0.0 {
+        joint = joint.with("frictionloss", numbers([dry_nm]));
+    }
+    if let Some(motor) = motor.filter(|motor| motor.armature_kg_m2 > 0.0) {
+        joint = joint.with("armature", numbers([motor.armature_kg_m2]));
+    }
+    if let Some((low_rad, high_rad)) = bearing.limits_rad {
+        joint = joint.with("range", numbers([low_rad, high_rad]));
+    }
+    joint
+}
+
 fn geom(robot: &Robot<'_>, solid: &Solid, origin_robot_m: &nalgebra::Vector3<f64>) -> Element {
     let pose = seen_from(origin_robot_m, &solid.robot_from_solid);
     let element = Element::new("geom")
@@ -278,10 +319,17 @@ fn geom(robot: &Robot<'_>, solid: &Solid, origin_robot_m: &nalgebra::Vector3<f64
     }
 }
 
-fn motor(robot: &Robot<'_>, hinge: &Hinge) -> Element {
-    let name = robot.hinge_name(hinge);
-    let servo = &hinge.servo;
-    let limit = numbers([-servo.max_torque_nm, servo.max_torque_nm]);
+fn spring(motor: Element, stiffness_nm_rad: f64, damping_nm_s_rad: f64) -> Element {
+    motor.with("gainprm", numbers([stiffness_nm_rad])).with(
+        "biasprm",
+        numbers([0.0, -stiffness_nm_rad, -damping_nm_s_rad]),
+    )
+}
+
+fn motor(name: &str, servo: &Servo) -> Element {
+    let stall_nm = servo.law.motor().map_or(f64::INFINITY, Motor::stall_nm);
+    let most_nm = servo.max_torque_nm.min(stall_nm);
+    let limit = numbers([-most_nm, most_nm]);
     let motor = Element::new("general")
         .with("name", name)
         .with("joint", name)
@@ -309,9 +357,8 @@ fn motor(robot: &Robot<'_>, hinge: &Hinge) -> Element {
         ServoLaw::Torque {
             stiffness_nm_rad,
             damping_nm_s_rad,
-        } => motor.with("gainprm", numbers([stiffness_nm_rad])).with(
-            "biasprm",
-            numbers([0.0, -stiffness_nm_rad, -damping_nm_s_rad]),
-        ),
+        } => spring(motor, stiffness_nm_rad, damping_nm_s_rad),
+        // The duty's limit is lost, but for the torque at standstill.
+        ServoLaw::Motor(law) => spring(motor, law.stiffness_nm_rad(), law.damping_nm_s_rad()),
     }
 }

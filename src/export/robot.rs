@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use crate::robot::morphology::{Assembly, Hinge, Morphology, Part, Role, Solid};
+use crate::robot::morphology::{Actuator, Assembly, Hinge, Morphology, Part, Role, Solid};
 use crate::simulation::{Experiment, Floor};
 use crate::warning::Warning;
 
@@ -59,15 +59,43 @@ impl<'a> Robot<'a> {
             .filter(move |hinge| hinge.parent_part == part)
     }
 
-    /// Name of a hinge: its servo's module. A module has one servo at most.
-    pub(super) fn hinge_name(&self, hinge: &Hinge) -> &str {
-        &self.assembly.module_names[hinge.module]
+    /// The hinges that a servo drives, each with what drives it.
+    pub(super) fn driven_hinges(&self) -> impl Iterator<Item = (&Hinge, &Actuator)> {
+        let hinges = self.assembly.hinges.iter();
+        hinges.filter_map(|hinge| Some((hinge, hinge.actuator.as_ref()?)))
+    }
+
+    /// Whether a servo drives any hinge.
+    pub(super) fn has_servos(&self) -> bool {
+        self.driven_hinges().next().is_some()
+    }
+
+    /// Pairs of different parts that hold modules which never touch.
+    pub(super) fn parts_apart(&self) -> Vec<(usize, usize)> {
+        let part_of = |module: usize| {
+            let mut parts = self.assembly.parts.iter();
+            parts.position(|part| {
+                let is_of = |s: &Solid| s.module == module && s.role == Role::Cube;
+                part.solids.iter().any(is_of)
+            })
+        };
+        let mut pairs = Vec::new();
+        for &(a, b) in &self.assembly.apart {
+            if let (Some(a), Some(b)) = (part_of(a), part_of(b))
+                && a != b
+                && !pairs.contains(&(a, b))
+            {
+                pairs.push((a, b));
+            }
+        }
+        pairs
     }
 
     /// Name of a box. Module names have no dot, so no two boxes share a name.
     pub(super) fn solid_name(&self, solid: &Solid) -> String {
         let module = &self.assembly.module_names[solid.module];
         match solid.role {
+            Role::Cube if solid.number > 0 => format!("{module}.cube{}", solid.number + 1),
             Role::Cube => format!("{module}.cube"),
             Role::Plate => format!("{module}.plate"),
         }

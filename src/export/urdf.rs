@@ -30,6 +30,10 @@ impl Format for Urdf {
             &warnings,
         );
         let mut root = Element::new("robot").with("name", robot.name);
+        if let Some(mount_m) = robot.assembly.mount_world_m {
+            root.push(Element::new("link").with("name", MOUNT));
+            root.push(mount(robot, &mount_m));
+        }
         root.push(link(robot, 0, &origin_robot_m(&robot.assembly.parts[0])));
         // Parents come before their children in the assembly, as URDF readers like it.
         for hinge in &robot.assembly.hinges {
@@ -63,20 +67,20 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
             ),
         ),
     ];
-    if !robot.assembly.hinges.is_empty() {
+    if robot.has_servos() {
         warnings.push(Warning::new(
             Code::GaitNotExported,
             "gait and servo law (only the limits of torque and speed are here)",
         ));
+    }
+    if !robot.assembly.hinges.is_empty() {
         warnings.push(Warning::new(
             Code::ExclusionNotExported,
             "that parts joined by a hinge do not collide (most readers assume it, URDF cannot say it)",
         ));
         if robot
-            .assembly
-            .hinges
-            .iter()
-            .any(|hinge| hinge.servo.max_speed_rad_s.is_infinite())
+            .driven_hinges()
+            .any(|(_, driven)| driven.servo.max_speed_rad_s.is_infinite())
         {
             warnings.push(Warning::new(
                 Code::SpeedLimitInvented,
@@ -156,23 +160,58 @@ fn shape(kind: &'static str, robot: &Robot<'_>, solid: &Solid, origin_m: &Vector
 
 fn joint(robot: &Robot<'_>, hinge: &Hinge) -> Element {
     let parent_m = link_origin_robot_m(robot, hinge.parent_part);
-    Element::new("joint")
-        .with("name", robot.hinge_name(hinge))
-        // The angle has no limits.
-        .with("type", "continuous")
+    let limits_rad = hinge.bearing.limits_rad;
+    let kind = if limits_rad.is_some() {
+        "revolute"
+    } else {
+        "continuous"
+    };
+    let mut joint = Element::new("joint")
+        .with("name", &hinge.name)
+        .with("type", kind)
         .child(origin(
             &(hinge.anchor_robot_m - parent_m),
             &UnitQuaternion::identity(),
         ))
         .child(Element::new("parent").with("link", robot.part_name(hinge.parent_part)))
         .child(Element::new("child").with("link", robot.part_name(hinge.child_part)))
-        .child(Element::new("axis").with("xyz", vector(&hinge.axis_robot)))
-        .child(
-            Element::new("limit")
-                .with("effort", numbers([hinge.servo.max_torque_nm]))
-                .with(
-                    "velocity",
-                    numbers([hinge.servo.max_speed_rad_s.min(UNLIMITED_RAD_S)]),
-                ),
-        )
+        .child(Element::new("axis").with("xyz", vector(&hinge.axis_robot)));
+    let bearing = &hinge.bearing;
+    if bearing.has_friction() {
+        joint.push(
+            Element::new("dynamics")
+                .with("damping", numbers([bearing.viscous_nm_s_rad]))
+                .with("friction", numbers([bearing.dry_nm])),
+        );
+    }
+    let mut limit = Element::new("limit");
+    if let Some((low_rad, high_rad)) = limits_rad {
+        limit = limit
+            .with("lower", numbers([low_rad]))
+            .with("upper", numbers([high_rad]));
+    }
+    // A passive hinge has no torque of its own.
+    let (effort_nm, speed_rad_s) = hinge.actuator.map_or((0.0, UNLIMITED_RAD_S), |driven| {
+        let top_rad_s = driven.servo.max_speed_rad_s.min(UNLIMITED_RAD_S);
+        (driven.servo.max_torque_nm, top_rad_s)
+    });
+    joint.push(
+        limit
+            .with("effort", numbers([effort_nm]))
+            .with("velocity", numbers([speed_rad_s])),
+    );
+    joint
+}
+
+/// What holds a robot that is mounted.
+const MOUNT: &str = "world";
+
+fn mount(robot: &Robot<'_>, mount_m: &Vector3<f64>) -> Element {
+    let origin_m = origin_robot_m(&robot.assembly.parts[0]);
+    Element::new("joint")
+        .with("name", "mount")
+        .with("type", "fixed")
+        .child(origin(&(mount_m + origin_m), &UnitQuaternion::identity()))
+        .child(Element::new("parent").with("link", MOUNT))
+        .child(Element::new("child").with("link", robot.part_name(0)))
 }

@@ -63,6 +63,9 @@ fn translate(source: &Source, error: &SpannedError) -> Error {
         offset: start,
         entry: source.entry_at(start),
     };
+    if let Some(error) = spot.decimal_comma().or_else(|| spot.list_not_closed()) {
+        return error;
+    }
     match &error.code {
         Code::ExceededRecursionLimit => spot.here(too_deep()),
         Code::NoSuchStructField {
@@ -166,6 +169,52 @@ impl Spot<'_> {
         self.place(error, offset, entry.as_ref())
     }
 
+    /// `0,08`, which is two entries to the parser.
+    fn decimal_comma(&self) -> Option<Error> {
+        let start = self.entry.as_ref().map_or(self.offset, |e| e.value.start);
+        let (before, after) = self.source.text().split_at_checked(start)?;
+        let whole = before.strip_suffix(',')?;
+        let is_digit = |c: char| c.is_ascii_digit();
+        let whole = &whole[whole.trim_end_matches(is_digit).len()..];
+        let part = &after[..after.len() - after.trim_start_matches(is_digit).len()];
+        (!whole.is_empty() && !part.is_empty()).then(|| {
+            let error = Error::invalid("a comma within a number")
+                .found(shorten(&format!("{whole},{part}")))
+                .allowed(shorten(&format!("{whole}.{part}")))
+                .hint("decimals follow a point; a comma begins the next entry");
+            let (line, column) = self.source.line_column(start - 1 - whole.len());
+            error.at_file(self.source.path()).at_line(line, column)
+        })
+    }
+
+    /// A field where the next entry of a list should be: the list was to end before it.
+    fn list_not_closed(&self) -> Option<Error> {
+        let entry = self.entry.as_ref()?;
+        let list = entry.path.strip_suffix(']')?.rsplit_once('[')?.0;
+        let start = entry.whole.start;
+        let text = self.source.text().get(start..)?;
+        let opened = self.source.find(list)?.value.start;
+        if !self.source.text().get(opened..)?.starts_with('[') {
+            return None;
+        }
+        if self.source.text().get(self.offset..)?.starts_with(')') && entry.value.is_empty() {
+            let error = Error::invalid("a closing `]` is missing")
+                .hint("close the list before the `)` that ends what it belongs to");
+            return Some(self.here(error).field(shorten(list)));
+        }
+        let name = &text[..text.find(|c: char| !c.is_alphanumeric() && c != '_')?];
+        let is_field = text[name.len()..].trim_start().starts_with(':');
+        let is_first = entry.path.ends_with("[0]");
+        (is_field && !name.is_empty() && !is_first && start <= self.offset).then(|| {
+            let error = Error::invalid("a closing `]` is missing")
+                .found(format!("the field `{}` within the list", shorten(name)))
+                .hint(format!("close the list before `{}`", shorten(name)));
+            let (line, column) = self.source.line_column(start);
+            let error = error.at_file(self.source.path()).at_line(line, column);
+            error.field(shorten(list))
+        })
+    }
+
     fn value_text(&self) -> Option<String> {
         let entry = self.entry.as_ref()?;
         let text = self.source.text().get(entry.value.clone())?;
@@ -232,9 +281,10 @@ impl Spot<'_> {
             Code::ExpectedMapColon => self.here(
                 Error::invalid("a colon is missing").hint("fields are written `name: value`"),
             ),
-            Code::ExpectedStructLikeEnd | Code::ExpectedOptionEnd => self.here(Error::invalid(
-                "a closing `)` is missing, or there is one value too many",
-            )),
+            Code::ExpectedStructLikeEnd | Code::ExpectedOptionEnd => self.here(
+                Error::invalid("a closing `)` is missing, or there is one value too many")
+                    .hint("decimals follow a point: 0.08, not 0,08"),
+            ),
             Code::ExpectedArrayEnd => self.here(Error::invalid("a closing `]` is missing")),
             Code::ExpectedMapEnd => self.here(Error::invalid("a closing `}` is missing")),
             Code::UnexpectedChar(c) => {

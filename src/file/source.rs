@@ -101,6 +101,11 @@ impl Source {
             .map(|entry| line_column(&self.text, entry.value.start))
     }
 
+    /// Whether there is a value at exactly this `path`.
+    pub fn has(&self, path: &str) -> bool {
+        self.find(path).is_some_and(|entry| entry.path == path)
+    }
+
     /// Adds this file, and the line and column of `path` as in [`Source::locate`], to an error.
     #[must_use]
     pub fn at(&self, path: &str, error: Error) -> Error {

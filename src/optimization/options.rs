@@ -15,6 +15,8 @@ pub struct Progress {
     pub total: usize,
     /// The best score or fitness so far, where there is one.
     pub best: Option<f64>,
+    /// What is done with the results once all of them are there; nothing is counted then.
+    pub finishing: Option<&'static str>,
 }
 
 /// How something long runs. None of it changes a result.
@@ -82,7 +84,24 @@ impl RunOptions<'_> {
     /// Tells whoever listens.
     pub fn tell(&self, done: usize, total: usize, best: Option<f64>) {
         if let Some(progress) = self.progress {
-            progress(Progress { done, total, best });
+            progress(Progress {
+                done,
+                total,
+                best,
+                finishing: None,
+            });
+        }
+    }
+
+    /// Tells whoever listens that the counted work, so many points, is over, and what is done now.
+    pub fn tell_finishing(&self, what: &'static str, done: usize) {
+        if let Some(progress) = self.progress {
+            progress(Progress {
+                done,
+                total: done,
+                best: None,
+                finishing: Some(what),
+            });
         }
     }
 }

@@ -15,6 +15,8 @@ pub struct AxisSpec {
     pub label: String,
     /// The unit in which the values are given and shown.
     pub unit: Unit,
+    /// Whether values are counts: no tick stands between whole numbers.
+    pub whole: bool,
 }
 
 impl AxisSpec {
@@ -23,6 +25,16 @@ impl AxisSpec {
         Self {
             label: label.into(),
             unit,
+            whole: false,
+        }
+    }
+
+    /// The same axis, of a count.
+    #[must_use]
+    pub fn whole(self) -> Self {
+        Self {
+            whole: true,
+            ..self
         }
     }
 
@@ -110,9 +122,17 @@ pub(super) fn edges(values: &[f64]) -> Vec<f64> {
 }
 
 /// Ticks on `scale`: at the values themselves where they are few, at round numbers otherwise.
-pub(super) fn ticks(values: &[f64], scale: &Scale, count: usize) -> Vec<Tick> {
-    if values.len() > VALUES_WITH_OWN_TICK {
-        return scale.ticks(count);
+pub(super) fn ticks(spec: &AxisSpec, values: &[f64], scale: &Scale, count: usize) -> Vec<Tick> {
+    let is_whole = |value: f64| !spec.whole || (value - value.round()).abs() < 1e-9;
+    if values.len() > VALUES_WITH_OWN_TICK || !values.iter().all(|value| is_whole(*value)) {
+        let mut ticks = scale.ticks(count);
+        if spec.whole {
+            ticks.retain(|tick| is_whole(tick.value));
+            for tick in &mut ticks {
+                tick.label = compact(tick.value.round()).replace('-', "−");
+            }
+        }
+        return ticks;
     }
     values
         .iter()

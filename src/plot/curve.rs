@@ -180,7 +180,7 @@ impl Picture for Curve {
 
         let x_edges = edges(&self.x_values);
         let x = Scale::linear(x_edges[0], x_edges[x_edges.len() - 1]);
-        let x_ticks = axis::ticks(&self.x_values, &x, 9);
+        let x_ticks = axis::ticks(&self.x, &self.x_values, &x, 9);
         let y_ticks = if finite.is_empty() {
             Vec::new()
         } else {

@@ -25,6 +25,9 @@ const OVER_TIME: f64 = 260.0;
 /// Dashes of the prediction without noise.
 const DASH: (f64, f64) = (13.0, 8.0);
 const CM_PER_M: f64 = 100.0;
+/// Dashes and width of the band that whole paths stay in.
+const WHOLE_DASH: (f64, f64) = (5.0, 4.0);
+const WHOLE_WIDTH: f64 = 2.2;
 
 /// Repeats that do the same.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,8 +66,10 @@ pub struct EnsemblePlot {
     pub real_label: String,
     /// Times of the points of all paths and bands, seconds.
     pub times_s: Vec<f64>,
-    /// Regions over time, the widest first.
+    /// Regions for each time, the widest first.
     pub bands: Vec<EnsembleBand>,
+    /// The band that whole paths stay in.
+    pub whole_paths: Option<EnsembleBand>,
 }
 
 /// Draws an ensemble into a PNG or SVG file.
@@ -75,7 +80,7 @@ pub fn draw_ensemble(plot: &EnsemblePlot, path: impl AsRef<Path>) -> Result<()> 
     if plot.times_s.len() < 2 || plot.groups.is_empty() {
         return Err(Error::invalid("there is no ensemble to draw"));
     }
-    for band in &plot.bands {
+    for band in plot.bands.iter().chain(&plot.whole_paths) {
         if [band.low_m.len(), band.high_m.len()] != [plot.times_s.len(); 2] {
             return Err(Error::invalid("bands and times differ in number")
                 .found(band.low_m.len())
@@ -122,8 +127,19 @@ impl EnsemblePlot {
             ));
         }
         for band in self.bands.iter().rev() {
-            let text = format!("{:.0} % of the repeats", 100.0 * band.level);
+            let text = format!("{:.0} % of the repeats, at each time", 100.0 * band.level);
             entries.push((Symbol::Shade(shade(band.level)), text));
+        }
+        if let Some(band) = &self.whole_paths {
+            let symbol = Symbol::Line {
+                colour: BLUE,
+                width: WHOLE_WIDTH,
+                dash: Some(WHOLE_DASH),
+            };
+            entries.push((
+                symbol,
+                format!("{:.0} % of whole paths stay inside", 100.0 * band.level),
+            ));
         }
         Legend::new(entries, WIDTH - 2.0 * MARGIN)
     }
@@ -198,6 +214,7 @@ impl EnsemblePlot {
         let ends = self
             .bands
             .iter()
+            .chain(&self.whole_paths)
             .flat_map(|b| b.low_m.iter().chain(&b.high_m));
         let real = self.real_m.iter().flatten();
         let values = ends
@@ -243,6 +260,10 @@ impl EnsemblePlot {
             }
         }
         frame.draw_grid(canvas, &x_ticks, &y_ticks);
+        for ends in (self.whole_paths.iter()).flat_map(|band| [&band.low_m, &band.high_m]) {
+            let dash = Some(WHOLE_DASH);
+            draw_path(canvas, &frame, &line(ends), WHOLE_WIDTH, BLUE, dash);
+        }
         for path in &self.real_m {
             draw_path(canvas, &frame, &line(path), 1.6, INK, None);
         }
@@ -326,6 +347,7 @@ mod tests {
             real_m: vec![path(0, 4), path(1, 2)],
             real_label: "stand-in for reality".to_owned(),
             times_s,
+            whole_paths: bands.first().cloned(),
             bands,
         }
     }
@@ -355,7 +377,7 @@ mod tests {
         still.groups[0].representative_m = nowhere.clone();
         still.noise_free_m = Vec::new();
         still.real_m = vec![vec![[f64::INFINITY; 2]; still.times_s.len()]];
-        for band in &mut still.bands {
+        for band in still.bands.iter_mut().chain(&mut still.whole_paths) {
             (band.low_m, band.high_m) = (nowhere.clone(), nowhere.clone());
         }
         check("ensemble_still", |file| draw_ensemble(&still, file));

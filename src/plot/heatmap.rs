@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use plotters::backend::DrawingBackend;
+use plotters::style::RGBColor;
 
 use super::axis::{self, AxisSpec, Truth, check_length, check_values, edges};
 use super::canvas::{Align, Canvas, Letter};
@@ -10,7 +11,7 @@ use super::colour::{FAINT_INK, INK, WHITE, score_colour};
 use super::font::{Weight, shorten};
 use super::frame::{BELOW_LABEL, Frame, LABEL_SIZE, left_of_label, left_of_ticks, tick_letter};
 use super::heading::{Caption, Heading};
-use super::legend::{Legend, Symbol, draw_diverged, draw_ring, draw_star};
+use super::legend::{Legend, Symbol, draw_diverged, draw_evaluated, draw_ring, draw_star};
 use super::picture::{self, Picture};
 use super::scale::{COLOUR_DECADES, Scale, ScoreScale, Tick};
 use crate::unit::DisplayUnit;
@@ -49,10 +50,16 @@ pub struct HeatMap {
     pub scale: ScoreScale,
     /// (ix, iy) of the best point.
     pub best: Option<(usize, usize)>,
+    /// Where the best point lies, if not in the middle of its cell.
+    pub best_at: Option<(f64, f64)>,
     /// Points that cannot be told from the best, in the order of `scores`; empty for none.
     pub indistinguishable: Vec<bool>,
     /// The true values, where they are known.
     pub truth: Option<Truth>,
+    /// Where the scores come from, if that is not every cell: each point gets a dot.
+    pub evaluated: Vec<(f64, f64)>,
+    /// Bright is a large score, as for a fitness; otherwise a small one, as for a distance.
+    pub larger_is_better: bool,
 }
 
 /// Draws a heat map into a PNG or SVG file.
@@ -89,6 +96,12 @@ impl HeatMap {
         self.scores[iy * self.x_values.len() + ix].filter(|score| score.is_finite())
     }
 
+    /// Where the best point lies, which is in the cell (ix, iy).
+    fn place(&self, ix: usize, iy: usize) -> (f64, f64) {
+        self.best_at
+            .unwrap_or((self.x_values[ix], self.y_values[iy]))
+    }
+
     fn is_indistinguishable(&self, ix: usize, iy: usize) -> bool {
         ix < self.x_values.len()
             && iy < self.y_values.len()
@@ -111,11 +124,8 @@ impl HeatMap {
             let score = self
                 .score(ix, iy)
                 .map_or("diverged".to_string(), |score| unit.format(score));
-            let place = format!(
-                "{}, {}",
-                self.x.at(self.x_values[ix]),
-                self.y.at(self.y_values[iy])
-            );
+            let (x, y) = self.place(ix, iy);
+            let place = format!("{}, {}", self.x.at(x), self.y.at(y));
             entries.push((Symbol::Star, format!("best: {score} at {place}")));
         }
         let inside = self
@@ -130,6 +140,10 @@ impl HeatMap {
             );
             entries.push((Symbol::Outline, text));
         }
+        if !self.evaluated.is_empty() {
+            let text = format!("evaluated ({})", self.evaluated.len());
+            entries.push((Symbol::Evaluated, text));
+        }
         let diverged = self.scores.len() - finite.len();
         if diverged > 0 {
             entries.push((Symbol::Diverged, format!("{} ({diverged})", self.missing)));
@@ -139,6 +153,14 @@ impl HeatMap {
             entries.push((Symbol::Ring, format!("{}: {place}", truth.label)));
         }
         Legend::new(entries, WIDTH - 2.0 * MARGIN)
+    }
+
+    fn colour(&self, share: f64) -> RGBColor {
+        score_colour(if self.larger_is_better {
+            1.0 - share
+        } else {
+            share
+        })
     }
 
     fn draw_cells<B: DrawingBackend>(
@@ -159,7 +181,7 @@ impl HeatMap {
         for iy in 0..self.y_values.len() {
             let colour = |ix| {
                 self.score(ix, iy)
-                    .map(|score| score_colour(scores.share(score * factor)))
+                    .map(|score| self.colour(scores.share(score * factor)))
             };
             let mut start = 0;
             while start < self.x_values.len() {
@@ -189,7 +211,7 @@ impl HeatMap {
         xs: &[f64],
         ys: &[f64],
         width: f64,
-        colour: plotters::style::RGBColor,
+        colour: RGBColor,
     ) {
         let half = width / 2.0;
         let mut segment = |from: (f64, f64), to: (f64, f64)| {
@@ -225,6 +247,12 @@ impl HeatMap {
     }
 
     fn draw_marks<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, frame: &Frame) {
+        for &(x, y) in &self.evaluated {
+            let inside = [frame.x.share(x), frame.y.share(y)];
+            if inside.iter().all(|share| (0.0..=1.0).contains(share)) {
+                draw_evaluated(canvas, frame.at((x, y)));
+            }
+        }
         if let Some(truth) = &self.truth {
             let is_inside = [frame.x.share(truth.x), frame.y.share(truth.y)]
                 .iter()
@@ -234,7 +262,7 @@ impl HeatMap {
             }
         }
         if let Some((ix, iy)) = self.best {
-            draw_star(canvas, frame.at((self.x_values[ix], self.y_values[iy])));
+            draw_star(canvas, frame.at(self.place(ix, iy)));
         }
     }
 }
@@ -260,8 +288,8 @@ impl Picture for HeatMap {
         let (x_edges, y_edges) = (edges(&self.x_values), edges(&self.y_values));
         let x = Scale::linear(x_edges[0], x_edges[x_edges.len() - 1]);
         let y = Scale::linear(y_edges[0], y_edges[y_edges.len() - 1]);
-        let x_ticks = axis::ticks(&self.x_values, &x, 7);
-        let y_ticks = axis::ticks(&self.y_values, &y, 8);
+        let x_ticks = axis::ticks(&self.x, &self.x_values, &x, 7);
+        let y_ticks = axis::ticks(&self.y, &self.y_values, &y, 8);
         let right_of_frame = if finite.is_empty() {
             30.0
         } else {
@@ -294,44 +322,47 @@ impl Picture for HeatMap {
             canvas.text_beside("every simulation diverged", centre, Align::Centre, letter);
         } else {
             let label = format!("{}{}", unit.label(&self.score_label), scores.remark());
-            draw_colour_bar(canvas, &frame, &scores, &bar_ticks, &label);
+            self.draw_colour_bar(canvas, &frame, &scores, &bar_ticks, &label);
         }
     }
 }
 
-fn draw_colour_bar<B: DrawingBackend>(
-    canvas: &mut Canvas<B>,
-    frame: &Frame,
-    scores: &Scale,
-    ticks: &[Tick],
-    label: &str,
-) {
-    let bar = Frame {
-        left: (frame.right + BAR_GAP).round(),
-        right: (frame.right + BAR_GAP).round() + BAR_WIDTH,
-        y: *scores,
-        ..*frame
-    };
-    let (top, bottom) = (bar.top.round(), bar.bottom.round());
-    let steps = (bottom - top).max(1.0) as usize;
-    for step in 0..steps {
-        let y = top + step as f64;
-        let share = 1.0 - (step as f64 + 0.5) / steps as f64;
-        canvas.cell((bar.left, y), (bar.right, y + 1.0), score_colour(share));
+impl HeatMap {
+    fn draw_colour_bar<B: DrawingBackend>(
+        &self,
+        canvas: &mut Canvas<B>,
+        frame: &Frame,
+        scores: &Scale,
+        ticks: &[Tick],
+        label: &str,
+    ) {
+        let bar = Frame {
+            left: (frame.right + BAR_GAP).round(),
+            right: (frame.right + BAR_GAP).round() + BAR_WIDTH,
+            y: *scores,
+            ..*frame
+        };
+        let (top, bottom) = (bar.top.round(), bar.bottom.round());
+        let steps = (bottom - top).max(1.0) as usize;
+        for step in 0..steps {
+            let y = top + step as f64;
+            let share = 1.0 - (step as f64 + 0.5) / steps as f64;
+            canvas.cell((bar.left, y), (bar.right, y + 1.0), self.colour(share));
+        }
+        bar.draw_outline(canvas);
+        for tick in ticks {
+            let y = bar.at_y(tick.value).round();
+            canvas.fill((bar.right, y - 1.0), (bar.right + 7.0, y + 1.0), INK);
+            canvas.text_beside(
+                &tick.label,
+                (bar.right + 13.0, y),
+                Align::Left,
+                tick_letter(),
+            );
+        }
+        let baseline = bar.right + left_of_ticks(ticks) + 12.0 + 0.8 * LABEL_SIZE;
+        let middle = (bar.top + bar.bottom) / 2.0;
+        let label = shorten(label, Weight::Regular, LABEL_SIZE, bottom - top);
+        canvas.text_upwards(&label, (baseline, middle), super::frame::label_letter());
     }
-    bar.draw_outline(canvas);
-    for tick in ticks {
-        let y = bar.at_y(tick.value).round();
-        canvas.fill((bar.right, y - 1.0), (bar.right + 7.0, y + 1.0), INK);
-        canvas.text_beside(
-            &tick.label,
-            (bar.right + 13.0, y),
-            Align::Left,
-            tick_letter(),
-        );
-    }
-    let baseline = bar.right + left_of_ticks(ticks) + 12.0 + 0.8 * LABEL_SIZE;
-    let middle = (bar.top + bar.bottom) / 2.0;
-    let label = shorten(label, Weight::Regular, LABEL_SIZE, bottom - top);
-    canvas.text_upwards(&label, (baseline, middle), super::frame::label_letter());
 }

@@ -29,6 +29,7 @@ pub(super) enum Symbol {
     Start,
     Shade(RGBColor),
     Dot(RGBColor),
+    Evaluated,
 }
 
 pub(super) struct Legend {
@@ -121,6 +122,7 @@ fn draw_symbol<B: DrawingBackend>(canvas: &mut Canvas<B>, symbol: Symbol, (left,
         Symbol::Ring => canvas.ring(centre, 12.0, 3.5, VERMILLION),
         Symbol::Start => draw_start(canvas, centre),
         Symbol::Shade(colour) => canvas.cell(from, to, colour),
+        Symbol::Evaluated => draw_evaluated(canvas, centre),
         Symbol::Dot(colour) => canvas.disc(centre, 6.0, colour),
     }
 }
@@ -129,6 +131,12 @@ fn draw_symbol<B: DrawingBackend>(canvas: &mut Canvas<B>, symbol: Symbol, (left,
 pub(super) fn draw_star<B: DrawingBackend>(canvas: &mut Canvas<B>, centre: Point) {
     canvas.star(centre, 18.0, INK);
     canvas.star(centre, 11.5, WHITE);
+}
+
+/// The mark of a point that was simulated: visible on every colour.
+pub(super) fn draw_evaluated<B: DrawingBackend>(canvas: &mut Canvas<B>, centre: Point) {
+    canvas.disc(centre, 4.0, WHITE);
+    canvas.disc(centre, 2.5, INK);
 }
 
 /// The mark of the true values, where they are known: wide enough for a star within it.

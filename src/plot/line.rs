@@ -202,7 +202,10 @@ impl Picture for LinePlot {
 
         let low = xs.iter().copied().fold(f64::INFINITY, f64::min);
         let high = xs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let x = Scale::linear(low, high);
+        // A line may end at the frame; a dot there would be cut in half.
+        let only_dots = self.series.iter().all(|s| s.kind == SeriesKind::Dots);
+        let room = if only_dots { 0.03 * (high - low) } else { 0.0 };
+        let x = Scale::linear(low - room, high + room);
         let x_ticks = x.ticks(9);
         let y_ticks = y.ticks(7);
         let frame = Frame {

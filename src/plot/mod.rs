@@ -6,6 +6,7 @@
 //! | [`Curve`] | [`draw_curve`] | the score over one parameter |
 //! | [`PanelGrid`] | [`draw_panels`] | simulated paths at several parameter values, over the real ones |
 //! | [`LinePlot`] | [`draw_lines`] | lines, dots and bands over time or number of simulations |
+//! | [`Cloud`] | [`plane()`], [`draw_lines`] | recordings and simulations in the first two principal components |
 //! | [`BarChart`] | [`draw_bars`] | what each of many causes changes |
 //! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
 //! | [`EnsemblePlot`] | [`draw_ensemble`] | repeats by behaviour, their envelope over time, the real runs |
@@ -34,6 +35,7 @@ mod overlay;
 mod panel;
 mod path;
 mod picture;
+mod plane;
 mod scale;
 #[cfg(test)]
 mod tests;
@@ -53,4 +55,5 @@ pub use overlay::{Overlay, OverlayPath, draw_overlay};
 pub use panel::{Panel, PanelGrid, draw_panels};
 pub use path::PathPoint;
 pub use picture::check_picture_path;
+pub use plane::{Cloud, plane};
 pub use scale::ScoreScale;

@@ -104,6 +104,9 @@ fn valley(nx: usize, ny: usize) -> HeatMap {
         score_unit: Unit::Metre,
         scale: ScoreScale::Auto,
         best: Some((best % nx, best / nx)),
+        best_at: None,
+        evaluated: Vec::new(),
+        larger_is_better: false,
         indistinguishable,
         truth: Some(Truth {
             x: 0.47,
@@ -435,4 +438,63 @@ fn files_that_cannot_be_written_are_reported() {
         ErrorKind::Io
     );
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_heat_map_marks_where_its_scores_come_from() {
+    let mut map = valley(21, 21);
+    map.best = Some((8, 7));
+    map.best_at = Some((0.4433, 0.333));
+    map.evaluated = vec![(0.1, 0.1), (0.4433, 0.333), (0.9, 0.7)];
+    let svg = check("heatmap_evaluated", |path| draw_heat_map(&map, path));
+    assert!(svg.contains("evaluated (3)") && svg.contains("friction 0.4433"));
+    map.evaluated.clear();
+    let plain = check("heatmap_cells", |path| draw_heat_map(&map, path));
+    assert!(!plain.contains("evaluated"));
+    // Three dots and the one in the legend, of two discs each.
+    let discs = |svg: &str| svg.matches("<circle").count();
+    assert_eq!(discs(&svg), discs(&plain) + 8);
+}
+
+#[test]
+fn bright_is_good_whichever_way_the_score_counts() {
+    let map = |larger_is_better| HeatMap {
+        scores: vec![Some(1.0), Some(2.0)],
+        x_values: vec![2.0, 3.0],
+        y_values: vec![1.0],
+        best: None,
+        indistinguishable: Vec::new(),
+        truth: None,
+        larger_is_better,
+        ..valley(2, 2)
+    };
+    // The paper is white; what comes next is the cell of the lower score.
+    let first_cell_is_bright = |svg: &str| {
+        let areas = svg.split("<rect").skip(1);
+        let mut fills = areas.filter_map(|area| area.split("fill=\"#").nth(1)?.get(..6));
+        let first = fills.find(|colour| *colour != "FFFFFF").unwrap();
+        u8::from_str_radix(&first[..2], 16).unwrap() > 128
+    };
+    let low_is_good = check("heatmap_low", |path| draw_heat_map(&map(false), path));
+    let high_is_good = check("heatmap_high", |path| draw_heat_map(&map(true), path));
+    assert!(first_cell_is_bright(&low_is_good));
+    assert!(!first_cell_is_bright(&high_is_good));
+}
+
+#[test]
+fn a_count_has_no_ticks_between_whole_numbers() {
+    let mut map = valley(4, 12);
+    map.x = AxisSpec::new("modules", Unit::One).whole();
+    map.y = AxisSpec::new("active faces", Unit::One).whole();
+    map.x_values = vec![1.25, 1.75, 2.25, 2.75];
+    map.y_values = (1..=12).map(f64::from).collect();
+    map.best = None;
+    map.truth = None;
+    let svg = check("heatmap_counts", |path| draw_heat_map(&map, path));
+    for half in ["1.0", "1.25", "1.5", "2.5", "2.75"] {
+        assert!(
+            !svg.contains(&format!(">\n{half}")) && !svg.contains(&format!(">{half}")),
+            "{half}"
+        );
+    }
 }

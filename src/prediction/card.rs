@@ -7,15 +7,24 @@ use serde::{Serialize, Serializer};
 
 use super::ensemble::{Ensemble, Forecast, Motion, percent};
 use super::growth::Growth;
+use super::model::{self, ModelError, SuccessRange};
 use crate::error::{Error, Result};
 use crate::simulation::ENGINE_VERSION;
 use crate::simulation::parameter::ParameterSet;
 use crate::statistics::Proportion;
-use crate::unit::{Unit, as_label, quantity};
+use crate::unit::{Unit, quantity};
 use crate::warning::{Code, Warning};
 
 /// A robot that gets less far than this share of its body length without noise goes nowhere.
 const NOWHERE_BODY_LENGTHS: f64 = 0.1;
+
+/// What no number of a card knows of.
+const NOT_COVERED: [&str; 4] = [
+    "a robot that differs from its description",
+    "a floor that is uneven or wears",
+    "flexible parts, cables and batteries",
+    "what nobody wrote into the noise",
+];
 
 /// Which net displacement counts as success.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,8 +58,10 @@ pub struct Success {
     pub least_displacement_m: f64,
     /// Who said so.
     pub rule: SuccessRule,
-    /// How likely; diverged repeats are failures.
+    /// How likely, with its sampling error; diverged repeats are failures.
     pub probability: Proportion,
+    /// What other models say; `None` where nobody looked.
+    pub range: Option<SuccessRange>,
 }
 
 impl Success {
@@ -80,6 +91,7 @@ impl Success {
             least_displacement_m,
             rule,
             probability: ensemble.success(least_displacement_m),
+            range: None,
         }))
     }
 }
@@ -109,7 +121,6 @@ pub struct Finals {
     /// What was searched for.
     pub objective: String,
     /// Unit of both fitnesses.
-    #[serde(serialize_with = "as_label")]
     pub unit: Unit,
     /// With the draws of the search: that of a winner, which flatters.
     pub search_fitness: Option<f64>,
@@ -159,6 +170,10 @@ pub struct Card {
     pub growth: Option<Growth>,
     /// What the repeats say.
     pub prediction: Forecast,
+    /// How far models that are as valid part; `None` where nobody looked.
+    pub model: Option<ModelError>,
+    /// What no number here knows of.
+    pub not_covered: [&'static str; 4],
     /// What the reader should know, what the prediction itself warns of included.
     pub warnings: Vec<Warning>,
 }
@@ -188,6 +203,8 @@ impl Card {
             version: env!("CARGO_PKG_VERSION"),
             growth: None,
             prediction,
+            model: None,
+            not_covered: NOT_COVERED,
             warnings,
         })
     }
@@ -214,6 +231,16 @@ impl Card {
     pub fn with_growth(mut self, growth: Option<Growth>) -> Self {
         self.warnings.extend(growth.and_then(|g| g.warning()));
         self.growth = growth;
+        self
+    }
+
+    /// The card with how far other models part about this ensemble.
+    #[must_use]
+    pub fn with_model(mut self, ensemble: &Ensemble, model: Option<ModelError>) -> Self {
+        if let (Some(success), Some(model)) = (&mut self.success, &model) {
+            success.range = Some(model.success(ensemble, success.least_displacement_m));
+        }
+        self.model = model;
         self
     }
 
@@ -248,7 +275,18 @@ impl fmt::Display for Card {
                 success.rule.label()
             )?;
         }
+        if let Some(range) = self.success.as_ref().and_then(|success| success.range) {
+            write!(
+                f,
+                "\n    other models    {}; with another engine {} (90 %)",
+                model::percent(&range.models),
+                model::percent(&range.other_engine)
+            )?;
+        }
         f.write_str(&prediction.numbers())?;
+        if let Some(model) = &self.model {
+            write!(f, "{model}")?;
+        }
         if let Some(speed) = &prediction.speed_m_s {
             let [mean, sd] = [speed.mean, speed.standard_deviation].map(|m_s| 1e3 * m_s);
             write!(
@@ -263,7 +301,13 @@ impl fmt::Display for Card {
                 growth.factor_per_s()
             )?;
         }
-        write!(f, "\n{}", prediction.behaviour_table(None))?;
+        let over_models = self.model.as_ref().map(ModelError::behaviour_shares);
+        write!(
+            f,
+            "\n  not covered       {}\n{}",
+            self.not_covered.join("; "),
+            prediction.behaviour_table(None, over_models.as_deref())
+        )?;
         match &self.finals {
             Some(finals) => write!(f, "\n{finals}"),
             None => Ok(()),

@@ -31,13 +31,13 @@ impl Growth {
     /// # Errors
     /// Settings that cannot be simulated.
     pub fn of(experiment: &Experiment) -> Result<Option<Self>> {
-        let hinges = experiment.assembly.hinges.len();
-        if hinges == 0 {
+        let hinges = &experiment.assembly.hinges;
+        let Some(first) = hinges.iter().position(|hinge| hinge.actuator.is_some()) else {
             return Ok(None);
-        }
+        };
         let mut nudged = experiment.clone();
-        nudged.perturbation.servo_zero_rad.resize(hinges, 0.0);
-        nudged.perturbation.servo_zero_rad[0] += NUDGE_RAD;
+        nudged.perturbation.servo_zero_rad.resize(hinges.len(), 0.0);
+        nudged.perturbation.servo_zero_rad[first] += NUDGE_RAD;
         let (Some(one), Some(other)) = (
             run(experiment)?.outcome.completed(),
             run(&nudged)?.outcome.completed(),

@@ -16,6 +16,7 @@
 //!     noise_from: "the study".to_owned(),
 //!     repeats: 4,
 //!     seed: 1,
+//!     model: None,
 //! };
 //! let report = EnsembleReport::new(&study, &options, &RunOptions::default())?;
 //! assert_eq!(report.cases[0].forecast.repeats, 4);
@@ -27,8 +28,10 @@ mod card;
 pub mod ensemble;
 pub mod gap;
 mod growth;
+mod model;
 mod report;
 
 pub use card::{Card, Finals, Rerun, Success, SuccessRule};
 pub use growth::Growth;
+pub use model::{LEVEL, Model, ModelError, Range, Source, SuccessRange};
 pub use report::{EnsembleCase, EnsembleOptions, EnsembleReport};

@@ -6,15 +6,20 @@ use std::fmt;
 use serde::Serialize;
 
 use super::ensemble::{self, Ensemble, Forecast, Reality};
-use crate::calibration::{RepeatCase, Repeatable};
+use super::model::ModelError;
+use crate::calibration::{RepeatCase, Repeatable, few_recordings};
 use crate::error::Result;
 use crate::optimization::{Progress, RunOptions};
+use crate::simulation::parameter::ParameterSet;
 use crate::simulation::{ENGINE_VERSION, Noise};
-use crate::trajectory::Source;
+use crate::statistics::Proportion;
+use crate::trajectory::{Prepared, Source};
 use crate::warning::Warning;
 
 /// More cases than this are not printed one by one.
 const CASES_PRINTED: usize = 3;
+/// Level of the interval of a share of recordings.
+const INTERVAL: f64 = 0.95;
 
 /// How a study is repeated.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +32,8 @@ pub struct EnsembleOptions {
     pub repeats: usize,
     /// Seed of all draws.
     pub seed: u64,
+    /// Points that recordings cannot tell apart, to take part in the model error (there may be none); `None`: no model error.
+    pub model: Option<Vec<ParameterSet>>,
 }
 
 /// The repeats of one start.
@@ -45,6 +52,10 @@ pub struct EnsembleCase {
     pub forecast: Forecast,
     /// How recordings compare with them; `None` where there are none.
     pub reality: Option<Reality>,
+    /// How far models that are as valid part; `None` where nobody looked.
+    pub model: Option<ModelError>,
+    /// Recordings whose net displacement lies where 90 % of further runs end, the models and another engine included.
+    pub in_further_runs: Option<Proportion>,
 }
 
 /// What repeats of a study under noise say; its `Display` is for people.
@@ -106,7 +117,14 @@ impl EnsembleReport {
             )?;
             ensembles.push((case, repeats));
         }
-        run.install(|| Self::of(study, ensembles, &options.noise_from))?
+        let mut report = run.install(|| Self::of(study, ensembles, &options.noise_from))??;
+        // Where every recording has a start of its own it would cost as much again for each of them.
+        if let ([only], [case], Some(points)) =
+            (&mut report.cases[..], &study.cases[..], &options.model)
+        {
+            only.add_model(case, points, run)?;
+        }
+        Ok(report)
     }
 
     fn of(
@@ -126,6 +144,10 @@ impl EnsembleReport {
             .filter_map(|case| case.reality.as_ref())
             .collect();
         let mut warnings = study.warnings.clone();
+        if let Some(case) = cases.iter().find(|case| case.reality.is_some()) {
+            warnings.extend(ensemble::no_camera(&case.ensemble.noise));
+        }
+        warnings.extend(few_recordings(definition.recordings.len()));
         warnings.extend(cases.iter().flat_map(|case| case.forecast.warnings.clone()));
         warnings.sort();
         warnings.dedup();
@@ -164,17 +186,36 @@ impl EnsembleCase {
     fn new(case: &RepeatCase, ensemble: Ensemble) -> Result<Self> {
         let forecast = Forecast::new(&ensemble)?;
         let real: Vec<_> = case.real.iter().map(|(n, p)| (n.as_str(), p)).collect();
-        let reality = forecast
-            .envelope
-            .as_ref()
-            .and_then(|envelope| Reality::new(&ensemble, envelope, &forecast.behaviours, &real));
+        let reality = Reality::new(&ensemble, &forecast, &real);
         Ok(Self {
             case: case.name.clone(),
             real_paths_m: case.real.iter().map(|(_, p)| p.xy_m().to_vec()).collect(),
             ensemble,
             forecast,
             reality,
+            model: None,
+            in_further_runs: None,
         })
+    }
+
+    fn add_model(
+        &mut self,
+        case: &RepeatCase,
+        points: &[ParameterSet],
+        run: &RunOptions<'_>,
+    ) -> Result<()> {
+        let quiet = RunOptions {
+            progress: None,
+            ..*run
+        };
+        let (ensemble, forecast) = (&self.ensemble, &self.forecast);
+        self.model = ModelError::new(&case.experiment, ensemble, forecast, points, &quiet)?;
+        if let (Some(model), false) = (&self.model, case.real.is_empty()) {
+            let inside = |path: &Prepared| model.further_run_m.contains(path.net_displacement_m());
+            let count = case.real.iter().filter(|(_, path)| inside(path)).count();
+            self.in_further_runs = Some(Proportion::new(count, case.real.len(), INTERVAL));
+        }
+        Ok(())
     }
 }
 
@@ -209,13 +250,24 @@ impl fmt::Display for EnsembleCase {
         let forecast = &self.forecast;
         write!(
             f,
-            "{}: {} repeats of {} s, {:.1} CPU s{}\n{}",
+            "{}: {} repeats of {} s, {:.1} CPU s{}",
             self.case,
             forecast.repeats,
             forecast.duration_s,
             forecast.cpu_s,
             forecast.numbers(),
-            forecast.behaviour_table(self.reality.as_ref())
+        )?;
+        if let Some(model) = &self.model {
+            write!(f, "{model}")?;
+        }
+        if let Some(held) = &self.in_further_runs {
+            write!(f, ": {} of {} recordings", held.count, held.trials)?;
+        }
+        let over_models = self.model.as_ref().map(ModelError::behaviour_shares);
+        write!(
+            f,
+            "\n{}",
+            forecast.behaviour_table(self.reality.as_ref(), over_models.as_deref())
         )
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::calibration::{Answer, BestFile, Study};
+use crate::calibration::{Answer, BestFile, Study, recording_id};
 use crate::error::Result;
 use crate::file::{write_atomic, write_ron};
 use crate::unit::counted;
@@ -24,6 +24,7 @@ pub(super) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()>
         .iter()
         .map(|a| (a.parameter.name.to_owned(), a.value));
     let file = BestFile {
+        study: None,
         description: format!(
             "Best of {} of the study {} ({}, {} = {} {}). {}.",
             counted(answer.scores.points.len(), "point"),
@@ -35,6 +36,10 @@ pub(super) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()>
             verdicts.join(". "),
         ),
         parameters: fixed.chain(best.parameters.clone()).collect(),
+        fitted_on: (study.definition().recordings.iter().enumerate())
+            .filter(|(index, _)| !study.is_held_out(*index))
+            .map(|(_, recording)| recording_id(recording))
+            .collect(),
     };
     write_atomic(folder.join("best.ron"), write_ron(&file)?.as_bytes())
 }

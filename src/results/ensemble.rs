@@ -9,7 +9,7 @@ use super::kind::Kind;
 use crate::error::{Error, Result};
 use crate::file::write_atomic;
 use crate::plot::{Caption, EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
-use crate::prediction::ensemble::{Behaviours, Ensemble, Forecast, LEVELS};
+use crate::prediction::ensemble::{Behaviours, Ensemble, Envelope, Forecast, LEVELS};
 use crate::prediction::{Card, EnsembleReport};
 use crate::text::{cell, escaped_json};
 use crate::trajectory::Source;
@@ -246,26 +246,8 @@ pub(super) fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>)
                 .map_or(Vec::new(), |_| behaviour.path_xy_m.clone()),
         })
         .collect();
-    let bands = (0..LEVELS.len())
-        .rev()
-        .map(|level| {
-            let ends = |sign: f64| {
-                envelope
-                    .regions
-                    .iter()
-                    .map(|region| {
-                        let half_m = region.half_widths_m(level);
-                        [0, 1].map(|axis| region.centre_m[axis] + sign * half_m[axis])
-                    })
-                    .collect()
-            };
-            EnsembleBand {
-                level: LEVELS[level],
-                low_m: ends(-1.0),
-                high_m: ends(1.0),
-            }
-        })
-        .collect();
+    let widest = LEVELS.len() - 1;
+    let bands = (0..=widest).rev().map(|level| extent(envelope, level));
     let plot = EnsemblePlot {
         caption: Caption::new(case.title.clone(), subtitle),
         groups,
@@ -277,10 +259,29 @@ pub(super) fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>)
         real_m: case.real_paths_m.clone(),
         real_label: case.real_label.to_owned(),
         times_s: envelope.times_s.clone(),
-        bands,
+        bands: bands.collect(),
+        whole_paths: (summary.band.as_ref()).map(|band| extent(band, widest)),
     };
     for extension in ["png", "svg"] {
         draw_ensemble(&plot, folder.join(format!("{stem}.{extension}")))?;
     }
     Ok(())
+}
+
+/// How far the regions of a level reach along x and along y.
+fn extent(envelope: &Envelope, level: usize) -> EnsembleBand {
+    let ends = |sign: f64| {
+        let regions = envelope.regions.iter();
+        regions
+            .map(|region| {
+                let half_m = region.half_widths_m(level);
+                [0, 1].map(|axis| region.centre_m[axis] + sign * half_m[axis])
+            })
+            .collect()
+    };
+    EnsembleBand {
+        level: LEVELS[level],
+        low_m: ends(-1.0),
+        high_m: ends(1.0),
+    }
 }

@@ -73,7 +73,7 @@ fn is_of_a_study(name: &str) -> bool {
             "trials",
         ]
         .contains(&stem),
-        "json" => stem == "summary",
+        "json" => ["summary", "basis"].contains(&stem),
         "ron" => stem == "best",
         "png" | "svg" => {
             let is_pair = |rest: &str| {
@@ -83,7 +83,15 @@ fn is_of_a_study(name: &str) -> bool {
             };
             let is_parameter =
                 |rest: &str| parameter::all().any(|p| p.name.replace('.', "_") == rest);
-            ["heatmap", "curve", "trajectories", "convergence"].contains(&stem)
+            [
+                "heatmap",
+                "heatmap_fitness",
+                "curve",
+                "trajectories",
+                "convergence",
+                "components",
+            ]
+            .contains(&stem)
                 || stem.strip_prefix("heatmap_").is_some_and(is_pair)
                 || stem.strip_prefix("profile_").is_some_and(is_parameter)
         }

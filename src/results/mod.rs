@@ -24,14 +24,17 @@
 //! ```
 
 mod best;
+mod cell;
 mod convergence;
 mod draft;
 mod ensemble;
 mod gap;
 mod kind;
 mod picture;
+mod plane;
 pub mod portrait;
 mod search;
+mod sensor;
 mod table;
 mod timing;
 
@@ -44,6 +47,7 @@ pub use ensemble::{write_ensemble, write_prediction, write_report};
 pub use gap::{write_floor, write_gap};
 pub use kind::{Kind, check_folder};
 pub use search::{BestRobot, SearchSummary, write_search};
+pub use sensor::{draw_arena, draw_belief, draw_histograms, draw_segment, draw_sensor};
 pub use timing::{Timing, write_timing};
 
 /// Writes what an answer holds into `folder`, next to the store where there is one: tables, pictures, the report, the best
@@ -64,6 +68,7 @@ pub fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
         }
         write_report(draft, "summary.json", &answer.report)?;
         best::write(draft, study, answer)?;
+        plane::write_basis(draft, answer)?;
         picture::draw(draft, study, answer)
     })
 }

@@ -10,9 +10,10 @@ use crate::plot::{
     draw_heat_map, draw_panels,
 };
 use crate::trajectory::Prepared;
-use crate::unit::counted;
+use crate::unit::{Unit, counted};
 
-use super::convergence;
+use super::cell::cells;
+use super::{convergence, plane};
 
 /// Draws everything that the points evaluated so far allow.
 pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
@@ -27,17 +28,20 @@ pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer) -> Result<()> 
     if let Method::Tune(tuned) = &answer.method {
         convergence::draw(folder, study, answer, tuned, &map.subtitle)?;
     }
+    plane::draw(folder, study, answer, &map.subtitle)?;
     match ranges {
         [x] => map.draw_curve(x, folder)?,
-        [_, _] => map.draw_slice(0, 1, &folder.join("heatmap"))?,
+        [_, _] => {
+            draw_both(&map.slice(0, 1), &folder.join("heatmap"))?;
+            draw_both(&map.fitness(), &folder.join("heatmap_fitness"))?;
+        }
         _ if map.cells.is_empty() => return map.draw_best_panels(&folder.join("trajectories.png")),
         ranges => {
             for first in 0..ranges.len() {
                 for second in first + 1..ranges.len() {
                     let pair = [first, second].map(|i| ranges[i].parameter.name.replace('.', "_"));
-                    map.draw_slice(
-                        first,
-                        second,
+                    draw_both(
+                        &map.slice(first, second),
                         &folder.join(format!("heatmap_{}_{}", pair[0], pair[1])),
                     )?;
                 }
@@ -117,6 +121,14 @@ impl<'a> Map<'a> {
         Some(self.grid().nearest(&best.values))
     }
 
+    /// Something of the best point, where no grid says where it lies.
+    fn chosen<T>(&self, of: impl Fn(&PointScore) -> T) -> Option<T> {
+        match self.answer.method {
+            Method::Sweep => None,
+            Method::Tune(_) => Some(of(&self.answer.scores.points[self.answer.scores.best?])),
+        }
+    }
+
     fn truth(&self, x: &Range, y: Option<&Range>) -> Option<Truth> {
         let known = &self.study.definition().truth;
         let x = known.value(x.parameter.name)?;
@@ -132,7 +144,7 @@ impl<'a> Map<'a> {
     }
 
     /// The 2-D slice through the best point along two parameters.
-    fn draw_slice(&self, first: usize, second: usize, stem: &Path) -> Result<()> {
+    fn slice(&self, first: usize, second: usize) -> HeatMap {
         let ranges = self.grid().ranges();
         let (x, y) = (&ranges[first], &ranges[second]);
         let best = self.best_coordinates();
@@ -162,7 +174,7 @@ impl<'a> Map<'a> {
                 .collect();
             subtitle += &format!("; slice through the best point at {}", fixed.join(", "));
         }
-        let map = HeatMap {
+        HeatMap {
             missing: "diverged".to_owned(),
             caption: Caption::new(self.title.clone(), subtitle),
             x: axis(x),
@@ -173,27 +185,70 @@ impl<'a> Map<'a> {
             score_label: self.score_label.clone(),
             score_unit: self.answer.scores.unit,
             scale: ScoreScale::Auto,
+            best_at: self.chosen(|point| (point.values[first], point.values[second])),
+            evaluated: match self.answer.method {
+                Method::Sweep => Vec::new(),
+                Method::Tune(_) => {
+                    let points = self.answer.scores.points.iter();
+                    points
+                        .map(|p| (p.values[first], p.values[second]))
+                        .collect()
+                }
+            },
+            larger_is_better: false,
             best: best.map(|best| (best[first], best[second])),
             indistinguishable,
             truth: self.truth(x, Some(y)),
-        };
-        draw_heat_map(&map, stem.with_extension("png"))?;
-        draw_heat_map(&map, stem.with_extension("svg"))
+        }
     }
 
+    /// Over both parameters the difference in distance travelled alone, which paper 003 (figure 2) calls fitness and shows.
+    fn fitness(&self) -> HeatMap {
+        let ranges = self.grid().ranges();
+        let places = (0..ranges[1].points)
+            .flat_map(|iy| (0..ranges[0].points).map(move |ix| self.grid().index(&[ix, iy])));
+        HeatMap {
+            caption: Caption::new(
+                format!(
+                    "{}: difference in distance travelled (fitness)",
+                    self.study.definition().name
+                ),
+                format!(
+                    "{}; star and outline are those of {}",
+                    self.cell_subtitle(),
+                    self.score_label
+                ),
+            ),
+            scores: places
+                .map(|index| self.cells[index].and_then(|(point, _)| point.displacement_error_m))
+                .collect(),
+            score_label: "net displacement, mean difference".to_owned(),
+            score_unit: Unit::Metre,
+            ..self.slice(0, 1)
+        }
+    }
+
+    /// The score at every point that was simulated.
     fn draw_curve(&self, x: &Range, folder: &Path) -> Result<()> {
+        let points = &self.answer.scores.points;
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        order.sort_by(|a, b| points[*a].values[0].total_cmp(&points[*b].values[0]));
+        order.dedup_by(|a, b| points[*a].values[0] == points[*b].values[0]);
+        let is_in = |position: &usize| {
+            let uncertainty = self.answer.uncertainty.as_ref();
+            uncertainty.is_some_and(|u| u.indistinguishable[*position])
+        };
+        let best = self.answer.scores.best;
         let curve = Curve {
-            caption: Caption::new(self.title.clone(), self.cell_subtitle()),
+            caption: Caption::new(self.title.clone(), self.subtitle.clone()),
             x: axis(x),
-            x_values: x.values(),
-            scores: (0..x.points).map(|index| self.score(index)).collect(),
+            x_values: order.iter().map(|p| points[*p].values[0]).collect(),
+            scores: order.iter().map(|p| points[*p].score).collect(),
             score_label: self.score_label.clone(),
             score_unit: self.answer.scores.unit,
             scale: ScoreScale::Auto,
-            best: self.best_coordinates().map(|best| best[0]),
-            indistinguishable: (0..x.points)
-                .map(|index| self.is_indistinguishable(index))
-                .collect(),
+            best: order.iter().position(|p| best == Some(*p)),
+            indistinguishable: order.iter().map(is_in).collect(),
             truth: self.truth(x, None),
         };
         draw_curve(&curve, folder.join("curve.png"))?;
@@ -361,41 +416,10 @@ impl<'a> Map<'a> {
     }
 }
 
-/// What stands for each point of the grid: the point itself, or the nearest one that an optimizer chose.
-fn cells<'a>(study: &Study, answer: &'a Answer) -> Vec<Option<(&'a PointScore, bool)>> {
-    let grid = &study.definition().grid;
-    let is_in = |position: usize| {
-        answer
-            .uncertainty
-            .as_ref()
-            .is_some_and(|u| u.indistinguishable[position])
-    };
-    let points = || answer.scores.points.iter().enumerate();
-    if answer.method == Method::Sweep {
-        let mut cells = vec![None; grid.len()];
-        for (position, point) in points() {
-            cells[point.index] = Some((point, is_in(position)));
-        }
-        return cells;
-    }
-    if grid.ranges().len() > 2 {
-        return Vec::new();
-    }
-    let nearest = |values: &[f64]| {
-        let distance = |point: &PointScore| -> f64 {
-            let ranges = grid.ranges().iter();
-            ranges
-                .zip(values.iter().zip(&point.values))
-                .map(|(range, (a, b))| ((a - b) / range.step()).powi(2))
-                .sum()
-        };
-        points()
-            .min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)))
-            .map(|(position, point)| (point, is_in(position)))
-    };
-    (0..grid.len())
-        .map(|index| nearest(&grid.values(index)))
-        .collect()
+/// As PNG and as SVG.
+fn draw_both(map: &HeatMap, stem: &Path) -> Result<()> {
+    draw_heat_map(map, stem.with_extension("png"))?;
+    draw_heat_map(map, stem.with_extension("svg"))
 }
 
 fn axis(range: &Range) -> AxisSpec {

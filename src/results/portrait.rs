@@ -20,7 +20,8 @@ pub fn portrait(robot: &Morphology, note: impl Into<String>) -> GalleryRobot {
         let turn = solid.robot_from_solid.rotation;
         let half_m = (turn.to_rotation_matrix().matrix().abs()) * solid.half_extents_m;
         let centre_m = solid.robot_from_solid.translation.vector;
-        let driven = modules[solid.module].drive.map(|drive| {
+        let drive = modules[solid.module].drive.filter(|_| solid.number == 0);
+        let driven = drive.map(|drive| {
             let normal = turn * drive.face.normal();
             DrivenFace {
                 axis: normal.iamax(),
@@ -61,7 +62,7 @@ pub fn draw(robot: &Morphology, path: impl AsRef<Path>) -> Result<()> {
     let note = format!(
         "{}, {}, {} g, {} × {} × {} cm, at zero servo angles",
         count(summary.modules, "module"),
-        count(summary.hinges, "servo"),
+        count(summary.servos, "servo"),
         number(1e3 * summary.mass_kg),
         number(1e2 * size_m.x),
         number(1e2 * size_m.y),

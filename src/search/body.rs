@@ -41,7 +41,7 @@ impl Body {
         let mut modules = robot.modules().to_vec();
         for (module, gene) in modules.iter_mut().zip(genome.genes()) {
             if let Some(drive) = &mut module.drive {
-                drive.gait = Gait {
+                drive.actuator.gait = Gait {
                     offset_rad: gene.within(Locus::Offset, ranges.offset_rad),
                     amplitude_rad: gene.within(Locus::Amplitude, ranges.amplitude_rad),
                     frequency_hz: gene.within(Locus::Frequency, ranges.frequency_hz),
@@ -54,6 +54,9 @@ impl Body {
             description: format!("{} with a gait that was searched for", robot.name()),
             modules,
             glue: robot.glue().to_vec(),
+            pivots: robot.pivots().to_vec(),
+            never_touch: robot.never_touch().to_vec(),
+            mount_world_m: robot.mount_world_m(),
             track: Some(robot.track()),
         })
         .map_err(Misfit::Refused)
@@ -84,7 +87,7 @@ pub(super) fn genome_of(
     let mut genes = Vec::with_capacity(robot.modules().len());
     for module in robot.modules() {
         let mut values = [0.0; Gene::LEN];
-        if let Some(gait) = module.drive.map(|drive| drive.gait) {
+        if let Some(gait) = module.drive.map(|drive| drive.actuator.gait) {
             for (locus, value, (low, high)) in [
                 (Locus::Amplitude, gait.amplitude_rad, ranges.amplitude_rad),
                 (Locus::Frequency, gait.frequency_hz, ranges.frequency_hz),

@@ -201,6 +201,12 @@ impl SearchBuilder {
             return Err(error.field(format!("noise.{field}")));
         }
         self.objective.check().map_err(|e| within("objective", e))?;
+        if self.objective.from_s >= self.duration_s {
+            return Err(Error::invalid("nothing of the run counts")
+                .field("objective.from_s")
+                .found(self.objective.from_s)
+                .allowed(format!("less than the duration, {} s", self.duration_s)));
+        }
         let set: Result<ParameterSet> = self
             .set
             .iter()

@@ -25,6 +25,8 @@ pub struct Descriptor {
     pub name: &'static str,
     /// Unit of the number.
     pub unit: Unit,
+    /// Whether it is a whole number of things.
+    pub is_count: bool,
     /// What it is, in one line.
     pub doc: &'static str,
     value: fn(&Behaviour<'_>) -> f64,
@@ -48,12 +50,14 @@ pub const DESCRIPTORS: &[Descriptor] = &[
     Descriptor {
         name: "modules",
         unit: Unit::One,
+        is_count: true,
         doc: "number of modules",
         value: |b| b.robot.modules().len() as f64,
     },
     Descriptor {
         name: "active_faces",
         unit: Unit::One,
+        is_count: true,
         doc: "number of driven faces",
         value: |b| {
             let driven = b.robot.modules().iter().filter(|m| m.drive.is_some());
@@ -63,18 +67,21 @@ pub const DESCRIPTORS: &[Descriptor] = &[
     Descriptor {
         name: "mass_kg",
         unit: Unit::Kilogram,
+        is_count: false,
         doc: "mass of the whole robot",
         value: |b| b.robot.summary().mass_kg,
     },
     Descriptor {
         name: "height_m",
         unit: Unit::Metre,
+        is_count: false,
         doc: "height at zero servo angles",
         value: |b| b.robot.summary().size_m().z,
     },
     Descriptor {
         name: "footprint_m",
         unit: Unit::Metre,
+        is_count: false,
         doc: "side of the square with the area of the bounding box seen from above",
         value: |b| {
             let size_m = b.robot.summary().size_m();
@@ -84,6 +91,7 @@ pub const DESCRIPTORS: &[Descriptor] = &[
     Descriptor {
         name: "straightness",
         unit: Unit::One,
+        is_count: false,
         doc: "net displacement per path length, mean over the repeats",
         value: |b| {
             let all = b.repeats.iter().map(|t| t.straightness(b.body_length_m));
@@ -93,6 +101,7 @@ pub const DESCRIPTORS: &[Descriptor] = &[
     Descriptor {
         name: "turned_rad",
         unit: Unit::Radian,
+        is_count: false,
         doc: "change of heading over the run, mean over the repeats, left positive",
         value: |b| mean(&b.repeats.iter().map(|t| t.turned_rad).collect::<Vec<_>>()),
     },

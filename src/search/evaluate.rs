@@ -157,11 +157,12 @@ impl Search {
             ),
             simulation::Outcome::Completed(motion) => {
                 let path = prepare(motion)?;
-                return Ok(Ok(Travel {
-                    displacement_m: path.net_displacement_m(),
-                    path_length_m: path.path_length_m(),
-                    turned_rad: motion.turned_rad().unwrap_or(0.0),
-                }));
+                let turned_rad = motion.turned_rad().unwrap_or(0.0);
+                return Ok(Ok(self.objective.travel(
+                    &path,
+                    turned_rad,
+                    self.duration_s,
+                )));
             }
         };
         Ok(Err(failure))

@@ -82,6 +82,14 @@ impl Finalist {
         self.prediction.success.as_ref()
     }
 
+    /// The same with how it did elsewhere, e.g. in another simulator, which decides over its survival, too.
+    #[must_use]
+    pub fn with_rerun(mut self, rerun: Rerun) -> Self {
+        self.finals.survives &= rerun.survives;
+        self.finals.reruns.push(rerun);
+        self
+    }
+
     /// The prediction card.
     pub fn card(&self) -> Card {
         Card {
@@ -113,9 +121,11 @@ impl Search {
             }
             let name = self.robot_name(evaluated.index);
             let robot = self.body().build(&name, &evaluated.genome)?;
-            // Other genomes may mean the same robot.
-            let is_new = best.iter().all(|(_, known)| {
-                known.modules() != robot.modules() || known.glue() != robot.glue()
+            // Other genomes may mean the same robot, or one that differs in nothing that acts.
+            let is_new = best.iter().all(|(before, known)| {
+                let is_built_alike =
+                    known.modules() == robot.modules() && known.glue() == robot.glue();
+                !is_built_alike && !before.walked_as(evaluated)
             });
             if is_new {
                 best.push((evaluated.clone(), robot));
@@ -158,15 +168,7 @@ impl Search {
             finalists.push(finalist);
             options.tell(finalists.len(), count, None);
         }
-        finalists.sort_by(|a, b| {
-            let key = |f: &Finalist| f.finals.fitness.unwrap_or(f64::NEG_INFINITY);
-            let survives = |f: &Finalist| f.finals.survives;
-            (survives(b).cmp(&survives(a))).then(key(b).total_cmp(&key(a)))
-        });
-        for (index, finalist) in finalists.iter_mut().enumerate() {
-            finalist.finals.rank = index + 1;
-        }
-        Ok(finalists)
+        Ok(rank(finalists))
     }
 
     fn rerun(&self, settings: &'static str, evaluated: &EvaluatedRobot, again: &Repeats) -> Rerun {
@@ -226,7 +228,11 @@ impl Search {
     }
 
     /// Repeats of a robot with draws that the search has not seen.
-    fn repeat_again(&self, robot: &Morphology, options: &RunOptions<'_>) -> Result<Ensemble> {
+    pub(super) fn repeat_again(
+        &self,
+        robot: &Morphology,
+        options: &RunOptions<'_>,
+    ) -> Result<Ensemble> {
         let base = self.experiment(robot);
         let seed = self.finals_seed();
         // `run_each` takes no errors, and draws of checked ranges have none.
@@ -237,7 +243,8 @@ impl Search {
         let mut ensemble = ensemble::run_each(
             &base,
             |number| drawn[number as usize].apply(&base),
-            &self.noise,
+            // What the robot does counts here, not what somebody sees of it.
+            &self.noise.without_camera(),
             seed,
             self.finals.repeats,
             options.stop_flag(),
@@ -253,19 +260,31 @@ impl Search {
     }
 
     /// The objective of an ensemble; `None` where a repeat diverged.
-    fn fitness_of(&self, ensemble: &Ensemble) -> Option<f64> {
+    pub(super) fn fitness_of(&self, ensemble: &Ensemble) -> Option<f64> {
         let repeats: Vec<Travel> = ensemble
             .motions()
-            .map(|(_, motion)| Travel {
-                displacement_m: motion.net_displacement_m(),
-                path_length_m: motion.path.path_length_m(),
-                turned_rad: motion.turned_rad,
+            .map(|(_, motion)| {
+                self.objective
+                    .travel(&motion.path, motion.turned_rad, self.duration_s)
             })
             .collect();
         let all_walked = repeats.len() == ensemble.repeats.len() && !repeats.is_empty();
         let body_length_m = self.body().length_m();
         all_walked.then(|| self.objective.of(&repeats, body_length_m, self.duration_s))
     }
+}
+
+/// Survivors of every rerun first, by the fitness with new draws; the draws that chose a robot have no say.
+pub fn rank(mut finalists: Vec<Finalist>) -> Vec<Finalist> {
+    finalists.sort_by(|a, b| {
+        let key = |f: &Finalist| f.finals.fitness.unwrap_or(f64::NEG_INFINITY);
+        let survives = |f: &Finalist| f.finals.survives;
+        (survives(b).cmp(&survives(a))).then(key(b).total_cmp(&key(a)))
+    });
+    for (index, finalist) in finalists.iter_mut().enumerate() {
+        finalist.finals.rank = index + 1;
+    }
+    finalists
 }
 
 fn stopped(options: &RunOptions<'_>) -> Result<()> {

@@ -51,7 +51,7 @@
 //! | `parameters` | what is only known to a range, `[(name, low, high)]`: every repeat draws | |
 //! | `indistinguishable` | a folder of `sweep` or `tune`: every repeat gets one of the points that cannot be told from its best | |
 //! | `noise` | as in a study | an estimate |
-//! | `objective` | `(measure: Displacement, Straightness or Speed; aggregate: Mean, LowerQuantile(level) or MeanMinusSd(k))` | displacement, 20 % quantile |
+//! | `objective` | `(measure: Displacement, Straightness or Speed; aggregate: Mean, LowerQuantile(level) or MeanMinusSd(k); from_s: what comes before does not count)` | displacement, 20 % quantile |
 //! | `repeats` | runs of every robot; all robots get the same draws | 8 |
 //! | `failures` | [`FailureRules`] | |
 //! | `finalists` | [`FinalsSettings`] | |
@@ -85,6 +85,7 @@
 //! # Ok::<(), realgap::Error>(())
 //! ```
 
+mod baseline;
 mod body;
 mod builder;
 mod descriptor;
@@ -100,12 +101,13 @@ mod strategy;
 mod uncertain;
 
 pub use crate::store::Mode;
+pub use baseline::Baseline;
 pub use body::Body;
 pub use builder::SearchBuilder;
 pub use descriptor::{Behaviour, DESCRIPTORS, Descriptor, descriptor_named};
 pub use failure::{Failure, FailureRules, Reason};
 pub use file::Overrides;
-pub use finals::{Finalist, FinalsSettings};
+pub use finals::{Finalist, FinalsSettings, rank};
 pub use objective::{Aggregate, Measure, Objective, Travel};
 pub use problem::Search;
 pub use robot::{EvaluatedRobot, Outcome, Performance};

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::statistics::{mean, quantile, standard_deviation};
+use crate::trajectory::Prepared;
 use crate::unit::Unit;
 use crate::{Error, Result};
 
@@ -38,6 +39,8 @@ pub struct Objective {
     pub measure: Measure,
     /// Of all of them.
     pub aggregate: Aggregate,
+    /// Seconds of each run that do not count: whoever falls over does so at once, and gets somewhere by that.
+    pub from_s: f64,
 }
 
 impl Default for Objective {
@@ -46,6 +49,7 @@ impl Default for Objective {
         Self {
             measure: Measure::Displacement,
             aggregate: Aggregate::LowerQuantile(0.2),
+            from_s: 0.0,
         }
     }
 }
@@ -53,7 +57,7 @@ impl Default for Objective {
 /// What one repeat did.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Travel {
-    /// From start to end in the plane, metres.
+    /// From start (or from where it counts) to end in the plane, metres.
     pub displacement_m: f64,
     /// Along the path, metres.
     pub path_length_m: f64,
@@ -113,10 +117,32 @@ impl Aggregate {
 }
 
 impl Objective {
+    /// What counts of one run of this length.
+    pub fn travel(&self, path: &Prepared, turned_rad: f64, duration_s: f64) -> Travel {
+        let xy_m = path.xy_m();
+        let share = (self.from_s / duration_s).clamp(0.0, 1.0);
+        let first = (share * (xy_m.len() - 1) as f64).round() as usize;
+        if first == 0 {
+            return Travel {
+                displacement_m: path.net_displacement_m(),
+                path_length_m: path.path_length_m(),
+                turned_rad,
+            };
+        }
+        let distance_m = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let counted = &xy_m[first..];
+        Travel {
+            displacement_m: distance_m(counted[0], counted[counted.len() - 1]),
+            path_length_m: counted.windows(2).map(|w| distance_m(w[0], w[1])).sum(),
+            turned_rad,
+        }
+    }
+
     /// Its value for the repeats of one robot; at least one.
     pub fn of(&self, repeats: &[Travel], body_length_m: f64, duration_s: f64) -> f64 {
         let values = repeats.iter();
-        let values = values.map(|travel| self.measure.of(travel, body_length_m, duration_s));
+        let counted_s = duration_s - self.from_s;
+        let values = values.map(|travel| self.measure.of(travel, body_length_m, counted_s));
         self.aggregate.of(&values.collect::<Vec<_>>())
     }
 
@@ -131,6 +157,12 @@ impl Objective {
                 .found("SpeedPerEnergy")
                 .allowed("Displacement, Straightness, Speed")
                 .hint("the simulation does not report the work of the servos"));
+        }
+        if !(0.0..=3600.0).contains(&self.from_s) {
+            return Err(Error::invalid("out of range")
+                .field("from_s")
+                .found(self.from_s)
+                .allowed("0 to less than the duration"));
         }
         let (value, highest) = match self.aggregate {
             Aggregate::Mean => return Ok(()),
@@ -153,6 +185,10 @@ impl Objective {
             Aggregate::LowerQuantile(level) => format!("{} % quantile", 100.0 * level),
             Aggregate::MeanMinusSd(k) => format!("mean - {k} sd"),
         };
-        format!("{}, {aggregate}", self.measure.label())
+        let after = match self.from_s {
+            0.0 => String::new(),
+            from_s => format!(" after {from_s} s"),
+        };
+        format!("{}{after}, {aggregate}", self.measure.label())
     }
 }

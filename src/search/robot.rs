@@ -59,6 +59,12 @@ impl EvaluatedRobot {
             .map(|performance| mean_displacement_m(&performance.repeats))
     }
 
+    /// Whether both walked, and did the very same in every repeat.
+    pub fn walked_as(&self, other: &Self) -> bool {
+        let repeats = |robot: &Self| robot.performance().map(|p| p.repeats.clone());
+        repeats(self).is_some() && repeats(self) == repeats(other)
+    }
+
     /// Why there is no fitness; `None` where there is one.
     pub fn failure(&self) -> Option<&Failure> {
         match &self.outcome {

@@ -52,6 +52,16 @@ impl Distribution {
         }
     }
 
+    /// The same distribution with a smaller spread.
+    pub(super) fn divided_by(&self, divisor: f64) -> Self {
+        match *self {
+            Self::Normal(sd) => Self::Normal(sd / divisor),
+            Self::Uniform(low, high) => Self::Uniform(low / divisor, high / divisor),
+            Self::HalfNormal(sd) => Self::HalfNormal(sd / divisor),
+            Self::LogNormal(sd) => Self::LogNormal(sd / divisor),
+        }
+    }
+
     /// The draw that belongs to a standard normal number.
     pub(super) fn draw(&self, normal: f64) -> f64 {
         match *self {

@@ -12,9 +12,9 @@ compile_error!(
 );
 
 #[cfg(all(feature = "f32", not(feature = "f64")))]
-pub(super) use rapier3d::{dynamics, math, parry, pipeline, prelude};
+pub(super) use rapier3d::{dynamics, geometry, math, parry, pipeline, prelude};
 #[cfg(feature = "f64")]
-pub(super) use rapier3d_f64::{dynamics, math, parry, pipeline, prelude};
+pub(super) use rapier3d_f64::{dynamics, geometry, math, parry, pipeline, prelude};
 
 pub(super) use math::Real;
 

@@ -1,9 +1,14 @@
 //! Everything that decides what a simulation does, as plain validated data.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use super::adjustment::{Adjustment, ModuleAdjustment};
+use super::command::CommandTrack;
+use super::scene::SceneBody;
+use super::vehicle::{Drive, Vehicle};
 use crate::error::{Error, Result};
 use crate::robot::morphology::{Assembly, Role};
 use crate::trajectory::State;
@@ -45,9 +50,18 @@ impl Floor {
 pub enum Start {
     /// Placed on the floor at the origin with the servos at their first command, and left to come to rest.
     Settled,
-    /// The full state of the tracked module, in recorded lengths ([`Experiment::recording_length_scale`]); servos
-    /// at their first command, the whole robot moving as one rigid body.
+    /// The full state of the tracked module, in recorded lengths ([`Experiment::recording_length_scale`]); joints as
+    /// [`Experiment::start_joints`] says.
     State(State),
+}
+
+/// Angle and speed of a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointState {
+    /// Angle, radians.
+    pub angle_rad: f64,
+    /// Speed, rad/s.
+    pub speed_rad_s: f64,
 }
 
 /// How parts are jointed.
@@ -57,8 +71,8 @@ pub enum JointKind {
     Multibody,
     /// Maximal coordinates: hinges are constraints solved with the contacts; cheaper.
     Impulse,
-    /// Multibody joints where a light part carries a heavy one, [`JointKind::LIGHT`], and the robot has at most
-    /// [`JointKind::MOST_HINGES`] hinges; impulse joints for all others, whose contacts they do not soften (docs/fidelity/contact.md).
+    /// Multibody joints where a light part carries a heavy one, [`JointKind::LIGHT`], or a servo is a motor behind a gear, and the
+    /// robot has at most [`JointKind::MOST_HINGES`] hinges; impulse joints for all others, whose contacts they do not soften (docs/fidelity/contact.md).
     Auto,
 }
 
@@ -76,7 +90,10 @@ impl JointKind {
         };
         let is_uneven = assembly.hinges.iter().any(|hinge| {
             let (a, b) = (mass_kg(hinge.parent_part), mass_kg(hinge.child_part));
-            a.min(b) < Self::LIGHT * a.max(b)
+            let has_gear = hinge
+                .actuator
+                .is_some_and(|actuator| actuator.servo.law.motor().is_some());
+            has_gear || a.min(b) < Self::LIGHT * a.max(b)
         });
         match self {
             Self::Auto if is_uneven && assembly.hinges.len() <= Self::MOST_HINGES => {
@@ -162,53 +179,6 @@ impl Default for Solver {
 const LIMIT_DAMPING_RATIO: f64 = 3.0;
 const LIMIT_SWEEPS: usize = 4;
 
-/// What a study may change about the robot, relative to its morphology.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Adjustment {
-    /// Factor on every mass (inertia follows).
-    pub mass_scale: f64,
-    /// Further factor on every inertia.
-    pub inertia_scale: f64,
-    /// Shift of every cube's centre of mass in the module's own frame, metres.
-    pub centre_of_mass_offset_m: Vector3<f64>,
-    /// Radius of every cube's edges and corners, metres; 0 for sharp ones.
-    pub edge_radius_m: f64,
-    /// Torque limit of every servo in place of the morphology's, N m.
-    pub max_torque_nm: Option<f64>,
-    /// Speed limit of every servo in place of the morphology's, rad/s.
-    pub max_speed_rad_s: Option<f64>,
-    /// Factor on how strongly every servo answers an angle error: the gain of the velocity law, the stiffness of
-    /// the torque law.
-    pub servo_gain_scale: f64,
-    /// Age of the command that a servo acts on, seconds.
-    pub servo_latency_s: f64,
-    /// Play between servo and joint, from end to end, radians: within it the servo exerts no torque, beyond it
-    /// the servo sees only the error that is left.
-    pub servo_backlash_rad: f64,
-    /// Factor on every gait frequency.
-    pub frequency_scale: f64,
-    /// Factor on every gait amplitude.
-    pub amplitude_scale: f64,
-}
-
-impl Default for Adjustment {
-    fn default() -> Self {
-        Self {
-            mass_scale: 1.0,
-            inertia_scale: 1.0,
-            centre_of_mass_offset_m: Vector3::zeros(),
-            edge_radius_m: 0.0,
-            max_torque_nm: None,
-            max_speed_rad_s: None,
-            servo_gain_scale: 1.0,
-            servo_latency_s: 0.0,
-            servo_backlash_rad: 0.0,
-            frequency_scale: 1.0,
-            amplitude_scale: 1.0,
-        }
-    }
-}
-
 /// How this one execution differs from the intended one: the draw of one repeat.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Perturbation {
@@ -232,6 +202,8 @@ pub struct Perturbation {
     pub plate_friction_factor: Vec<f64>,
     /// Factor on the friction of all modules.
     pub run_friction_factor: f64,
+    /// Seed and number of the repeat, for what draws as it goes: a vehicle's wheels and sensor; `None` for a run without noise.
+    pub draw: Option<(u64, u64)>,
 }
 
 impl Default for Perturbation {
@@ -248,6 +220,7 @@ impl Default for Perturbation {
             friction_factor: Vec::new(),
             plate_friction_factor: Vec::new(),
             run_friction_factor: 1.0,
+            draw: None,
         }
     }
 }
@@ -289,6 +262,20 @@ pub struct Experiment {
     pub gravity_m_s2: f64,
     /// State at time 0.
     pub start: Start,
+    /// Joints at time 0, by hinge; where there is none the servo is at its first command, a passive hinge at 0, and the
+    /// robot moves as one rigid body. A settled start takes the angles and lets them come to rest.
+    pub start_joints: Vec<JointState>,
+    /// Whether the run's trajectory holds the joints' angles and speeds too; by default it does where the robot's file
+    /// states hinges.
+    pub records_joints: bool,
+    /// What servos were told, in place of their gaits, by name of the hinge.
+    pub commands: BTreeMap<String, Arc<CommandTrack>>,
+    /// A two-wheel robot in place of the modular one, which then is only its size.
+    pub vehicle: Option<Arc<Vehicle>>,
+    /// The numbers of the two-wheel robot.
+    pub drive: Drive,
+    /// Other bodies beside the robot.
+    pub scene: Vec<SceneBody>,
     /// Length of the run, seconds.
     pub duration_s: f64,
     /// When the state is written down.
@@ -299,6 +286,8 @@ pub struct Experiment {
     pub contact: Contact,
     /// Changes to the robot.
     pub adjustment: Adjustment,
+    /// Changes to single modules, by name.
+    pub module_adjustments: BTreeMap<String, ModuleAdjustment>,
     /// How this execution differs from the intended one.
     pub perturbation: Perturbation,
     /// Recorded lengths are this times the true ones. The run itself is in true lengths.
@@ -309,15 +298,22 @@ impl Experiment {
     /// An experiment with all defaults: settled start, 10 s, 60 samples a second.
     pub fn new(assembly: Assembly) -> Self {
         Self {
+            records_joints: assembly.hinges.iter().any(|hinge| hinge.is_stated),
             assembly: Arc::new(assembly),
             floor: Floor::default(),
             gravity_m_s2: GRAVITY_M_S2,
             start: Start::Settled,
+            start_joints: Vec::new(),
+            commands: BTreeMap::new(),
+            vehicle: None,
+            drive: Drive::default(),
+            scene: Vec::new(),
             duration_s: 10.0,
             sampling: Sampling::Rate(60.0),
             solver: Solver::default(),
             contact: Contact::default(),
             adjustment: Adjustment::default(),
+            module_adjustments: BTreeMap::new(),
             perturbation: Perturbation::default(),
             recording_length_scale: 1.0,
         }
@@ -350,21 +346,9 @@ impl Experiment {
 
     /// The robot with the adjustments applied.
     pub fn adjusted_assembly(&self) -> Assembly {
-        let a = &self.adjustment;
-        let mut robot = Assembly::clone(&self.assembly);
-        for solid in robot.parts.iter_mut().flat_map(|part| &mut part.solids) {
-            solid.mass_kg *= a.mass_scale;
-            solid.inertia_kg_m2 *= a.mass_scale * a.inertia_scale;
-            if solid.role == Role::Cube {
-                solid.centre_of_mass_solid_m += a.centre_of_mass_offset_m;
-            }
-        }
-        for hinge in &mut robot.hinges {
-            hinge.servo.max_torque_nm = a.max_torque_nm.unwrap_or(hinge.servo.max_torque_nm);
-            hinge.servo.max_speed_rad_s = a.max_speed_rad_s.unwrap_or(hinge.servo.max_speed_rad_s);
-            hinge.servo.law.scale_gain(a.servo_gain_scale);
-            hinge.gait.frequency_hz *= a.frequency_scale;
-            hinge.gait.amplitude_rad *= a.amplitude_scale;
+        let mut robot = self.adjustment.apply(&self.assembly);
+        for (name, module) in &self.module_adjustments {
+            module.apply(name, &mut robot);
         }
         self.perturb(&mut robot);
         robot
@@ -378,14 +362,20 @@ impl Experiment {
             solid.mass_kg *= factor;
             solid.inertia_kg_m2 *= *factor;
         }
-        for (hinge, zero_rad) in robot.hinges.iter_mut().zip(&drawn.servo_zero_rad) {
-            hinge.gait.offset_rad += zero_rad;
-        }
-        for (hinge, phase_rad) in robot.hinges.iter_mut().zip(&drawn.servo_phase_rad) {
-            hinge.gait.phase_rad += phase_rad;
-        }
-        for (hinge, factor) in robot.hinges.iter_mut().zip(&drawn.servo_gain_factor) {
-            hinge.servo.law.scale_gain(*factor);
+        for (index, hinge) in robot.hinges.iter_mut().enumerate() {
+            let Some(actuator) = &mut hinge.actuator else {
+                continue;
+            };
+            let of = |draws: &[f64]| draws.get(index).copied();
+            if let Some(zero_rad) = of(&drawn.servo_zero_rad) {
+                actuator.gait.offset_rad += zero_rad;
+            }
+            if let Some(phase_rad) = of(&drawn.servo_phase_rad) {
+                actuator.gait.phase_rad += phase_rad;
+            }
+            if let Some(factor) = of(&drawn.servo_gain_factor) {
+                actuator.servo.law.scale_gain(factor);
+            }
         }
     }
 
@@ -405,6 +395,9 @@ impl Experiment {
                     .allowed(format!("{} to {} {unit}", allowed.start(), allowed.end()).trim_end()))
             };
         self.check_edges()?;
+        for body in &self.scene {
+            body.check()?;
+        }
         range("duration_s", self.duration_s, 1e-3..=3600.0, "s")?;
         range("timestep_s", self.solver.timestep_s, 1e-6..=0.1, "s")?;
         range(

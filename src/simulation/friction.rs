@@ -11,7 +11,8 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 use super::engine::Real;
 use super::engine::dynamics::{MultibodyJointSet, RigidBodyHandle, RigidBodySet};
 use super::engine::math::Vector;
-use super::engine::pipeline::{ContactModificationContext, PhysicsHooks};
+use super::engine::pipeline::ContactModificationContext;
+use super::hook::Driven;
 
 /// Below this slip a contact counts as sticking, where direction does not matter, m/s. A higher value lets a
 /// cube on a slope near the angle of slip creep at that speed.
@@ -21,7 +22,7 @@ const LEAST_SLIP_M_S: Real = 1e-4;
 /// centre of mass per unit spatial impulse at it, J M⁻¹ Jᵀ.
 type Response = SMatrix<Real, 6, 6>;
 
-/// The hook: turns the friction of every sliding contact opposite to its slip.
+/// Turns the friction of every sliding contact opposite to its slip.
 #[derive(Default)]
 pub(super) struct Friction {
     /// Empty for bodies that are free or joined by impulses.
@@ -92,8 +93,9 @@ impl Friction {
     }
 }
 
-impl PhysicsHooks for Friction {
-    fn modify_solver_contacts(&self, context: &mut ContactModificationContext<'_>) {
+impl Friction {
+    /// Turns the friction of one manifold; `driven` bodies move as they say.
+    pub fn oppose_slip(&self, context: &mut ContactModificationContext<'_>, driven: &[Driven]) {
         let (first, second, bodies) = (context.rigid_body1, context.rigid_body2, context.bodies);
         let Some(manifold) = context.rigid_mut() else {
             return;
@@ -109,6 +111,9 @@ impl PhysicsHooks for Friction {
                 let Some(handle) = handle else { continue };
                 let body = &bodies[handle];
                 if !body.is_dynamic() {
+                    if let Some(driven) = driven.iter().find(|driven| driven.body == handle) {
+                        slip += driven.velocity_at(point) * sign;
+                    }
                     continue;
                 }
                 let arm = point - body.center_of_mass();

@@ -1,7 +1,8 @@
 //! Where every part is, given the servo angles: forward kinematics of the hinge tree.
 
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
+use super::experiment::JointState;
 use crate::robot::morphology::{Assembly, Hinge};
 
 /// Robot-frame pose of a part's own frame at zero angles: the centre of its first solid, axes of the robot.
@@ -15,6 +16,50 @@ fn turn(hinge: &Hinge, angle_rad: f64) -> Isometry3<f64> {
     let there = Translation3::from(hinge.anchor_robot_m);
     let rotation = UnitQuaternion::from_axis_angle(&hinge.axis_robot, angle_rad);
     there * rotation * there.inverse()
+}
+
+/// A turning motion about an axis anywhere: velocities of all points of a rigid body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Turn {
+    /// Angular velocity, world frame, rad/s.
+    pub angular_world_rad_s: Vector3<f64>,
+    /// Velocity of the point at the world's origin, m/s.
+    pub at_origin_world_m_s: Vector3<f64>,
+}
+
+impl Turn {
+    /// None.
+    pub const REST: Self = Self {
+        angular_world_rad_s: Vector3::new(0.0, 0.0, 0.0),
+        at_origin_world_m_s: Vector3::new(0.0, 0.0, 0.0),
+    };
+
+    /// Velocity of a point of the body, world frame, m/s.
+    pub fn velocity_at(&self, point_world_m: &Vector3<f64>) -> Vector3<f64> {
+        self.at_origin_world_m_s + self.angular_world_rad_s.cross(point_world_m)
+    }
+}
+
+/// How each part moves beyond the root because its joints turn.
+pub(super) fn joint_turns(
+    assembly: &Assembly,
+    world_from_parts: &[Isometry3<f64>],
+    joints: &[JointState],
+) -> Vec<Turn> {
+    let mut turns = vec![Turn::REST; assembly.parts.len()];
+    for (hinge, joint) in assembly.hinges.iter().zip(joints) {
+        let mut turn = turns[hinge.parent_part];
+        if joint.speed_rad_s != 0.0 {
+            let parent = &world_from_parts[hinge.parent_part];
+            let part_from_robot = robot_from_part_at_zero(assembly, hinge.parent_part).inverse();
+            let anchor_m = parent * part_from_robot * Point3::from(hinge.anchor_robot_m);
+            let rate = parent.rotation * hinge.axis_robot.into_inner() * joint.speed_rad_s;
+            turn.angular_world_rad_s += rate;
+            turn.at_origin_world_m_s -= rate.cross(&anchor_m.coords);
+        }
+        turns[hinge.child_part] = turn;
+    }
+    turns
 }
 
 /// Robot-frame poses of all part frames at the given hinge angles, part 0 at its zero pose.

@@ -7,28 +7,38 @@
 pub mod parameter;
 pub mod verification;
 
+mod adjustment;
+mod axle;
 mod camera;
+mod command;
 mod distribution;
 mod engine;
 mod experiment;
 mod friction;
+mod hook;
 mod kinematics;
+mod motor;
 mod noise;
+mod numerics;
 mod outcome;
 mod part_state;
 mod plausibility;
 mod posture;
 mod run;
+mod scene;
 mod servo;
 mod settle;
+mod vehicle;
 mod watch;
 mod world;
 
+pub use adjustment::{Adjustment, ModuleAdjustment};
 pub use camera::Camera;
+pub use command::CommandTrack;
 pub use distribution::Distribution;
 pub use engine::ENGINE_VERSION;
 pub use experiment::{
-    Adjustment, Contact, Experiment, Floor, FrictionModel, JointKind, Perturbation, Sampling,
+    Contact, Experiment, Floor, FrictionModel, JointKind, JointState, Perturbation, Sampling,
     Solver, Start,
 };
 pub use noise::Noise;
@@ -36,5 +46,7 @@ pub use outcome::{Divergence, Outcome};
 pub use part_state::PartState;
 pub use posture::Posture;
 pub use run::{Run, run, watch};
+pub use scene::{SceneBody, SceneBox, SceneMotion};
 pub use settle::{Settling, settle};
+pub use vehicle::{Drive, Vehicle};
 pub use watch::{HingeState, Push, Snapshot};

@@ -1,13 +1,15 @@
-//! What makes repeats of one experiment differ: random starts, servos, masses and frictions.
+//! What makes repeats of one experiment differ: random starts, servos, masses and frictions, and the camera that sees them.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rand_distr::{Distribution as _, StandardNormal};
 use serde::{Deserialize, Serialize};
 
+use super::camera::{Camera, fault_of};
 use super::distribution::{Distribution, Use};
 use super::experiment::{Experiment, Perturbation};
 use crate::error::{Error, Result};
 use crate::random::{Generator, Numbered};
+use crate::trajectory::Trajectory;
 
 /// Distributions of the errors that a repeat draws, all independent. A field that is not named is no error.
 ///
@@ -52,6 +54,9 @@ pub struct Noise {
     pub friction_plate_relative: Distribution,
     /// Friction of all modules in this run, relative.
     pub friction_run_relative: Distribution,
+    /// Errors of the camera that records the repeat. It changes what is seen, not what happens: [`Noise::perturb`] knows
+    /// nothing of it, [`Noise::record`] applies it.
+    pub camera: Camera,
 }
 
 impl Noise {
@@ -92,11 +97,12 @@ impl Noise {
     }
 
     /// Every field with its name, in the order of the struct.
-    pub fn fields(&self) -> [(&'static str, Distribution); 12] {
+    pub fn fields(&self) -> [(&'static str, Distribution); 15] {
         self.uses().map(|(name, field, _)| (name, field))
     }
 
-    fn uses(&self) -> [(&'static str, Distribution, Use); 12] {
+    fn uses(&self) -> [(&'static str, Distribution, Use); 15] {
+        let [position, angle, time] = self.camera.uses();
         [
             ("start_position_m", self.start_position_m, Use::Offset),
             ("start_height_m", self.start_height_m, Use::Offset),
@@ -122,6 +128,9 @@ impl Noise {
                 self.friction_run_relative,
                 Use::Factor,
             ),
+            position,
+            angle,
+            time,
         ]
     }
 
@@ -140,9 +149,7 @@ impl Noise {
 
     /// The first field that is not sound, by name, and what is wrong with it.
     pub fn fault(&self) -> Option<(&'static str, Error)> {
-        self.uses()
-            .into_iter()
-            .find_map(|(name, field, purpose)| Some((name, field.check(name, purpose).err()?)))
+        self.uses().into_iter().find_map(fault_of)
     }
 
     /// The experiment of repeat number `repeat`, everything random drawn from this noise.
@@ -152,6 +159,26 @@ impl Noise {
         Experiment {
             perturbation: self.draw(experiment, seed, repeat),
             ..experiment.clone()
+        }
+    }
+
+    /// What the camera makes of the motion of repeat number `repeat`; the motion itself where no camera is stated.
+    ///
+    /// # Errors
+    /// None for a valid trajectory.
+    pub fn record(&self, motion: Trajectory, seed: u64, repeat: u64) -> Result<Trajectory> {
+        if self.camera.is_zero() {
+            return Ok(motion);
+        }
+        self.camera.record(&motion, seed, repeat)
+    }
+
+    /// The same noise seen by nobody: what a robot does, whoever looks.
+    #[must_use]
+    pub fn without_camera(&self) -> Self {
+        Self {
+            camera: Camera::default(),
+            ..*self
         }
     }
 
@@ -205,6 +232,7 @@ impl Noise {
                 modules,
             ),
             run_friction_factor: factors(self.friction_run_relative, Numbered::RunFriction, 1)[0],
+            draw: experiment.vehicle.as_ref().map(|_| (seed, repeat)),
         }
     }
 }

@@ -15,24 +15,31 @@ impl Experiment {
         let name = |module: usize| &robot.module_names[module];
         let timestep_s = self.solver.timestep_s;
         let most_hz = 1.0 / (STEPS_A_PERIOD * timestep_s);
-        let too_fast = robot.hinges.iter().filter(|hinge| {
-            hinge.gait.amplitude_rad != 0.0 && hinge.gait.frequency_hz > most_hz * (1.0 + 1e-9)
+        let driven = robot
+            .hinges
+            .iter()
+            .filter_map(|hinge| Some((hinge, hinge.actuator?.gait)));
+        let too_fast = driven.filter(|(_, gait)| {
+            gait.amplitude_rad != 0.0 && gait.frequency_hz > most_hz * (1.0 + 1e-9)
         });
         let mut warnings: Vec<Warning> = too_fast
-            .map(|hinge| {
+            .map(|(hinge, gait)| {
                 Warning::new(
                     Code::GaitTooFast,
                     format!(
                         "the gait of `{}` has {} Hz, but steps of {timestep_s:.3e} s follow {most_hz:.3} Hz at most (ten a period): \
                          lower its frequency or timestep_s",
-                        name(hinge.module),
-                        hinge.gait.frequency_hz
+                        hinge.name,
+                        gait.frequency_hz
                     ),
                 )
             })
             .collect();
         let solids = robot.parts.iter().flat_map(|part| &part.solids);
         let outside = solids.filter(|solid| {
+            if solid.mass_kg == 0.0 {
+                return false;
+            }
             let centre_m = solid.centre_of_mass_solid_m.abs();
             let half_m = solid.half_extents_m;
             solid.role == Role::Cube && (0..3).any(|i| centre_m[i] > half_m[i] * (1.0 + 1e-9))
@@ -82,7 +89,7 @@ mod tests {
             .assembly
             .hinges
             .iter()
-            .map(|h| h.gait.frequency_hz);
+            .map(|h| h.actuator.unwrap().gait.frequency_hz);
         let fastest_hz = fastest_hz.fold(0.0, f64::max);
         // Exactly ten steps a period are enough.
         experiment.solver.timestep_s = 0.1 / fastest_hz;

@@ -4,15 +4,19 @@ use std::time::Duration;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use super::experiment::{Experiment, Start};
+use super::command::Orders;
+use super::experiment::{Experiment, JointState, Start};
 use super::kinematics::{lowest_m, part_from_track, robot_from_parts};
+use super::motor::{duty, effort};
 use super::outcome::{Divergence, Outcome};
-use super::servo::command;
+use super::scene::{Guide, SceneMotion};
+use super::servo::{NOTHING, command, error_beyond_play};
+use super::vehicle;
 use super::watch::{Push, Snapshot};
 use super::world::{Motion, World};
-use crate::error::Result;
-use crate::robot::morphology::Assembly;
-use crate::trajectory::{State, Trajectory};
+use crate::error::{Error, Result};
+use crate::robot::morphology::{Actuator, Assembly};
+use crate::trajectory::{JointTrack, State, Trajectory};
 use crate::warning::{Code, Warning};
 
 /// Result of one simulation.
@@ -54,6 +58,11 @@ const REST_WINDOW_S: f64 = 0.1;
 pub fn run(experiment: &Experiment) -> Result<Run> {
     experiment.check()?;
     let started = thread_cpu_time();
+    if let Some(vehicle) = &experiment.vehicle {
+        let mut run = vehicle::run(experiment, vehicle)?;
+        run.cpu = thread_cpu_time().saturating_sub(started);
+        return Ok(run);
+    }
     let assembly = experiment.adjusted_assembly();
     let mut rollout = Rollout::new(experiment, &assembly);
     let mut run = rollout.run(experiment, None)?;
@@ -72,6 +81,9 @@ pub fn watch(
     observer: &mut dyn FnMut(&Snapshot),
 ) -> Result<Run> {
     experiment.check()?;
+    if experiment.vehicle.is_some() {
+        return Err(Error::invalid("a vehicle has no parts to watch"));
+    }
     let assembly = experiment.adjusted_assembly();
     for push in pushes {
         push.check(&assembly)?;
@@ -105,28 +117,47 @@ struct Rollout<'a> {
     assembly: &'a Assembly,
     world: World,
     part_from_track: Isometry3<f64>,
+    /// Driven bodies of the scene, by index.
+    guides: Vec<(usize, Guide<'a>)>,
+    records_joints: bool,
     angles_rad: Vec<f64>,
     squared_error_rad2: f64,
+    orders: Vec<Orders<'a>>,
+    /// Duty of every motor during the step before.
+    duties: Vec<f64>,
     latency_s: Vec<f64>,
     backlash_rad: f64,
+    timestep_s: f64,
     steps: u64,
     settle_steps: u64,
     warnings: Vec<Warning>,
 }
 
 impl<'a> Rollout<'a> {
-    fn new(experiment: &Experiment, assembly: &'a Assembly) -> Self {
-        let angles_rad: Vec<f64> = assembly
+    fn new(experiment: &'a Experiment, assembly: &'a Assembly) -> Self {
+        let joints: Vec<JointState> = assembly
             .hinges
             .iter()
-            .map(|h| h.gait.angle_rad(0.0))
+            .enumerate()
+            .map(|(index, hinge)| match experiment.start_joints.get(index) {
+                Some(joint) => *joint,
+                None => JointState {
+                    angle_rad: Orders::new(experiment, hinge).angle_rad(0.0),
+                    speed_rad_s: 0.0,
+                },
+            })
             .collect();
+        let angles_rad: Vec<f64> = joints.iter().map(|joint| joint.angle_rad).collect();
         let robot_from_parts = robot_from_parts(assembly, &angles_rad);
         let part_from_track = part_from_track(assembly);
         let perturbation = &experiment.perturbation;
         let turn = UnitQuaternion::from_scaled_axis(perturbation.turn_world_rad);
-        let (world_from_robot, motion) = match experiment.start {
-            Start::Settled => {
+        let (world_from_robot, motion) = match (experiment.start, assembly.mount_world_m) {
+            (_, Some(mount_world_m)) => (
+                Isometry3::from_parts(mount_world_m.into(), UnitQuaternion::identity()),
+                Motion::REST,
+            ),
+            (Start::Settled, None) => {
                 let turned: Vec<_> = robot_from_parts.iter().map(|pose| turn * pose).collect();
                 let normal = experiment.floor.normal_world();
                 // The floor passes through (0, 0, height); lift the robot along z until it just touches.
@@ -136,7 +167,7 @@ impl<'a> Rollout<'a> {
                 shift_m.z = shift_m.z.max(0.0) + experiment.floor.height_m - above_m;
                 (Isometry3::from_parts(shift_m.into(), turn), Motion::REST)
             }
-            Start::State(recorded) => {
+            (Start::State(recorded), None) => {
                 let state = recorded.scaled(1.0 / experiment.recording_length_scale);
                 let world_from_track = Isometry3::from_parts(
                     (state.position_world_m + perturbation.shift_world_m).into(),
@@ -156,13 +187,31 @@ impl<'a> Rollout<'a> {
             .iter()
             .map(|pose| world_from_robot * pose)
             .collect();
-        let world = World::new(experiment, assembly, &poses, &angles_rad, &motion);
+        let mut world = World::new(experiment, assembly, &poses, &joints, &motion);
+        let mut guides = Vec::new();
+        for (index, body) in experiment.scene.iter().enumerate() {
+            if let SceneMotion::Driven { track } = &body.motion {
+                let track = track.as_deref();
+                let mut guide = Guide::new(track, experiment.recording_length_scale);
+                world.place_driven(index, &guide.pose(0.0));
+                guides.push((index, guide));
+            }
+        }
         Self {
             assembly,
             world,
             part_from_track,
+            guides,
+            records_joints: experiment.records_joints,
             angles_rad,
             squared_error_rad2: 0.0,
+            orders: assembly
+                .hinges
+                .iter()
+                .map(|hinge| Orders::new(experiment, hinge))
+                .collect(),
+            duties: vec![0.0; assembly.hinges.len()],
+            timestep_s: experiment.solver.timestep_s,
             latency_s: (0..assembly.hinges.len())
                 .map(|hinge| {
                     experiment.adjustment.servo_latency_s + perturbation.latency_s_of(hinge)
@@ -175,21 +224,57 @@ impl<'a> Rollout<'a> {
         }
     }
 
-    /// Drives every servo towards its command at `t_s` (or what it knows of it by then) and takes one step.
-    fn step(&mut self, t_s: f64) {
+    /// Drives every servo towards its command at `t_s` (or what it knows of it by then), leads every driven body to where it is
+    /// at `end_s`, and takes one step.
+    fn step(&mut self, t_s: f64, end_s: f64) {
+        for (index, guide) in &mut self.guides {
+            self.world.lead_driven(*index, &guide.pose(end_s));
+        }
         for (index, hinge) in self.assembly.hinges.iter().enumerate() {
             let angle_rad = self.world.hinge_angle_rad(index, self.angles_rad[index]);
             self.angles_rad[index] = angle_rad;
-            self.squared_error_rad2 += (hinge.gait.angle_rad(t_s) - angle_rad).powi(2);
+            let Some(Actuator { servo, .. }) = &hinge.actuator else {
+                continue;
+            };
+            let orders = &mut self.orders[index];
+            self.squared_error_rad2 += (orders.angle_rad(t_s) - angle_rad).powi(2);
             // Before the first command arrives, the servo holds where it started.
-            let target_rad = hinge.gait.angle_rad((t_s - self.latency_s[index]).max(0.0));
-            self.world.drive(
-                index,
-                angle_rad,
-                command(&hinge.servo, self.backlash_rad, target_rad, angle_rad),
-            );
+            let target_rad = orders.angle_rad((t_s - self.latency_s[index]).max(0.0));
+            let is_on = orders.is_on(t_s);
+            let Some(motor) = servo.law.motor() else {
+                let command = if is_on {
+                    command(servo, self.backlash_rad, target_rad, angle_rad)
+                } else {
+                    NOTHING
+                };
+                self.world.drive(index, angle_rad, command);
+                continue;
+            };
+            // Within the play, as switched off, the motor exerts nothing.
+            let error_rad =
+                error_beyond_play(self.backlash_rad, target_rad, angle_rad).filter(|_| is_on);
+            let duty = error_rad
+                .map(|error_rad| duty(motor, error_rad, self.duties[index], self.timestep_s));
+            self.duties[index] = duty.unwrap_or(0.0);
+            let speed_rad_s = self.world.hinge_speed_rad_s(index);
+            let effort = effort(motor, duty, servo.max_torque_nm, speed_rad_s);
+            self.world.exert(index, &effort);
         }
         self.world.step();
+    }
+
+    /// The tracked module's state, and the joints' where they are recorded.
+    fn sample(&self) -> (State, Vec<JointState>) {
+        let joints = if self.records_joints {
+            self.angles_rad.len()
+        } else {
+            0
+        };
+        let joint = |index: usize| JointState {
+            angle_rad: self.world.hinge_angle_rad(index, self.angles_rad[index]),
+            speed_rad_s: self.world.hinge_speed_rad_s(index),
+        };
+        (self.track(), (0..joints).map(joint).collect())
     }
 
     fn track(&self) -> State {
@@ -240,7 +325,7 @@ impl<'a> Rollout<'a> {
         let window = (REST_WINDOW_S / timestep_s).ceil() as u64;
         let mut before = self.poses();
         for taken in 1..=limit {
-            self.step(0.0);
+            self.step(0.0, 0.0);
             self.settle_steps = taken;
             if let Some(why) = self.absurd(origin_world_m) {
                 return Some(why);
@@ -272,7 +357,9 @@ impl<'a> Rollout<'a> {
         observer: Option<&mut dyn FnMut(&Snapshot)>,
     ) -> Result<Run> {
         let outcome = self.simulate(experiment, observer)?;
-        let commands = self.steps * self.assembly.hinges.len() as u64;
+        let hinges = self.assembly.hinges.iter();
+        let servos = hinges.filter(|hinge| hinge.actuator.is_some()).count();
+        let commands = self.steps * servos as u64;
         let servo_rms_rad = if commands > 0 && outcome.is_completed() {
             (self.squared_error_rad2 / commands as f64).sqrt()
         } else {
@@ -295,7 +382,8 @@ impl<'a> Rollout<'a> {
     ) -> Result<Outcome<Trajectory>> {
         let timestep_s = experiment.solver.timestep_s;
         let origin_world_m = self.track().position_world_m;
-        if experiment.start == Start::Settled {
+        // What is held needs no floor to come to rest on.
+        if experiment.start == Start::Settled && self.assembly.mount_world_m.is_none() {
             if let Some(why) = self.settle(timestep_s, &origin_world_m) {
                 let at_s = (self.settle_steps as f64 * timestep_s) - SETTLE_LIMIT_S;
                 let at_s = at_s.min(0.0);
@@ -306,10 +394,14 @@ impl<'a> Rollout<'a> {
 
         let times_s = experiment.sample_times_s();
         let mut path = Path::with_capacity(times_s.len());
+        if self.records_joints {
+            let hinges = self.assembly.hinges.iter();
+            path.joint_names = hinges.map(|hinge| hinge.name.clone()).collect();
+        }
         if let Some(observer) = &mut observer {
             observer(&Snapshot::take(0.0, self.assembly, &self.world));
         }
-        let mut before = self.track();
+        let mut before = self.sample();
         let mut next = 0;
         while next < times_s.len() && times_s[next] <= 0.0 {
             path.push(times_s[next], &before);
@@ -320,7 +412,7 @@ impl<'a> Rollout<'a> {
         for step in 1..=steps {
             let (from_s, to_s) = ((step - 1) as f64 * timestep_s, step as f64 * timestep_s);
             // The command of the middle of the step stands for all of it.
-            self.step(0.5 * (from_s + to_s));
+            self.step(0.5 * (from_s + to_s), to_s);
             self.steps = step;
             if let Some(why) = self.absurd(&origin_world_m) {
                 return Ok(Outcome::Diverged(Divergence { at_s: to_s, why }));
@@ -329,7 +421,7 @@ impl<'a> Rollout<'a> {
                 observer(&Snapshot::take(to_s, self.assembly, &self.world));
             }
             if next < times_s.len() && times_s[next] <= to_s + 1e-9 * timestep_s.max(1e-3) {
-                let after = self.track();
+                let after = self.sample();
                 while next < times_s.len() && times_s[next] <= to_s + 1e-9 * timestep_s.max(1e-3) {
                     let share = ((times_s[next] - from_s) / timestep_s).clamp(0.0, 1.0);
                     path.push(times_s[next], &between(&before, &after, share));
@@ -337,7 +429,7 @@ impl<'a> Rollout<'a> {
                 }
                 before = after;
             } else {
-                before = self.track();
+                before = self.sample();
             }
         }
         path.finish().map(Outcome::Completed)
@@ -345,13 +437,26 @@ impl<'a> Rollout<'a> {
 }
 
 /// The state a share of the way from one step to the next; exactly the end states at 0 and 1.
-fn between(before: &State, after: &State, share: f64) -> State {
+fn between(
+    before: &(State, Vec<JointState>),
+    after: &(State, Vec<JointState>),
+    share: f64,
+) -> (State, Vec<JointState>) {
     if share <= 0.0 {
-        return *before;
+        return before.clone();
     }
     if share >= 1.0 {
-        return *after;
+        return after.clone();
     }
+    let lerp = |a: f64, b: f64| a + share * (b - a);
+    let joints = before.1.iter().zip(&after.1).map(|(a, b)| JointState {
+        angle_rad: lerp(a.angle_rad, b.angle_rad),
+        speed_rad_s: lerp(a.speed_rad_s, b.speed_rad_s),
+    });
+    (between_states(&before.0, &after.0, share), joints.collect())
+}
+
+fn between_states(before: &State, after: &State, share: f64) -> State {
     let orientation = |a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>| {
         a.try_slerp(b, share, 1e-12).unwrap_or(*b)
     };
@@ -377,6 +482,9 @@ struct Path {
     orientations: Vec<UnitQuaternion<f64>>,
     linear: Vec<Vector3<f64>>,
     angular: Vec<Vector3<f64>>,
+    joint_names: Vec<String>,
+    /// Joints of every sample, one sample after the other.
+    joints: Vec<JointState>,
 }
 
 impl Path {
@@ -387,10 +495,13 @@ impl Path {
             orientations: Vec::with_capacity(samples),
             linear: Vec::with_capacity(samples),
             angular: Vec::with_capacity(samples),
+            joint_names: Vec::new(),
+            joints: Vec::new(),
         }
     }
 
-    fn push(&mut self, t_s: f64, state: &State) {
+    fn push(&mut self, t_s: f64, (state, joints): &(State, Vec<JointState>)) {
+        self.joints.extend(joints);
         self.times_s.push(t_s);
         self.positions.push(state.position_world_m);
         self.orientations.push(state.orientation_world_from_body);
@@ -399,8 +510,23 @@ impl Path {
     }
 
     fn finish(self) -> Result<Trajectory> {
+        let count = self.joint_names.len();
+        let tracks = self
+            .joint_names
+            .into_iter()
+            .enumerate()
+            .map(|(index, name)| {
+                let own = self.joints.iter().skip(index).step_by(count);
+                JointTrack {
+                    name,
+                    angles_rad: own.clone().map(|joint| joint.angle_rad).collect(),
+                    speeds_rad_s: Some(own.map(|joint| joint.speed_rad_s).collect()),
+                }
+            });
+        let tracks = tracks.collect();
         Trajectory::new(self.times_s, self.positions)?
             .with_orientations(self.orientations)?
-            .with_velocities(self.linear, self.angular)
+            .with_velocities(self.linear, self.angular)?
+            .with_joints(tracks)
     }
 }

@@ -32,6 +32,20 @@ const SPEED_SLACK: f64 = 1.0 / 40.0;
 /// Top speed that stands in for "unlimited" when the stiffness is chosen, rad/s.
 const UNLIMITED_RAD_S: f64 = 10.0;
 
+/// No torque at all.
+pub(super) const NOTHING: Command = Command::Velocity {
+    target_rad_s: 0.0,
+    damping_nm_s_rad: 0.0,
+    max_torque_nm: 0.0,
+};
+
+/// What is left of the error beyond half the play; `None` within it.
+pub(super) fn error_beyond_play(backlash_rad: f64, target_rad: f64, angle_rad: f64) -> Option<f64> {
+    let whole_error_rad = target_rad - angle_rad;
+    let beyond_rad = whole_error_rad.abs() - 0.5 * backlash_rad;
+    (backlash_rad <= 0.0 || beyond_rad > 0.0).then(|| beyond_rad.copysign(whole_error_rad))
+}
+
 /// The command of a servo at `angle_rad` that should be at `target_rad`.
 ///
 /// The velocity law is given to the engine as a spring while its speed limit does not bind
@@ -46,16 +60,9 @@ pub(super) fn command(
     target_rad: f64,
     angle_rad: f64,
 ) -> Command {
-    let whole_error_rad = target_rad - angle_rad;
-    let beyond_rad = whole_error_rad.abs() - 0.5 * backlash_rad;
-    if backlash_rad > 0.0 && beyond_rad <= 0.0 {
-        return Command::Velocity {
-            target_rad_s: 0.0,
-            damping_nm_s_rad: 0.0,
-            max_torque_nm: 0.0,
-        };
-    }
-    let error_rad = beyond_rad.copysign(whole_error_rad);
+    let Some(error_rad) = error_beyond_play(backlash_rad, target_rad, angle_rad) else {
+        return NOTHING;
+    };
     let max_torque_nm = servo.max_torque_nm;
     match servo.law {
         ServoLaw::Velocity { gain_1_s } => {
@@ -89,6 +96,8 @@ pub(super) fn command(
             damping_nm_s_rad,
             max_torque_nm,
         },
+        // Driven by its effort, never by a command: a motor has more to say than a target.
+        ServoLaw::Motor(_) => NOTHING,
     }
 }
 

@@ -1,21 +1,23 @@
 //! A robot on a floor in the engine's hands, one step at a time.
 
-use std::f64::consts::TAU;
+mod scene;
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
+use super::axle::{Axle, Seat, rotor_inertia_kg_m2};
 use super::engine::math::{Matrix, Pose, Rotation, Vector};
 use super::engine::prelude::{
     ActiveHooks, BroadPhaseBvh, CCDSolver, CoefficientCombineRule, ColliderBuilder, ColliderSet,
-    FrictionModel as EngineFriction, GenericJointBuilder, ImpulseJointHandle, ImpulseJointSet,
-    IntegrationParameters, IslandManager, JointAxesMask, JointAxis, MassProperties, MotorModel,
-    MultibodyJointHandle, MultibodyJointSet, NarrowPhase, PhysicsHooks, PhysicsPipeline,
-    RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SharedShape, SoftBodySet,
+    FrictionModel as EngineFriction, ImpulseJointSet, IntegrationParameters, IslandManager,
+    MassProperties, MultibodyJointSet, NarrowPhase, PhysicsPipeline, RigidBodyBuilder,
+    RigidBodyHandle, RigidBodySet, SharedShape, SoftBodySet,
 };
 use super::engine::{Real, narrow, wide};
-use super::experiment::{Experiment, FrictionModel, JointKind};
+use super::experiment::{Experiment, FrictionModel, JointKind, JointState};
 use super::friction::Friction;
-use super::kinematics::robot_from_part_at_zero;
+use super::hook::{Hooks, module_mark};
+use super::kinematics::{Turn, joint_turns, robot_from_part_at_zero};
+use super::motor::Effort;
 use super::part_state::PartState;
 use super::servo::Command;
 use crate::robot::morphology::{Assembly, Part, Role};
@@ -40,11 +42,35 @@ impl Motion {
     };
 }
 
-/// A hinge in the engine's hands.
-#[derive(Debug, Clone, Copy)]
-enum Joint {
-    Multibody(MultibodyJointHandle),
-    Impulse(ImpulseJointHandle),
+/// Motion of one part at the start.
+struct PartMotion {
+    /// The robot's as one rigid body.
+    robot: Motion,
+    /// What the joints on the way from the root add.
+    joints: Turn,
+    /// Whether the world holds it.
+    is_held: bool,
+}
+
+impl PartMotion {
+    /// Linear velocity of a point and angular velocity, world frame.
+    fn at(&self, point_world_m: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        if self.is_held {
+            return (Vector3::zeros(), Vector3::zeros());
+        }
+        let robot = &self.robot;
+        let linear = robot.linear_world_m_s
+            + robot
+                .angular_world_rad_s
+                .cross(&(point_world_m - robot.about_world_m));
+        if self.joints == Turn::REST {
+            return (linear, robot.angular_world_rad_s);
+        }
+        (
+            linear + self.joints.velocity_at(point_world_m),
+            robot.angular_world_rad_s + self.joints.angular_world_rad_s,
+        )
+    }
 }
 
 /// A part in the engine's hands.
@@ -65,18 +91,6 @@ impl Member {
     }
 }
 
-/// Where a hinge's motor finds its parts.
-#[derive(Debug, Clone)]
-struct Axle {
-    joint: Joint,
-    parent: RigidBodyHandle,
-    child: RigidBodyHandle,
-    /// Axis in the parent's frame, which equals the child's at zero angle.
-    axis_part: Vector3<f64>,
-    /// Joint coordinate 0 is the angle the robot started with.
-    start_rad: f64,
-}
-
 /// A robot on a floor.
 pub(super) struct World {
     gravity: Vector,
@@ -93,17 +107,18 @@ pub(super) struct World {
     ccd: CCDSolver,
     parts: Vec<Member>,
     axles: Vec<Axle>,
-    /// Turns sliding friction opposite to slip; only where every contact has a cone of its own.
-    friction: Option<Friction>,
+    hooks: Hooks,
+    /// Bodies of the scene, in its order.
+    scene: Vec<RigidBodyHandle>,
 }
 
 impl World {
-    /// Builds the world: parts at `world_from_parts`, hinges at `angles_rad`, all moving as one.
+    /// Builds the world: parts at `world_from_parts`, hinges as `joints` say, all else moving as one.
     pub fn new(
         experiment: &Experiment,
         assembly: &Assembly,
         world_from_parts: &[Isometry3<f64>],
-        angles_rad: &[f64],
+        joints: &[JointState],
         motion: &Motion,
     ) -> Self {
         let mut world = Self {
@@ -121,22 +136,37 @@ impl World {
             ccd: CCDSolver::new(),
             parts: Vec::with_capacity(assembly.parts.len()),
             axles: Vec::with_capacity(assembly.hinges.len()),
-            friction: (experiment.contact.friction_model == FrictionModel::Coulomb)
-                .then(Friction::default),
+            hooks: Hooks {
+                friction: (experiment.contact.friction_model == FrictionModel::Coulomb)
+                    .then(Friction::default),
+                apart: assembly.apart.clone(),
+                ..Hooks::default()
+            },
+            scene: Vec::new(),
         };
         world.lay_floor(experiment);
+        let kind = experiment.joint_kind();
+        let turns = joint_turns(assembly, world_from_parts, joints);
         for (index, part) in assembly.parts.iter().enumerate() {
             let part_from_robot = robot_from_part_at_zero(assembly, index).inverse();
+            let is_held = index == 0 && assembly.mount_world_m.is_some();
             world.place_part(
                 experiment,
                 part,
                 &part_from_robot,
                 &world_from_parts[index],
-                motion,
+                &PartMotion {
+                    robot: *motion,
+                    joints: turns[index],
+                    is_held,
+                },
+                &match kind {
+                    JointKind::Impulse => rotor_inertia_kg_m2(assembly, index, &part_from_robot),
+                    JointKind::Multibody | JointKind::Auto => Matrix3::zeros(),
+                },
             );
         }
-        let kind = experiment.joint_kind();
-        for (hinge, &start_rad) in assembly.hinges.iter().zip(angles_rad) {
+        for (hinge, joint) in assembly.hinges.iter().zip(joints) {
             let parent_from_robot = robot_from_part_at_zero(assembly, hinge.parent_part).inverse();
             let anchor_parent_m = parent_from_robot * nalgebra::Point3::from(hinge.anchor_robot_m);
             let frame = Isometry3::from_parts(
@@ -151,31 +181,30 @@ impl World {
                 world.parts[hinge.parent_part],
                 world.parts[hinge.child_part],
             );
-            let data = GenericJointBuilder::new(JointAxesMask::LOCKED_REVOLUTE_AXES)
-                .local_frame1(to_pose(&(parent.body_from_part() * frame)))
-                .local_frame2(to_pose(
-                    &(child.body_from_part() * child_from_parent * frame),
-                ))
-                .contacts_enabled(false)
-                .build();
-            let (parent, child) = (parent.body, child.body);
-            let multibody = (kind == JointKind::Multibody)
-                .then(|| world.multibody_joints.insert(parent, child, data, true))
-                .flatten();
-            // `insert` refuses only loops, and hinges form a tree.
-            let joint = match multibody {
-                Some(handle) => Joint::Multibody(handle),
-                None => Joint::Impulse(world.impulse_joints.insert(parent, child, data, true)),
-            };
-            world.axles.push(Axle {
-                joint,
-                parent,
-                child,
-                axis_part: hinge.axis_robot.into_inner(),
-                start_rad,
-            });
+            let seats = [
+                Seat {
+                    body: parent.body,
+                    body_from_hinge: parent.body_from_part() * frame,
+                },
+                Seat {
+                    body: child.body,
+                    body_from_hinge: child.body_from_part() * child_from_parent * frame,
+                },
+            ];
+            world.axles.push(Axle::new(
+                kind,
+                hinge,
+                seats,
+                joint.angle_rad,
+                &mut world.impulse_joints,
+                &mut world.multibody_joints,
+            ));
         }
         world.start_multibody();
+        for (axle, joint) in world.axles.iter().zip(joints) {
+            axle.start(&mut world.multibody_joints, joint.speed_rad_s);
+        }
+        world.set_scene(experiment);
         world
     }
 
@@ -203,28 +232,31 @@ impl World {
         part: &Part,
         part_from_robot: &Isometry3<f64>,
         world_from_part: &Isometry3<f64>,
-        motion: &Motion,
+        motion: &PartMotion,
+        rotors_kg_m2: &Matrix3<f64>,
     ) {
         let mass = part.mass(part_from_robot);
         let centre_part_m = mass.centre_m;
         let centre_world_m = world_from_part * nalgebra::Point3::from(centre_part_m);
-        let velocity = motion.linear_world_m_s
-            + motion
-                .angular_world_rad_s
-                .cross(&(centre_world_m.coords - motion.about_world_m));
+        let (velocity, angular_world_rad_s) = motion.at(&centre_world_m.coords);
         let mut member = Member {
             body: RigidBodyHandle::invalid(),
             centre_part_m,
         };
         let body_from_part = member.body_from_part();
-        let body = RigidBodyBuilder::dynamic()
+        let kind = if motion.is_held {
+            RigidBodyBuilder::fixed()
+        } else {
+            RigidBodyBuilder::dynamic()
+        };
+        let body = kind
             .pose(to_pose(&(world_from_part * body_from_part.inverse())))
             .linvel(to_vector(&velocity))
-            .angvel(to_vector(&motion.angular_world_rad_s))
+            .angvel(to_vector(&angular_world_rad_s))
             .additional_mass_properties(MassProperties::with_inertia_matrix(
                 Vector::ZERO,
                 narrow(mass.mass_kg),
-                to_matrix(&mass.inertia_kg_m2),
+                to_matrix(&(mass.inertia_kg_m2 + rotors_kg_m2)),
             ))
             .can_sleep(false)
             .build();
@@ -254,7 +286,8 @@ impl World {
                 .restitution(narrow(experiment.floor.restitution))
                 .friction_combine_rule(CoefficientCombineRule::Multiply)
                 .restitution_combine_rule(CoefficientCombineRule::Multiply)
-                .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
+                .active_hooks(self.questions(solid.module))
+                .user_data(module_mark(solid.module))
                 .build();
             self.colliders
                 .insert_with_parent(collider, member.body, &mut self.bodies);
@@ -264,6 +297,16 @@ impl World {
             body.recompute_mass_properties_from_colliders(&self.colliders);
         }
         self.parts.push(member);
+    }
+
+    /// What the engine has to ask about contacts of a module.
+    fn questions(&self, module: usize) -> ActiveHooks {
+        let mut apart = self.hooks.apart.iter();
+        if apart.any(|&(a, b)| a == module || b == module) {
+            ActiveHooks::MODIFY_SOLVER_CONTACTS | ActiveHooks::FILTER_CONTACT_PAIRS
+        } else {
+            ActiveHooks::MODIFY_SOLVER_CONTACTS
+        }
     }
 
     /// A multibody ignores its bodies' velocities and damps its joints unless told otherwise.
@@ -292,13 +335,12 @@ impl World {
 
     /// Advances by one timestep.
     pub fn step(&mut self) {
-        if let Some(friction) = &mut self.friction {
+        if let Some(friction) = &mut self.hooks.friction {
             friction.refresh(&self.multibody_joints);
         }
-        let hooks: &dyn PhysicsHooks = match &self.friction {
-            Some(friction) => friction,
-            None => &(),
-        };
+        for axle in &self.axles {
+            axle.brake(&mut self.impulse_joints, &self.bodies);
+        }
         self.pipeline.step(
             self.gravity,
             &self.parameters,
@@ -311,9 +353,12 @@ impl World {
             &mut self.multibody_joints,
             &mut self.soft_bodies,
             &mut self.ccd,
-            hooks,
+            &self.hooks,
             &(),
         );
+        for axle in &self.axles {
+            axle.let_go(&mut self.bodies);
+        }
     }
 
     /// Pose, linear velocity of the part frame's origin and angular velocity of a part, all in the world frame.
@@ -360,64 +405,32 @@ impl World {
 
     /// Angle of a hinge, radians, continued from `near_rad` so that it does not jump at half turns.
     pub fn hinge_angle_rad(&self, hinge: usize, near_rad: f64) -> f64 {
-        let axle = &self.axles[hinge];
-        let parent = from_rotation(&self.bodies[axle.parent].position().rotation);
-        let child = from_rotation(&self.bodies[axle.child].position().rotation);
-        let relative = parent.inverse() * child;
-        let along = relative.imag().dot(&axle.axis_part);
-        let angle_rad = 2.0 * along.atan2(relative.w);
-        let turns = ((near_rad - angle_rad) / TAU).round();
-        angle_rad + turns * TAU
+        self.axles[hinge].angle_rad(&self.bodies, near_rad)
+    }
+
+    /// Speed of a hinge, rad/s.
+    pub fn hinge_speed_rad_s(&self, hinge: usize) -> f64 {
+        self.axles[hinge].speed_rad_s(&self.bodies)
     }
 
     /// Asks the motor of a hinge that is at `angle_rad` to do `command` during the next step.
     pub fn drive(&mut self, hinge: usize, angle_rad: f64, command: Command) {
-        let axle = &self.axles[hinge];
-        let coordinate_rad = angle_rad - axle.start_rad;
-        let data = match axle.joint {
-            Joint::Impulse(handle) => {
-                // An impulse joint knows its angle only up to whole turns.
-                let wrapped_rad = coordinate_rad - TAU * (coordinate_rad / TAU).round();
-                self.impulse_joints
-                    .get_mut(handle, false)
-                    .map(|joint| (&mut joint.data, wrapped_rad))
-            }
-            Joint::Multibody(handle) => self
-                .multibody_joints
-                .get_mut(handle)
-                .and_then(|(multibody, link)| multibody.link_mut(link))
-                .map(|link| (&mut link.joint.data, coordinate_rad)),
-        };
-        let Some((data, here_rad)) = data else { return };
-        data.set_motor_model(JointAxis::AngX, MotorModel::ForceBased);
-        match command {
-            Command::Velocity {
-                target_rad_s,
-                damping_nm_s_rad,
-                max_torque_nm,
-            } => {
-                data.set_motor_velocity(
-                    JointAxis::AngX,
-                    narrow(target_rad_s),
-                    narrow(damping_nm_s_rad),
-                );
-                data.set_motor_max_force(JointAxis::AngX, narrow(max_torque_nm));
-            }
-            Command::Spring {
-                error_rad,
-                stiffness_nm_rad,
-                damping_nm_s_rad,
-                max_torque_nm,
-            } => {
-                data.set_motor_position(
-                    JointAxis::AngX,
-                    narrow(here_rad + error_rad),
-                    narrow(stiffness_nm_rad),
-                    narrow(damping_nm_s_rad),
-                );
-                data.set_motor_max_force(JointAxis::AngX, narrow(max_torque_nm));
-            }
-        }
+        self.axles[hinge].drive(
+            &mut self.impulse_joints,
+            &mut self.multibody_joints,
+            angle_rad,
+            command,
+        );
+    }
+
+    /// Has the motor of a hinge, and its gear, act during the next step.
+    pub fn exert(&mut self, hinge: usize, effort: &Effort) {
+        self.axles[hinge].exert(
+            &mut self.bodies,
+            &mut self.multibody_joints,
+            effort,
+            wide(self.parameters.dt),
+        );
     }
 }
 
@@ -450,7 +463,7 @@ pub(super) fn to_vector(v: &Vector3<f64>) -> Vector {
     Vector::new(narrow(v.x), narrow(v.y), narrow(v.z))
 }
 
-fn from_vector(v: Vector) -> Vector3<f64> {
+pub(super) fn from_vector(v: Vector) -> Vector3<f64> {
     Vector3::new(wide(v.x), wide(v.y), wide(v.z))
 }
 
@@ -470,7 +483,7 @@ pub(super) fn to_pose(pose: &Isometry3<f64>) -> Pose {
     )
 }
 
-fn from_rotation(rotation: &Rotation) -> UnitQuaternion<f64> {
+pub(super) fn from_rotation(rotation: &Rotation) -> UnitQuaternion<f64> {
     from_quaternion(Quaternion::new(
         wide(rotation.w),
         wide(rotation.x),

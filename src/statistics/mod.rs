@@ -4,13 +4,19 @@
 
 mod bootstrap;
 mod describe;
+mod energy;
+mod jackknife;
 mod matern;
+mod normality;
 mod proportion;
 mod rank;
 mod significance;
 
 pub use bootstrap::{Resample, percentile_interval, resamples, smaller_resamples};
 pub use describe::{mean, median, quantile, standard_deviation};
+pub use energy::{EnergyTest, PERMUTATIONS, energy_test};
+pub use jackknife::{Degree, jackknife_interval};
 pub use matern::matern_5_2;
+pub use normality::{LEAST_FOR_NORMALITY, anderson_darling};
 pub use proportion::{Proportion, normal_quantile};
 pub use significance::{PValueMethod, SampleTest, kolmogorov_smirnov, mann_whitney, spearman};

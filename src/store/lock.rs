@@ -37,8 +37,15 @@ impl FolderLock {
     /// Locks `folder`, which is made where it is absent: also a test, before any work, of whether it can be written.
     ///
     /// # Errors
-    /// A folder that cannot be made or written, or that another process writes into: the error says which, and since when.
+    /// A file in its place, a folder that cannot be made or written, or that another process writes into: the error says which, and since when.
     pub fn make(folder: &Path) -> Result<Self> {
+        if folder.exists() && !folder.is_dir() {
+            return Err(Error::usage("results need a folder")
+                .at_file(folder)
+                .found("a file")
+                .allowed("a folder, or a name that is still free")
+                .advise(Advice::OtherFolder));
+        }
         let is_new_folder = !folder.exists();
         std::fs::create_dir_all(folder)
             .map_err(|e| Error::io("make the results folder", folder, &e))?;

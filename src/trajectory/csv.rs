@@ -1,17 +1,20 @@
-//! CSV with a header: `t_s,x_m,y_m[,z_m][,qw,qx,qy,qz][,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s]`.
+//! CSV with a header: `t_s,x_m,y_m[,z_m][,qw,qx,qy,qz][,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s]`, and joints by
+//! name: `[,NAME_rad[,NAME_rad_s]]`.
 
 use std::collections::HashMap;
 
 use super::Trajectory;
+use super::column::{Columns, Role};
 use super::format::{Format, Parsed, Rendered};
+use super::header::{Header, excerpt_list};
+use super::reading::{Only, QuaternionOrder, Reading};
 use super::sample::{Layout, Samples};
+use super::several::{explain, several};
 use super::text::{Cell, Separator, cut, excerpt, push_number};
-use crate::error::{Advice, Error, Result};
-use crate::unit::LengthUnit;
-use crate::warning::{Code, Warning};
+use crate::error::{Error, Result};
+use crate::warning::Warning;
 
 const QUATERNION: [&str; 4] = ["qw", "qx", "qy", "qz"];
-const LINEAR: [&str; 3] = ["vx", "vy", "vz"];
 const ANGULAR: [&str; 3] = ["wx_rad_s", "wy_rad_s", "wz_rad_s"];
 
 /// Comma-separated values with a header; columns in any order, extra ones ignored with a warning.
@@ -19,9 +22,9 @@ const ANGULAR: [&str; 3] = ["wx_rad_s", "wy_rad_s", "wz_rad_s"];
 /// Units are in the column names. Without z the trajectory is planar. Quaternions: real part first,
 /// world from body. Linear velocity in the world frame, angular velocity in the body frame.
 ///
-/// Files that are not in metres are read with [`LengthUnit::Centimetre`] or
-/// [`LengthUnit::Millimetre`]: then every length and linear velocity is scaled, and its column may be called
-/// `x_m`, `x_cm` (or `x_mm`), or plainly `x`; likewise `vx_m_s`, `vx_cm_s`, `vx`.
+/// A [`Reading`] says what is otherwise. Where it says that lengths are in centimetres, every length and linear velocity is scaled,
+/// and its column may be called `x_m`, `x_cm`, or plainly `x`; likewise `vx_m_s`, `vx_cm_s`, `vx`.
+/// A header without commas may be separated by semicolons or tabs; numbers may have decimal commas then.
 #[derive(Debug, Clone, Copy)]
 pub struct Csv;
 
@@ -38,37 +41,57 @@ impl Format for Csv {
         &["csv"]
     }
 
-    fn parse(&self, text: &str, unit: LengthUnit) -> Result<Parsed> {
-        let mut table = Table::open(text, unit, &[])?;
-        let mut samples = Samples::new(unit);
-        while let Some((line, cells)) = table.rows.next()? {
-            samples.push(&table.layout, cells, line)?;
-        }
-        let (trajectory, mut warnings) = samples.finish(&table.layout)?;
-        warnings.splice(0..0, table.warnings);
-        Ok(Parsed {
+    fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
+        let (trajectory, warnings) =
+            single(text, reading).map_err(|error| explain(error, text, reading))?;
+        let mut parsed = Parsed {
             trajectory,
             warnings,
-        })
+        };
+        parsed.warnings.extend(several(text, reading));
+        Ok(parsed)
     }
 
-    fn columns<'a>(&self, text: &'a str) -> Vec<&'a str> {
+    fn order(&self, text: &str, reading: &Reading) -> QuaternionOrder {
+        let columns = self.columns(text, reading);
+        let place = |role: Role| columns.iter().position(|name| *name == reading.label(role));
+        let by_name = if place(Role::Qw) < place(Role::Qx) {
+            QuaternionOrder::Wxyz
+        } else {
+            QuaternionOrder::Xyzw
+        };
+        reading.quaternion.unwrap_or(by_name)
+    }
+
+    fn columns<'a>(&self, text: &'a str, reading: &Reading) -> Vec<&'a str> {
         let mut cells = Vec::new();
-        let header = text.lines().find(|line| !line.trim().is_empty());
-        match cut(header.unwrap_or_default(), 1, Separator::Comma, &mut cells) {
+        let header = header_line(&mut text.lines().enumerate(), reading);
+        let header = header.map_or("", |(_, line)| line);
+        match cut(header, 1, Separator::of_header(header), &mut cells) {
             Ok(()) => cells.iter().map(|cell| cell.text).collect(),
             // Reading the samples will say what is wrong with the header.
             Err(_) => Vec::new(),
         }
     }
 
+    fn applied(&self, text: &str, reading: &Reading) -> Reading {
+        let mut applied = reading.clone();
+        let columns = self.columns(text, reading);
+        let is_mapped = |column: &str| columns.contains(&column);
+        if !reading.columns.is_empty() && !reading.columns.iter().any(|(_, c)| is_mapped(&c.name)) {
+            applied.columns = Columns::default();
+            applied.only = reading.only.clone().filter(|only| is_mapped(&only.column));
+        }
+        applied
+    }
+
     fn parse_groups(
         &self,
         text: &str,
-        unit: LengthUnit,
+        reading: &Reading,
         group_columns: &[&str],
     ) -> Result<Vec<(Vec<String>, Parsed)>> {
-        let mut table = Table::open(text, unit, group_columns)?;
+        let mut table = Table::open(text, reading, group_columns)?;
         let mut groups: Vec<(Vec<String>, Samples)> = Vec::new();
         let mut index_of: HashMap<Vec<String>, usize> = HashMap::new();
         let mut current: Option<usize> = None;
@@ -85,7 +108,7 @@ impl Format for Csv {
                     let key: Vec<String> =
                         key_columns.iter().map(value).map(str::to_owned).collect();
                     *index_of.entry(key).or_insert_with_key(|key| {
-                        groups.push((key.clone(), Samples::new(unit)));
+                        groups.push((key.clone(), Samples::new(reading)));
                         groups.len() - 1
                     })
                 }
@@ -94,10 +117,12 @@ impl Format for Csv {
             groups[index].1.push(&table.layout, cells, line)?;
         }
         if groups.is_empty() {
-            return Err(Error::invalid("too few points for a trajectory")
-                .at_line(1, 1)
-                .found("no sample")
-                .allowed("at least 2 samples"));
+            return Err(table.rows.nobody().unwrap_or_else(|| {
+                Error::invalid("too few points for a trajectory")
+                    .at_line(1, 1)
+                    .found("no sample")
+                    .allowed("at least 2 samples")
+            }));
         }
         let mut parsed = Vec::with_capacity(groups.len());
         for (key, samples) in groups {
@@ -133,6 +158,12 @@ impl Format for Csv {
             header.extend(ANGULAR);
         }
         let mut text = header.join(",");
+        for joint in trajectory.joints() {
+            text.push_str(&format!(",{}_rad", joint.name));
+            if joint.speeds_rad_s.is_some() {
+                text.push_str(&format!(",{}_rad_s", joint.name));
+            }
+        }
         text.push('\n');
         let dimensions = if trajectory.is_planar() { 2 } else { 3 };
         for (index, (time_s, position)) in trajectory
@@ -158,6 +189,12 @@ impl Format for Csv {
                 linear[index].iter().copied().for_each(&mut push);
                 angular[index].iter().copied().for_each(&mut push);
             }
+            for joint in trajectory.joints() {
+                push(joint.angles_rad[index]);
+                if let Some(speeds) = &joint.speeds_rad_s {
+                    push(speeds[index]);
+                }
+            }
             text.push('\n');
         }
         Rendered {
@@ -167,33 +204,65 @@ impl Format for Csv {
     }
 }
 
+/// The one path of a text, and what the reader should know.
+fn single(text: &str, reading: &Reading) -> Result<(Trajectory, Vec<Warning>)> {
+    let mut table = Table::open(text, reading, &[])?;
+    let mut samples = Samples::new(reading);
+    while let Some((line, cells)) = table.rows.next()? {
+        samples.push(&table.layout, cells, line)?;
+    }
+    if samples.is_empty()
+        && let Some(error) = table.rows.nobody()
+    {
+        return Err(error);
+    }
+    let (trajectory, mut warnings) = samples.finish(&table.layout)?;
+    warnings.splice(0..0, table.warnings);
+    Ok((trajectory, warnings))
+}
+
 /// A CSV text whose header has been understood.
-struct Table<'a> {
-    rows: Rows<'a>,
-    layout: Layout,
+pub(super) struct Table<'a> {
+    pub(super) rows: Rows<'a>,
+    pub(super) layout: Layout,
+    /// Columns that hold nothing that is asked for.
+    pub(super) unused: Vec<usize>,
     group_columns: Vec<usize>,
     warnings: Vec<Warning>,
 }
 
 impl<'a> Table<'a> {
-    fn open(text: &'a str, unit: LengthUnit, group_columns: &[&str]) -> Result<Self> {
+    pub(super) fn open(text: &'a str, reading: &Reading, group_columns: &[&str]) -> Result<Self> {
         let mut lines = text.lines().enumerate();
-        let Some((index, header)) = lines.by_ref().find(|(_, line)| !line.trim().is_empty()) else {
+        let Some((index, header)) = header_line(&mut lines, reading) else {
             return Err(Error::invalid("the file is empty")
                 .at_line(1, 1)
                 .allowed("a header such as t_s,x_m,y_m and at least 2 samples"));
         };
+        let separator = Separator::of_header(header);
         let mut cells = Vec::new();
-        cut(header, index + 1, Separator::Comma, &mut cells)?;
-        let mut columns = Header::new(&cells, unit)?;
-        let layout = columns.layout(group_columns)?;
+        cut(header, index + 1, separator, &mut cells)?;
+        let mut columns = Header::new(&cells, reading, separator)?;
+        let mut layout = columns.layout(group_columns)?;
         let groups = group_columns
             .iter()
-            .map(|name| columns.required(&[(*name).to_owned()]))
+            .map(|name| columns.named(name))
             .collect::<Result<_>>()?;
+        let only = match &reading.only {
+            Some(only) => Some((columns.named(&only.column)?, only.clone())),
+            None => None,
+        };
+        layout.joints = columns.joints();
         let warnings = columns.ignored_warning().into_iter().collect();
         Ok(Self {
-            rows: Rows { lines, cells },
+            unused: columns.unused(),
+            rows: Rows {
+                lines,
+                cells,
+                separator,
+                only,
+                others: Vec::new(),
+            },
             layout,
             group_columns: groups,
             warnings,
@@ -201,194 +270,65 @@ impl<'a> Table<'a> {
     }
 }
 
-/// The lines below the header.
-struct Rows<'a> {
-    lines: std::iter::Enumerate<std::str::Lines<'a>>,
-    cells: Vec<Cell<'a>>,
+/// The first line that is not blank, below those that are to be skipped.
+fn header_line<'a>(
+    lines: &mut std::iter::Enumerate<std::str::Lines<'a>>,
+    reading: &Reading,
+) -> Option<(usize, &'a str)> {
+    let skipped = reading.skip_lines.unwrap_or(0);
+    lines.find(|(index, line)| *index >= skipped && !line.trim().is_empty())
 }
 
+/// The lines below the header.
+pub(super) struct Rows<'a> {
+    lines: std::iter::Enumerate<std::str::Lines<'a>>,
+    cells: Vec<Cell<'a>>,
+    separator: Separator,
+    /// Whose rows are read.
+    only: Option<(usize, Only)>,
+    /// Who else has rows.
+    others: Vec<&'a str>,
+}
+
+/// Most names of others that are kept for a message.
+const OTHERS: usize = 16;
+
 impl<'a> Rows<'a> {
-    /// The next line that is not blank, with its number from 1.
-    fn next(&mut self) -> Result<Option<(usize, &[Cell<'a>])>> {
+    /// The next line that is not blank (nor somebody else's), with its number from 1.
+    pub(super) fn next(&mut self) -> Result<Option<(usize, &[Cell<'a>])>> {
         for (index, line) in self.lines.by_ref() {
-            if !line.trim().is_empty() {
-                cut(line, index + 1, Separator::Comma, &mut self.cells)?;
-                return Ok(Some((index + 1, &self.cells)));
+            if line.trim().is_empty() {
+                continue;
             }
+            cut(line, index + 1, self.separator, &mut self.cells)?;
+            if let Some((column, only)) = &self.only {
+                let whose = self.cells.get(*column).map_or("", |cell| cell.text);
+                let number = |text: &str| text.parse::<f64>().ok();
+                let is_same_number = number(whose).is_some_and(|n| number(&only.value) == Some(n));
+                if whose != only.value && !is_same_number {
+                    if self.others.len() < OTHERS && !self.others.contains(&whose) {
+                        self.others.push(whose);
+                    }
+                    continue;
+                }
+            }
+            return Ok(Some((index + 1, &self.cells)));
         }
         Ok(None)
     }
-}
 
-/// The names in the first line, and which of them are already used.
-struct Header<'c, 'a> {
-    cells: &'c [Cell<'a>],
-    used: Vec<bool>,
-    unit: LengthUnit,
-}
-
-impl<'c, 'a> Header<'c, 'a> {
-    fn new(cells: &'c [Cell<'a>], unit: LengthUnit) -> Result<Self> {
-        for (index, cell) in cells.iter().enumerate() {
-            // Numbers are no names: the missing header is reported instead.
-            let name = !cell.text.is_empty() && cell.text.parse::<f64>().is_err();
-            if name && cells[..index].iter().any(|other| other.text == cell.text) {
-                return Err(cell.locate(
-                    Error::invalid("two columns have the same name").found(excerpt(cell.text)),
-                ));
-            }
-        }
-        Ok(Self {
-            cells,
-            used: vec![false; cells.len()],
-            unit,
-        })
-    }
-
-    fn layout(&mut self, group_columns: &[&str]) -> Result<Layout> {
-        let time = self.required(&["t_s".to_owned()])?;
-        let x = self.required(&self.length_names("x", ""))?;
-        let y = self.required(&self.length_names("y", ""))?;
-        let z = self.optional(&self.length_names("z", ""))?;
-        let quaternion = self.complete(&QUATERNION.map(|name| vec![name.to_owned()]))?;
-        let linear = self.complete(&LINEAR.map(|name| self.length_names(name, "_s")))?;
-        let angular = self.complete(&ANGULAR.map(|name| vec![name.to_owned()]))?;
-        // A trajectory holds both velocities or none: half of them are ignored like extra columns.
-        let velocity = match (linear, angular) {
-            (Some([a, b, c]), Some([d, e, f])) => Some([a, b, c, d, e, f]),
-            (linear, angular) => {
-                for index in linear.into_iter().chain(angular).flatten() {
-                    self.used[index] = false;
-                }
-                None
-            }
-        };
-        let run = self.cells.iter().any(|cell| cell.text == "run");
-        let time_hint = if run && group_columns.is_empty() {
-            Some("the column `run` says that this file holds several recordings".to_owned())
-        } else {
-            None
-        };
-        Ok(Layout {
-            names: self.cells.iter().map(|c| excerpt(c.text)).collect(),
-            time,
-            x,
-            y,
-            z,
-            quaternion,
-            velocity,
-            time_hint,
-        })
-    }
-
-    /// The names that a length (or, with `_s`, a linear velocity) may have in a file of this unit.
-    fn length_names(&self, base: &str, per: &str) -> Vec<String> {
-        let mut names = vec![format!("{base}_m{per}")];
-        match self.unit {
-            LengthUnit::Metre => {}
-            LengthUnit::Centimetre => names.extend([format!("{base}_cm{per}"), base.to_owned()]),
-            LengthUnit::Millimetre => names.extend([format!("{base}_mm{per}"), base.to_owned()]),
-        }
-        names
-    }
-
-    fn optional(&mut self, names: &[String]) -> Result<Option<usize>> {
-        let mut found = None;
-        for (index, cell) in self.cells.iter().enumerate() {
-            if names.iter().any(|name| name == cell.text) {
-                if let Some(other) = found.replace(index) {
-                    let other: &Cell<'_> = &self.cells[other];
-                    return Err(cell.locate(
-                        Error::invalid("two columns hold the same quantity")
-                            .found(format!("{} and {}", other.text, cell.text)),
-                    ));
-                }
-                self.used[index] = true;
-            }
-        }
-        Ok(found)
-    }
-
-    fn required(&mut self, names: &[String]) -> Result<usize> {
-        match self.optional(names)? {
-            Some(index) => Ok(index),
-            None => Err(self.missing(&names.join(" or "), names)),
-        }
-    }
-
-    /// All of several columns, or none of them.
-    fn complete<const K: usize>(&mut self, names: &[Vec<String>; K]) -> Result<Option<[usize; K]>> {
-        let mut indices = [0; K];
-        let mut missing = Vec::new();
-        for (index, names) in indices.iter_mut().zip(names) {
-            match self.optional(names)? {
-                Some(found) => *index = found,
-                None => missing.push(names.join(" or ")),
-            }
-        }
-        match missing.len() {
-            0 => Ok(Some(indices)),
-            n if n == K => Ok(None),
-            _ => Err(self.missing(&missing.join(", "), &names[0])),
-        }
-    }
-
-    fn missing(&self, what: &str, names: &[String]) -> Error {
-        let found: Vec<&str> = self.cells.iter().map(|cell| cell.text).collect();
-        let error = Error::invalid("missing column")
-            .field(what)
-            .found(excerpt_list(&found));
-        let error = match self.cells.first() {
-            Some(cell) => cell.locate(error),
-            None => error.at_line(1, 1),
-        };
-        let length = names.iter().any(|name| name.contains("_m"));
-        let has = |suffix: &str| {
-            found
-                .iter()
-                .any(|name| name.ends_with(suffix) || name.ends_with(&format!("{suffix}_s")))
-        };
-        if length && has("_cm") {
-            error
-                .hint("the file is in centimetres")
-                .advise(Advice::Unit(LengthUnit::Centimetre))
-        } else if length && has("_mm") {
-            error
-                .hint("the file is in millimetres")
-                .advise(Advice::Unit(LengthUnit::Millimetre))
-        } else if found.len() == 1 && found[0].contains([';', '\t']) {
-            error.hint("columns are separated by commas")
-        } else if found.iter().all(|name| name.parse::<f64>().is_ok()) {
-            error.hint("the first line must name the columns: t_s,x_m,y_m[,z_m][,qw,qx,qy,qz]")
-        } else {
-            error.hint("names carry the unit: t_s,x_m,y_m[,z_m][,qw,qx,qy,qz]; rename the columns")
-        }
-    }
-
-    fn ignored_warning(&self) -> Option<Warning> {
-        let ignored: Vec<&str> = self
-            .cells
-            .iter()
-            .zip(&self.used)
-            .filter(|(_, used)| !**used)
-            .map(|(cell, _)| cell.text)
-            .collect();
-        (!ignored.is_empty()).then(|| {
-            Warning::new(
-                Code::ColumnsIgnored,
-                format!("columns not used: {}", excerpt_list(&ignored)),
-            )
-        })
-    }
-}
-
-/// The first dozen names, and how many more there are.
-fn excerpt_list(names: &[&str]) -> String {
-    let shown: Vec<String> = names.iter().take(16).map(|name| excerpt(name)).collect();
-    let more = names.len() - shown.len();
-    if more == 0 {
-        shown.join(", ")
-    } else {
-        format!("{} and {more} more", shown.join(", "))
+    /// The error where the one whose rows are read has none.
+    fn nobody(&self) -> Option<Error> {
+        let (_, only) = self.only.as_ref()?;
+        Some(
+            Error::invalid(format!(
+                "no row has {} = {}",
+                excerpt(&only.column),
+                excerpt(&only.value)
+            ))
+            .at_line(1, 1)
+            .field("only")
+            .allowed(excerpt_list(&self.others)),
+        )
     }
 }

@@ -1,8 +1,8 @@
 //! What a file format of trajectories is.
 
-use super::Trajectory;
+use super::column::Columns;
+use super::{QuaternionOrder, Reading, Trajectory};
 use crate::error::{Error, Result};
-use crate::unit::LengthUnit;
 use crate::warning::Warning;
 
 /// What a format found in a text.
@@ -34,14 +34,29 @@ pub trait Format: Sync {
     fn doc(&self) -> &'static str;
     /// File extensions in lower case, without the dot; the first one is preferred.
     fn extensions(&self) -> &'static [&'static str];
-    /// Reads `text`, whose lengths are in `unit`.
+    /// Reads `text` as `reading` says; what it does not say is as this format has it.
     ///
     /// # Errors
     /// Anything that is not a trajectory in this format, with line and column.
-    fn parse(&self, text: &str, unit: LengthUnit) -> Result<Parsed>;
-    /// The names of the columns, for formats that name them; none where the text has no such names.
-    fn columns<'a>(&self, text: &'a str) -> Vec<&'a str> {
+    fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed>;
+    /// What of `reading` concerns this text: a mapping none of whose columns is there does not.
+    fn applied(&self, text: &str, reading: &Reading) -> Reading {
         let _ = text;
+        Reading {
+            columns: Columns::default(),
+            only: None,
+            skip_lines: None,
+            ..reading.clone()
+        }
+    }
+    /// In which order the columns of the quaternion stand, as they are read.
+    fn order(&self, text: &str, reading: &Reading) -> QuaternionOrder {
+        let _ = text;
+        reading.quaternion.unwrap_or(QuaternionOrder::Wxyz)
+    }
+    /// The names of the columns, for formats that name them; none where the text has no such names.
+    fn columns<'a>(&self, text: &'a str, reading: &Reading) -> Vec<&'a str> {
+        let _ = (text, reading);
         Vec::new()
     }
     /// Reads every recording of a text that holds several: rows with the same values of `group_columns`, in order of
@@ -52,10 +67,10 @@ pub trait Format: Sync {
     fn parse_groups(
         &self,
         text: &str,
-        unit: LengthUnit,
+        reading: &Reading,
         group_columns: &[&str],
     ) -> Result<Vec<(Vec<String>, Parsed)>> {
-        let _ = (text, unit, group_columns);
+        let _ = (text, reading, group_columns);
         Err(Error::invalid("files of this format hold one recording each").found(self.name()))
     }
     /// Writes a trajectory, in metres.

@@ -4,28 +4,39 @@
 //! form in which paths are compared.
 
 mod align;
+mod body_column;
+mod column;
+mod crop;
 mod csv;
 mod format;
+mod header;
+mod joint_column;
 mod meta;
 mod prepare;
+mod reading;
 mod recording;
 mod registry;
 mod resample;
 mod sample;
+mod several;
 mod state;
+mod suspicion;
 mod text;
 mod tum;
 
+pub use column::{Column, Columns, Role};
+pub use crop::{clip, cut_to_shortest};
 pub use csv::Csv;
 pub use format::{Format, Parsed, Rendered};
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
 pub use prepare::{POINTS, Prepared, prepare};
+pub use reading::{Crop, Only, QuaternionOrder, Reading};
 pub use recording::{Meta, Recording, Source};
 pub use registry::{
     FORMATS, GROUP_COLUMNS, format_of, parse_all, read, read_all, read_bytes, read_groups,
     read_sets, write,
 };
 pub use resample::{Interpolator, resample};
-pub use state::{State, Trajectory};
+pub use state::{JointTrack, State, Trajectory};
 pub use text::{MAX_COLUMNS, MAX_FILE_BYTES, MAX_ROWS};
 pub use tum::Tum;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::Trajectory;
+use super::{Reading, Trajectory};
 use crate::warning::Warning;
 
 /// Where the motion in a recording comes from.
@@ -46,7 +46,7 @@ impl Source {
 }
 
 /// Metadata of a set of recordings, from `meta.ron` beside the files.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Meta {
     /// Name of the robot (a morphology), e.g. `tripod`.
@@ -59,6 +59,9 @@ pub struct Meta {
     pub frame: String,
     /// Licence of the data.
     pub licence: String,
+    /// How the files are read, where they are not written as here.
+    #[serde(default, skip_serializing_if = "Reading::is_usual")]
+    pub reading: Reading,
 }
 
 /// One recorded run.
@@ -70,8 +73,12 @@ pub struct Recording {
     pub path: PathBuf,
     /// The motion.
     pub trajectory: Trajectory,
+    /// The motions of other bodies in the same file, by name: columns `NAME_x_m` and so on.
+    pub bodies: Vec<(String, Trajectory)>,
     /// Metadata, where a `meta.ron` lies beside the file.
     pub meta: Option<Meta>,
+    /// How the file was read.
+    pub reading: Reading,
     /// What the reader should know (columns ignored, quaternions renormalised).
     pub warnings: Vec<Warning>,
 }

@@ -5,16 +5,18 @@
 
 use std::path::Path;
 
+use super::body_column;
+use super::column::{Columns, Role};
+use super::crop::cropped;
 use super::csv::Csv;
 use super::format::{Format, Parsed};
 use super::meta::read_meta_beside;
 use super::text::{MAX_FILE_BYTES, decode_text, read_text};
 use super::tum::Tum;
-use super::{Recording, Trajectory};
+use super::{Meta, Reading, Recording, Trajectory, suspicion};
 use crate::error::{Error, Result};
 use crate::file::{read_limited, unknown_name, write_atomic};
-use crate::unit::LengthUnit;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// Columns by which recordings in one file are told apart, from the outermost to the innermost.
 pub const GROUP_COLUMNS: [&str; 2] = ["condition", "run"];
@@ -49,19 +51,17 @@ pub fn format_of(path: &Path) -> Result<&'static dyn Format> {
 
 /// Reads one recording; the extension chooses the format, and a `meta.ron` beside the file is attached.
 ///
-/// Lengths in the file are in `unit`; the result is in metres.
+/// The file is read as `reading` says (a [`LengthUnit`](crate::unit::LengthUnit) says how long its lengths are) and, where that says
+/// nothing, as the `reading` in `meta.ron` does; the result is in SI.
 ///
 /// # Errors
 /// Unreadable file, unknown extension, more than [`MAX_FILE_BYTES`], anything that is not a
 /// trajectory (with file, line and column), or a broken `meta.ron`.
-pub fn read(path: impl AsRef<Path>, unit: LengthUnit) -> Result<Recording> {
+pub fn read(path: impl AsRef<Path>, reading: impl Into<Reading>) -> Result<Recording> {
     let path = path.as_ref();
-    let format = format_of(path)?;
+    format_of(path)?;
     let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
-    let parsed = format
-        .parse(&text, unit)
-        .map_err(|error| error.at_file(path))?;
-    recording(path, stem(path), parsed)
+    File::new(path, &text, reading)?.single()
 }
 
 /// Reads every recording in a CSV file with grouping columns, e.g. `condition,run,sample,t_s,x_m,y_m`.
@@ -73,23 +73,23 @@ pub fn read(path: impl AsRef<Path>, unit: LengthUnit) -> Result<Recording> {
 /// As [`read`]; a grouping column that the file lacks; a format that holds one recording only.
 pub fn read_groups(
     path: impl AsRef<Path>,
-    unit: LengthUnit,
+    reading: impl Into<Reading>,
     group_columns: &[&str],
 ) -> Result<Vec<Recording>> {
     let path = path.as_ref();
-    let format = format_of(path)?;
+    format_of(path)?;
     let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
-    groups(path, format, &text, unit, group_columns)
+    File::new(path, &text, reading)?.groups(group_columns)
 }
 
 /// Reads whatever is in the file: its groups if it is a CSV file with a column `run`, else one recording.
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_all(path: impl AsRef<Path>, unit: LengthUnit) -> Result<Vec<Recording>> {
+pub fn read_all(path: impl AsRef<Path>, reading: impl Into<Reading>) -> Result<Vec<Recording>> {
     let path = path.as_ref();
     format_of(path)?;
-    parse_all(path, read_bytes(path)?, unit)
+    parse_all(path, read_bytes(path)?, reading)
 }
 
 /// The bytes of a trajectory file, for [`parse_all`] and for hashing: what is hashed is then what is read.
@@ -108,22 +108,20 @@ pub fn read_bytes(path: impl AsRef<Path>) -> Result<Vec<u8>> {
 pub fn parse_all(
     path: impl AsRef<Path>,
     bytes: Vec<u8>,
-    unit: LengthUnit,
+    reading: impl Into<Reading>,
 ) -> Result<Vec<Recording>> {
     let path = path.as_ref();
-    let format = format_of(path)?;
+    format_of(path)?;
     let text = decode_text(path, bytes, MAX_FILE_BYTES, "trajectory")?;
-    let columns = format.columns(&text);
-    let [_, run] = GROUP_COLUMNS;
+    let file = File::new(path, &text, reading)?;
+    let columns = file.columns();
+    let [_, run] = file.group_columns();
     if columns.contains(&run) {
-        let mut group_columns = GROUP_COLUMNS.to_vec();
+        let mut group_columns = file.group_columns().to_vec();
         group_columns.retain(|name| columns.contains(name));
-        return groups(path, format, &text, unit, &group_columns);
+        return file.groups(&group_columns);
     }
-    let parsed = format
-        .parse(&text, unit)
-        .map_err(|error| error.at_file(path))?;
-    Ok(vec![recording(path, stem(path), parsed)?])
+    Ok(vec![file.single()?])
 }
 
 /// Reads whatever is in the file as repeats in named sets: those of one value of the column `set_column`, told apart by the
@@ -134,14 +132,15 @@ pub fn parse_all(
 /// As [`read_all`]; a column that the file does not have, or that is `run` itself.
 pub fn read_sets(
     path: impl AsRef<Path>,
-    unit: LengthUnit,
+    reading: impl Into<Reading>,
     set_column: Option<&str>,
 ) -> Result<Vec<(String, Recording)>> {
     let path = path.as_ref();
-    let [outer, run] = GROUP_COLUMNS;
-    let format = format_of(path)?;
+    format_of(path)?;
     let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
-    let columns = format.columns(&text);
+    let file = File::new(path, &text, reading)?;
+    let [outer, run] = file.group_columns();
+    let columns = file.columns();
     let has = |name: &str| columns.contains(&name);
     let set_column = match set_column {
         Some(column) if column == run => {
@@ -165,49 +164,150 @@ pub fn read_sets(
         None => Some(outer).filter(|outer| has(outer) && has(run)),
     };
     let Some(column) = set_column else {
-        let all = parse_all(path, text.into_bytes(), unit)?;
+        let all = if has(run) {
+            file.groups(&[run])?
+        } else {
+            vec![file.single()?]
+        };
         return Ok(all.into_iter().map(|r| (String::new(), r)).collect());
     };
-    format
-        .parse_groups(&text, unit, &[column, run])
-        .map_err(|error| error.at_file(path))?
-        .into_iter()
-        .map(|(key, parsed)| {
-            let name = format!("{}/{}", stem(path), key.join("/"));
-            Ok((key[0].clone(), recording(path, name, parsed)?))
+    file.keyed(&[column, run])
+}
+
+/// A file's text, and how it is read.
+struct File<'a> {
+    path: &'a Path,
+    text: &'a str,
+    format: &'static dyn Format,
+    reading: Reading,
+    meta: Option<Meta>,
+}
+
+impl<'a> File<'a> {
+    fn new(path: &'a Path, text: &'a str, reading: impl Into<Reading>) -> Result<Self> {
+        let format = format_of(path)?;
+        let meta = read_meta_beside(path)?;
+        let mut reading: Reading = reading.into();
+        if let Some(meta) = &meta {
+            reading = reading.or(&meta.reading);
+        }
+        if let Some((field, error)) = reading.fault() {
+            return Err(error.at_file(path).field(field));
+        }
+        Ok(Self {
+            reading: format.applied(text, &reading),
+            path,
+            text,
+            format,
+            meta,
         })
-        .collect()
-}
+    }
 
-fn groups(
-    path: &Path,
-    format: &dyn Format,
-    text: &str,
-    unit: LengthUnit,
-    group_columns: &[&str],
-) -> Result<Vec<Recording>> {
-    format
-        .parse_groups(text, unit, group_columns)
-        .map_err(|error| error.at_file(path))?
-        .into_iter()
-        .map(|(key, parsed)| recording(path, format!("{}/{}", stem(path), key.join("/")), parsed))
-        .collect()
-}
+    fn columns(&self) -> Vec<&'a str> {
+        self.format.columns(self.text, &self.reading)
+    }
 
-fn stem(path: &Path) -> String {
-    path.file_stem()
-        .map(|stem| stem.to_string_lossy().into_owned())
-        .unwrap_or_default()
-}
+    /// [`GROUP_COLUMNS`] as this file calls them.
+    fn group_columns(&self) -> [&str; 2] {
+        [Role::Condition, Role::Run].map(|role| self.reading.label(role))
+    }
 
-fn recording(path: &Path, name: String, parsed: Parsed) -> Result<Recording> {
-    Ok(Recording {
-        name,
-        path: path.to_path_buf(),
-        trajectory: parsed.trajectory,
-        meta: read_meta_beside(path)?,
-        warnings: parsed.warnings,
-    })
+    fn stem(&self) -> String {
+        let stem = self.path.file_stem();
+        stem.map(|stem| stem.to_string_lossy().into_owned())
+            .unwrap_or_default()
+    }
+
+    fn single(&self) -> Result<Recording> {
+        let parse = |text: &str, reading: &Reading| {
+            let parsed = self.format.parse(text, reading);
+            parsed.map_err(|error| error.at_file(self.path))
+        };
+        let columns = self.columns();
+        let mut names = body_column::names(&columns);
+        if names.is_empty() {
+            return self.recording(self.stem(), parse(self.text, &self.reading)?);
+        }
+        // Where only bodies with names have columns, the first of them is the tracked one, unless somebody says which is.
+        let all = names.clone();
+        let is_said = !self.reading.columns.is_empty() || body_column::has_plain(&columns);
+        let mut parsed = if is_said {
+            parse(self.text, &self.reading)?
+        } else {
+            parse(
+                &body_column::as_if_alone(self.text, &names.remove(0)),
+                &self.reading,
+            )?
+        };
+        if body_column::all_belong(&columns, &all) {
+            // What the tracked body does not use, others do.
+            parsed.warnings.retain(|w| w.code != Code::ColumnsIgnored);
+        }
+        let plain = Reading {
+            columns: Columns::default(),
+            ..self.reading.clone()
+        };
+        let mut bodies = Vec::with_capacity(names.len());
+        for name in names {
+            let mut motion = parse(&body_column::as_if_alone(self.text, &name), &plain)?.trajectory;
+            if let Some(crop) = self.reading.crop {
+                motion = cropped(&motion, crop).map_err(|e| e.at_file(self.path))?;
+            }
+            bodies.push((name, motion));
+        }
+        Ok(Recording {
+            bodies,
+            ..self.recording(self.stem(), parsed)?
+        })
+    }
+
+    fn groups(&self, group_columns: &[&str]) -> Result<Vec<Recording>> {
+        let keyed = self.keyed(group_columns)?;
+        Ok(keyed.into_iter().map(|(_, recording)| recording).collect())
+    }
+
+    /// Its groups, each with the value of the outermost column.
+    fn keyed(&self, group_columns: &[&str]) -> Result<Vec<(String, Recording)>> {
+        self.format
+            .parse_groups(self.text, &self.reading, group_columns)
+            .map_err(|error| error.at_file(self.path))?
+            .into_iter()
+            .map(|(key, parsed)| {
+                let name = format!("{}/{}", self.stem(), key.join("/"));
+                let outer = key.into_iter().next().unwrap_or_default();
+                Ok((outer, self.recording(name, parsed)?))
+            })
+            .collect()
+    }
+
+    fn recording(&self, name: String, parsed: Parsed) -> Result<Recording> {
+        let Parsed {
+            mut trajectory,
+            mut warnings,
+        } = parsed;
+        if let Some(crop) = self.reading.crop {
+            trajectory = cropped(&trajectory, crop).map_err(|e| e.at_file(self.path))?;
+        }
+        if !self.reading.is_usual() {
+            let how = format!("recordings are read with {}", self.reading);
+            warnings.push(Warning::new(Code::ReadAs, how));
+        }
+        warnings.extend(suspicion::of(
+            &name,
+            &trajectory,
+            &self.reading,
+            self.format.order(self.text, &self.reading),
+        ));
+        Ok(Recording {
+            name,
+            path: self.path.to_path_buf(),
+            trajectory,
+            bodies: Vec::new(),
+            meta: self.meta.clone(),
+            reading: self.reading.clone(),
+            warnings,
+        })
+    }
 }
 
 /// Writes `trajectory` to `path`, in metres; the extension chooses the format.

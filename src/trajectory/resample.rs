@@ -2,7 +2,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::Trajectory;
+use super::{JointTrack, Trajectory};
 use crate::error::{Error, Result};
 
 /// `points` samples uniform in time; both ends are kept.
@@ -49,6 +49,9 @@ pub fn resample(trajectory: &Trajectory, points: usize) -> Result<Trajectory> {
             places.iter().map(|place| place.lerp(angular)).collect(),
         )?;
     }
+    let joints = trajectory.joints().iter();
+    let joints = joints.map(|joint| joint.map(|all| places.iter().map(|p| p.mix(all)).collect()));
+    resampled = resampled.with_joints(joints.collect())?;
     Ok(if trajectory.is_planar() {
         resampled.planar()
     } else {
@@ -79,6 +82,16 @@ pub(super) struct Place {
 }
 
 impl Place {
+    /// Between two numbers.
+    pub(super) fn mix(self, values: &[f64]) -> f64 {
+        let (a, b) = (values[self.before], values[self.before + 1]);
+        if self.fraction >= 1.0 {
+            b
+        } else {
+            a + (b - a) * self.fraction
+        }
+    }
+
     pub(super) fn lerp(self, values: &[Vector3<f64>]) -> Vector3<f64> {
         let (a, b) = (values[self.before], values[self.before + 1]);
         // Exact at both samples, so that nothing moves when the times already fit.
@@ -138,6 +151,11 @@ impl<'a> Interpolator<'a> {
     ) -> Option<UnitQuaternion<f64>> {
         let all = self.trajectory.orientations_world_from_body()?;
         Some(self.place(since_start_s).slerp(all))
+    }
+
+    /// Angle of a joint of this trajectory at `since_start_s` seconds after the first sample, radians.
+    pub fn joint_angle_rad(&mut self, joint: &JointTrack, since_start_s: f64) -> f64 {
+        self.place(since_start_s).mix(&joint.angles_rad)
     }
 
     pub(super) fn place(&mut self, since_start_s: f64) -> Place {

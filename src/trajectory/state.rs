@@ -29,6 +29,29 @@ impl State {
     }
 }
 
+/// The angle of one joint over the samples of a trajectory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointTrack {
+    /// Name: that of the robot's hinge.
+    pub name: String,
+    /// Angles, radians, not wrapped.
+    pub angles_rad: Vec<f64>,
+    /// Speeds, rad/s, where recorded.
+    pub speeds_rad_s: Option<Vec<f64>>,
+}
+
+impl JointTrack {
+    /// The same joint with what `of` makes of its columns.
+    #[must_use]
+    pub fn map(&self, of: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        Self {
+            name: self.name.clone(),
+            angles_rad: of(&self.angles_rad),
+            speeds_rad_s: self.speeds_rad_s.as_deref().map(of),
+        }
+    }
+}
+
 /// Time-stamped poses of one execution, simulated or real.
 ///
 /// Invariants: at least two samples, strictly increasing finite times, finite positions, and
@@ -40,6 +63,7 @@ pub struct Trajectory {
     orientations_world_from_body: Option<Vec<UnitQuaternion<f64>>>,
     velocities_world_m_s: Option<Vec<Vector3<f64>>>,
     angular_velocities_body_rad_s: Option<Vec<Vector3<f64>>>,
+    joints: Vec<JointTrack>,
     planar: bool,
 }
 
@@ -81,6 +105,7 @@ impl Trajectory {
             orientations_world_from_body: None,
             velocities_world_m_s: None,
             angular_velocities_body_rad_s: None,
+            joints: Vec::new(),
             planar: false,
         })
     }
@@ -123,6 +148,27 @@ impl Trajectory {
         )?;
         self.velocities_world_m_s = Some(linear_world_m_s);
         self.angular_velocities_body_rad_s = Some(angular_body_rad_s);
+        Ok(self)
+    }
+
+    /// The same trajectory with the angles of joints, one per sample.
+    ///
+    /// # Errors
+    /// A number of angles or speeds that differs from the number of samples, non-finite ones, or two joints of one name.
+    pub fn with_joints(mut self, joints: Vec<JointTrack>) -> Result<Self> {
+        for (index, joint) in joints.iter().enumerate() {
+            let columns = [Some(&joint.angles_rad), joint.speeds_rad_s.as_ref()];
+            for column in columns.into_iter().flatten() {
+                let what = format!("values of the joint `{}`", joint.name);
+                let finite = column.iter().all(|value| value.is_finite());
+                self.check_column(&what, column.len(), finite)?;
+            }
+            if joints[..index].iter().any(|other| other.name == joint.name) {
+                return Err(Error::invalid("two joints have the same name")
+                    .found(format!("`{}`", joint.name)));
+            }
+        }
+        self.joints = joints;
         Ok(self)
     }
 
@@ -202,6 +248,26 @@ impl Trajectory {
         self.angular_velocities_body_rad_s.as_deref()
     }
 
+    /// Whether only joints were recorded: no orientation, and no position but the origin.
+    pub fn is_of_joints(&self) -> bool {
+        !self.joints.is_empty()
+            && self.orientations_world_from_body.is_none()
+            && self
+                .positions_world_m
+                .iter()
+                .all(|p| *p == Vector3::zeros())
+    }
+
+    /// Joints, in the order of the file; none where none is recorded.
+    pub fn joints(&self) -> &[JointTrack] {
+        &self.joints
+    }
+
+    /// The joint of this name.
+    pub fn joint(&self, name: &str) -> Option<&JointTrack> {
+        self.joints.iter().find(|joint| joint.name == name)
+    }
+
     /// Whether z was not recorded.
     pub fn is_planar(&self) -> bool {
         self.planar
@@ -218,6 +284,13 @@ impl Trajectory {
             .windows(2)
             .map(|w| (w[1] - w[0]).xy().norm())
             .sum()
+    }
+
+    /// Largest distance from the first position, metres.
+    pub fn extent_m(&self) -> f64 {
+        let start = self.positions_world_m[0];
+        let distances = self.positions_world_m.iter().map(|p| (p - start).norm());
+        distances.fold(0.0, f64::max)
     }
 
     /// Accumulated change of the body's heading about the world z axis, radians; `None` without orientations.

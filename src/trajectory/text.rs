@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 use crate::file::read_limited;
 
 /// Largest recording that is read, in bytes (256 MB).
@@ -64,6 +64,7 @@ pub(super) struct Cell<'a> {
     line_text: &'a str,
     start: usize,
     line: usize,
+    separator: Separator,
 }
 
 impl Cell<'_> {
@@ -73,25 +74,46 @@ impl Cell<'_> {
         error.at_line(self.line, column)
     }
 
+    /// Whether there is no number because the tracker had none.
+    pub(super) fn is_lost(&self) -> bool {
+        let nothing = ["", "-", "na", "n/a", "null", "none"];
+        nothing
+            .iter()
+            .any(|word| self.text.eq_ignore_ascii_case(word))
+            || self
+                .text
+                .parse::<f64>()
+                .is_ok_and(|value| !value.is_finite())
+    }
+
     /// The value as a finite number.
     pub(super) fn number(&self, field: &str) -> Result<f64> {
-        match self.text.parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
-            Ok(_) => Err(self.locate(
+        match self.separator.number(self.text) {
+            Some(value) if value.is_finite() => Ok(value),
+            Some(_) => Err(self.locate(
                 Error::invalid("not a finite number")
                     .field(field)
                     .found(excerpt(self.text))
                     .allowed("a finite number")
-                    .hint("leave out samples that the tracker has lost"),
+                    .hint("the tracker has lost this sample")
+                    .advise(Advice::SkipLost),
             )),
-            Err(_) => Err(self.locate(
-                Error::invalid("not a number")
+            None if self.is_lost() => Err(self.locate(
+                Error::invalid("a number is missing")
                     .field(field)
                     .found(if self.text.is_empty() {
                         "nothing".to_owned()
                     } else {
                         excerpt(self.text)
                     })
+                    .allowed("a number such as 0.25 or 2.5e-1")
+                    .hint("the tracker has lost this sample")
+                    .advise(Advice::SkipLost),
+            )),
+            None => Err(self.locate(
+                Error::invalid("not a number")
+                    .field(field)
+                    .found(excerpt(self.text))
                     .allowed("a number such as 0.25 or 2.5e-1"),
             )),
         }
@@ -112,8 +134,47 @@ pub(super) fn excerpt(text: &str) -> String {
 pub(super) enum Separator {
     /// One comma; cells may be quoted.
     Comma,
+    /// One semicolon, as spreadsheets write where numbers have decimal commas.
+    Semicolon,
+    /// One tab.
+    Tab,
     /// Any run of white space.
     Space,
+}
+
+impl Separator {
+    /// What separates the names of a header: commas if there is one.
+    pub(super) fn of_header(line: &str) -> Self {
+        if line.contains(',') {
+            Self::Comma
+        } else if line.contains(';') {
+            Self::Semicolon
+        } else if line.contains('\t') {
+            Self::Tab
+        } else {
+            Self::Comma
+        }
+    }
+
+    fn character(self) -> char {
+        match self {
+            Self::Comma => ',',
+            Self::Semicolon => ';',
+            Self::Tab => '\t',
+            Self::Space => ' ',
+        }
+    }
+
+    /// The number in a cell; with a decimal comma where that can be nothing else.
+    pub(super) fn number(self, text: &str) -> Option<f64> {
+        let number = text.parse().ok();
+        match self {
+            Self::Semicolon | Self::Tab if number.is_none() && text.matches(',').count() == 1 => {
+                text.replacen(',', ".", 1).parse().ok()
+            }
+            _ => number,
+        }
+    }
 }
 
 /// Cuts line number `line` (from 1) into `cells`, which is emptied first.
@@ -130,7 +191,7 @@ pub(super) fn cut<'a>(
         let trimmed = raw.trim();
         let mut start = range.start + (raw.len() - raw.trim_start().len());
         let mut text = trimmed;
-        if separator == Separator::Comma
+        if separator != Separator::Space
             && let Some(inner) = trimmed
                 .strip_prefix('"')
                 .and_then(|inner| inner.strip_suffix('"'))
@@ -143,6 +204,7 @@ pub(super) fn cut<'a>(
             line_text,
             start,
             line,
+            separator,
         };
         if cells.len() == MAX_COLUMNS {
             return Err(cell.locate(
@@ -174,11 +236,11 @@ fn next_cell(
                 .map_or(line.len(), |length| start + length);
             Some((start..end, Some(end)))
         }
-        Separator::Comma => {
+        Separator::Comma | Separator::Semicolon | Separator::Tab => {
             let mut quoted = false;
             let end = rest.find(|c: char| {
                 quoted ^= c == '"';
-                c == ',' && !quoted
+                c == separator.character() && !quoted
             });
             Some(match end {
                 Some(length) => (from..from + length, Some(from + length + 1)),

@@ -3,11 +3,12 @@
 use nalgebra::UnitQuaternion;
 
 use super::Trajectory;
+use super::column::Measure;
 use super::format::{Format, Parsed, Rendered};
+use super::reading::{QuaternionOrder, Reading};
 use super::sample::{Layout, Samples};
 use super::text::{Separator, cut, push_number};
 use crate::error::Result;
-use crate::unit::LengthUnit;
 use crate::warning::{Code, Warning};
 
 /// The text format of the TUM RGB-D benchmark, which evo and many SLAM programs read.
@@ -31,20 +32,31 @@ impl Format for Tum {
         &["tum", "txt"]
     }
 
-    fn parse(&self, text: &str, unit: LengthUnit) -> Result<Parsed> {
+    fn order(&self, _text: &str, reading: &Reading) -> QuaternionOrder {
+        reading.quaternion.unwrap_or(QuaternionOrder::Xyzw)
+    }
+
+    fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
+        let (time, length) = (
+            reading.factor(Measure::Time),
+            reading.factor(Measure::Length),
+        );
+        let order = self.order(text, reading);
         let layout = Layout {
             names: ["timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"]
                 .map(str::to_owned)
                 .to_vec(),
+            factors: vec![time, length, length, length, 1.0, 1.0, 1.0, 1.0],
             time: 0,
-            x: 1,
-            y: 2,
+            place: Some([1, 2]),
             z: Some(3),
-            quaternion: Some([7, 4, 5, 6]),
+            quaternion: Some(order.wxyz([4, 5, 6, 7])),
+            heading: None,
             velocity: None,
+            joints: Vec::new(),
             time_hint: None,
         };
-        let mut samples = Samples::new(unit);
+        let mut samples = Samples::new(reading);
         let mut cells = Vec::new();
         for (index, line) in text.lines().enumerate() {
             let line = line.split('#').next().unwrap_or_default();
@@ -70,6 +82,10 @@ impl Format for Tum {
                 ));
             }
         };
+        lost(
+            !trajectory.joints().is_empty(),
+            "angles of joints, which are left out",
+        );
         lost(
             trajectory.velocities_world_m_s().is_some(),
             "velocities; they are left out",

@@ -23,6 +23,7 @@ impl DisplayUnit {
             Unit::Second if size < 0.1 && size > 0.0 => (1e3, "ms"),
             Unit::Degree => (1.0, "°"),
             Unit::NewtonMetre => (1.0, "N·m"),
+            Unit::NewtonMetreSecondPerRadian => (1.0, "N·m·s/rad"),
             Unit::MetrePerSecondSquared => (1.0, "m/s²"),
             other => (1.0, other.symbol()),
         };
@@ -69,6 +70,20 @@ impl DisplayUnit {
 /// ```
 pub fn quantity(value: f64, unit: Unit) -> String {
     DisplayUnit::for_size(unit, value).format(value)
+}
+
+/// `value` with so many decimals, never as −0.
+///
+/// ```
+/// use realgap::unit::decimals;
+/// assert_eq!([decimals(-0.04, 1), decimals(-0.06, 1)], ["0.0", "-0.1"]);
+/// ```
+pub fn decimals(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.bytes().all(|b| matches!(b, b'0' | b'.')) => size.to_owned(),
+        _ => text,
+    }
 }
 
 /// `value` with three significant digits; powers of ten only far from 1; `–` when it is not finite.

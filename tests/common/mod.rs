@@ -1,5 +1,4 @@
 //! What the integration tests share.
-#![allow(clippy::print_stdout, reason = "a skipped test says so")]
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
@@ -44,12 +43,21 @@ pub fn text(bytes: &[u8]) -> String {
 }
 
 /// The real recordings, which are not part of the repository; says so where they are absent.
+///
+/// # Panics
+/// Where they are absent and `REALGAP_REQUIRE_DATA` is set: who has them must not pass without having used them.
 pub fn shared_data(folder: &str) -> Option<PathBuf> {
     let path = project().join("../shared/data").join(folder);
     if path.is_dir() {
         return Some(path);
     }
-    println!("SKIPPED: {} is not here", path.display());
+    let is_required = std::env::var_os("REALGAP_REQUIRE_DATA").is_some_and(|v| !v.is_empty());
+    assert!(
+        !is_required,
+        "{} is not here, and REALGAP_REQUIRE_DATA is set",
+        path.display()
+    );
+    skipped(&format!("{} is not here", path.display()));
     None
 }
 
@@ -87,6 +95,40 @@ pub fn quick_study(folder: &Path, points: usize) -> PathBuf {
     ],"
         ),
     )
+}
+
+/// A search file in `folder` with this body inside `Search( … )`.
+pub fn search_file(folder: &Path, body: &str) -> PathBuf {
+    let path = folder.join("quick.ron");
+    std::fs::write(&path, format!("Search(\n{body}\n)\n")).unwrap();
+    path
+}
+
+/// The body of a search of seconds.
+pub const SMALL_SEARCH: &str = "strategy: Evolution(population: 6, generations: 3, variation: (max_modules: 3)), duration_s: 1.0, repeats: 3,
+    parameters: [(name: \"floor.friction\", low: 0.4, high: 0.6)],
+    finalists: (count: 2, repeats: 5),";
+
+/// A Python that can import this package and numpy (`REALGAP_PYTHON`, else `python3`); says so where there is none.
+pub fn python_with(package: &str) -> Option<String> {
+    let python = std::env::var("REALGAP_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let importable = std::process::Command::new(&python)
+        .args(["-c", &format!("import {package}, numpy")])
+        .output()
+        .is_ok_and(|done| done.status.success());
+    if !importable {
+        skipped(&format!(
+            "{python} cannot import {package} and numpy (tools/requirements-engines.txt, REALGAP_PYTHON)"
+        ));
+    }
+    importable.then_some(python)
+}
+
+/// Says that a test did nothing, also where it passes.
+fn skipped(reason: &str) {
+    use std::io::Write as _;
+    // Not `eprintln!`, which the test harness hides where a test passes.
+    let _ = writeln!(std::io::stderr(), "SKIPPED: {reason}");
 }
 
 /// A text file of a results folder.

@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use realgap::file::Source;
 use realgap::robot::morphology::{
-    Assembly, Blueprint, Drive, DriveAxis, Face, Gait, Glue, Module, Morphology, Plate, Role,
-    Servo, ServoLaw,
+    Actuator, Assembly, Blueprint, Drive, DriveAxis, Face, Gait, Glue, Module, Morphology, Plate,
+    Role, Servo, ServoLaw,
 };
 
 /// One step of growing a robot: numbers from which module, faces and drive are taken.
@@ -32,7 +32,7 @@ fn module(index: usize, seed: &Seed) -> Module {
     let mut module = Module::passive(format!("m{index}"), 0.06, mass_kg);
     if angle > 0.0 {
         module.inertia_kg_m2 = Some([angle, angle * 1.5, angle * 2.0]);
-        module.centre_of_mass_m = Vector3::new(0.01, -0.02, angle * 1e-5);
+        module.centre_of_mass_m = Some(Vector3::new(0.01, -0.02, angle * 1e-5));
     }
     if kind >= 6 {
         return module;
@@ -49,23 +49,25 @@ fn module(index: usize, seed: &Seed) -> Module {
                 }),
             },
         },
-        servo: Servo {
-            law: if turns == 0 {
-                ServoLaw::Velocity { gain_1_s: mass_kg }
-            } else {
-                ServoLaw::Torque {
-                    stiffness_nm_rad: mass_kg,
-                    damping_nm_s_rad: 0.1,
-                }
+        actuator: Actuator {
+            servo: Servo {
+                law: if turns == 0 {
+                    ServoLaw::Velocity { gain_1_s: mass_kg }
+                } else {
+                    ServoLaw::Torque {
+                        stiffness_nm_rad: mass_kg,
+                        damping_nm_s_rad: 0.1,
+                    }
+                },
+                max_torque_nm: mass_kg,
+                max_speed_rad_s: if angle < 0.0 { f64::INFINITY } else { mass_kg },
             },
-            max_torque_nm: mass_kg,
-            max_speed_rad_s: if angle < 0.0 { f64::INFINITY } else { mass_kg },
-        },
-        gait: Gait {
-            offset_rad: angle,
-            amplitude_rad: -angle,
-            frequency_hz: 1.0 / 3.0,
-            phase_rad: angle / 7.0,
+            gait: Gait {
+                offset_rad: angle,
+                amplitude_rad: -angle,
+                frequency_hz: 1.0 / 3.0,
+                phase_rad: angle / 7.0,
+            },
         },
     });
     module
@@ -81,6 +83,9 @@ fn grow(seeds: &[Seed]) -> Morphology {
             ..module(0, &seeds[0])
         }],
         glue: Vec::new(),
+        pivots: Vec::new(),
+        never_touch: Vec::new(),
+        mount_world_m: None,
         track: None,
     };
     for seed in &seeds[1..] {

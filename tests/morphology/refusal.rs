@@ -47,13 +47,13 @@ fn an_unknown_field_is_refused_with_the_allowed_ones() {
     insta::assert_snapshot!(refusal(&alone("Passive(side_m: 0.1, masskg: 1)")), @r"
     robot.ron:3:54: modules[0].kind.masskg: unknown field
       found:   masskg
-      allowed: side_m, mass_kg, inertia_kg_m2, centre_of_mass_m
+      allowed: side_m, sides_m, boxes, mass_kg, inertia_kg_m2, centre_of_mass_m
       hint:    did you mean `mass_kg`?
     ");
     insta::assert_snapshot!(refusal("(nam: \"x\", modules: [])"), @r"
     robot.ron:1:2: nam: unknown field
       found:   nam
-      allowed: name, description, defaults, modules, glue, track
+      allowed: name, description, defaults, modules, glue, hinges, never_touch, mount_m, track
       hint:    did you mean `name`?
     ");
 }
@@ -218,7 +218,7 @@ fn sizes_and_masses_must_be_those_of_a_real_module() {
     ");
     insta::assert_snapshot!(
         refusal(&alone("Passive(side_m: 0.1, mass_kg: 1, centre_of_mass_m: (0, 0, 0.06))")), @r"
-    robot.ron:3:91: modules[0].kind.centre_of_mass_m[2]: the centre of mass must lie inside the cube
+    robot.ron:3:91: modules[0].kind.centre_of_mass_m[2]: the centre of mass must lie inside the module
       found:   0.06 m
       allowed: between -0.05 m and 0.05 m
     ");

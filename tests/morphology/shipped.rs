@@ -88,24 +88,25 @@ fn the_benchmark_robots_are_those_of_the_other_engines() {
             assert_eq!(hinge.child_part as u64, golden[1].as_u64().unwrap());
             close(hinge.anchor_robot_m + shift, vector(&golden[2]));
             close(hinge.axis_robot.into_inner(), vector(&golden[3]));
-            assert_eq!(hinge.gait.phase_rad, golden[4].as_f64().unwrap());
+            let actuator = hinge.actuator.unwrap();
+            assert_eq!(actuator.gait.phase_rad, golden[4].as_f64().unwrap());
             assert_eq!(
                 (
-                    hinge.gait.offset_rad,
-                    hinge.gait.amplitude_rad,
-                    hinge.gait.frequency_hz
+                    actuator.gait.offset_rad,
+                    actuator.gait.amplitude_rad,
+                    actuator.gait.frequency_hz
                 ),
                 (0.0, 0.7, 1.0)
             );
             assert_eq!(
-                hinge.servo.law,
+                actuator.servo.law,
                 ServoLaw::Torque {
                     stiffness_nm_rad: 5.0,
                     damping_nm_s_rad: 0.05
                 }
             );
             assert_eq!(
-                (hinge.servo.max_torque_nm, hinge.servo.max_speed_rad_s),
+                (actuator.servo.max_torque_nm, actuator.servo.max_speed_rad_s),
                 (0.5, f64::INFINITY)
             );
         }

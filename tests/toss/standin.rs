@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Sampling, Start, run};
-use realgap::trajectory::{Recording, State, Trajectory};
+use realgap::trajectory::{Reading, Recording, State, Trajectory};
 
 pub const RATE_HZ: f64 = 148.0;
 
@@ -92,7 +92,9 @@ fn toss(robot: &Experiment, tracker: &Tracker, seed: u64) -> Toss {
             name: format!("toss_{seed:02}"),
             path: PathBuf::from(format!("toss_{seed:02}.csv")),
             trajectory,
+            bodies: Vec::new(),
             meta: None,
+            reading: Reading::default(),
             warnings: Vec::new(),
         },
     }

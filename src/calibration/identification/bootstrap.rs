@@ -55,14 +55,26 @@ pub(super) fn intervals<const N: usize>(
             high: f64::INFINITY,
         }));
     }
-    let draws: Vec<[f64; N]> = resamples(recordings, RESAMPLES, seed)
-        .iter()
-        .filter_map(|resample| estimate(&resample.counts()))
-        .collect();
+    let draws: Vec<[f64; N]> = draws_of(recordings, seed, estimate);
     Some(std::array::from_fn(|index| {
         let drawn: Vec<f64> = draws.iter().map(|draw| draw[index]).collect();
         let value = values[index];
         let (low, high) = percentile_interval(&drawn, TAIL).unwrap_or((value, value));
         Interval { value, low, high }
     }))
+}
+
+/// What `estimate` gives for recordings drawn again; `None` is left out, and a single recording gives nothing.
+pub(super) fn draws_of<T>(
+    recordings: usize,
+    seed: u64,
+    estimate: impl Fn(&[f64]) -> Option<T>,
+) -> Vec<T> {
+    if recordings < 2 {
+        return Vec::new();
+    }
+    resamples(recordings, RESAMPLES, seed)
+        .iter()
+        .filter_map(|resample| estimate(&resample.counts()))
+        .collect()
 }

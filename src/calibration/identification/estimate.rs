@@ -50,7 +50,14 @@ pub struct FlightStart {
     pub velocity_world_m_s: [f64; 3],
     /// Angular velocity, body frame, rad/s.
     pub angular_velocity_body_rad_s: [f64; 3],
-    /// Root mean square distance of the centre of mass from its parabola, metres.
+    /// Angles of the joints, in the order of the robot's hinges, radians.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub joint_angles_rad: Vec<f64>,
+    /// Their speeds, rad/s.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub joint_speeds_rad_s: Vec<f64>,
+    /// Root mean square distance of the centre of mass from its parabola, metres; of jointed robots: of the tracked point from
+    /// where the fit has it.
     pub residual_m: f64,
 }
 
@@ -116,6 +123,11 @@ pub fn identify(
     seed: u64,
 ) -> Result<Identification> {
     let body = Body::new(experiment)?;
+    if body.linkage.is_some() {
+        return Err(
+            Error::invalid("the robot has hinges").hint("`identify_joints` is for jointed robots")
+        );
+    }
     let mut grounded = Vec::new();
     let mut flights: Vec<(&Recording, usize)> = Vec::new();
     for recording in recordings {
@@ -175,6 +187,8 @@ pub fn identify(
                 orientation_world_from_body_wxyz: [q.w, q.i, q.j, q.k],
                 velocity_world_m_s: fit.state.velocity_world_m_s.into(),
                 angular_velocity_body_rad_s: fit.state.angular_velocity_body_rad_s.into(),
+                joint_angles_rad: Vec::new(),
+                joint_speeds_rad_s: Vec::new(),
                 residual_m: fit.residual_m,
             });
             // v(t − lag) = v(t) + g·lag: what a late velocity is too high by.

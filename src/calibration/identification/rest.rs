@@ -12,6 +12,8 @@ use crate::trajectory::Trajectory;
 const REST_M: f64 = 3e-4;
 const REST_RAD: f64 = 3e-3;
 const WINDOW_S: f64 = 0.02;
+/// Encoders of joints are coarser.
+const REST_JOINT_RAD: f64 = 1e-2;
 
 /// How often a face of the tracked module ended down.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -58,7 +60,13 @@ pub fn is_at_rest(motion: &Trajectory) -> bool {
         .rposition(|t| *t <= times_s[last] - WINDOW_S + 1e-9)
         .unwrap_or(0);
     let moved = motion.positions_world_m()[last] - motion.positions_world_m()[before];
-    moved.norm() < REST_M && orientations[before].angle_to(&orientations[last]) < REST_RAD
+    let joints_rest = motion
+        .joints()
+        .iter()
+        .all(|joint| (joint.angles_rad[last] - joint.angles_rad[before]).abs() < REST_JOINT_RAD);
+    moved.norm() < REST_M
+        && orientations[before].angle_to(&orientations[last]) < REST_RAD
+        && joints_rest
 }
 
 impl RestReport {

@@ -4,8 +4,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::flight::Body;
+use super::joint_flight::{self, Samples};
 use crate::error::Result;
-use crate::simulation::{Experiment, Start};
+use crate::simulation::{Experiment, JointState, Start};
 use crate::trajectory::{State, Trajectory};
 
 /// Which state of a recording a simulated run starts from.
@@ -44,24 +45,38 @@ const AFTER_TRANSIENT: usize = 6;
 const ROUNDS: usize = 4;
 
 /// A start state fitted to a flight.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FlightFit {
     /// State at the first sample.
     pub state: State,
+    /// Joints then; none of a rigid robot.
+    pub joints: Vec<JointState>,
     /// Samples of the flight.
     pub samples: usize,
-    /// Root mean square distance of the centre of mass from its parabola, metres.
+    /// Root mean square distance of the centre of mass from its parabola, metres; of a jointed robot: of the tracked point from
+    /// where the fit has it.
     pub residual_m: f64,
 }
 
 /// The state at the first sample that explains the flight best: constant angular velocity in the world (exact
-/// where the moments of inertia are equal), the centre of mass on a parabola. `motion` is in true lengths.
+/// where the moments of inertia are equal), the centre of mass on a parabola; of a jointed robot all that its inertia says. `motion` is in true lengths.
 ///
 /// `None` where fewer than [`LEAST_SAMPLES`] samples are in flight.
 pub fn fit_flight(body: &Body, motion: &Trajectory) -> Option<FlightFit> {
     let samples = body.flight_samples(motion);
     if samples < LEAST_SAMPLES {
         return None;
+    }
+    if let Some(linkage) = &body.linkage {
+        let recorded = Samples::new(linkage, motion, samples)?;
+        let fit = joint_flight::fit(linkage, body.gravity_m_s2, &recorded, None)?;
+        let (state, joints) = fit.state(linkage);
+        return Some(FlightFit {
+            state,
+            joints,
+            samples,
+            residual_m: fit.residual_m(),
+        });
     }
     let orientations = &motion.orientations_world_from_body()?[..samples];
     let start_s = motion.times_s()[0];
@@ -104,6 +119,7 @@ pub fn fit_flight(body: &Body, motion: &Trajectory) -> Option<FlightFit> {
             velocity_world_m_s: velocity - rate_world.cross(&arm),
             angular_velocity_body_rad_s: turned.inverse() * rate_world,
         },
+        joints: Vec::new(),
         samples,
         residual_m: (squares / n).sqrt(),
     })
@@ -167,8 +183,29 @@ pub enum Refined {
 /// [`StartState::Flight`] for a robot with servos.
 pub fn refine(
     rule: StartState,
+    experiment: Experiment,
+    recorded: &Trajectory,
+) -> Result<(Experiment, Refined)> {
+    refine_again(rule, experiment, recorded, &mut None)
+}
+
+/// What a flight was found to be, and with which body: while a fit changes contact only, it stays.
+#[derive(Debug, Clone)]
+pub struct KnownFlight {
+    body: Body,
+    scale: f64,
+    fit: Option<FlightFit>,
+}
+
+/// As [`refine`], with what an earlier call for the same recording found.
+///
+/// # Errors
+/// As [`refine`].
+pub fn refine_again(
+    rule: StartState,
     mut experiment: Experiment,
     recorded: &Trajectory,
+    known: &mut Option<KnownFlight>,
 ) -> Result<(Experiment, Refined)> {
     let Start::State(first) = experiment.start else {
         return Ok((experiment, Refined::AsAsked));
@@ -192,8 +229,23 @@ pub fn refine(
         StartState::HalfSampleCorrected => (half_sample(), Refined::AsAsked),
         StartState::Flight => {
             let body = Body::new(&experiment)?;
-            match fit_flight(&body, &recorded.scaled(1.0 / scale)?) {
-                Some(fit) => (fit.state.scaled(scale), Refined::AsAsked),
+            let is_known = known
+                .as_ref()
+                .is_some_and(|known| known.scale == scale && known.body == body);
+            if !is_known {
+                *known = Some(KnownFlight {
+                    fit: fit_flight(&body, &recorded.scaled(1.0 / scale)?),
+                    body,
+                    scale,
+                });
+            }
+            match known.as_ref().and_then(|known| known.fit.clone()) {
+                Some(fit) => {
+                    if !fit.joints.is_empty() {
+                        experiment.start_joints = fit.joints;
+                    }
+                    (fit.state.scaled(scale), Refined::AsAsked)
+                }
                 None => (half_sample(), Refined::NoFlight),
             }
         }

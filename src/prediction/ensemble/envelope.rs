@@ -1,4 +1,4 @@
-//! Where the robot is at each time, in the prepared frame: central regions of the repeats.
+//! Where the robot is, in the prepared frame: central regions of the repeats, at each time and for whole paths.
 
 use serde::Serialize;
 
@@ -7,9 +7,23 @@ use crate::trajectory::{POINTS, Prepared};
 
 /// Levels of the central regions.
 pub const LEVELS: [f64; 3] = [0.5, 0.8, 0.9];
+/// Fewer paths than this have no band of 90 % for whole paths.
+pub const LEAST_PATHS: usize = 18;
 /// Standard deviation added to that of the repeats, as a share of the body length: at the start all repeats are at
 /// the origin and at the end all are on +x, and no real run is known better than this.
 const FLOOR: f64 = 1e-3;
+
+/// Which of `n` sorted values bounds a further one with probability `level`, from 1.
+fn rank(n: usize, level: f64) -> usize {
+    // 0.9 times 30 is a little more than 27 in binary.
+    let rank = ((n as f64 + 1.0) * level - 1e-9).ceil() as usize;
+    rank.clamp(1, n)
+}
+
+/// How many of `paths` are scored, about half: one less than a multiple of ten.
+fn scored(paths: usize) -> usize {
+    (10 * ((paths / 2 + 6) / 10)).max(10) - 1
+}
 
 /// Central regions of position at one time: concentric ellipses, centre and axes those of the repeats' covariance.
 ///
@@ -48,10 +62,7 @@ impl Region {
         };
         let mut distances: Vec<f64> = points_m.iter().map(|p| region.distance(*p)).collect();
         distances.sort_by(f64::total_cmp);
-        region.radii = LEVELS.map(|level| {
-            let rank = ((n + 1.0) * level).ceil() as usize;
-            distances[rank.clamp(1, distances.len()) - 1]
-        });
+        region.radii = LEVELS.map(|level| distances[rank(distances.len(), level) - 1]);
         region
     }
 
@@ -98,7 +109,8 @@ impl Region {
     }
 }
 
-/// Central regions over time, one a prepared point.
+/// Central regions over time, one a prepared point: each holds its share at its own time ([`Envelope::new`]), or all together
+/// hold it for whole paths ([`Envelope::of_whole_paths`]).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Envelope {
     /// Times, seconds from the start.
@@ -131,6 +143,49 @@ impl Envelope {
             .map(|index| duration_s * index as f64 / (POINTS - 1) as f64)
             .collect();
         Ok(Self { times_s, regions })
+    }
+
+    /// The band that a further path stays in from start to end: as often as each of [`LEVELS`] says, for any distribution and
+    /// number of repeats. `None` for fewer than [`LEAST_PATHS`].
+    ///
+    /// Split conformal prediction (Lei et al. 2018; for curves Diquigiovanni, Fontana & Vantini 2022): some paths give the
+    /// centre and covariance at each time, the score of a path is its largest Mahalanobis distance from these, and the band of
+    /// level p is as wide as the ⌈(n + 1) p⌉-th smallest score of the n others. So many are these that (n + 1) p is whole:
+    /// exactly p, not a little more.
+    ///
+    /// # Errors
+    /// As [`Envelope::new`].
+    pub fn of_whole_paths(
+        paths: &[&Prepared],
+        duration_s: f64,
+        body_length_m: f64,
+    ) -> Result<Option<Self>> {
+        if paths.len() < LEAST_PATHS {
+            return Ok(None);
+        }
+        let (shape, others) = paths.split_at(paths.len() - scored(paths.len()));
+        let mut band = Self::new(shape, duration_s, body_length_m)?;
+        let mut scores: Vec<f64> = others.iter().map(|path| band.score(path)).collect();
+        scores.sort_by(f64::total_cmp);
+        let radii = LEVELS.map(|level| scores[rank(scores.len(), level) - 1]);
+        for region in &mut band.regions {
+            region.radii = radii;
+        }
+        Ok(Some(band))
+    }
+
+    /// Largest Mahalanobis distance of a path from the centre, over time.
+    fn score(&self, path: &Prepared) -> f64 {
+        let regions = self.regions.iter().zip(path.xy_m());
+        regions.fold(0.0, |largest, (region, point)| {
+            region.distance(*point).max(largest)
+        })
+    }
+
+    /// Whether a path lies in the regions of `LEVELS[level]` at all times.
+    pub fn holds(&self, level: usize, path: &Prepared) -> bool {
+        let mut regions = self.regions.iter().zip(path.xy_m());
+        regions.all(|(region, point)| region.contains(level, *point))
     }
 
     /// At each time, how many of `paths` lie in the region of `LEVELS[level]`.

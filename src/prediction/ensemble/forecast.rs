@@ -43,8 +43,10 @@ pub struct Forecast {
     pub diverged: Proportion,
     /// Groups of repeats that do the same.
     pub behaviours: Behaviours,
-    /// Central regions over time; `None` where every repeat diverged.
+    /// Central regions, each for its own time; `None` where every repeat diverged.
     pub envelope: Option<Envelope>,
+    /// The band that whole paths stay in; `None` for too few repeats.
+    pub band: Option<Envelope>,
     /// How the repeats differ.
     pub noise: Noise,
     /// CPU seconds of all runs; not written with the rest, which is the same for equal runs.
@@ -65,14 +67,10 @@ impl Forecast {
             Quantiles::of(&values)
         };
         let paths: Vec<_> = ensemble.motions().map(|(_, m)| &m.path).collect();
-        let envelope = if paths.is_empty() {
-            None
-        } else {
-            Some(Envelope::new(
-                &paths,
-                ensemble.duration_s,
-                ensemble.body_length_m,
-            )?)
+        let (duration_s, body_length_m) = (ensemble.duration_s, ensemble.body_length_m);
+        let envelope = match paths.is_empty() {
+            true => None,
+            false => Some(Envelope::new(&paths, duration_s, body_length_m)?),
         };
         let displacement_m = spread(&Motion::net_displacement_m);
         let noise_free_displacement_m = ensemble.noise_free.get().map(Motion::net_displacement_m);
@@ -109,6 +107,7 @@ impl Forecast {
             ),
             behaviours: behaviours(ensemble),
             envelope,
+            band: Envelope::of_whole_paths(&paths, duration_s, body_length_m)?,
             noise: ensemble.noise,
             cpu_s: ensemble.cpu.as_secs_f64(),
             warnings,

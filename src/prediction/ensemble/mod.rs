@@ -32,10 +32,10 @@ mod words;
 
 pub use behaviour::{BEHAVIOURS, Behaviour, Behaviours, Kind, behaviours, cut_m};
 pub use distance::rms_m;
-pub use envelope::{Envelope, LEVELS, Region};
+pub use envelope::{Envelope, LEAST_PATHS, LEVELS, Region};
 pub use forecast::Forecast;
 pub use quantiles::{QUANTILES, Quantiles};
 pub use reality::{Coverage, RealRun, Reality};
-pub(crate) use run::run_each;
 pub use run::{Ensemble, Motion, Repeat, repeat, run};
+pub(crate) use run::{no_camera, run_each};
 pub(crate) use words::percent;

@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::behaviour::Behaviours;
 use super::distance::rms_m;
-use super::envelope::{Envelope, LEVELS};
+use super::envelope::LEVELS;
+use super::forecast::Forecast;
 use super::run::Ensemble;
 use crate::statistics::{Proportion, mean};
 use crate::trajectory::Prepared;
@@ -29,6 +29,8 @@ pub struct RealRun {
     pub time_inside: [f64; 3],
     /// Whether its last position lies in the central region, by level.
     pub ends_inside: [bool; 3],
+    /// Whether its whole path lies in the band for whole paths, by level; `None` without one.
+    pub in_band: Option<[bool; 3]>,
     /// Energy score of the ensemble for this run, metres; lower is better.
     pub energy_score_m: f64,
 }
@@ -44,6 +46,8 @@ pub struct Coverage {
     pub at_end: Proportion,
     /// Whether `level` lies in that interval: the runs do not contradict the promise.
     pub is_honest: bool,
+    /// Runs that stay in the band for whole paths, with the 95 % Wilson interval; `None` without one.
+    pub whole_path: Option<Proportion>,
 }
 
 /// An ensemble against recorded runs.
@@ -61,11 +65,10 @@ pub struct Reality {
 }
 
 impl Reality {
-    /// Compares an ensemble with named prepared recordings, in true lengths; `None` without recordings or repeats.
+    /// Compares an ensemble and what is said about it with named prepared recordings, in true lengths; `None` without recordings or repeats.
     pub fn new(
         ensemble: &Ensemble,
-        envelope: &Envelope,
-        behaviours: &Behaviours,
+        forecast: &Forecast,
         real: &[(&str, &Prepared)],
     ) -> Option<Self> {
         let repeats: Vec<(u64, &Prepared)> = ensemble
@@ -75,6 +78,8 @@ impl Reality {
         if real.is_empty() || repeats.is_empty() {
             return None;
         }
+        let behaviours = &forecast.behaviours;
+        let envelope = forecast.envelope.as_ref()?;
         let half_spread_m = 0.5 * mean_distance_m(&repeats);
         let runs: Vec<RealRun> = real
             .par_iter()
@@ -109,6 +114,8 @@ impl Reality {
                     ends_inside: std::array::from_fn(|level| {
                         envelope.regions[last].contains(level, path.xy_m()[last])
                     }),
+                    in_band: (forecast.band.as_ref())
+                        .map(|band| std::array::from_fn(|level| band.holds(level, path))),
                     energy_score_m: mean(&distances_m) - half_spread_m,
                 }
             })
@@ -137,7 +144,13 @@ impl Reality {
                 let inside = runs.iter().filter(|run| run.ends_inside[index]).count();
                 let at_end = Proportion::new(inside, runs.len(), INTERVAL);
                 let shares: Vec<f64> = runs.iter().map(|run| run.time_inside[index]).collect();
+                let in_band: Option<Vec<bool>> =
+                    runs.iter().map(|run| Some(run.in_band?[index])).collect();
                 Coverage {
+                    whole_path: in_band.map(|held| {
+                        let count = held.iter().filter(|held| **held).count();
+                        Proportion::new(count, held.len(), INTERVAL)
+                    }),
                     level,
                     over_time: mean(&shares),
                     at_end,

@@ -146,7 +146,8 @@ pub(crate) fn run_each(
                 return Ok(None);
             }
             let drawn = noise.perturb(&vary(number), seed, number);
-            let (outcome, cpu) = outcome(simulation::run(&drawn)?)?;
+            let run = simulation::run(&drawn)?;
+            let (outcome, cpu) = outcome(recorded(run, noise, seed, number)?)?;
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
             let repeat = Repeat {
                 number,
@@ -177,13 +178,33 @@ pub(crate) fn run_each(
     Ok(ensemble)
 }
 
-/// Simulates one repeat of an ensemble in full: the same run as repeat `number` of [`run`].
+/// Simulates one repeat of an ensemble in full, as the noise's camera records it: the same run as repeat `number` of [`run`].
 ///
 /// # Errors
 /// As [`run`].
 pub fn repeat(experiment: &Experiment, noise: &Noise, seed: u64, number: u64) -> Result<Run> {
     noise.check()?;
-    simulation::run(&noise.perturb(experiment, seed, number))
+    let run = simulation::run(&noise.perturb(experiment, seed, number))?;
+    recorded(run, noise, seed, number)
+}
+
+/// The run as the noise's camera sees it.
+fn recorded(run: Run, noise: &Noise, seed: u64, number: u64) -> Result<Run> {
+    let outcome = match run.outcome {
+        Outcome::Completed(motion) => Outcome::Completed(noise.record(motion, seed, number)?),
+        diverged @ Outcome::Diverged(_) => diverged,
+    };
+    Ok(Run { outcome, ..run })
+}
+
+/// Repeats without a camera are nearer to each other than recordings can be.
+pub(crate) fn no_camera(noise: &Noise) -> Option<Warning> {
+    (noise.camera.is_zero() && !noise.is_zero()).then(|| {
+        Warning::new(
+            Code::NoCamera,
+            "the noise has no camera, but recordings were seen by one: where repeats differ by less than it does (at first),              regions are too narrow; add e.g. camera: (position_m: Normal(0.001))",
+        )
+    })
 }
 
 fn outcome(run: Run) -> Result<(Outcome<Motion>, Duration)> {

@@ -6,12 +6,12 @@ use super::forecast::Forecast;
 use super::reality::{Coverage, Reality};
 use crate::statistics::Proportion;
 use crate::table::{Side, TextTable};
-use crate::unit::{Unit, quantity};
+use crate::unit::{Unit, decimals, quantity};
 
-/// `62 % (95 %: 55 to 68 %)`.
+/// `62 % (sampling error, 95 %: 55 to 68 %)`.
 pub(crate) fn percent(p: &Proportion) -> String {
     let [share, low, high] = [p.share, p.low, p.high].map(|share| 100.0 * share);
-    format!("{share:.0} % (95 %: {low:.0} to {high:.0} %)")
+    format!("{share:.0} % (sampling error, 95 %: {low:.0} to {high:.0} %)")
 }
 
 impl fmt::Display for Forecast {
@@ -22,7 +22,7 @@ impl fmt::Display for Forecast {
             self.repeats,
             self.duration_s,
             self.numbers(),
-            self.behaviour_table(None)
+            self.behaviour_table(None, None)
         )
     }
 }
@@ -47,7 +47,10 @@ impl Forecast {
         }
         if let Some(turned) = &self.turned_rad {
             let [mean, sd] = [turned.mean, turned.standard_deviation].map(f64::to_degrees);
-            text += &format!("\n  turned            {mean:.0} deg, standard deviation {sd:.0} deg");
+            text += &format!(
+                "\n  turned            {} deg, standard deviation {sd:.0} deg",
+                decimals(mean, 0)
+            );
         }
         if self.diverged.count > 0 {
             text += &format!("\n  diverged          {}", percent(&self.diverged));
@@ -55,20 +58,28 @@ impl Forecast {
         text
     }
 
-    /// The behaviours with their probabilities and, beside recordings, how many of these showed each.
-    pub(crate) fn behaviour_table(&self, reality: Option<&Reality>) -> String {
+    /// The behaviours with their probabilities, what these are over other models (lowest and highest share), and, beside
+    /// recordings, how many of these showed each.
+    pub(crate) fn behaviour_table(
+        &self,
+        reality: Option<&Reality>,
+        over_models: Option<&[(f64, f64)]>,
+    ) -> String {
         let mut columns = vec![
             ("behaviour", Side::Left),
             ("probability", Side::Right),
-            ("95 % interval", Side::Right),
+            ("sampling, 95 %", Side::Right),
             ("net displacement", Side::Right),
             ("repeat", Side::Right),
         ];
+        if over_models.is_some() {
+            columns.push(("other models", Side::Right));
+        }
         if reality.is_some() {
             columns.push(("real runs", Side::Right));
         }
         let mut table = TextTable::new(columns);
-        for behaviour in &self.behaviours.list {
+        for (index, behaviour) in self.behaviours.list.iter().enumerate() {
             let p = &behaviour.probability;
             let mut row = vec![
                 behaviour.name.clone(),
@@ -79,6 +90,9 @@ impl Forecast {
                     .representative
                     .map_or("-".to_owned(), |n| n.to_string()),
             ];
+            if let Some((low, high)) = over_models.and_then(|ranges| ranges.get(index)) {
+                row.push(format!("{:.0} to {:.0} %", 100.0 * low, 100.0 * high));
+            }
             if let Some(reality) = reality {
                 row.push(reality.showing(Some(&behaviour.name)).to_string());
             }
@@ -88,7 +102,8 @@ impl Forecast {
             let unlike = reality.showing(None);
             if unlike > 0 {
                 let mut row = vec!["not predicted".to_owned()];
-                row.extend(std::iter::repeat_n("-".to_owned(), 4));
+                let empty = 4 + usize::from(over_models.is_some());
+                row.extend(std::iter::repeat_n("-".to_owned(), empty));
                 row.push(unlike.to_string());
                 table.push(row);
             }
@@ -106,6 +121,7 @@ impl fmt::Display for Reality {
             ("at the end", Side::Right),
             ("95 % interval", Side::Right),
             ("honest", Side::Left),
+            ("whole paths in their band", Side::Right),
         ]);
         for coverage in &self.coverage {
             let end = &coverage.at_end;
@@ -115,6 +131,9 @@ impl fmt::Display for Reality {
                 format!("{} of {}", end.count, end.trials),
                 format!("{:.0} to {:.0} %", 100.0 * end.low, 100.0 * end.high),
                 honesty(coverage).to_owned(),
+                coverage.whole_path.map_or("-".to_owned(), |held| {
+                    format!("{} of {}", held.count, held.trials)
+                }),
             ]);
         }
         write!(

@@ -3,12 +3,12 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::estimate::{Estimate, RESAMPLES};
+use super::estimate::Estimate;
 use super::floor::{self, NoiseFloor, Pairs};
 use super::sample::{CaseRuns, Heard, Sample, Scoring, distance};
 use crate::error::{Error, Result};
-use crate::statistics::{Resample, mean, resamples};
-use crate::unit::{Unit, as_label};
+use crate::statistics::{Degree, EnergyTest, energy_test, mean};
+use crate::unit::Unit;
 use crate::warning::{Code, Warning};
 
 /// A gap and how many noise floors it is.
@@ -16,7 +16,7 @@ use crate::warning::{Code, Warning};
 pub struct GapAndRatio {
     /// Mean distance over the recordings.
     pub gap: Estimate,
-    /// Gap over noise floor, both from the same resamples; 1: as near to a recording as another recording is. `None`
+    /// Gap over noise floor, both without the same recordings; 1: as near to a recording as another recording is. `None`
     /// without a noise floor.
     pub ratio: Option<Estimate>,
 }
@@ -27,7 +27,6 @@ pub struct MetricGap {
     /// Name of the metric.
     pub metric: &'static str,
     /// Unit of floor and gaps.
-    #[serde(serialize_with = "as_label")]
     pub unit: Unit,
     /// Real against real.
     pub floor: Option<Estimate>,
@@ -35,6 +34,9 @@ pub struct MetricGap {
     pub ideal: Option<GapAndRatio>,
     /// Repeats under noise against reality, mean over the repeats.
     pub repeats: Option<GapAndRatio>,
+    /// Whether recordings and repeats are drawn alike: a gap ratio of 1 does not say so, because repeats that are nearer to
+    /// each other may lie as far off. `None` without several of both of the same start.
+    pub alike: Option<EnergyTest>,
 }
 
 /// All gaps of a set of recordings.
@@ -65,30 +67,36 @@ pub fn distances(real: &[Sample], cases: &[CaseRuns], scoring: &Scoring) -> Resu
         _ => (no_common_start(real.len()), Vec::new()),
     };
     warnings.extend(floor.warnings);
-    let draws = resamples(real.len(), RESAMPLES, scoring.seed);
     let ideal = gaps(real, cases, scoring, "without noise", |case| {
         case.ideal.as_slice()
     })?;
     let repeats = gaps(real, cases, scoring, "repeats", |case| &case.repeats)?;
+    let alike = match cases {
+        [case] => alike(real, case, scoring)?,
+        _ => Vec::new(),
+    };
     let mut metrics = Vec::new();
     for (index, metric) in scoring.metrics.iter().enumerate() {
         let side = |of: &Option<Gaps>| {
             let gaps = &of.as_ref()?.by_metric[index];
-            let gap = |draw: &Resample| Some(draw.mean(gaps));
             let value = mean(gaps);
-            let at = |pairs: &Pairs, draw: &Resample| {
-                let floor = pairs.mean_of(draw).filter(|floor| *floor > 0.0)?;
-                Some(draw.mean(gaps) / floor)
+            let total: f64 = gaps.iter().sum();
+            let others = gaps.len() as f64 - 1.0;
+            let without = |i: usize| (others > 0.0).then(|| (total - gaps[i]) / others);
+            let at = |pairs: &Pairs, i: usize| {
+                let floor = pairs.mean_without(i).filter(|floor| *floor > 0.0)?;
+                Some(without(i)? / floor)
             };
             Some(GapAndRatio {
-                gap: Estimate::new(value, &draws, gap),
+                gap: Estimate::new(value, (0..gaps.len()).map(without), Degree::Items),
                 ratio: floor
                     .metrics
                     .get(index)
                     .zip(pairs.get(index))
                     .filter(|(floor, _)| floor.floor.value > 0.0)
                     .map(|(floor, pairs)| {
-                        Estimate::new(value / floor.floor.value, &draws, |draw| at(pairs, draw))
+                        let ratios = (0..gaps.len()).map(|i| at(pairs, i));
+                        Estimate::new(value / floor.floor.value, ratios, Degree::Items)
                     }),
             })
         };
@@ -98,6 +106,7 @@ pub fn distances(real: &[Sample], cases: &[CaseRuns], scoring: &Scoring) -> Resu
             floor: floor.metrics.get(index).map(|floor| floor.floor),
             ideal: side(&ideal),
             repeats: side(&repeats),
+            alike: alike.get(index).copied(),
         });
     }
     for gaps in [ideal, repeats].into_iter().flatten() {
@@ -108,6 +117,30 @@ pub fn distances(real: &[Sample], cases: &[CaseRuns], scoring: &Scoring) -> Resu
         metrics,
         warnings,
     })
+}
+
+/// At most so many repeats take part in the test of likeness: it needs the distances of all pairs.
+const REPEATS_TESTED: usize = 400;
+
+/// The energy test of recordings and repeats by each metric; none where either are fewer than two.
+fn alike(real: &[Sample], case: &CaseRuns, scoring: &Scoring) -> Result<Vec<EnergyTest>> {
+    if real.len() < 2 || case.repeats.len() < 2 {
+        return Ok(Vec::new());
+    }
+    let runs: Vec<&Sample> = real
+        .iter()
+        .chain(case.repeats.iter().take(REPEATS_TESTED))
+        .collect();
+    let basis = scoring.basis(runs.iter().copied())?;
+    let context = scoring.context(basis.as_ref());
+    scoring
+        .metrics
+        .iter()
+        .map(|metric| {
+            let (pairs, _) = Pairs::measure(*metric, &context, &runs)?;
+            energy_test(&pairs.values, real.len(), scoring.seed)
+        })
+        .collect()
 }
 
 fn no_common_start(recordings: usize) -> NoiseFloor {

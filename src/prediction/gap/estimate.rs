@@ -1,36 +1,33 @@
-//! A number with its bootstrap interval.
+//! A number with its interval over recordings.
 
 use serde::Serialize;
 
-use crate::statistics::{Resample, percentile_interval};
+use crate::statistics::{Degree, jackknife_interval};
 
-/// Bootstrap resamples behind every interval.
-pub const RESAMPLES: usize = 2000;
 /// Level of the intervals.
 pub const INTERVAL_LEVEL: f64 = 0.95;
 
-/// A number with its 95 % bootstrap interval over recordings (percentiles; Efron & Tibshirani 1993, chapter 13).
+/// A number with its 95 % interval over recordings: Student's t with the jackknife of its logarithm
+/// ([`jackknife_interval`]), how often it holds: docs/fidelity/gap.md.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
     /// The number.
     pub value: f64,
-    /// Lower end; `None` where there are too few recordings to resample.
+    /// Lower end; `None` where there are too few recordings, or distances of 0.
     pub low: Option<f64>,
     /// Upper end.
     pub high: Option<f64>,
 }
 
 impl Estimate {
-    /// `value` with the interval of its resampled values; resamples that say nothing are left out.
+    /// `value` with the interval that follows from its values without each recording; `None` in `without`: unknown then.
     pub(super) fn new(
         value: f64,
-        resamples: &[Resample],
-        of: impl Fn(&Resample) -> Option<f64>,
+        without: impl Iterator<Item = Option<f64>>,
+        degree: Degree,
     ) -> Self {
-        let values: Vec<f64> = resamples.iter().filter_map(of).collect();
-        let several = resamples.first().is_some_and(|r| r.weights().len() > 1);
-        let tail = 0.5 - 0.5 * INTERVAL_LEVEL;
-        let interval = percentile_interval(&values, tail).filter(|_| several);
+        let without: Option<Vec<f64>> = without.collect();
+        let interval = without.and_then(|w| jackknife_interval(value, &w, INTERVAL_LEVEL, degree));
         Self {
             value,
             low: interval.map(|(low, _)| low),

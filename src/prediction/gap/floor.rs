@@ -3,16 +3,14 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::estimate::{Estimate, RESAMPLES};
+use super::estimate::Estimate;
 use super::sample::{Heard, Sample, Scoring, distance};
+use crate::calibration::few_recordings;
 use crate::comparison::{Context, Metric};
 use crate::error::Result;
-use crate::statistics::{Resample, resamples};
-use crate::unit::{Unit, as_label};
+use crate::statistics::Degree;
+use crate::unit::Unit;
 use crate::warning::{Code, Warning};
-
-/// Below this many recordings an interval over them is a guess.
-const FEW_RECORDINGS: usize = 5;
 
 /// The noise floor by one metric.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -20,7 +18,6 @@ pub struct MetricFloor {
     /// Name of the metric.
     pub metric: &'static str,
     /// Unit of the values.
-    #[serde(serialize_with = "as_label")]
     pub unit: Unit,
     /// Mean distance over all pairs of different recordings.
     pub floor: Estimate,
@@ -44,14 +41,14 @@ pub struct NoiseFloor {
 pub(super) struct Pairs {
     recordings: usize,
     /// Of (0, 1), (0, 2), …, (1, 2), …
-    values: Vec<f64>,
+    pub(super) values: Vec<f64>,
 }
 
 impl Pairs {
-    fn measure(
+    pub(super) fn measure(
         metric: &dyn Metric,
         context: &Context<'_>,
-        runs: &[Sample],
+        runs: &[&Sample],
     ) -> Result<(Self, Heard)> {
         let indices: Vec<(usize, usize)> = pairs_of(runs.len()).collect();
         // Collected in order, so that the bits do not depend on the threads.
@@ -59,11 +56,11 @@ impl Pairs {
             .into_par_iter()
             .map(|(i, j)| {
                 let mut heard = Heard::default();
-                let there = distance(metric, context, &runs[i], &runs[j], &mut heard)?;
+                let there = distance(metric, context, runs[i], runs[j], &mut heard)?;
                 let value = if metric.is_symmetric() {
                     there
                 } else {
-                    let back = distance(metric, context, &runs[j], &runs[i], &mut heard)?;
+                    let back = distance(metric, context, runs[j], runs[i], &mut heard)?;
                     0.5 * (there + back)
                 };
                 Ok((value, heard))
@@ -85,17 +82,16 @@ impl Pairs {
         self.values.iter().sum::<f64>() / self.values.len() as f64
     }
 
-    /// The mean over the pairs of a resample. A recording that was drawn twice is no pair with itself: its distance 0 says
-    /// nothing about repeats. `None` where one recording was drawn every time.
-    pub(super) fn mean_of(&self, resample: &Resample) -> Option<f64> {
-        let weights = resample.weights();
-        let (mut sum, mut total) = (0.0, 0.0);
+    /// The mean over the pairs without one recording; `None` where it leaves no pair.
+    pub(super) fn mean_without(&self, left_out: usize) -> Option<f64> {
+        let (mut sum, mut count) = (0.0, 0);
         for ((i, j), value) in pairs_of(self.recordings).zip(&self.values) {
-            let weight = weights[i] * weights[j];
-            sum += weight * value;
-            total += weight;
+            if i != left_out && j != left_out {
+                sum += value;
+                count += 1;
+            }
         }
-        (total > 0.0).then(|| sum / total)
+        (count > 0).then(|| sum / f64::from(count))
     }
 }
 
@@ -105,7 +101,7 @@ fn pairs_of(recordings: usize) -> impl Iterator<Item = (usize, usize)> {
 
 /// The noise floor of repeats of one real run: real against real, all pairs, by each metric.
 ///
-/// The interval resamples recordings, not pairs: pairs that share a recording go up and down together. The basis of the metric
+/// The interval leaves out recordings, not pairs: pairs that share a recording go up and down together. The basis of the metric
 /// `pca` is that of the recordings alone, so that the floor does not depend on any simulation.
 ///
 /// # Errors
@@ -126,26 +122,26 @@ pub(super) fn measure(
             Code::OneRecording,
             "one recording has no repeat to be compared with: there is no noise floor, and no gap ratio",
         ));
-    } else if count < FEW_RECORDINGS {
-        warnings.push(Warning::new(
-            Code::FewRecordings,
-            format!("intervals over {count} recordings are guesses; {FEW_RECORDINGS} are the least, 20 are better"),
-        ));
     }
+    warnings.extend(few_recordings(count));
     let mut metrics = Vec::new();
     let mut all_pairs = Vec::new();
     if count >= 2 {
         let basis = scoring.basis(recordings.iter())?;
-        let draws = resamples(count, RESAMPLES, scoring.seed);
+        let runs: Vec<&Sample> = recordings.iter().collect();
         let mut heard = Heard::default();
         for metric in &scoring.metrics {
             let context = scoring.context(basis.as_ref());
-            let (pairs, said) = Pairs::measure(*metric, &context, recordings)?;
+            let (pairs, said) = Pairs::measure(*metric, &context, &runs)?;
             heard.merge(said);
             metrics.push(MetricFloor {
                 metric: metric.name(),
                 unit: metric.unit(),
-                floor: Estimate::new(pairs.mean(), &draws, |draw| pairs.mean_of(draw)),
+                floor: Estimate::new(
+                    pairs.mean(),
+                    (0..count).map(|i| pairs.mean_without(i)),
+                    Degree::Pairs,
+                ),
             });
             all_pairs.push(pairs);
         }

@@ -31,7 +31,7 @@ mod words;
 
 pub use confidence::{Confidence, LEVEL_INDEX};
 pub use distance::{Distances, GapAndRatio, MetricGap, distances};
-pub use estimate::{Estimate, INTERVAL_LEVEL, RESAMPLES};
+pub use estimate::{Estimate, INTERVAL_LEVEL};
 pub use fitness::Fitness;
 pub use floor::{MetricFloor, NoiseFloor, noise_floor};
 pub use over_time::OverTime;

@@ -51,7 +51,7 @@ pub struct Scoring {
     pub components: Components,
     /// Edge length of the robot's body, metres, for metrics that need it.
     pub body_length_m: Option<f64>,
-    /// Seed of the resamples.
+    /// Seed of the permutations.
     pub seed: u64,
 }
 
@@ -71,6 +71,7 @@ impl Scoring {
     pub(super) fn context<'a>(&self, basis: Option<&'a Basis>) -> Context<'a> {
         Context {
             basis,
+            spread: None,
             body_length_m: self.body_length_m,
         }
     }

@@ -46,7 +46,7 @@ pub fn read_sets(overrides: &Overrides, group_column: Option<&str>) -> Result<Ve
     let mut sets: Vec<(String, Vec<Recording>)> = Vec::new();
     let (mut index, mut taken) = (0, 0);
     for path in recording_paths(&overrides.recordings, Path::new(""))? {
-        for (name, recording) in trajectory::read_sets(&path, overrides.unit, group_column)? {
+        for (name, recording) in trajectory::read_sets(&path, &overrides.reading, group_column)? {
             if taken < limit && overrides.part.is_none_or(|part| part.contains(index)) {
                 taken += 1;
                 match sets.iter_mut().find(|(known, _)| *known == name) {
@@ -62,8 +62,12 @@ pub fn read_sets(overrides: &Overrides, group_column: Option<&str>) -> Result<Ve
             .found(format!("{index} recordings in all")));
     }
     sets.into_iter()
-        .map(|(name, recordings)| {
-            let warnings = recording_warnings(&recordings);
+        .map(|(name, mut recordings)| {
+            let mut warnings = recording_warnings(&recordings);
+            if overrides.equal_times {
+                let mut all: Vec<&mut Recording> = recordings.iter_mut().collect();
+                warnings.extend(trajectory::cut_to_shortest(&mut all)?);
+            }
             let runs = recordings
                 .into_iter()
                 .map(|recording| {
@@ -88,8 +92,6 @@ pub fn read_sets(overrides: &Overrides, group_column: Option<&str>) -> Result<Ve
 /// Noise floors of sets of recordings; its `Display` is for people.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FloorReport {
-    /// Seed of the resamples.
-    pub seed: u64,
     /// Version of this crate.
     pub version: &'static str,
     /// Name and unit of the metrics, in order.
@@ -135,7 +137,6 @@ impl FloorReport {
             );
         }
         Ok(Self {
-            seed: scoring.seed,
             version: env!("CARGO_PKG_VERSION"),
             metrics: scoring
                 .metrics

@@ -30,7 +30,7 @@ pub struct GapOptions {
     pub noise: Option<Noise>,
     /// Repeats under noise of each start.
     pub repeats: usize,
-    /// Seed of noise and resamples.
+    /// Seed of noise and permutations.
     pub seed: u64,
 }
 
@@ -53,7 +53,7 @@ pub struct StudyGap {
     pub starts: usize,
     /// Repeats under noise of each start; 0 without an ensemble.
     pub repeats: usize,
-    /// Seed of noise and resamples.
+    /// Seed of noise and permutations.
     pub seed: u64,
     /// Noise floor, gap and ratio by metric.
     pub metrics: Vec<MetricGap>,
@@ -236,6 +236,7 @@ fn usable_noise(noise: Option<Noise>, warnings: &mut Vec<Warning>) -> Result<Opt
         }
         Some(noise) => {
             noise.check()?;
+            warnings.extend(ensemble::no_camera(&noise));
             return Ok(Some(noise));
         }
     };

@@ -57,10 +57,15 @@ impl fmt::Display for StudyGap {
             ("simulation", Side::Left),
             ("gap", Side::Right),
             ("gap ratio", Side::Right),
+            ("energy ratio", Side::Right),
+            ("drawn alike? p", Side::Right),
         ]);
+        let said = |value: Option<f64>| value.map_or("-".to_owned(), number);
         for row in &self.metrics {
             let floor = row.floor.map_or("-".to_owned(), |f| in_unit(&f, row.unit));
-            let mut push = |name: &str, floor: &str, what: &str, side: &Option<GapAndRatio>| {
+            let mut push = |first: [&str; 3], side: &Option<GapAndRatio>, alike: [String; 2]| {
+                let [name, floor, what] = first;
+                let [energy_ratio, p] = alike;
                 if let Some(side) = side {
                     table.push([
                         name.to_owned(),
@@ -69,11 +74,19 @@ impl fmt::Display for StudyGap {
                         in_unit(&side.gap, row.unit),
                         side.ratio
                             .map_or("-".to_owned(), |ratio| in_unit(&ratio, Unit::One)),
+                        energy_ratio,
+                        p,
                     ]);
                 }
             };
-            push(row.metric, &floor, "without noise", &row.ideal);
-            push("", "", "repeats, mean", &row.repeats);
+            let alike = [
+                row.alike.and_then(|a| a.ratio),
+                row.alike.map(|a| a.p_value),
+            ]
+            .map(said);
+            let none = [None, None].map(said);
+            push([row.metric, &floor, "without noise"], &row.ideal, none);
+            push(["", "", "repeats, mean"], &row.repeats, alike);
         }
         write!(
             f,

@@ -12,11 +12,12 @@ use super::draft::publish;
 use super::kind::Kind;
 use super::write_report;
 use crate::error::Result;
-use crate::search::{Finalist, Search, SearchResults};
+use crate::search::{Baseline, Finalist, Search, SearchResults};
 
 pub use summary::{BestRobot, SearchSummary};
 
-/// Writes everything into `folder`, next to the store, and returns the summary. Without finalists there are no best robots.
+/// Writes everything into `folder`, next to the store, and returns the summary. Without finalists there are no best robots; `baseline` is what they
+/// have to beat, where the search started from something.
 ///
 /// They take the place of those of an older search once all of them are written.
 ///
@@ -27,6 +28,7 @@ pub fn write_search(
     search: &Search,
     results: &SearchResults,
     finalists: &[Finalist],
+    baseline: Option<&Baseline>,
 ) -> Result<SearchSummary> {
     publish(folder, Kind::Search, |draft| {
         table::write_history(draft, search, results)?;
@@ -39,7 +41,7 @@ pub fn write_search(
             best.push(best::write(draft, search, finalist)?);
         }
         picture::draw(draft, search, results, archive.as_ref(), finalists)?;
-        let summary = SearchSummary::new(search, results, best)?;
+        let summary = SearchSummary::new(search, results, best, baseline)?;
         write_report(draft, "summary.json", &summary)?;
         Ok(summary)
     })

@@ -44,7 +44,14 @@ pub(super) fn draw(
         summary: best.prediction(),
         real_paths_m: Vec::new(),
         real_label: "reality",
-        title: format!("{}: what the best robot will do", best.robot.name()),
+        title: if best.finals.survives {
+            format!("{}: what the best robot will do", best.robot.name())
+        } else {
+            format!(
+                "{}: what the best robot does in these settings, and NOT in others",
+                best.robot.name()
+            )
+        },
     };
     draw_repeats(folder, "paths", &result)
 }
@@ -160,16 +167,30 @@ fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Resul
     }
     let centres = |axis: &crate::search::Axis| -> Vec<f64> {
         let width = (axis.to - axis.from) / axis.cells as f64;
-        (0..axis.cells)
-            .map(|cell| axis.from + (cell as f64 + 0.5) * width)
-            .collect()
+        let centre = |cell: usize| axis.from + (cell as f64 + 0.5) * width;
+        let centres: Vec<f64> = (0..axis.cells).map(centre).collect();
+        // Where every cell holds one count, the count is what it stands for: no robot has 1.5 modules.
+        let counts: Vec<f64> = (0..axis.cells)
+            .map(|cell| (axis.from + cell as f64 * width).ceil())
+            .collect();
+        let is_count = descriptor_named(&axis.name).is_ok_and(|d| d.is_count);
+        if is_count && (width - 1.0).abs() < 1e-9 {
+            counts
+        } else {
+            centres
+        }
     };
     let spec = |axis: &crate::search::Axis| -> Result<AxisSpec> {
         let descriptor = descriptor_named(&axis.name)?;
         let unit = descriptor.unit.symbol();
         let label = axis.name.strip_suffix(&format!("_{unit}"));
         let label = label.unwrap_or(&axis.name).replace('_', " ");
-        Ok(AxisSpec::new(label, descriptor.unit))
+        let spec = AxisSpec::new(label, descriptor.unit);
+        Ok(if descriptor.is_count {
+            spec.whole()
+        } else {
+            spec
+        })
     };
     Ok(Some(HeatMap {
         caption: Caption::new(
@@ -193,6 +214,9 @@ fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Resul
         score_unit: search.objective().measure.unit(),
         scale: ScoreScale::Linear,
         best: best.map(|(cell, _)| cell),
+        best_at: None,
+        evaluated: Vec::new(),
+        larger_is_better: true,
         indistinguishable: Vec::new(),
         truth: None,
     }))
@@ -211,7 +235,11 @@ fn gallery(search: &Search, finalists: &[Finalist]) -> Gallery {
                 },
             );
             let success = finalist.success().map_or(String::new(), |s| {
-                format!(", P(success) {:.0} %", 100.0 * s.probability.share)
+                format!(
+                    ", P(over {} cm) {:.0} %",
+                    number(100.0 * s.least_displacement_m),
+                    100.0 * s.probability.share
+                )
             });
             let survives = if finalist.finals.survives {
                 ""
@@ -225,7 +253,14 @@ fn gallery(search: &Search, finalists: &[Finalist]) -> Gallery {
         .collect();
     Gallery {
         caption: Caption::new(
-            format!("{}: the best robots", search.name()),
+            if finalists.iter().any(|finalist| finalist.finals.survives) {
+                format!("{}: the best robots", search.name())
+            } else {
+                format!(
+                    "{}: the best robots, none of which walks the same in other settings",
+                    search.name()
+                )
+            },
             format!(
                 "{} of {}, {}, in {} s; at zero servo angles",
                 search.strategy().name(),

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::error::Result;
 use crate::optimization::Ending;
 use crate::prediction::Rerun;
-use crate::search::{Finalist, Search, SearchResults};
+use crate::search::{Baseline, Finalist, Search, SearchResults};
 use crate::warning::{Code, Warning};
 
 /// One of the best robots, in short.
@@ -31,7 +31,9 @@ pub struct BestRobot {
     pub median_displacement_m: Option<f64>,
     /// 5 % and 95 % quantile of it, metres.
     pub displacement_q05_q95_m: Option<[f64; 2]>,
-    /// Probability of at least half of what the run without noise does.
+    /// Net displacement that counts as success, metres: half of what the run without noise does.
+    pub success_m: Option<f64>,
+    /// Probability of it.
     pub success: Option<f64>,
     /// Whether half and double timestep and substeps, the limit of hard contact and the other joint kind at its own leave its displacement
     /// within the tolerance.
@@ -71,6 +73,8 @@ pub struct SearchSummary {
     pub best_fitness: Option<f64>,
     /// Cells of the archive that hold a robot, and all cells.
     pub archive: Option<[usize; 2]>,
+    /// What the search started from, with the draws that rank the best; `None` where it draws its own robots.
+    pub baseline: Option<Baseline>,
     /// The best robots, looked at again; empty where the search was interrupted.
     pub best: Vec<BestRobot>,
     /// The engine and its precision.
@@ -97,11 +101,12 @@ impl BestRobot {
             index: finalist.evaluated.index,
             file,
             modules: robot.modules().len(),
-            servos: robot.summary().hinges,
+            servos: robot.summary().servos,
             search_fitness: finals.search_fitness,
             fitness: finals.fitness,
             median_displacement_m: displacement_m.map(|d| d.q50),
             displacement_q05_q95_m: displacement_m.map(|d| [d.q05, d.q95]),
+            success_m: finalist.success().map(|s| s.least_displacement_m),
             success: finalist.success().map(|s| s.probability.share),
             survives: finals.survives,
             worst_rerun: worst.map(|rerun| rerun.settings),
@@ -116,6 +121,7 @@ impl SearchSummary {
         search: &Search,
         results: &SearchResults,
         best: Vec<BestRobot>,
+        baseline: Option<&Baseline>,
     ) -> Result<Self> {
         let strategy = search.strategy();
         let mut failures = BTreeMap::new();
@@ -141,7 +147,8 @@ impl SearchSummary {
                 .filter_map(|r| r.fitness())
                 .reduce(f64::max),
             archive: archive.map(|archive| [archive.elites().len(), archive.cells().len()]),
-            warnings: warnings(search, &best),
+            warnings: warnings(search, &best, baseline),
+            baseline: baseline.cloned(),
             best,
             engine: crate::simulation::ENGINE_VERSION,
             version: env!("CARGO_PKG_VERSION"),
@@ -149,7 +156,7 @@ impl SearchSummary {
     }
 }
 
-fn warnings(search: &Search, best: &[BestRobot]) -> Vec<Warning> {
+fn warnings(search: &Search, best: &[BestRobot], baseline: Option<&Baseline>) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if search.noise().is_zero() && search.uncertain().is_empty() {
         warnings.push(Warning::new(
@@ -161,6 +168,19 @@ fn warnings(search: &Search, best: &[BestRobot]) -> Vec<Warning> {
         warnings.push(Warning::new(
             Code::NoSurvivor,
             "no finalist walks the same under other solver settings: what was found may be an artefact of the simulation",
+        ));
+    }
+    let fitness = baseline.and_then(|baseline| baseline.fitness);
+    let best_again = best
+        .iter()
+        .filter_map(|robot| robot.fitness)
+        .reduce(f64::max);
+    if let (Some(start), Some(found)) = (fitness, best_again)
+        && found <= start
+    {
+        warnings.push(Warning::new(
+            Code::BaselineNotBeaten,
+            "no finalist is better than what the search started from, with draws that chose neither",
         ));
     }
     warnings

@@ -110,6 +110,9 @@ impl Development {
             description: format!("developed from a genome of {} modules", body.len()),
             modules,
             glue,
+            pivots: Vec::new(),
+            never_touch: Vec::new(),
+            mount_world_m: None,
             track: Some(0),
         })
     }

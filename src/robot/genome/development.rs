@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::sequence::Genome;
-use crate::robot::morphology::{Drive, DriveAxis, Face, Gait, Plate, Servo, ServoLaw};
+use crate::robot::morphology::{Actuator, Drive, DriveAxis, Face, Gait, Plate, Servo, ServoLaw};
 use crate::{Error, Result};
 
 /// What the numbers of a genome are translated into: sizes, masses, servo, and the ranges of the gait.
@@ -154,14 +154,16 @@ impl Development {
                     mass_kg: self.plate_mass_kg,
                 }),
             },
-            servo: Servo {
-                law: ServoLaw::Velocity {
-                    gain_1_s: self.servo_gain_1_s,
+            actuator: Actuator {
+                servo: Servo {
+                    law: ServoLaw::Velocity {
+                        gain_1_s: self.servo_gain_1_s,
+                    },
+                    max_torque_nm: self.servo_max_torque_nm,
+                    max_speed_rad_s: self.servo_max_speed_rad_s,
                 },
-                max_torque_nm: self.servo_max_torque_nm,
-                max_speed_rad_s: self.servo_max_speed_rad_s,
+                gait,
             },
-            gait,
         }
     }
 }

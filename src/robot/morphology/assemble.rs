@@ -3,10 +3,10 @@
 use nalgebra::{Isometry3, Unit, Vector3};
 
 use super::Morphology;
-use super::assembly::{Assembly, Hinge, Part, Role, Solid};
+use super::assembly::{Assembly, Bearing, Hinge, Part, Role, Solid};
 use super::layout::{Placement, plate_box};
 use super::module::{Drive, DriveAxis, Module};
-use super::tree::is_glued;
+use super::tree::{Edge, is_glued};
 
 /// Parts in the making: where the cube and the driven face of every module went.
 struct Workshop<'a> {
@@ -32,9 +32,11 @@ pub(super) fn assemble(morphology: &Morphology) -> Assembly {
         module_names: modules.iter().map(|module| module.name.clone()).collect(),
         parts: workshop.parts,
         hinges: workshop.hinges,
+        apart: morphology.never_touch.clone(),
+        mount_world_m: morphology.mount_world_m,
         track_part: workshop.cube_part[track],
         robot_from_track: morphology.placements[track].pose_of(Vector3::zeros()),
-        body_length_m: modules[track].side_m,
+        body_length_m: modules[track].sides_m.max(),
     }
 }
 
@@ -45,15 +47,23 @@ impl Workshop<'_> {
         let module = &morphology.modules()[index];
         let placement = &morphology.placements[index];
         let part = self.cube_part[index];
-        self.parts[part].solids.push(cube(index, module, placement));
+        self.parts[part]
+            .solids
+            .extend(boxes(index, module, placement));
         if let Some(drive) = &module.drive
             && !is_glued(morphology.glue(), index, drive.face)
         {
             let free = self.open_part(index, part, drive, 1.0);
             self.add_plate(index, free, true);
         }
-        for &glue in &morphology.tree.child_glue[index] {
-            let joint = &morphology.glue()[glue];
+        for &edge in &morphology.tree.children[index] {
+            let joint = match edge {
+                Edge::Glue(glue) => &morphology.glue()[glue],
+                Edge::Pivot(pivot) => {
+                    self.open_pivot(pivot, part);
+                    continue;
+                }
+            };
             let child = &morphology.modules()[joint.child];
             self.cube_part[joint.child] = match (&module.drive, &child.drive) {
                 (Some(drive), _) if drive.face == joint.face => {
@@ -81,19 +91,45 @@ impl Workshop<'_> {
             DriveAxis::Normal { .. } => normal,
             DriveAxis::Tangent { axis } => axis.normal(),
         };
-        let half_side_m = self.morphology.modules()[module].side_m / 2.0;
+        let half_side_m = self.morphology.modules()[module].sides_m[drive.face.axis_index()] / 2.0;
         let child_part = self.parts.len();
         self.parts.push(Part { solids: Vec::new() });
         self.hinges.push(Hinge {
+            name: self.morphology.modules()[module].name.clone(),
             module,
             parent_part,
             child_part,
             anchor_robot_m: placement.point(normal * half_side_m),
             axis_robot: Unit::new_unchecked(placement.robot_from_module.apply(axis_module * sign)),
-            servo: drive.servo,
-            gait: drive.gait,
+            actuator: Some(drive.actuator),
+            bearing: Bearing::default(),
+            is_stated: false,
         });
         child_part
+    }
+
+    /// Opens the part of the child of a stated hinge.
+    fn open_pivot(&mut self, index: usize, parent_part: usize) {
+        let pivot = &self.morphology.pivots()[index];
+        let placement = &self.morphology.placements[pivot.parent];
+        let child_part = self.parts.len();
+        self.cube_part[pivot.child] = child_part;
+        self.parts.push(Part { solids: Vec::new() });
+        self.hinges.push(Hinge {
+            name: pivot.name.clone(),
+            module: pivot.child,
+            parent_part,
+            child_part,
+            anchor_robot_m: placement.point(pivot.anchor_parent_m),
+            axis_robot: Unit::new_unchecked(
+                placement
+                    .robot_from_module
+                    .apply(pivot.axis_parent.into_inner()),
+            ),
+            actuator: pivot.actuator,
+            bearing: pivot.bearing,
+            is_stated: true,
+        });
     }
 
     fn add_plate(&mut self, index: usize, part: usize, collides: bool) {
@@ -107,17 +143,22 @@ impl Workshop<'_> {
     }
 }
 
-fn cube(index: usize, module: &Module, placement: &Placement) -> Solid {
-    Solid {
-        module: index,
-        role: Role::Cube,
-        half_extents_m: Vector3::repeat(module.side_m / 2.0),
-        robot_from_solid: placement.pose_of(Vector3::zeros()),
-        mass_kg: module.mass_kg,
-        centre_of_mass_solid_m: module.centre_of_mass_m,
-        inertia_kg_m2: module.cube_inertia_kg_m2(),
-        collides: true,
-    }
+fn boxes(index: usize, module: &Module, placement: &Placement) -> impl Iterator<Item = Solid> {
+    let masses = module.box_masses();
+    let boxes = module.solid_boxes().into_iter().zip(masses).enumerate();
+    boxes.map(
+        move |(number, (part, (mass_kg, centre_m, inertia_kg_m2)))| Solid {
+            module: index,
+            role: Role::Cube,
+            number,
+            half_extents_m: part.sides_m / 2.0,
+            robot_from_solid: placement.pose_of(part.centre_m),
+            mass_kg,
+            centre_of_mass_solid_m: centre_m - part.centre_m,
+            inertia_kg_m2,
+            collides: true,
+        },
+    )
 }
 
 fn plate_solid(
@@ -133,6 +174,7 @@ fn plate_solid(
     Solid {
         module,
         role: Role::Plate,
+        number: 0,
         half_extents_m,
         robot_from_solid,
         mass_kg,

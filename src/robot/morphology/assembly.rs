@@ -5,10 +5,12 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 
+use super::motor::Motor;
+
 /// What a solid stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// The cube of a module.
+    /// A box of a module: mostly its one cube.
     Cube,
     /// The face plate of an active module: it moves with the driven face.
     Plate,
@@ -21,6 +23,8 @@ pub struct Solid {
     pub module: usize,
     /// Cube or plate.
     pub role: Role,
+    /// Which box of its module, from 0.
+    pub number: usize,
     /// Half extents along the solid's own axes, metres.
     pub half_extents_m: Vector3<f64>,
     /// Pose in the robot frame at zero servo angles, metres.
@@ -119,17 +123,20 @@ pub enum ServoLaw {
         /// Damping, N m s/rad.
         damping_nm_s_rad: f64,
     },
+    /// A motor behind a gear: what a servo is made of.
+    Motor(Motor),
 }
 
 impl ServoLaw {
-    /// Multiplies how strongly an angle error is answered: the gain of the velocity law, the stiffness of the
-    /// torque law.
+    /// Multiplies how strongly an angle error is answered: the gain of the velocity law and of a motor's position loop, the
+    /// stiffness of the torque law.
     pub fn scale_gain(&mut self, factor: f64) {
         match self {
             Self::Velocity { gain_1_s } => *gain_1_s *= factor,
             Self::Torque {
                 stiffness_nm_rad, ..
             } => *stiffness_nm_rad *= factor,
+            Self::Motor(motor) => motor.position_gain *= factor,
         }
     }
 }
@@ -145,24 +152,55 @@ pub struct Servo {
     pub max_speed_rad_s: f64,
 }
 
-/// A servo joint between two parts; the child turns by +angle about the axis relative to the parent (right-handed).
+/// What moves a hinge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Actuator {
+    /// Control law and limits.
+    pub servo: Servo,
+    /// Open-loop command.
+    pub gait: Gait,
+}
+
+/// What a hinge does by itself, with or without a servo.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Bearing {
+    /// Torque against the motion per speed, N m s/rad.
+    pub viscous_nm_s_rad: f64,
+    /// Largest torque of dry (Coulomb) friction, N m.
+    pub dry_nm: f64,
+    /// Smallest and largest angle, radians; `None` where the hinge turns all round.
+    pub limits_rad: Option<(f64, f64)>,
+}
+
+impl Bearing {
+    /// Whether it holds the hinge back at all, limits apart.
+    pub fn has_friction(&self) -> bool {
+        self.viscous_nm_s_rad > 0.0 || self.dry_nm > 0.0
+    }
+}
+
+/// A joint between two parts; the child turns by +angle about the axis relative to the parent (right-handed).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hinge {
-    /// Index of the active module that owns the servo.
+    /// Name: that of the active module, or the hinge's own.
+    pub name: String,
+    /// Index of the active module that owns the servo; of a stated hinge: of the module that it moves.
     pub module: usize,
     /// Index of the part nearer to the root. It carries the servo's cube, unless the module holds on to its
     /// parent by its driven face; the axis is reversed then, so that the sentence above holds for both.
     pub parent_part: usize,
     /// Index of the part further from the root: what the driven face carries, or else the servo's cube.
     pub child_part: usize,
-    /// The centre of the driven face, a point on the axis, robot frame at zero angles, metres.
+    /// A point on the axis (the centre of a driven face), robot frame at zero angles, metres.
     pub anchor_robot_m: Vector3<f64>,
     /// The axis, robot frame at zero angles.
     pub axis_robot: Unit<Vector3<f64>>,
-    /// Control law and limits.
-    pub servo: Servo,
-    /// Open-loop command.
-    pub gait: Gait,
+    /// What moves it; `None` for a passive hinge.
+    pub actuator: Option<Actuator>,
+    /// Friction and limits.
+    pub bearing: Bearing,
+    /// Whether the robot's file states this hinge by anchor and axis.
+    pub is_stated: bool,
 }
 
 /// Rigid parts and hinges of one robot. Part 0 contains the root module; hinges form a tree in which
@@ -173,12 +211,37 @@ pub struct Assembly {
     pub module_names: Vec<String>,
     /// Rigid clusters.
     pub parts: Vec<Part>,
-    /// Servo joints, exactly one per part other than part 0.
+    /// Joints, exactly one per part other than part 0.
     pub hinges: Vec<Hinge>,
+    /// Pairs of modules that never touch each other.
+    pub apart: Vec<(usize, usize)>,
+    /// Where the root module is held, world frame, metres, upright; `None` for a robot that moves freely.
+    pub mount_world_m: Option<Vector3<f64>>,
     /// The part whose motion is recorded.
     pub track_part: usize,
     /// Robot-frame pose of the tracked module at zero angles: its centre is the tracked point, its axes the body frame.
     pub robot_from_track: Isometry3<f64>,
-    /// Edge length of the tracked module, metres: the "body length" of the `pose` metric.
+    /// Longest edge of the tracked module, metres: the "body length" of the `pose` metric.
     pub body_length_m: f64,
+}
+
+impl Assembly {
+    /// No robot at all: for what an experiment is without one.
+    pub fn nobody() -> Self {
+        Self {
+            module_names: Vec::new(),
+            parts: Vec::new(),
+            hinges: Vec::new(),
+            apart: Vec::new(),
+            mount_world_m: None,
+            track_part: 0,
+            robot_from_track: Isometry3::identity(),
+            body_length_m: 1.0,
+        }
+    }
+
+    /// Whether two modules are stated never to touch.
+    pub fn are_apart(&self, a: usize, b: usize) -> bool {
+        self.apart.contains(&(a, b)) || self.apart.contains(&(b, a))
+    }
 }

@@ -1,17 +1,17 @@
 //! The RON form of a robot. Only this file knows it; everything else sees validated types.
 
-use std::collections::HashMap;
-
-use nalgebra::Vector3;
+use nalgebra::{Unit, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::assembly::{Gait, Servo, ServoLaw};
+use super::assembly::{Actuator, Bearing};
 use super::face::Face;
 use super::flaw::{Checked, Flaw};
 use super::glue::Glue;
-use super::module::{Drive, DriveAxis, Module, Plate};
+use super::module::{Drive, DriveAxis, Module, ModuleBox, Plate};
+use super::pivot::Pivot;
+use super::servo_file::{GaitFile, ServoFile};
 use super::tree::quarter_turns_flaw;
-use super::{Blueprint, Morphology};
+use super::{Blueprint, Morphology, names};
 use crate::Error;
 use crate::file::unknown_name;
 
@@ -26,9 +26,18 @@ pub(super) struct MorphologyFile {
     modules: Vec<ModuleFile>,
     #[serde(default)]
     glue: Vec<GlueFile>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    hinges: Vec<PivotFile>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    never_touch: Vec<(String, String)>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    mount_m: Option<Triple>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     track: Option<String>,
 }
+
+/// Three numbers along x, y and z.
+type Triple = (f64, f64, f64);
 
 #[derive(Debug, Clone, Copy, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, rename = "defaults")]
@@ -47,26 +56,35 @@ struct ModuleFile {
 
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, rename = "kind")]
+#[allow(clippy::large_enum_variant, reason = "read once, then gone")]
 enum KindFile {
     Passive {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         side_m: Option<f64>,
         #[serde(default, skip_serializing_if = "Option::is_none")]
+        sides_m: Option<Triple>,
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        boxes: Vec<BoxFile>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
         mass_kg: Option<f64>,
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        inertia_kg_m2: Option<(f64, f64, f64)>,
+        inertia_kg_m2: Option<Triple>,
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        centre_of_mass_m: Option<(f64, f64, f64)>,
+        centre_of_mass_m: Option<Triple>,
     },
     Active {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         side_m: Option<f64>,
         #[serde(default, skip_serializing_if = "Option::is_none")]
+        sides_m: Option<Triple>,
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        boxes: Vec<BoxFile>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
         mass_kg: Option<f64>,
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        inertia_kg_m2: Option<(f64, f64, f64)>,
+        inertia_kg_m2: Option<Triple>,
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        centre_of_mass_m: Option<(f64, f64, f64)>,
+        centre_of_mass_m: Option<Triple>,
         face: Face,
         axis: AxisFile,
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -74,6 +92,44 @@ enum KindFile {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         gait: Option<GaitFile>,
     },
+}
+
+#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, rename = "box")]
+struct BoxFile {
+    sides_m: Triple,
+    #[serde(default)]
+    centre_m: Triple,
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, rename = "hinge")]
+struct PivotFile {
+    name: String,
+    parent: String,
+    child: String,
+    anchor_m: Triple,
+    #[serde(default)]
+    child_anchor_m: Triple,
+    axis: Triple,
+    #[serde(default)]
+    viscous_nm_s_rad: f64,
+    #[serde(default)]
+    dry_nm: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    limits_rad: Option<(f64, f64)>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    servo: Option<ServoFile>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    gait: Option<GaitFile>,
+}
+
+fn vector((x, y, z): Triple) -> Vector3<f64> {
+    Vector3::new(x, y, z)
+}
+
+fn triple(v: &Vector3<f64>) -> Triple {
+    (v.x, v.y, v.z)
 }
 
 #[derive(Debug, Clone, Copy, Deserialize, Serialize)]
@@ -94,38 +150,6 @@ struct PlateFile {
     side_m: f64,
     thickness_m: f64,
     mass_kg: f64,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, rename = "servo")]
-struct ServoFile {
-    law: LawFile,
-    max_torque_nm: f64,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    max_speed_rad_s: Option<f64>,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, rename = "law")]
-enum LawFile {
-    Velocity {
-        gain_1_s: f64,
-    },
-    Torque {
-        stiffness_nm_rad: f64,
-        damping_nm_s_rad: f64,
-    },
-}
-
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, rename = "gait")]
-struct GaitFile {
-    #[serde(default)]
-    offset_rad: f64,
-    amplitude_rad: f64,
-    frequency_hz: f64,
-    #[serde(default)]
-    phase_rad: f64,
 }
 
 #[derive(Debug, Deserialize, Serialize)]
@@ -156,11 +180,8 @@ impl MorphologyFile {
             .enumerate()
             .map(|(index, module)| module.into_module(&format!("modules[{index}].kind"), &defaults))
             .collect::<Checked<Vec<Module>>>()?;
-        // A name given twice is refused later; until then the first bearer has it.
-        let mut by_name: HashMap<&str, usize> = HashMap::new();
-        for (index, module) in modules.iter().enumerate() {
-            by_name.entry(&module.name).or_insert(index);
-        }
+        // Before glue: a name that is missing there may be the one that was overwritten by a copy.
+        let by_name = names(&modules)?;
         let lookup = |name: &str, path: String| {
             by_name
                 .get(name)
@@ -178,6 +199,35 @@ impl MorphologyFile {
                     .map_err(|_| quarter_turns_flaw(index, joint.quarter_turns))?,
             });
         }
+        let mut pivots = Vec::with_capacity(self.hinges.len());
+        for (index, hinge) in self.hinges.into_iter().enumerate() {
+            let at = format!("hinges[{index}]");
+            pivots.push(Pivot {
+                parent: lookup(&hinge.parent, format!("{at}.parent"))?,
+                child: lookup(&hinge.child, format!("{at}.child"))?,
+                anchor_parent_m: vector(hinge.anchor_m),
+                anchor_child_m: vector(hinge.child_anchor_m),
+                axis_parent: Unit::new_normalize(vector(hinge.axis)),
+                bearing: Bearing {
+                    viscous_nm_s_rad: hinge.viscous_nm_s_rad,
+                    dry_nm: hinge.dry_nm,
+                    limits_rad: hinge.limits_rad,
+                },
+                actuator: match (hinge.servo, hinge.gait) {
+                    (None, None) => None,
+                    (servo, gait) => Some(Actuator {
+                        servo: required(servo, None, "servo", &at)?.into(),
+                        gait: gait.unwrap_or(GaitFile::HOLD).into(),
+                    }),
+                },
+                name: hinge.name,
+            });
+        }
+        let mut never_touch = Vec::with_capacity(self.never_touch.len());
+        for (index, (a, b)) in self.never_touch.iter().enumerate() {
+            let path = || format!("never_touch[{index}]");
+            never_touch.push((lookup(a, path())?, lookup(b, path())?));
+        }
         let track = match self.track {
             Some(name) => Some(lookup(&name, "track".to_owned())?),
             None => None,
@@ -187,6 +237,9 @@ impl MorphologyFile {
             description: self.description,
             modules,
             glue,
+            pivots,
+            never_touch,
+            mount_world_m: self.mount_m.map(vector),
             track,
         })
     }
@@ -215,6 +268,17 @@ impl MorphologyFile {
                     quarter_turns: joint.quarter_turns.into(),
                 })
                 .collect(),
+            hinges: morphology
+                .pivots()
+                .iter()
+                .map(|pivot| PivotFile::from_pivot(pivot, name))
+                .collect(),
+            never_touch: morphology
+                .never_touch()
+                .iter()
+                .map(|&(a, b)| (name(a), name(b)))
+                .collect(),
+            mount_m: morphology.mount_world_m().as_ref().map(triple),
             track: Some(name(morphology.track())),
         }
     }
@@ -238,77 +302,139 @@ fn required<T>(value: Option<T>, default: Option<T>, field: &str, at: &str) -> C
 
 impl ModuleFile {
     fn into_module(self, at: &str, defaults: &DefaultsFile) -> Checked<Module> {
-        let (side_m, mass_kg, inertia_kg_m2, centre_of_mass_m, drive) = match self.kind {
-            KindFile::Passive {
-                side_m,
-                mass_kg,
-                inertia_kg_m2,
-                centre_of_mass_m,
-            } => (side_m, mass_kg, inertia_kg_m2, centre_of_mass_m, None),
-            KindFile::Active {
-                side_m,
-                mass_kg,
-                inertia_kg_m2,
-                centre_of_mass_m,
-                face,
-                axis,
-                servo,
-                gait,
-            } => {
-                let drive = Drive {
-                    face,
-                    axis: axis.into(),
-                    servo: required(servo, defaults.servo, "servo", at)?.into(),
-                    gait: gait.unwrap_or(GaitFile::HOLD).into(),
-                };
-                (
+        let (side_m, sides_m, boxes, mass_kg, inertia_kg_m2, centre_of_mass_m, drive) =
+            match self.kind {
+                KindFile::Passive {
                     side_m,
+                    sides_m,
+                    boxes,
                     mass_kg,
                     inertia_kg_m2,
                     centre_of_mass_m,
-                    Some(drive),
-                )
+                } => (
+                    side_m,
+                    sides_m,
+                    boxes,
+                    mass_kg,
+                    inertia_kg_m2,
+                    centre_of_mass_m,
+                    None,
+                ),
+                KindFile::Active {
+                    side_m,
+                    sides_m,
+                    boxes,
+                    mass_kg,
+                    inertia_kg_m2,
+                    centre_of_mass_m,
+                    face,
+                    axis,
+                    servo,
+                    gait,
+                } => {
+                    let drive = Drive {
+                        face,
+                        axis: axis.into(),
+                        actuator: Actuator {
+                            servo: required(servo, defaults.servo, "servo", at)?.into(),
+                            gait: gait.unwrap_or(GaitFile::HOLD).into(),
+                        },
+                    };
+                    (
+                        side_m,
+                        sides_m,
+                        boxes,
+                        mass_kg,
+                        inertia_kg_m2,
+                        centre_of_mass_m,
+                        Some(drive),
+                    )
+                }
+            };
+        let sides_m = match (side_m, sides_m) {
+            (Some(_), Some(_)) => {
+                return Err(Flaw::new(
+                    format!("{at}.sides_m"),
+                    Error::invalid("a module has `side_m` or `sides_m`, not both"),
+                ));
             }
+            (None, Some(sides_m)) => vector(sides_m),
+            (side_m, None) => Vector3::repeat(required(side_m, defaults.side_m, "side_m", at)?),
         };
         Ok(Module {
             name: self.name,
-            side_m: required(side_m, defaults.side_m, "side_m", at)?,
+            sides_m,
+            boxes: boxes
+                .into_iter()
+                .map(|part| ModuleBox {
+                    sides_m: vector(part.sides_m),
+                    centre_m: vector(part.centre_m),
+                })
+                .collect(),
             mass_kg: required(mass_kg, defaults.mass_kg, "mass_kg", at)?,
             inertia_kg_m2: inertia_kg_m2.map(|(x, y, z)| [x, y, z]),
-            centre_of_mass_m: centre_of_mass_m
-                .map_or(Vector3::zeros(), |(x, y, z)| Vector3::new(x, y, z)),
+            centre_of_mass_m: centre_of_mass_m.map(vector),
             drive,
         })
     }
 
     fn from_module(module: &Module) -> Self {
-        let side_m = Some(module.side_m);
+        let side_m = module.is_cube().then_some(module.sides_m.x);
+        let sides_m = (!module.is_cube()).then(|| triple(&module.sides_m));
+        let boxes = module
+            .boxes
+            .iter()
+            .map(|part| BoxFile {
+                sides_m: triple(&part.sides_m),
+                centre_m: triple(&part.centre_m),
+            })
+            .collect();
         let mass_kg = Some(module.mass_kg);
         let inertia_kg_m2 = module.inertia_kg_m2.map(|[x, y, z]| (x, y, z));
-        let centre = module.centre_of_mass_m;
-        let centre_of_mass_m =
-            (centre != Vector3::zeros()).then_some((centre.x, centre.y, centre.z));
+        let centre_of_mass_m = module.centre_of_mass_m.as_ref().map(triple);
         let kind = match &module.drive {
             None => KindFile::Passive {
                 side_m,
+                sides_m,
+                boxes,
                 mass_kg,
                 inertia_kg_m2,
                 centre_of_mass_m,
             },
             Some(drive) => KindFile::Active {
                 side_m,
+                sides_m,
+                boxes,
                 mass_kg,
                 inertia_kg_m2,
                 centre_of_mass_m,
                 face: drive.face,
                 axis: drive.axis.into(),
-                servo: Some(drive.servo.into()),
-                gait: Some(drive.gait.into()),
+                servo: Some(drive.actuator.servo.into()),
+                gait: Some(drive.actuator.gait.into()),
             },
         };
         Self {
             name: module.name.clone(),
             kind,
+        }
+    }
+}
+
+impl PivotFile {
+    fn from_pivot(pivot: &Pivot, name: impl Fn(usize) -> String) -> Self {
+        Self {
+            name: pivot.name.clone(),
+            parent: name(pivot.parent),
+            child: name(pivot.child),
+            anchor_m: triple(&pivot.anchor_parent_m),
+            child_anchor_m: triple(&pivot.anchor_child_m),
+            axis: triple(&pivot.axis_parent),
+            viscous_nm_s_rad: pivot.bearing.viscous_nm_s_rad,
+            dry_nm: pivot.bearing.dry_nm,
+            limits_rad: pivot.bearing.limits_rad,
+            servo: pivot.actuator.map(|actuator| actuator.servo.into()),
+            gait: pivot.actuator.map(|actuator| actuator.gait.into()),
         }
     }
 }
@@ -339,79 +465,6 @@ impl From<DriveAxis> for AxisFile {
                 }),
             },
             DriveAxis::Tangent { axis } => Self::Tangent { axis },
-        }
-    }
-}
-
-impl From<ServoFile> for Servo {
-    fn from(file: ServoFile) -> Self {
-        Self {
-            law: match file.law {
-                LawFile::Velocity { gain_1_s } => ServoLaw::Velocity { gain_1_s },
-                LawFile::Torque {
-                    stiffness_nm_rad,
-                    damping_nm_s_rad,
-                } => ServoLaw::Torque {
-                    stiffness_nm_rad,
-                    damping_nm_s_rad,
-                },
-            },
-            max_torque_nm: file.max_torque_nm,
-            max_speed_rad_s: file.max_speed_rad_s.unwrap_or(f64::INFINITY),
-        }
-    }
-}
-
-impl From<Servo> for ServoFile {
-    fn from(servo: Servo) -> Self {
-        Self {
-            law: match servo.law {
-                ServoLaw::Velocity { gain_1_s } => LawFile::Velocity { gain_1_s },
-                ServoLaw::Torque {
-                    stiffness_nm_rad,
-                    damping_nm_s_rad,
-                } => LawFile::Torque {
-                    stiffness_nm_rad,
-                    damping_nm_s_rad,
-                },
-            },
-            max_torque_nm: servo.max_torque_nm,
-            max_speed_rad_s: servo
-                .max_speed_rad_s
-                .is_finite()
-                .then_some(servo.max_speed_rad_s),
-        }
-    }
-}
-
-impl GaitFile {
-    /// The gait of a servo that is given none: hold 0 rad.
-    const HOLD: Self = Self {
-        offset_rad: 0.0,
-        amplitude_rad: 0.0,
-        frequency_hz: 0.0,
-        phase_rad: 0.0,
-    };
-}
-
-impl From<GaitFile> for Gait {
-    fn from(file: GaitFile) -> Self {
-        Self {
-            offset_rad: file.offset_rad,
-            amplitude_rad: file.amplitude_rad,
-            frequency_hz: file.frequency_hz,
-            phase_rad: file.phase_rad,
-        }
-    }
-}
-
-impl From<Gait> for GaitFile {
-    fn from(gait: Gait) -> Self {
-        Self {
-            offset_rad: gait.offset_rad,
-            amplitude_rad: gait.amplitude_rad,
-            frequency_hz: gait.frequency_hz,
-            phase_rad: gait.phase_rad,
         }
     }
 }

@@ -6,6 +6,13 @@ use crate::file::Source;
 /// A value, or what is wrong with it.
 pub(super) type Checked<T> = Result<T, Flaw>;
 
+/// Where the value of a module's field stands, if the module leaves it to the `defaults`.
+fn default_of(path: &str, source: &Source) -> Option<String> {
+    let (_, field) = path.split_once("].kind.")?;
+    let default = format!("defaults.{field}");
+    Some(default).filter(|default| !source.has(path) && source.has(default))
+}
+
 /// What is wrong with a blueprint, and where: `path` is the way to the value in a RON file
 /// (`modules[2].kind.mass_kg`), from which line and column follow when there is a file.
 #[derive(Debug)]
@@ -36,7 +43,8 @@ impl Flaw {
     }
 
     pub(super) fn in_file(self, source: &Source) -> Error {
-        let error = source.at(&self.path, self.error);
-        error.field(self.path)
+        let path = default_of(&self.path, source).unwrap_or(self.path);
+        let error = source.at(&path, self.error);
+        error.field(path)
     }
 }

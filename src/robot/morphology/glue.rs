@@ -32,7 +32,13 @@ impl Glue {
     }
 
     /// Centre of the child in the frame of the parent, m.
-    pub(super) fn child_centre_m(&self, parent_side_m: f64, child_side_m: f64) -> Vector3<f64> {
+    pub(super) fn child_centre_m(
+        &self,
+        parent_sides_m: &Vector3<f64>,
+        child_sides_m: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        let parent_side_m = parent_sides_m[self.face.axis_index()];
+        let child_side_m = child_sides_m[self.child_face.axis_index()];
         self.face.normal() * ((parent_side_m + child_side_m) / 2.0)
     }
 }

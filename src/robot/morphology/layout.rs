@@ -7,7 +7,7 @@ use super::face::CubeRotation;
 use super::flaw::{Checked, Flaw};
 use super::glue::Glue;
 use super::module::Module;
-use super::tree::{Tree, is_glued};
+use super::tree::{Edge, Links, Tree, is_glued};
 use crate::Error;
 
 /// Boxes may share this much depth, m: rounding, not design.
@@ -34,22 +34,37 @@ impl Placement {
 }
 
 /// Places every module, root at the origin.
-pub(super) fn place(modules: &[Module], glue: &[Glue], tree: &Tree) -> Vec<Placement> {
+pub(super) fn place(modules: &[Module], links: Links<'_>, tree: &Tree) -> Vec<Placement> {
     let origin = Placement {
         robot_from_module: CubeRotation::identity(),
         centre_robot_m: Vector3::zeros(),
     };
     let mut placements = vec![origin; modules.len()];
     for &module in &tree.order {
-        if let Some(index) = tree.parent_glue[module] {
-            let joint = &glue[index];
-            let parent = placements[joint.parent];
-            let centre = joint.child_centre_m(modules[joint.parent].side_m, modules[module].side_m);
-            placements[module] = Placement {
-                robot_from_module: joint.parent_from_child().then(parent.robot_from_module),
-                centre_robot_m: parent.point(centre),
-            };
-        }
+        let Some(edge) = tree.parent[module] else {
+            continue;
+        };
+        let (parent, turn, centre_m) = match edge {
+            Edge::Glue(index) => {
+                let joint = &links.glue[index];
+                let centre_m =
+                    joint.child_centre_m(&modules[joint.parent].sides_m, &modules[module].sides_m);
+                (joint.parent, joint.parent_from_child(), centre_m)
+            }
+            Edge::Pivot(index) => {
+                let pivot = &links.pivots[index];
+                (
+                    pivot.parent,
+                    CubeRotation::identity(),
+                    pivot.child_centre_m(),
+                )
+            }
+        };
+        let parent = placements[parent];
+        placements[module] = Placement {
+            robot_from_module: turn.then(parent.robot_from_module),
+            centre_robot_m: parent.point(centre_m),
+        };
     }
     placements
 }
@@ -79,16 +94,20 @@ impl Block {
     }
 }
 
-/// Every box that can touch something: all cubes, and the plates with nothing glued on them.
+/// Every box that can touch something: those of all modules, and the plates with nothing glued on them.
 pub(super) fn blocks(modules: &[Module], glue: &[Glue], placements: &[Placement]) -> Vec<Block> {
     let mut blocks = Vec::with_capacity(modules.len());
     for (index, (module, placement)) in modules.iter().zip(placements).enumerate() {
-        blocks.push(Block {
-            module: index,
-            role: Role::Cube,
-            centre_robot_m: placement.centre_robot_m,
-            half_robot_m: Vector3::repeat(module.side_m / 2.0),
-        });
+        blocks.extend(module.solid_boxes().iter().map(|part| {
+            Block {
+                module: index,
+                role: Role::Cube,
+                centre_robot_m: placement.point(part.centre_m),
+                half_robot_m: placement
+                    .robot_from_module
+                    .apply_to_extents(part.sides_m / 2.0),
+            }
+        }));
         if let Some((centre, half)) = plate_box(module)
             && module
                 .driven_face()
@@ -112,15 +131,27 @@ pub(super) fn plate_box(module: &Module) -> Option<(Vector3<f64>, Vector3<f64>)>
     let mut half = Vector3::repeat(plate.side_m / 2.0);
     half[face.axis_index()] = plate.thickness_m / 2.0;
     Some((
-        face.normal() * ((module.side_m + plate.thickness_m) / 2.0),
+        face.normal() * ((module.sides_m[face.axis_index()] + plate.thickness_m) / 2.0),
         half,
     ))
 }
 
-/// Refuses robots in which two boxes are in the same place at zero angles. Touching is fine.
-pub(super) fn check_overlap(modules: &[Module], tree: &Tree, blocks: &[Block]) -> Checked<()> {
+/// Refuses robots in which two boxes are in the same place at zero angles. Touching is fine, and so is what never
+/// touches, by `are_apart`.
+pub(super) fn check_overlap(
+    modules: &[Module],
+    tree: &Tree,
+    blocks: &[Block],
+    are_apart: impl Fn(usize, usize) -> bool,
+) -> Checked<()> {
     for (index, block) in blocks.iter().enumerate() {
-        let Some(other) = blocks[..index].iter().find(|other| other.overlaps(block)) else {
+        let collides = |other: &&Block| {
+            let is_own = other.module == block.module
+                && other.role == Role::Cube
+                && block.role == Role::Cube;
+            other.overlaps(block) && !is_own && !are_apart(other.module, block.module)
+        };
+        let Some(other) = blocks[..index].iter().find(collides) else {
             continue;
         };
         let rank = |module: usize| tree.order.iter().position(|&m| m == module);
@@ -130,8 +161,8 @@ pub(super) fn check_overlap(modules: &[Module], tree: &Tree, blocks: &[Block]) -
         } else {
             (block, other)
         };
-        let path = match (second.role, tree.parent_glue[second.module]) {
-            (Role::Cube, Some(index)) => format!("glue[{index}]"),
+        let path = match (second.role, tree.parent[second.module]) {
+            (Role::Cube, Some(edge)) => edge.path(),
             _ => format!("modules[{}]", second.module),
         };
         let [x, y, z] = second.centre_robot_m.into();

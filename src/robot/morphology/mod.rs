@@ -1,4 +1,4 @@
-//! Robots: cube modules glued face to face, parsed from RON into validated types, assembled into rigid parts and hinges.
+//! Robots: modules glued face to face or joined by hinges, parsed from RON into validated types, assembled into rigid parts and hinges.
 //!
 //! # The file
 //!
@@ -37,7 +37,10 @@
 //! | `description` | optional, free text |
 //! | `defaults` | optional `side_m`, `mass_kg`, `servo` for modules that do not say otherwise |
 //! | `modules` | 1 to [`Morphology::MAX_MODULES`] of `(name, kind)`; names are unique |
-//! | `glue` | which module sits on which face of which other; one tree, see [`Glue`] |
+//! | `glue` | which module sits on which face of which other; glue and hinges are one tree, see [`Glue`] |
+//! | `hinges` | optional list of hinges between modules that are not glued, see below |
+//! | `never_touch` | optional list of pairs of names: modules that pass through each other |
+//! | `mount_m` | optional `(x, y, z)`: the root is held there in the world, upright; else the robot moves freely |
 //! | `track` | optional name of the module whose motion is recorded; the root by default |
 //!
 //! The **root** is the one module that is nobody's child; its frame at zero servo angles is the robot frame.
@@ -46,10 +49,11 @@
 //!
 //! | field | meaning | range |
 //! |---|---|---|
-//! | `side_m` | edge length of the cube | 0.001 to 10 m |
+//! | `side_m` | edge length of the cube; or `sides_m: (x, y, z)` for a box | 0.001 to 10 m |
+//! | `boxes` | optional list of `(sides_m, centre_m)`: what the module consists of within that box; else the whole of it | |
 //! | `mass_kg` | mass of the cube, without plate | 1e-6 to 1000 kg |
-//! | `inertia_kg_m2` | optional `(ixx, iyy, izz)` about the centre of mass; else a solid cube, m s²/6 | 0 to 1e5 kg m², none larger than the two others together |
-//! | `centre_of_mass_m` | optional `(x, y, z)` in the module's frame; else the centre | inside the cube |
+//! | `inertia_kg_m2` | optional `(ixx, iyy, izz)` about the centre of mass; else of uniform boxes (a cube: m s²/6) | 0 to 1e5 kg m², none larger than the two others together |
+//! | `centre_of_mass_m` | optional `(x, y, z)` in the module's frame; else that of uniform boxes | inside the module |
 //!
 //! and `Active` also
 //!
@@ -57,7 +61,7 @@
 //! |---|---|---|
 //! | `face` | the driven face; whatever is glued onto it moves with it | |
 //! | `axis` | `Normal(plate: (side_m, thickness_m, mass_kg))`: spins about its outward normal; or `Tangent(axis: PosY)`: bends about an axis through the centre of the face, at right angles to its normal | plate sides and masses as for cubes, thickness up to 10 m |
-//! | `servo` | `(law, max_torque_nm, max_speed_rad_s)`; law `Velocity(gain_1_s)` or `Torque(stiffness_nm_rad, damping_nm_s_rad)` | torque above 0 to 1e4 N m; gain up to 1e5 1/s, stiffness and damping up to 1e6; speed above 0 to 1e4 rad/s, left out: no limit |
+//! | `servo` | `(law, max_torque_nm, max_speed_rad_s)`; law `Velocity(gain_1_s)`, `Torque(stiffness_nm_rad, damping_nm_s_rad)` or `Motor(...)`, see [`Motor`] and [`GearFriction`] for its fields | torque above 0 to 1e4 N m; gain up to 1e5 1/s, stiffness and damping up to 1e6; speed above 0 to 1e4 rad/s, left out: no limit |
 //! | `gait` | `(offset_rad, amplitude_rad, frequency_hz, phase_rad)`; offset and phase default to 0, no gait holds 0 rad | angles −1000 to 1000 rad, 0 to 100 Hz |
 //!
 //! The **plate** is a square slab on the outside of the driven face. Where a module is glued onto that face, the module
@@ -65,11 +69,44 @@
 //! (`Normal()`). A servo that moves nothing at all (bending, or without plate, and nothing glued on) is refused:
 //! it would be a joint without a body.
 //!
+//! # Hinges
+//!
+//! A servo drives a face. Any other hinge is stated: between two modules that are not glued, with an axis anywhere.
+//!
+//! ```
+//! use realgap::file::Source;
+//! use realgap::robot::morphology::Morphology;
+//!
+//! let text = r#"(
+//!     name: "pendulum",
+//!     mount_m: (0, 0, 0.4),
+//!     modules: [
+//!         (name: "stand", kind: Passive(side_m: 0.05, mass_kg: 1)),
+//!         (name: "arm", kind: Passive(sides_m: (0.02, 0.02, 0.2), mass_kg: 0.1)),
+//!     ],
+//!     hinges: [(name: "shoulder", parent: "stand", child: "arm", anchor_m: (0, 0.04, 0), child_anchor_m: (0, 0, 0.1),
+//!         axis: (0, 1, 0), viscous_nm_s_rad: 1e-4)],
+//! )"#;
+//! let assembly = Morphology::parse(&Source::new("pendulum.ron", text))?.assemble();
+//! assert_eq!(assembly.hinges[0].name, "shoulder");
+//! # Ok::<(), realgap::Error>(())
+//! ```
+//!
+//! | field | meaning | range |
+//! |---|---|---|
+//! | `name`, `parent`, `child` | its own name, and those of the two modules | |
+//! | `anchor_m`, `child_anchor_m` | a point on the axis in the parent's frame, and the same point in the child's; the second defaults to the child's centre | ±10 m |
+//! | `axis` | direction in the parent's frame, of any length; the child turns by +angle about it. At angle 0 both frames are parallel | not zero |
+//! | `viscous_nm_s_rad`, `dry_nm` | optional friction: torque per speed, and largest torque of dry friction | 0 to 1e4 |
+//! | `limits_rad` | optional `(smallest, largest)` angle; else it turns all round | 0 between them |
+//! | `servo`, `gait` | optional, as for active modules; without a servo the hinge is passive | |
+//!
 //! A module may also hold on to its parent with its own driven face: then its cube moves, and the plate stays with
 //! the parent.
 //!
 //! Refused as well: cycles, a child glued twice, modules that are not connected, two modules on one face, two driven
-//! faces on each other, and boxes (cubes and free plates) that overlap by more than 1 µm at zero angles.
+//! faces on each other, and boxes (of modules and free plates) that overlap by more than 1 µm at zero angles, unless a stated hinge
+//! joins the two or `never_touch` names them.
 
 mod assemble;
 mod assembly;
@@ -79,7 +116,10 @@ mod flaw;
 mod glue;
 mod layout;
 mod module;
+mod motor;
+mod pivot;
 mod plausibility;
+mod servo_file;
 mod summary;
 mod sweep;
 mod tree;
@@ -87,10 +127,16 @@ mod tree;
 use std::collections::HashMap;
 use std::path::Path;
 
-pub use assembly::{Assembly, ClusterMass, Gait, Hinge, Part, Role, Servo, ServoLaw, Solid};
+use nalgebra::Vector3;
+
+pub use assembly::{
+    Actuator, Assembly, Bearing, ClusterMass, Gait, Hinge, Part, Role, Servo, ServoLaw, Solid,
+};
 pub use face::Face;
 pub use glue::Glue;
-pub use module::{Drive, DriveAxis, Module, Plate};
+pub use module::{Drive, DriveAxis, Module, ModuleBox, Plate};
+pub use motor::{GearFriction, MOST_LOAD, Motor};
+pub use pivot::Pivot;
 pub use summary::Summary;
 
 use crate::file::{Source, parse_ron, write_ron};
@@ -98,7 +144,7 @@ use crate::{Error, Result};
 use file::MorphologyFile;
 use flaw::{Checked, Flaw};
 use layout::Placement;
-use tree::Tree;
+use tree::{Links, Tree};
 
 /// A robot as somebody wants it, not yet checked; [`Morphology::new`] checks it.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,6 +157,12 @@ pub struct Blueprint {
     pub modules: Vec<Module>,
     /// The glue, by index of module.
     pub glue: Vec<Glue>,
+    /// Hinges stated by anchor and axis, by index of module.
+    pub pivots: Vec<Pivot>,
+    /// Pairs of modules that never touch each other.
+    pub never_touch: Vec<(usize, usize)>,
+    /// Where the root module is held, world frame, upright, m; `None` for a robot that moves freely.
+    pub mount_world_m: Option<Vector3<f64>>,
     /// Index of the module whose motion is recorded; the root when `None`.
     pub track: Option<usize>,
 }
@@ -122,6 +174,9 @@ pub struct Morphology {
     description: String,
     modules: Vec<Module>,
     glue: Vec<Glue>,
+    pivots: Vec<Pivot>,
+    never_touch: Vec<(usize, usize)>,
+    mount_world_m: Option<Vector3<f64>>,
     track: usize,
     tree: Tree,
     placements: Vec<Placement>,
@@ -173,23 +228,25 @@ impl Morphology {
             description,
             modules,
             glue,
+            pivots,
+            never_touch,
+            mount_world_m,
             track,
         } = blueprint;
         module::check_name(&name, "a robot", "name")?;
         check_count(modules.len())?;
-        let mut names: HashMap<&str, usize> = HashMap::new();
         for (index, module) in modules.iter().enumerate() {
             module.check(&format!("modules[{index}]"))?;
-            if let Some(first) = names.insert(&module.name, index) {
-                return Err(Flaw::new(
-                    format!("modules[{index}].name"),
-                    Error::invalid("two modules have the same name")
-                        .found(format!("`{}` is also modules[{first}]", module.name))
-                        .allowed("a name of its own for every module"),
-                ));
-            }
         }
-        let tree = Tree::grow(&modules, &glue)?;
+        names(&modules)?;
+        pivot::check_names(&pivots, &modules)?;
+        check_never_touch(&never_touch, modules.len())?;
+        check_mount(mount_world_m)?;
+        let links = Links {
+            glue: &glue,
+            pivots: &pivots,
+        };
+        let tree = Tree::grow(&modules, links)?;
         let track = track.unwrap_or(tree.root);
         if track >= modules.len() {
             return Err(Flaw::new(
@@ -199,14 +256,25 @@ impl Morphology {
                     .allowed(format!("0 to {}", modules.len() - 1)),
             ));
         }
-        let placements = layout::place(&modules, &glue, &tree);
+        let placements = layout::place(&modules, links, &tree);
         let blocks = layout::blocks(&modules, &glue, &placements);
-        layout::check_overlap(&modules, &tree, &blocks)?;
+        let are_apart = |a: usize, b: usize| {
+            never_touch.contains(&(a, b))
+                || never_touch.contains(&(b, a))
+                || pivots.iter().any(|pivot| {
+                    let ends = (pivot.parent, pivot.child);
+                    ends == (a, b) || ends == (b, a)
+                })
+        };
+        layout::check_overlap(&modules, &tree, &blocks, are_apart)?;
         Ok(Self {
             name,
             description,
             modules,
             glue,
+            pivots,
+            never_touch,
+            mount_world_m,
             track,
             tree,
             placements,
@@ -241,6 +309,26 @@ impl Morphology {
         &self.glue
     }
 
+    /// The stated hinges, in the order of the file.
+    pub fn pivots(&self) -> &[Pivot] {
+        &self.pivots
+    }
+
+    /// Pairs of modules that never touch, in the order of the file.
+    pub fn never_touch(&self) -> &[(usize, usize)] {
+        &self.never_touch
+    }
+
+    /// Whether two modules are stated never to touch.
+    pub fn are_apart(&self, a: usize, b: usize) -> bool {
+        self.never_touch.contains(&(a, b)) || self.never_touch.contains(&(b, a))
+    }
+
+    /// Where the root module is held, world frame, upright, m; `None` for a robot that moves freely.
+    pub fn mount_world_m(&self) -> Option<Vector3<f64>> {
+        self.mount_world_m
+    }
+
     /// Index of the module that is nobody's child.
     pub fn root(&self) -> usize {
         self.tree.root
@@ -254,7 +342,7 @@ impl Morphology {
     /// Lets the glue set: rigid parts joined by hinges, in the robot frame at zero servo angles.
     ///
     /// Part 0 contains the root. Parts are numbered from the root outwards, at each module first its free
-    /// plate, then its children in the order of the glue; hinge *k* moves part *k* + 1.
+    /// plate, then its children in the order of the glue, then those of stated hinges; hinge *k* moves part *k* + 1.
     pub fn assemble(&self) -> Assembly {
         assemble::assemble(self)
     }
@@ -269,6 +357,27 @@ impl Morphology {
     pub fn blocked_plates(&self) -> Vec<(usize, usize)> {
         sweep::blocked_plates(self)
     }
+}
+
+fn check_never_touch(pairs: &[(usize, usize)], modules: usize) -> Checked<()> {
+    for (index, &(a, b)) in pairs.iter().enumerate() {
+        if a == b || a >= modules || b >= modules {
+            return Err(Flaw::new(
+                format!("never_touch[{index}]"),
+                Error::invalid("not a pair of modules")
+                    .found(format!("numbers {a} and {b}"))
+                    .allowed("two different modules of this robot"),
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn check_mount(mount_world_m: Option<Vector3<f64>>) -> Checked<()> {
+    for (index, value) in mount_world_m.iter().flatten().enumerate() {
+        module::Range::within(-1000.0, 1000.0, "m").check(*value, &format!("mount_m[{index}]"))?;
+    }
+    Ok(())
 }
 
 fn check_count(modules: usize) -> Checked<()> {
@@ -286,4 +395,20 @@ fn check_count(modules: usize) -> Checked<()> {
             .found(modules)
             .allowed(format!("1 to {}", Morphology::MAX_MODULES)),
     ))
+}
+
+/// The modules by name; refuses a name that is given twice.
+fn names(modules: &[Module]) -> Checked<HashMap<&str, usize>> {
+    let mut names: HashMap<&str, usize> = HashMap::new();
+    for (index, module) in modules.iter().enumerate() {
+        if let Some(first) = names.insert(&module.name, index) {
+            return Err(Flaw::new(
+                format!("modules[{index}].name"),
+                Error::invalid("two modules have the same name")
+                    .found(format!("`{}` is also modules[{first}]", module.name))
+                    .allowed("a name of its own for every module"),
+            ));
+        }
+    }
+    Ok(names)
 }

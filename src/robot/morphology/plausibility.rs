@@ -21,8 +21,8 @@ impl Morphology {
         let mut warnings: Vec<Warning> = modules
             .filter_map(|module| {
                 let drive = module.drive?;
-                let peak_rad_s = TAU * drive.gait.frequency_hz * drive.gait.amplitude_rad.abs();
-                let limit_rad_s = drive.servo.max_speed_rad_s;
+                let peak_rad_s = TAU * drive.actuator.gait.frequency_hz * drive.actuator.gait.amplitude_rad.abs();
+                let limit_rad_s = drive.actuator.servo.max_speed_rad_s;
                 (peak_rad_s > limit_rad_s).then(|| {
                     Warning::new(
                         Code::ServoTooSlow,
@@ -43,7 +43,7 @@ impl Morphology {
     fn bent_too_far(&self) -> impl Iterator<Item = Warning> {
         self.modules().iter().filter_map(|module| {
             let drive = module.drive?;
-            let farthest_rad = drive.gait.offset_rad.abs() + drive.gait.amplitude_rad.abs();
+            let farthest_rad = drive.actuator.gait.offset_rad.abs() + drive.actuator.gait.amplitude_rad.abs();
             let bends = matches!(drive.axis, DriveAxis::Tangent { .. });
             (bends && farthest_rad > FRAC_PI_2 * (1.0 + 1e-9)).then(|| {
                 Warning::new(
@@ -62,7 +62,7 @@ impl Morphology {
     fn tied_plates(&self) -> impl Iterator<Item = Warning> {
         self.modules().iter().filter_map(|module| {
             let plate = module.plate()?;
-            (plate.side_m == module.side_m).then(|| {
+            (module.is_cube() && plate.side_m == module.sides_m.x).then(|| {
                 Warning::new(
                     Code::TiedPlate,
                     format!(
@@ -96,9 +96,9 @@ impl Morphology {
                 Warning::new(
                     Code::MassRatio,
                     format!(
-                        "the servo of `{}` joins {light_kg} kg and {heavy_kg} kg: beyond a ratio of {MASS_RATIO} joints come apart \
+                        "the joint `{}` has {light_kg} kg and {heavy_kg} kg on its sides: beyond a ratio of {MASS_RATIO} joints come apart \
                          in any simulation; check the masses",
-                        assembly.module_names[hinge.module]
+                        hinge.name
                     ),
                 )
             })

@@ -12,8 +12,10 @@ pub struct Summary {
     pub modules: usize,
     /// Number of rigid parts.
     pub parts: usize,
-    /// Number of servo joints.
+    /// Number of joints.
     pub hinges: usize,
+    /// Those of them that a servo drives.
+    pub servos: usize,
     /// Mass of cubes and plates, kg.
     pub mass_kg: f64,
     /// Centre of mass, robot frame, m.
@@ -22,7 +24,7 @@ pub struct Summary {
     pub lower_robot_m: Vector3<f64>,
     /// Upper corner of the same box, robot frame, m.
     pub upper_robot_m: Vector3<f64>,
-    /// Edge length of the tracked module, m.
+    /// Longest edge of the tracked module, m.
     pub body_length_m: f64,
 }
 
@@ -64,6 +66,11 @@ pub(super) fn summarise(morphology: &Morphology) -> Summary {
         modules: morphology.modules().len(),
         parts: assembly.parts.len(),
         hinges: assembly.hinges.len(),
+        servos: assembly
+            .hinges
+            .iter()
+            .filter(|hinge| hinge.actuator.is_some())
+            .count(),
         mass_kg,
         centre_of_mass_robot_m: moment / mass_kg,
         lower_robot_m,

@@ -20,7 +20,8 @@ pub(super) fn blocked_plates(morphology: &Morphology) -> Vec<(usize, usize)> {
     for plate in all.iter().filter(|block| block.role == Role::Plate) {
         for other in all.iter().filter(|other| other.module != plate.module) {
             let pair = (plate.module, other.module);
-            if !blocked.contains(&pair) && hits(morphology, plate, other) {
+            let are_apart = morphology.are_apart(pair.0, pair.1);
+            if !are_apart && !blocked.contains(&pair) && hits(morphology, plate, other) {
                 blocked.push(pair);
             }
         }
@@ -49,7 +50,7 @@ fn hits(morphology: &Morphology, plate: &Block, other: &Block) -> bool {
         flat(plate.half_robot_m),
         flat(other.half_robot_m),
     );
-    let gait = drive.gait;
+    let gait = drive.actuator.gait;
     (0..=ANGLES).any(|step| {
         let share = 2.0 * f64::from(step) / f64::from(ANGLES) - 1.0;
         let angle_rad = gait.offset_rad + gait.amplitude_rad * share;

@@ -1,4 +1,4 @@
-//! Does the glue make one tree?
+//! Do glue and hinges make one tree?
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -7,48 +7,91 @@ use super::face::Face;
 use super::flaw::{Checked, Flaw};
 use super::glue::Glue;
 use super::module::{DriveAxis, Module};
+use super::pivot::Pivot;
 use crate::Error;
+
+/// What joins two modules, by its place in the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Edge {
+    /// Index of the glue.
+    Glue(usize),
+    /// Index of the stated hinge.
+    Pivot(usize),
+}
+
+impl Edge {
+    /// Path in the file.
+    pub(super) fn path(self) -> String {
+        match self {
+            Self::Glue(index) => format!("glue[{index}]"),
+            Self::Pivot(index) => format!("hinges[{index}]"),
+        }
+    }
+}
+
+/// Everything that joins modules.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Links<'a> {
+    pub(super) glue: &'a [Glue],
+    pub(super) pivots: &'a [Pivot],
+}
+
+impl Links<'_> {
+    /// Parent and child.
+    fn ends(&self, edge: Edge) -> (usize, usize) {
+        match edge {
+            Edge::Glue(index) => (self.glue[index].parent, self.glue[index].child),
+            Edge::Pivot(index) => (self.pivots[index].parent, self.pivots[index].child),
+        }
+    }
+
+    fn edges(&self) -> impl Iterator<Item = Edge> {
+        let glue = (0..self.glue.len()).map(Edge::Glue);
+        glue.chain((0..self.pivots.len()).map(Edge::Pivot))
+    }
+}
 
 /// How the modules hang together.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tree {
     /// The module that is nobody's child.
     pub(super) root: usize,
-    /// Every module once, parents before children, level by level, siblings in the order of the glue.
+    /// Every module once, parents before children, level by level, siblings in the order of the glue, then of the hinges.
     pub(super) order: Vec<usize>,
-    /// Per module the index of the glue that makes it a child.
-    pub(super) parent_glue: Vec<Option<usize>>,
-    /// Per module the indices of the glue that gives it children.
-    pub(super) child_glue: Vec<Vec<usize>>,
+    /// Per module what makes it a child.
+    pub(super) parent: Vec<Option<Edge>>,
+    /// Per module what gives it children.
+    pub(super) children: Vec<Vec<Edge>>,
 }
 
 impl Tree {
-    pub(super) fn grow(modules: &[Module], glue: &[Glue]) -> Checked<Self> {
+    pub(super) fn grow(modules: &[Module], links: Links<'_>) -> Checked<Self> {
         let name = |index: usize| modules[index].name.as_str();
-        let mut parent_glue: Vec<Option<usize>> = vec![None; modules.len()];
-        let mut child_glue: Vec<Vec<usize>> = vec![Vec::new(); modules.len()];
-        for (index, joint) in glue.iter().enumerate() {
-            check_indices(index, joint, modules)?;
-            if let Some(earlier) = parent_glue[joint.child].replace(index) {
+        let mut parent: Vec<Option<Edge>> = vec![None; modules.len()];
+        let mut children: Vec<Vec<Edge>> = vec![Vec::new(); modules.len()];
+        for edge in links.edges() {
+            check_indices(edge, links, modules)?;
+            let (onto, child) = links.ends(edge);
+            if let Some(earlier) = parent[child].replace(edge) {
                 return Err(Flaw::new(
-                    format!("glue[{index}].child"),
-                    Error::invalid(format!("`{}` is glued twice as a child", name(joint.child)))
+                    format!("{}.child", edge.path()),
+                    Error::invalid(format!("`{}` is glued twice as a child", name(child)))
                         .found(format!(
                             "onto `{}` and onto `{}`",
-                            name(glue[earlier].parent),
-                            name(joint.parent)
+                            name(links.ends(earlier).0),
+                            name(onto)
                         ))
                         .allowed("every module is a child at most once")
                         .hint("the robot is a tree: remove one of the two; modules that touch need no glue"),
                 ));
             }
-            child_glue[joint.parent].push(index);
+            children[onto].push(edge);
         }
-        let root = find_root(modules, glue, &parent_glue)?;
+        let root = find_root(modules, links, &parent)?;
         let mut order = vec![root];
         let mut next = 0;
         while let Some(&module) = order.get(next) {
-            order.extend(child_glue[module].iter().map(|&index| glue[index].child));
+            order.extend(children[module].iter().map(|&edge| links.ends(edge).1));
             next += 1;
         }
         // With one root and one parent for everyone else, whoever was not reached hangs on a cycle.
@@ -59,41 +102,42 @@ impl Tree {
                 seen
             });
         if let Some(lost) = reached.iter().position(|&seen| !seen) {
-            return Err(cycle(lost, modules, glue, &parent_glue));
+            return Err(cycle(lost, modules, links, &parent));
         }
-        check_faces(modules, glue)?;
-        check_drives(modules, glue)?;
+        check_faces(modules, links.glue)?;
+        check_drives(modules, links.glue)?;
         Ok(Self {
             root,
             order,
-            parent_glue,
-            child_glue,
+            parent,
+            children,
         })
     }
 }
 
-fn check_indices(index: usize, joint: &Glue, modules: &[Module]) -> Checked<()> {
-    for (field, module) in [("parent", joint.parent), ("child", joint.child)] {
+fn check_indices(edge: Edge, links: Links<'_>, modules: &[Module]) -> Checked<()> {
+    let (parent, child) = links.ends(edge);
+    for (field, module) in [("parent", parent), ("child", child)] {
         if module >= modules.len() {
             return Err(Flaw::new(
-                format!("glue[{index}].{field}"),
+                format!("{}.{field}", edge.path()),
                 Error::invalid("there is no such module")
                     .found(format!("module number {module}"))
                     .allowed(format!("0 to {}", modules.len() - 1)),
             ));
         }
     }
-    if joint.parent == joint.child {
+    if parent == child {
         return Err(Flaw::new(
-            format!("glue[{index}].child"),
-            Error::invalid(format!(
-                "`{}` is glued onto itself",
-                modules[joint.child].name
-            )),
+            format!("{}.child", edge.path()),
+            Error::invalid(format!("`{}` is glued onto itself", modules[child].name)),
         ));
     }
-    if joint.quarter_turns > 3 {
-        return Err(quarter_turns_flaw(index, joint.quarter_turns.into()));
+    if let Edge::Glue(index) = edge
+        && links.glue[index].quarter_turns > 3
+    {
+        let turns = links.glue[index].quarter_turns;
+        return Err(quarter_turns_flaw(index, turns.into()));
     }
     Ok(())
 }
@@ -107,12 +151,12 @@ pub(super) fn quarter_turns_flaw(index: usize, found: i64) -> Flaw {
     )
 }
 
-fn find_root(modules: &[Module], glue: &[Glue], parent_glue: &[Option<usize>]) -> Checked<usize> {
+fn find_root(modules: &[Module], links: Links<'_>, parent: &[Option<Edge>]) -> Checked<usize> {
     let roots: Vec<usize> = (0..modules.len())
-        .filter(|&module| parent_glue[module].is_none())
+        .filter(|&module| parent[module].is_none())
         .collect();
     match roots.as_slice() {
-        [] => Err(cycle(0, modules, glue, parent_glue)),
+        [] => Err(cycle(0, modules, links, parent)),
         [root] => Ok(*root),
         [_, second, ..] => {
             let mut names: Vec<String> = roots
@@ -142,13 +186,13 @@ fn find_root(modules: &[Module], glue: &[Glue], parent_glue: &[Option<usize>]) -
 }
 
 /// Climbs from a module that the root does not reach until a module comes up again.
-fn cycle(start: usize, modules: &[Module], glue: &[Glue], parent_glue: &[Option<usize>]) -> Flaw {
+fn cycle(start: usize, modules: &[Module], links: Links<'_>, parent: &[Option<Edge>]) -> Flaw {
     let mut climbed = vec![start];
-    let mut last_glue = 0;
+    let mut last = Edge::Glue(0);
     let mut module = start;
-    while let Some(index) = parent_glue[module] {
-        last_glue = index;
-        module = glue[index].parent;
+    while let Some(edge) = parent[module] {
+        last = edge;
+        module = links.ends(edge).0;
         if let Some(first) = climbed.iter().position(|&m| m == module) {
             climbed.drain(..first);
             break;
@@ -162,7 +206,7 @@ fn cycle(start: usize, modules: &[Module], glue: &[Glue], parent_glue: &[Option<
         .map(|&m| format!("`{}`", modules[m].name))
         .collect();
     Flaw::new(
-        format!("glue[{last_glue}]"),
+        last.path(),
         Error::invalid("the glue runs in a circle")
             .found(names.join(" > "))
             .allowed("a tree: one root, and every other module a child of one parent")

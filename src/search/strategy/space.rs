@@ -45,6 +45,11 @@ impl Space {
         }
     }
 
+    /// The genome in the middle of the space, where one was given.
+    pub fn start(&self) -> Option<&Genome> {
+        self.start.as_ref()
+    }
+
     /// The modules with a servo of this genome's robot.
     ///
     /// # Errors

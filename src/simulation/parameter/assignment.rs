@@ -2,9 +2,10 @@
 
 use std::fmt;
 
+use super::motor::is_of_motor;
 use super::{Parameter, by_name};
 use crate::error::{Error, Result};
-use crate::simulation::Experiment;
+use crate::simulation::{Experiment, SceneMotion};
 use crate::warning::{Code, Warning};
 
 /// One parameter with a checked value.
@@ -38,7 +39,16 @@ impl std::str::FromStr for Assignment {
                 .allowed("name=value, e.g. floor.friction=0.4")
         };
         let (name, value) = text.split_once('=').ok_or_else(shape)?;
-        let value = value.trim().parse().map_err(|_| shape())?;
+        let value = value.trim();
+        let value = value.parse().map_err(|_| match value.replace(',', ".") {
+            number if number != value && number.parse::<f64>().is_ok() => {
+                Error::usage("a comma within a number")
+                    .field(name.trim())
+                    .found(value)
+                    .allowed(number)
+            }
+            _ => shape(),
+        })?;
         Self::new(name.trim(), value)
     }
 }
@@ -102,18 +112,42 @@ impl ParameterSet {
 
     /// What this set says about parts that the robot does not have: said, not silently ignored.
     pub fn without_effect(&self, experiment: &Experiment) -> Vec<Warning> {
-        let has_servos = !experiment.assembly.hinges.is_empty();
-        let idle = self.0.iter().filter(|a| {
-            let name = a.parameter.name;
-            !has_servos && (name.starts_with("servo.") || name.starts_with("gait."))
+        let robot = &experiment.assembly;
+        let has_servos = robot.hinges.iter().any(|hinge| hinge.actuator.is_some());
+        let has_motors = robot.hinges.iter().any(|hinge| {
+            hinge
+                .actuator
+                .is_some_and(|a| a.servo.law.motor().is_some())
         });
-        idle.map(|a| {
+        let has_stated = robot.hinges.iter().any(|hinge| hinge.is_stated);
+        let has_pusher = experiment
+            .scene
+            .iter()
+            .any(|body| matches!(body.motion, SceneMotion::Driven { .. }));
+        let why = |a: &Assignment| -> Option<String> {
+            let (group, _) = a.parameter.name.split_once('.')?;
+            let module = a.parameter.subject;
+            match group {
+                "servo" | "gait" if !has_servos => Some("the robot has no servos".to_owned()),
+                "servo" if !has_motors && is_of_motor(a.parameter) => {
+                    Some("no servo of the robot is a motor behind a gear".to_owned())
+                }
+                "hinge" if !has_stated => Some("the robot's file states no hinges".to_owned()),
+                "vehicle" if experiment.vehicle.is_none() => {
+                    Some("the robot is no vehicle".to_owned())
+                }
+                "pusher" if !has_pusher => Some("the scene has no driven body".to_owned()),
+                "module" if !robot.module_names.iter().any(|name| name == module) => {
+                    Some(format!("the robot has no module `{module}`"))
+                }
+                _ => None,
+            }
+        };
+        let idle = self.0.iter().filter_map(|a| Some((a, why(a)?)));
+        idle.map(|(a, why)| {
             Warning::new(
                 Code::NoEffect,
-                format!(
-                    "{} has no effect: the robot has no servos",
-                    a.parameter.name
-                ),
+                format!("{} has no effect: {why}", a.parameter.name),
             )
         })
         .collect()
@@ -123,7 +157,7 @@ impl ParameterSet {
     pub fn apply(&self, experiment: &Experiment) -> Experiment {
         let mut changed = experiment.clone();
         for assignment in &self.0 {
-            (assignment.parameter.set)(&mut changed, assignment.value);
+            assignment.parameter.put(&mut changed, assignment.value);
         }
         changed
     }

@@ -13,8 +13,9 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Linear,
         nudge: Nudge::Share(0.5),
         doc: "Distance at which contacts are predicted.",
-        get: |e| Some(e.contact.prediction_m),
-        set: |e, value| e.contact.prediction_m = value,
+        subject: "",
+        get: |e, _| Some(e.contact.prediction_m),
+        set: |e, _, value| e.contact.prediction_m = value,
     },
     Parameter {
         name: "contact.natural_frequency_hz",
@@ -24,8 +25,9 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Log,
         nudge: Nudge::Share(0.25),
         doc: "Stiffness of contact with the floor, as a natural frequency; among modules half of it.",
-        get: |e| Some(e.contact.natural_frequency_hz),
-        set: |e, value| e.contact.natural_frequency_hz = value,
+        subject: "",
+        get: |e, _| Some(e.contact.natural_frequency_hz),
+        set: |e, _, value| e.contact.natural_frequency_hz = value,
     },
     Parameter {
         name: "contact.damping_ratio",
@@ -35,8 +37,9 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Log,
         nudge: Nudge::Share(0.25),
         doc: "Damping ratio of contacts; with the natural frequency it decides how fast penetration is pushed out.",
-        get: |e| Some(e.contact.damping_ratio),
-        set: |e, value| e.contact.damping_ratio = value,
+        subject: "",
+        get: |e, _| Some(e.contact.damping_ratio),
+        set: |e, _, value| e.contact.damping_ratio = value,
     },
     Parameter {
         name: "contact.friction_model",
@@ -46,13 +49,14 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Linear,
         nudge: Nudge::Absolute(1.0),
         doc: "0: Simplified, a friction pyramid per contact area; 1: Coulomb, a cone at every contact point.",
-        get: |e| {
+        subject: "",
+        get: |e, _| {
             Some(match e.contact.friction_model {
                 FrictionModel::Simplified => 0.0,
                 FrictionModel::Coulomb => 1.0,
             })
         },
-        set: |e, value| {
+        set: |e, _, value| {
             e.contact.friction_model = if value == 0.0 {
                 FrictionModel::Simplified
             } else {

@@ -12,8 +12,9 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Log,
         nudge: Nudge::Share(0.02),
         doc: "Factor on every gait frequency.",
-        get: |e| Some(e.adjustment.frequency_scale),
-        set: |e, value| e.adjustment.frequency_scale = value,
+        subject: "",
+        get: |e, _| Some(e.adjustment.frequency_scale),
+        set: |e, _, value| e.adjustment.frequency_scale = value,
     },
     Parameter {
         name: "gait.amplitude_scale",
@@ -23,7 +24,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Linear,
         nudge: Nudge::Share(0.05),
         doc: "Factor on every gait amplitude.",
-        get: |e| Some(e.adjustment.amplitude_scale),
-        set: |e, value| e.adjustment.amplitude_scale = value,
+        subject: "",
+        get: |e, _| Some(e.adjustment.amplitude_scale),
+        set: |e, _, value| e.adjustment.amplitude_scale = value,
     },
 ];

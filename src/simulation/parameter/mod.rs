@@ -8,9 +8,13 @@ mod body;
 mod contact;
 mod floor;
 mod gait;
+mod hinge;
+mod module;
+mod motor;
 mod recording;
 mod servo;
 mod solver;
+mod vehicle;
 
 pub use assignment::{Assignment, ParameterSet};
 
@@ -40,9 +44,10 @@ pub struct Parameter {
     pub nudge: Nudge,
     /// What it means, one sentence.
     pub doc: &'static str,
-    /// Reads the value; `None` where the robot's own file decides (a limit that is not overridden).
-    pub get: fn(&Experiment) -> Option<f64>,
-    set: fn(&mut Experiment, f64),
+    /// The module that it is about; empty where it is about the whole experiment.
+    pub subject: &'static str,
+    get: fn(&Experiment, &str) -> Option<f64>,
+    set: fn(&mut Experiment, &str, f64),
 }
 
 /// A small change of a parameter.
@@ -84,9 +89,17 @@ pub static PARAMETERS: &[&[Parameter]] = &[
     solver::PARAMETERS,
     body::PARAMETERS,
     servo::PARAMETERS,
+    motor::PARAMETERS,
     gait::PARAMETERS,
+    hinge::PARAMETERS,
     recording::PARAMETERS,
+    vehicle::PARAMETERS,
 ];
+
+/// Parameters of single modules, with `NAME` in place of a module's name.
+pub fn families() -> impl Iterator<Item = &'static Parameter> {
+    module::FAMILY.iter()
+}
 
 /// Looks a parameter up by name.
 ///
@@ -96,8 +109,12 @@ pub fn by_name(name: &str) -> Result<&'static Parameter> {
     if let Some(known) = all().find(|parameter| parameter.name == name) {
         return Ok(known);
     }
+    if let Some(member) = module::member(name) {
+        return Ok(member);
+    }
     let group = name.split('.').next().unwrap_or(name);
     let mut near: Vec<&str> = all()
+        .chain(families())
         .map(|p| p.name)
         .filter(|known| known.starts_with(group))
         .collect();
@@ -123,21 +140,22 @@ impl Parameter {
     pub fn apply(&self, experiment: &Experiment, value: f64) -> Result<Experiment> {
         self.check(value)?;
         let mut changed = experiment.clone();
-        (self.set)(&mut changed, value);
+        self.put(&mut changed, value);
         Ok(changed)
+    }
+
+    /// The value; `None` where the robot's own file decides (a limit that is not overridden).
+    pub fn value(&self, experiment: &Experiment) -> Option<f64> {
+        (self.get)(experiment, self.subject)
+    }
+
+    fn put(&self, experiment: &mut Experiment, value: f64) {
+        (self.set)(experiment, self.subject, value);
     }
 
     /// The value where nothing is set; `None` where the robot's file decides.
     pub fn default_value(&self) -> Option<f64> {
-        let nobody = Assembly {
-            module_names: Vec::new(),
-            parts: Vec::new(),
-            hinges: Vec::new(),
-            track_part: 0,
-            robot_from_track: nalgebra::Isometry3::identity(),
-            body_length_m: 1.0,
-        };
-        (self.get)(&Experiment::new(nobody))
+        self.value(&Experiment::new(Assembly::nobody()))
     }
 
     /// `value` made a little smaller and a little larger (see [`Nudge`]); `None` at a bound.

@@ -11,6 +11,7 @@ pub(super) static PARAMETERS: &[Parameter] = &[Parameter {
     scale: Scale::Log,
     nudge: Nudge::Share(0.01),
     doc: "Recorded lengths are this times the true ones; recordings are divided by it before they are used.",
-    get: |e| Some(e.recording_length_scale),
-    set: |e, value| e.recording_length_scale = value,
+    subject: "",
+    get: |e, _| Some(e.recording_length_scale),
+    set: |e, _, value| e.recording_length_scale = value,
 }];

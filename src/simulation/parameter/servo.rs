@@ -11,7 +11,8 @@ fn shared(experiment: &Experiment, own: impl Fn(&Servo) -> f64) -> Option<f64> {
         .assembly
         .hinges
         .iter()
-        .map(|hinge| own(&hinge.servo));
+        .filter_map(|hinge| hinge.actuator.as_ref())
+        .map(|actuator| own(&actuator.servo));
     let first = values.next()?;
     values.all(|value| value == first).then_some(first)
 }
@@ -25,11 +26,12 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Log,
         nudge: Nudge::Share(0.1),
         doc: "Torque limit of every servo, in place of the robot file's.",
-        get: |e| {
+        subject: "",
+        get: |e, _| {
             let own = |servo: &Servo| servo.max_torque_nm;
             e.adjustment.max_torque_nm.or_else(|| shared(e, own))
         },
-        set: |e, value| e.adjustment.max_torque_nm = Some(value),
+        set: |e, _, value| e.adjustment.max_torque_nm = Some(value),
     },
     Parameter {
         name: "servo.max_speed_rad_s",
@@ -39,11 +41,12 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Log,
         nudge: Nudge::Share(0.1),
         doc: "Speed limit of every servo, in place of the robot file's.",
-        get: |e| {
+        subject: "",
+        get: |e, _| {
             let own = |servo: &Servo| servo.max_speed_rad_s;
             e.adjustment.max_speed_rad_s.or_else(|| shared(e, own))
         },
-        set: |e, value| e.adjustment.max_speed_rad_s = Some(value),
+        set: |e, _, value| e.adjustment.max_speed_rad_s = Some(value),
     },
     Parameter {
         name: "servo.gain",
@@ -53,8 +56,9 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Log,
         nudge: Nudge::Share(0.1),
         doc: "Factor on every servo's answer to an angle error: gain of the Velocity law, stiffness of the Torque law.",
-        get: |e| Some(e.adjustment.servo_gain_scale),
-        set: |e, value| e.adjustment.servo_gain_scale = value,
+        subject: "",
+        get: |e, _| Some(e.adjustment.servo_gain_scale),
+        set: |e, _, value| e.adjustment.servo_gain_scale = value,
     },
     Parameter {
         name: "servo.latency_s",
@@ -64,8 +68,9 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Linear,
         nudge: Nudge::Absolute(0.01),
         doc: "Every servo acts on the command of this long ago; until the first arrives it holds the start.",
-        get: |e| Some(e.adjustment.servo_latency_s),
-        set: |e, value| e.adjustment.servo_latency_s = value,
+        subject: "",
+        get: |e, _| Some(e.adjustment.servo_latency_s),
+        set: |e, _, value| e.adjustment.servo_latency_s = value,
     },
     Parameter {
         name: "servo.backlash_rad",
@@ -75,7 +80,8 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Linear,
         nudge: Nudge::Absolute(0.02),
         doc: "Play between servo and joint, end to end: no torque within it, only the rest of the error counts beyond.",
-        get: |e| Some(e.adjustment.servo_backlash_rad),
-        set: |e, value| e.adjustment.servo_backlash_rad = value,
+        subject: "",
+        get: |e, _| Some(e.adjustment.servo_backlash_rad),
+        set: |e, _, value| e.adjustment.servo_backlash_rad = value,
     },
 ];

@@ -13,8 +13,9 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Log,
         nudge: Nudge::Share(0.25),
         doc: "Time per simulation step.",
-        get: |e| Some(e.solver.timestep_s),
-        set: |e, value| e.solver.timestep_s = value,
+        subject: "",
+        get: |e, _| Some(e.solver.timestep_s),
+        set: |e, _, value| e.solver.timestep_s = value,
     },
     Parameter {
         name: "solver.substeps",
@@ -24,8 +25,9 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Log,
         nudge: Nudge::Absolute(2.0),
         doc: "Solver substeps per step.",
-        get: |e| Some(e.solver.substeps as f64),
-        set: |e, value| e.solver.substeps = value as usize,
+        subject: "",
+        get: |e, _| Some(e.solver.substeps as f64),
+        set: |e, _, value| e.solver.substeps = value as usize,
     },
     Parameter {
         name: "solver.sweeps",
@@ -35,8 +37,9 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Log,
         nudge: Nudge::Absolute(1.0),
         doc: "Passes over joints and contacts in every substep; more of them hold light plates still.",
-        get: |e| Some(e.solver.sweeps as f64),
-        set: |e, value| e.solver.sweeps = value as usize,
+        subject: "",
+        get: |e, _| Some(e.solver.sweeps as f64),
+        set: |e, _, value| e.solver.sweeps = value as usize,
     },
     Parameter {
         name: "solver.relaxations",
@@ -46,8 +49,9 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Linear,
         nudge: Nudge::Absolute(1.0),
         doc: "Passes without bias at the end of every substep; each drains some energy of the hinges.",
-        get: |e| Some(e.solver.relaxations as f64),
-        set: |e, value| e.solver.relaxations = value as usize,
+        subject: "",
+        get: |e, _| Some(e.solver.relaxations as f64),
+        set: |e, _, value| e.solver.relaxations = value as usize,
     },
     Parameter {
         name: "solver.joint",
@@ -57,11 +61,12 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         scale: Scale::Linear,
         nudge: Nudge::Absolute(1.0),
         doc: "0: impulse joints (constraints); 1: multibody joints (reduced coordinates).",
-        get: |e| {
+        subject: "",
+        get: |e, _| {
             let is_multibody = e.joint_kind() == JointKind::Multibody;
             Some(f64::from(u8::from(is_multibody)))
         },
-        set: |e, value| {
+        set: |e, _, value| {
             e.solver.joint = if value == 0.0 {
                 JointKind::Impulse
             } else {

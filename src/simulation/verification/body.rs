@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use crate::error::Result;
 use crate::file::Source;
 use crate::robot::morphology::{
-    Assembly, Gait, Hinge, Morphology, Part, Role, Servo, ServoLaw, Solid,
+    Actuator, Assembly, Bearing, Gait, Hinge, Morphology, Part, Role, Servo, ServoLaw, Solid,
 };
 
 /// Edge of a module, metres.
@@ -20,6 +20,7 @@ pub(super) fn block(centre_m: Vector3<f64>, half_m: Vector3<f64>, mass_kg: f64) 
     Solid {
         module: 0,
         role: Role::Cube,
+        number: 0,
         half_extents_m: half_m,
         robot_from_solid: Isometry3::from_parts(centre_m.into(), UnitQuaternion::identity()),
         mass_kg,
@@ -48,6 +49,8 @@ pub(super) fn robot(parts: Vec<Vec<Solid>>, hinges: Vec<Hinge>) -> Assembly {
         module_names: vec!["body".to_owned()],
         parts: parts.into_iter().map(|solids| Part { solids }).collect(),
         hinges,
+        apart: Vec::new(),
+        mount_world_m: None,
         track_part: 0,
         robot_from_track: Isometry3::identity(),
         body_length_m: SIDE_M,
@@ -108,13 +111,15 @@ pub(super) fn arm(mass_kg: f64, axis: Vector3<f64>, servo: Servo, gait: Gait) ->
     );
     arm.collides = false;
     let hinge = Hinge {
+        name: "hinge".to_owned(),
         module: 0,
         parent_part: 0,
         child_part: 1,
         anchor_robot_m: Vector3::new(BASE_HALF_M, 0.0, 0.0),
         axis_robot: nalgebra::Unit::new_normalize(axis),
-        servo,
-        gait,
+        actuator: Some(Actuator { servo, gait }),
+        bearing: Bearing::default(),
+        is_stated: false,
     };
     robot(vec![vec![base], vec![arm]], vec![hinge])
 }
@@ -173,13 +178,15 @@ pub(super) fn stool(modules: Vec<Solid>, servo: Servo, gait: Gait) -> Assembly {
         )
     };
     let hinge = Hinge {
+        name: "hinge".to_owned(),
         module: 0,
         parent_part: 0,
         child_part: 1,
         anchor_robot_m: Vector3::new(0.0, 0.0, -0.5 * SIDE_M),
         axis_robot: -Vector3::z_axis(),
-        servo,
-        gait,
+        actuator: Some(Actuator { servo, gait }),
+        bearing: Bearing::default(),
+        is_stated: false,
     };
     robot(vec![modules, vec![plate]], vec![hinge])
 }

@@ -1,6 +1,6 @@
 //! One comparison of the simulation with a closed form.
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use crate::unit::Unit;
 
@@ -38,16 +38,11 @@ pub struct Check {
     /// Distance of the two, in the terms of the tolerance: a share or a difference.
     pub error: f64,
     /// Unit of expected and measured.
-    #[serde(serialize_with = "symbol")]
     pub unit: Unit,
     /// Largest error that passes; set by what a user needs, not by what the engine reaches.
     pub tolerance: Tolerance,
     /// The outcome.
     pub verdict: Verdict,
-}
-
-fn symbol<S: Serializer>(unit: &Unit, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(unit.label())
 }
 
 impl Check {

@@ -30,7 +30,11 @@ pub fn known_limits(experiment: &Experiment, tuned: &[&str]) -> Vec<Warning> {
             }
         }
         JointKind::Multibody | JointKind::Auto => {
-            if hinges.iter().any(|hinge| is_free(&hinge.servo)) {
+            if hinges
+                .iter()
+                .filter_map(|hinge| hinge.actuator.as_ref())
+                .any(|actuator| is_free(&actuator.servo))
+            {
                 warn("a hinge without torque: free swings of multibody joints gain energy in proportion to the timestep (energy.pendulum); solver.joint = 0 (impulse) keeps it".to_owned());
             }
         }
@@ -45,6 +49,7 @@ fn is_free(servo: &Servo) -> bool {
             stiffness_nm_rad,
             damping_nm_s_rad,
         } => stiffness_nm_rad.max(damping_nm_s_rad),
+        ServoLaw::Motor(motor) => motor.damping_nm_s_rad(),
     };
     servo.max_torque_nm == 0.0 || answer == 0.0
 }

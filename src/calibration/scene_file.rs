@@ -1,0 +1,136 @@
+//! The RON form of bodies beside the robot, and their tracks from recordings.
+
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
+use serde::Deserialize;
+
+use crate::error::{Error, Result};
+use crate::file::unknown_name;
+use crate::simulation::{Experiment, SceneBody, SceneBox, SceneMotion};
+use crate::trajectory::Recording;
+
+type Triple = (f64, f64, f64);
+
+/// One body as written.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Body")]
+pub(super) struct BodyFile {
+    name: String,
+    boxes: Vec<BoxFile>,
+    #[serde(default = "default_friction")]
+    friction: f64,
+    motion: MotionFile,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "box")]
+struct BoxFile {
+    sides_m: Triple,
+    #[serde(default)]
+    centre_m: Triple,
+    /// Rotation vector, radians.
+    #[serde(default)]
+    turn_rad: Triple,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "motion")]
+enum MotionFile {
+    /// Along the recorded columns that begin with the body's name.
+    Recorded,
+    Fixed {
+        position_m: Triple,
+        #[serde(default = "upright")]
+        orientation_wxyz: (f64, f64, f64, f64),
+    },
+    Free {
+        position_m: Triple,
+        #[serde(default = "upright")]
+        orientation_wxyz: (f64, f64, f64, f64),
+        mass_kg: f64,
+    },
+}
+
+fn default_friction() -> f64 {
+    0.5
+}
+
+fn upright() -> (f64, f64, f64, f64) {
+    (1.0, 0.0, 0.0, 0.0)
+}
+
+fn vector((x, y, z): Triple) -> Vector3<f64> {
+    Vector3::new(x, y, z)
+}
+
+fn pose(at: Triple, (w, x, y, z): (f64, f64, f64, f64)) -> Result<Isometry3<f64>> {
+    let turn = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6).ok_or_else(|| {
+        Error::invalid("not an orientation")
+            .field("orientation_wxyz")
+            .allowed("a quaternion, real part first, that is not zero")
+    })?;
+    let at = vector(at);
+    if !at.iter().all(|v| v.is_finite()) {
+        return Err(Error::invalid("not a position").field("position_m"));
+    }
+    Ok(Isometry3::from_parts(at.into(), turn))
+}
+
+impl BodyFile {
+    pub(super) fn into_body(self) -> Result<SceneBody> {
+        let boxes = self.boxes.iter().map(|part| SceneBox {
+            sides_m: vector(part.sides_m),
+            body_from_box: Isometry3::from_parts(
+                vector(part.centre_m).into(),
+                UnitQuaternion::from_scaled_axis(vector(part.turn_rad)),
+            ),
+        });
+        let body = SceneBody {
+            boxes: boxes.collect(),
+            friction: self.friction,
+            motion: match self.motion {
+                MotionFile::Recorded => SceneMotion::Driven { track: None },
+                MotionFile::Fixed {
+                    position_m,
+                    orientation_wxyz,
+                } => SceneMotion::Fixed {
+                    world_from_body: pose(position_m, orientation_wxyz)?,
+                },
+                MotionFile::Free {
+                    position_m,
+                    orientation_wxyz,
+                    mass_kg,
+                } => SceneMotion::Free {
+                    world_from_body: pose(position_m, orientation_wxyz)?,
+                    mass_kg,
+                },
+            },
+            name: self.name,
+        };
+        body.check()?;
+        Ok(body)
+    }
+}
+
+/// Gives every driven body its track in this recording.
+///
+/// # Errors
+/// A recording without a body of that name, or with one that has no orientations.
+pub(super) fn lead(experiment: &mut Experiment, recording: &Recording) -> Result<()> {
+    for body in &mut experiment.scene {
+        let SceneMotion::Driven { track } = &mut body.motion else {
+            continue;
+        };
+        let known = recording.bodies.iter().find(|(name, _)| *name == body.name);
+        let Some((_, motion)) = known else {
+            let names = recording.bodies.iter().map(|(name, _)| name.as_str());
+            return Err(unknown_name("recorded body", &body.name, names)
+                .at_file(&recording.path)
+                .or_hint("a driven body needs columns NAME_x_m, NAME_y_m, NAME_z_m, NAME_qw, NAME_qx, NAME_qy, NAME_qz"));
+        };
+        *track = Some(Arc::new(motion.clone()));
+        body.check().map_err(|e| e.at_file(&recording.path))?;
+    }
+    Ok(())
+}

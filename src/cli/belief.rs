@@ -1,0 +1,95 @@
+//! `realgap belief`: what a robot believes about a distance after some readings.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::plot::check_picture_path;
+use realgap::results::draw_belief;
+use realgap::sensing::belief::{BeliefOptions, BeliefReport};
+use realgap::sensing::range::{ReadingLog, find_sensor};
+use realgap::{Error, Result};
+
+use super::option::Format as Print;
+use super::terminal;
+
+/// What is believed about a distance after some readings: of a sensor's model, and of a real log beside it
+///
+/// A discrete Bayes filter (paper 000, algorithm 1) takes readings of many trials into account; where the model is right, beliefs from
+/// the real log and from the model overlap.
+#[derive(Debug, Args)]
+pub struct Belief {
+    /// A shipped sensor (ultrasonic, infrared) or a model's .ron file
+    sensor: String,
+    /// A real log of readings at known distances, as for `characterise`
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
+    /// True distances, in the model's unit [default: near both ends of its range]
+    #[arg(long, value_name = "D", value_delimiter = ',')]
+    distances: Vec<f64>,
+    /// Trials
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    trials: usize,
+    /// Readings of a trial
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    readings: usize,
+    /// Cells of the grid over the sensor's range
+    #[arg(long, value_name = "N", default_value_t = 401)]
+    cells: usize,
+    /// How much closer the robot comes from one reading to the next, in the model's unit
+    #[arg(
+        long,
+        value_name = "D",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    approach: f64,
+    /// Standard deviation of that
+    #[arg(long, value_name = "D", default_value_t = 0.0)]
+    approach_sd: f64,
+    /// Seed of the simulated readings
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Draw the beliefs at the first distance into this .png or .svg (as figures 5 and 6)
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Print,
+}
+
+impl Belief {
+    pub fn run(self) -> Result<ExitCode> {
+        if let Some(plot) = &self.plot {
+            check_picture_path(plot)?;
+        }
+        let sensor = find_sensor(&self.sensor)?;
+        let log = self.log.as_ref().map(ReadingLog::read).transpose()?;
+        let (low, high) = sensor.range;
+        let distances = if self.distances.is_empty() {
+            vec![low + 0.05 * (high - low), high - 0.05 * (high - low)]
+        } else {
+            self.distances.clone()
+        };
+        let options = BeliefOptions {
+            distances,
+            trials: self.trials,
+            readings: self.readings,
+            cells: self.cells,
+            approach: self.approach,
+            approach_sd: self.approach_sd,
+            seed: self.seed,
+        };
+        let found =
+            BeliefReport::new(&sensor, log.as_ref(), &options).map_err(Error::into_usage)?;
+        terminal::print_warnings(&found.warnings);
+        if let Some(plot) = &self.plot {
+            draw_belief(&found, 0, plot)?;
+        }
+        match self.format {
+            Print::Json => terminal::print(terminal::json(&found)?),
+            Print::Table => terminal::print(found.to_string()),
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

@@ -1,0 +1,127 @@
+//! `realgap characterise`: from a log of readings at known distances to a sensor's model.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::file::{check_writable, write_atomic};
+use realgap::plot::check_picture_path;
+use realgap::results::{draw_histograms, draw_sensor};
+use realgap::sensing::range::form::{FORMS, Form, form_by_name};
+use realgap::sensing::range::{Characterisation, LogOptions, Options, ReadingLog};
+use realgap::unit::LengthUnit;
+use realgap::{Error, Result};
+
+use super::option::Format as Print;
+use super::terminal;
+
+/// Make a range sensor's model of a log: mean and spread over the distance, with intervals
+///
+/// The log is CSV with the columns distance_cm (or _m, _mm) and reading_cm (or _m, _mm, or any other ending for the sensor's own unit),
+/// one row a reading; where known also incidence_deg, offset_deg, material and t_s. An empty reading is one that never came. Forms are
+/// chosen by how well they foretell the readings at distances that were left out (paper 000, section 4).
+#[derive(Debug, Args)]
+pub struct Characterise {
+    /// The log
+    log: PathBuf,
+    /// Form of the mean over the distance: linear, power, exponential, table or auto
+    #[arg(long, value_name = "FORM", default_value = "auto")]
+    model: String,
+    /// Form of the spread
+    #[arg(long, value_name = "FORM", default_value = "auto")]
+    spread: String,
+    /// Unit of a column `distance` whose name does not say it
+    #[arg(long, value_name = "UNIT", default_value = "m")]
+    unit: LengthUnit,
+    /// Only readings off this material
+    #[arg(long, value_name = "NAME")]
+    material: Option<String>,
+    /// Width of a bin of the histograms, in the reading's unit [default: a fifth of the spread]
+    #[arg(long, value_name = "WIDTH")]
+    bin: Option<f64>,
+    /// Share of the readings in another bin below which a histogram counts as stopped
+    #[arg(long, value_name = "SHARE", default_value_t = 0.125)]
+    tolerance: f64,
+    /// Seed of the study of how many readings are enough
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Write the model into this .ron file
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Draw mean and spread over the distance into this .png or .svg (as figure 4 of paper 000)
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Draw histograms at three distances into this .png or .svg (as figure 3)
+    #[arg(long, value_name = "FILE")]
+    histograms: Option<PathBuf>,
+    /// The distances of the histograms, in the log's unit [default: near both ends and the middle]
+    #[arg(long, value_name = "D", value_delimiter = ',', requires = "histograms")]
+    at: Vec<f64>,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Print,
+}
+
+/// The form of this name; `auto` leaves it open.
+fn form(option: &str, name: &str) -> Result<Option<&'static dyn Form>> {
+    if name == "auto" {
+        return Ok(None);
+    }
+    form_by_name(name).map(Some).map_err(|e| {
+        let names = FORMS.map(|form| form.name()).join(", ");
+        e.field(option)
+            .allowed(format!("auto, {names}"))
+            .into_usage()
+    })
+}
+
+impl Characterise {
+    pub fn run(self) -> Result<ExitCode> {
+        let options = Options {
+            mean: form("--model", &self.model)?,
+            spread: form("--spread", &self.spread)?,
+            bin: self.bin,
+            tolerance: Some(self.tolerance),
+            seed: self.seed,
+        };
+        let positive = |option: &str, value: f64| {
+            if value > 0.0 && value.is_finite() {
+                return Ok(());
+            }
+            Err(Error::usage("must be above 0").field(option).found(value))
+        };
+        positive("--tolerance", self.tolerance)?;
+        self.bin.map_or(Ok(()), |bin| positive("--bin", bin))?;
+        for picture in self.plot.iter().chain(&self.histograms) {
+            check_picture_path(picture)?;
+        }
+        if let Some(output) = &self.output {
+            check_writable(output)?;
+        }
+        let reading = LogOptions {
+            unit: self.unit,
+            material: self.material.clone(),
+        };
+        let log = ReadingLog::read_with(&self.log, &reading)?;
+        let mut found = Characterisation::new(&log, &options).map_err(|e| e.at_file(&self.log))?;
+        found.model.description = format!(
+            "characterised from {}",
+            self.log.file_name().unwrap_or_default().display()
+        );
+        terminal::print_warnings(&found.warnings);
+        if let Some(output) = &self.output {
+            write_atomic(output, found.model.to_ron()?.as_bytes())?;
+        }
+        if let Some(plot) = &self.plot {
+            draw_sensor(&found, plot)?;
+        }
+        if let Some(plot) = &self.histograms {
+            draw_histograms(&found, &log, &self.at, self.bin, plot)?;
+        }
+        match self.format {
+            Print::Json => terminal::print(terminal::json(&found)?),
+            Print::Table => terminal::print(found.to_string()),
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

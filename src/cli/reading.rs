@@ -1,0 +1,96 @@
+//! Options that say how recordings are to be read.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use realgap::trajectory::{Columns, Crop, Only, QuaternionOrder, Reading};
+use realgap::unit::{AngleUnit, LengthUnit, TimeUnit};
+use realgap::{Error, Result};
+
+/// How the files are to be read, before what a study or a `meta.ron` beside them says (docs/recordings.md).
+#[derive(Debug, Clone, Default, Args)]
+pub struct ReadingOptions {
+    /// A file that says how recordings are read, as a study's `reading` (- for none)
+    #[arg(long = "reading", value_name = "FILE", help_heading = READING)]
+    reading_files: Vec<PathBuf>,
+    /// Unit of length: m, cm or mm
+    #[arg(long, value_name = "UNIT", help_heading = READING)]
+    unit: Vec<LengthUnit>,
+    /// Unit of time: s, ms, us or ns
+    #[arg(long, value_name = "UNIT", help_heading = READING)]
+    time_unit: Vec<TimeUnit>,
+    /// Unit of angle: rad or deg
+    #[arg(long, value_name = "UNIT", help_heading = READING)]
+    angle_unit: Vec<AngleUnit>,
+    /// Which column holds what, e.g. 't=%time in ns', 'x=pose.x in mm' or 'run=trial' (repeatable); t x y z qw qx qy qz heading
+    /// vx vy vz wx wy wz condition run
+    #[arg(long, value_name = "WHAT=NAME", help_heading = READING)]
+    column: Vec<String>,
+    /// Order of quaternions, by the places of their columns: wxyz or xyzw
+    #[arg(long, value_name = "ORDER", help_heading = READING)]
+    quaternion: Vec<QuaternionOrder>,
+    /// Only this part, in seconds since the first sample, e.g. 2.5: or 0:20
+    #[arg(long, value_name = "FROM:TO", help_heading = READING)]
+    crop: Vec<Crop>,
+    /// Only the rows in which a column has this value, e.g. robot=3
+    #[arg(long = "where", value_name = "COLUMN=VALUE", help_heading = READING)]
+    whose: Vec<Only>,
+    /// Sort samples by time
+    #[arg(long, help_heading = READING)]
+    sort_samples: bool,
+    /// Leave out samples in which a number is missing
+    #[arg(long, help_heading = READING)]
+    skip_lost: bool,
+    /// Lines before the one that names the columns
+    #[arg(long, value_name = "N", help_heading = READING)]
+    skip_lines: Option<usize>,
+}
+
+const READING: &str = "How recordings are read (docs/recordings.md)";
+
+/// The value for file `index` of `files`: one for all, or one each.
+fn pick<T: Clone>(all: &[T], option: &str, index: usize, files: usize) -> Result<Option<T>> {
+    match all.len() {
+        0 => Ok(None),
+        1 => Ok(Some(all[0].clone())),
+        count if count == files => Ok(Some(all[index].clone())),
+        count => Err(Error::usage("given neither once nor once a file")
+            .field(option)
+            .found(format!("{count} times"))
+            .allowed(match files {
+                1 => "once".to_owned(),
+                files => format!("once, or {files} times: in the order of the files"),
+            })),
+    }
+}
+
+impl ReadingOptions {
+    /// How all files are read.
+    pub fn reading(&self) -> Result<Reading> {
+        self.of_file(0, 1)
+    }
+
+    /// How file `index` of `files` is read: options that are given once are for all, others for one file each.
+    pub fn of_file(&self, index: usize, files: usize) -> Result<Reading> {
+        let mut columns = Columns::default();
+        for text in &self.column {
+            columns = columns.with_text(text).map_err(Error::into_usage)?;
+        }
+        let own = Reading {
+            columns,
+            length: pick(&self.unit, "unit", index, files)?,
+            time: pick(&self.time_unit, "time_unit", index, files)?,
+            angle: pick(&self.angle_unit, "angle_unit", index, files)?,
+            quaternion: pick(&self.quaternion, "quaternion", index, files)?,
+            crop: pick(&self.crop, "crop", index, files)?,
+            only: pick(&self.whose, "where", index, files)?,
+            sort: self.sort_samples.then_some(true),
+            skip_lost: self.skip_lost.then_some(true),
+            skip_lines: self.skip_lines,
+        };
+        match pick(&self.reading_files, "reading", index, files)? {
+            Some(path) if path.as_os_str() != "-" => Ok(own.or(&Reading::read(path)?)),
+            _ => Ok(own),
+        }
+    }
+}

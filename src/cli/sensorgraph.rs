@@ -1,0 +1,239 @@
+//! `realgap sensorgraph`: polynomial models of what a scanner reads at a place.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Subcommand, ValueEnum};
+use realgap::file::{check_writable, write_atomic};
+use realgap::plot::check_picture_path;
+use realgap::results::draw_segment;
+use realgap::sensing::graph::regression::Stop;
+use realgap::sensing::graph::{
+    Evaluation, Frame, GraphOptions, Language, ScanLog, Sensorgraph, fit, functions,
+};
+use realgap::{Error, Result};
+
+use super::option::Format as Print;
+use super::terminal;
+
+/// Make polynomials of what a scanner reads at a place, and hold them against a log they have not seen (paper 001)
+///
+/// A log is CSV with t_s, x_m, y_m, heading_rad and a column for every beam (range_000_m, range_002_m … in degrees counter-clockwise
+/// from straight ahead), or a CARMEN log with FLASER lines.
+#[derive(Debug, Args)]
+pub struct SensorgraphCommand {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, Subcommand)]
+enum Action {
+    Fit(Fit),
+    Evaluate(Evaluate),
+    Print(PrintOut),
+}
+
+/// Which part of a log.
+#[derive(Debug, Clone, Args)]
+struct Part {
+    /// Begin after this share of the way, 0 to 1
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    from: f64,
+    /// End after this share of the way
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0)]
+    to: f64,
+}
+
+impl Part {
+    fn of(&self, log: &ScanLog) -> Result<ScanLog> {
+        if !(0.0 <= self.from && self.from < self.to && self.to <= 1.0) {
+            return Err(Error::usage("not a part of the way")
+                .field("--from, --to")
+                .found(format!("{} to {}", self.from, self.to))
+                .allowed("two increasing shares, 0 to 1"));
+        }
+        let part = log.part(self.from, self.to);
+        if part.scans.is_empty() {
+            return Err(Error::usage("no scan lies in this part of the way").field("--from, --to"));
+        }
+        Ok(part)
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FrameOption {
+    /// What foretells parts of the way that are left out better
+    Auto,
+    /// A polynomial for every range of headings and every segment
+    Robot,
+    /// A polynomial for every direction of the world
+    World,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum StopOption {
+    /// What foretells parts of the way that are left out best (the degree, too)
+    Validation,
+    /// Akaike's information criterion
+    Aic,
+    /// The Bayesian information criterion
+    Bic,
+    /// Once --ratio of the squares is explained
+    Err,
+    /// At --terms
+    Terms,
+}
+
+/// Fit polynomials to a log
+#[derive(Debug, Args)]
+struct Fit {
+    /// The log
+    log: PathBuf,
+    /// Write the model into this .ron file
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Largest degree
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    degree: u32,
+    /// Ranges of headings, or directions of the world
+    #[arg(long, value_name = "N", default_value_t = 12)]
+    headings: usize,
+    /// Width of a segment, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 30.0)]
+    width: f64,
+    /// When no more terms are taken
+    #[arg(long, value_enum, default_value_t = StopOption::Validation)]
+    stop: StopOption,
+    /// With `--stop err`: share of the squares
+    #[arg(long, value_name = "SHARE", default_value_t = 0.99)]
+    ratio: f64,
+    /// With `--stop terms`: number of terms
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    terms: usize,
+    /// What the polynomials are of
+    #[arg(long, value_enum, default_value_t = FrameOption::Auto)]
+    frame: FrameOption,
+    #[command(flatten)]
+    part: Part,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Print,
+}
+
+/// Hold a model against a log that it has not seen, beside the guesses one would ask for
+#[derive(Debug, Args)]
+struct Evaluate {
+    /// The log
+    log: PathBuf,
+    /// The model that `fit` wrote
+    #[arg(long, value_name = "FILE")]
+    parameters: PathBuf,
+    #[command(flatten)]
+    part: Part,
+    /// Seed of the random guess
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Draw predicted and actual ranges of one segment along the way into this .png or .svg (as figures 12 to 15 of paper 001)
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Which segment, from 0
+    #[arg(long, value_name = "K", default_value_t = 0, requires = "plot")]
+    segment: usize,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Print,
+}
+
+/// Print the polynomials of a model, or a function in another language
+#[derive(Debug, Args)]
+struct PrintOut {
+    /// The model that `fit` wrote
+    model: PathBuf,
+    /// As a function in this language: c, python, rust
+    #[arg(long, value_name = "NAME")]
+    language: Option<String>,
+}
+
+impl SensorgraphCommand {
+    pub fn run(self) -> Result<ExitCode> {
+        match self.action {
+            Action::Fit(fit) => fit.run(),
+            Action::Evaluate(evaluate) => evaluate.run(),
+            Action::Print(print) => print.run(),
+        }
+    }
+}
+
+impl Fit {
+    fn run(self) -> Result<ExitCode> {
+        if let Some(output) = &self.output {
+            check_writable(output)?;
+        }
+        let options = GraphOptions {
+            degree: self.degree,
+            headings: self.headings,
+            width_deg: self.width,
+            stop: match self.stop {
+                StopOption::Validation => Stop::Validation,
+                StopOption::Aic => Stop::Aic,
+                StopOption::Bic => Stop::Bic,
+                StopOption::Err => Stop::Err(self.ratio),
+                StopOption::Terms => Stop::Terms(self.terms),
+            },
+            frame: match self.frame {
+                FrameOption::Auto => None,
+                FrameOption::Robot => Some(Frame::Robot),
+                FrameOption::World => Some(Frame::World),
+            },
+        };
+        let log = self.part.of(&ScanLog::read(&self.log)?)?;
+        let found = fit(&log, &options).map_err(|e| e.at_file(&self.log))?;
+        terminal::print_warnings(&found.warnings);
+        if let Some(output) = &self.output {
+            write_atomic(output, found.model.to_ron()?.as_bytes())?;
+        }
+        match self.format {
+            Print::Json => terminal::print(terminal::json(&found)?),
+            Print::Table => terminal::print(found.to_string()),
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+impl Evaluate {
+    fn run(self) -> Result<ExitCode> {
+        if let Some(plot) = &self.plot {
+            check_picture_path(plot)?;
+        }
+        let model = Sensorgraph::read(&self.parameters)?;
+        let log = self.part.of(&ScanLog::read(&self.log)?)?;
+        let found = Evaluation::new(&model, &log, self.seed).map_err(|e| e.at_file(&self.log))?;
+        if let Some(plot) = &self.plot {
+            draw_segment(&model, &log, self.segment, plot)?;
+        }
+        terminal::print_warnings(&found.warnings);
+        match self.format {
+            Print::Json => terminal::print(terminal::json(&found)?),
+            Print::Table => terminal::print(found.to_string()),
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+impl PrintOut {
+    fn run(self) -> Result<ExitCode> {
+        let language = self
+            .language
+            .as_deref()
+            .map(Language::by_name)
+            .transpose()
+            .map_err(Error::into_usage)?;
+        let model = Sensorgraph::read(&self.model)?;
+        let text = match language {
+            Some(language) => functions(&model, language),
+            None => model.to_string(),
+        };
+        terminal::print(text.trim_end());
+        Ok(ExitCode::SUCCESS)
+    }
+}

@@ -1,0 +1,179 @@
+//! A servo as it is built: a position loop, a direct-current motor on a supply, and a gear that rubs.
+
+use super::assembly::ServoLaw;
+use super::flaw::Checked;
+use super::module::Range;
+
+/// A position loop that sets the duty of a direct-current motor behind a gear. Everything is seen from the output shaft.
+///
+/// duty = clamp(gain · duty per gain · error, ±1), torque = kt / R · (duty · supply − kt · speed); what the gear leaves of it
+/// says [`GearFriction`]. Switched off, the motor exerts nothing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motor {
+    /// Gain of the position loop, in the units of the servo's firmware.
+    pub position_gain: f64,
+    /// Duty per radian of error and unit of gain, 1/rad.
+    pub duty_1_rad: f64,
+    /// Voltage of the supply, V.
+    pub supply_v: f64,
+    /// Torque per current behind the gear, N m/A; the same number is the back-EMF per speed, V s/rad.
+    pub torque_constant_nm_a: f64,
+    /// Resistance of winding and driver, ohm.
+    pub resistance_ohm: f64,
+    /// How much the supply gives way while the driver chops: voltage missing during the on-time is this times current times
+    /// duty · (1 − duty), as the ripple on a capacitor is, ohm; 0 for a stiff supply.
+    pub ripple_ohm: f64,
+    /// Inertia of the rotor as the output shaft feels it: times the square of the gear ratio, kg m².
+    pub armature_kg_m2: f64,
+    /// Largest change of the duty per second, 1/s; infinite where it may jump.
+    pub slew_1_s: f64,
+    /// What the gear takes.
+    pub friction: GearFriction,
+}
+
+impl Motor {
+    /// Torque that the motor loses per speed of the output: back-EMF, N m s/rad.
+    pub fn damping_nm_s_rad(&self) -> f64 {
+        self.torque_constant_nm_a.powi(2) / self.resistance_ohm
+    }
+
+    /// Resistance at a duty, with what the supply gives way: duty · (supply − ripple · current · duty (1 − duty)) drives the
+    /// current, so the ripple acts as a resistance, ohm.
+    pub fn resistance_at_ohm(&self, duty: f64) -> f64 {
+        let duty = duty.abs();
+        self.resistance_ohm + self.ripple_ohm * duty * duty * (1.0 - duty)
+    }
+
+    /// Torque per error while the duty is not at its limit, N m/rad.
+    pub fn stiffness_nm_rad(&self) -> f64 {
+        self.position_gain * self.duty_1_rad * self.stall_nm()
+    }
+
+    /// Torque at full duty and standstill, before the gear takes its part, N m.
+    pub fn stall_nm(&self) -> f64 {
+        self.torque_constant_nm_a * self.supply_v / self.resistance_ohm
+    }
+}
+
+/// Friction of a gear as a budget: at most this much torque against the motion, or against what would cause one.
+///
+/// budget = dry + viscous · |speed| + motor load · |motor| + output load · |output| + quadratic · motor², dry part and load
+/// shares with a Stribeck part that only acts near standstill, by exp(−(|speed| / Stribeck speed)^shape). All zero: a gear
+/// without friction.
+/// The terms are those of Duclusaud, Passault et al. ("Extended friction models for the physics simulation of servo
+/// actuators", 2024), but for the output torque, which is here what the gear itself passes on (motor minus friction), so that
+/// the budget needs no torque of the step before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GearFriction {
+    /// Coulomb friction, N m.
+    pub dry_nm: f64,
+    /// Viscous friction, N m s/rad.
+    pub viscous_nm_s_rad: f64,
+    /// Further dry friction at standstill, N m.
+    pub stribeck_nm: f64,
+    /// Speed at which the Stribeck parts have fallen to 1/e, rad/s.
+    pub stribeck_speed_rad_s: f64,
+    /// How sharply they fall: 1 exponentially, 2 as a bell.
+    pub stribeck_shape: f64,
+    /// Share of the motor's torque that is lost.
+    pub motor_load: f64,
+    /// Share of the output's torque that is lost, below 1.
+    pub output_load: f64,
+    /// Further share of both at standstill.
+    pub stribeck_load: f64,
+    /// Loss that grows with the square of the motor's torque, 1/(N m).
+    pub quadratic_1_nm: f64,
+}
+
+impl Default for GearFriction {
+    fn default() -> Self {
+        Self {
+            dry_nm: 0.0,
+            viscous_nm_s_rad: 0.0,
+            stribeck_nm: 0.0,
+            stribeck_speed_rad_s: 0.1,
+            stribeck_shape: 1.0,
+            motor_load: 0.0,
+            output_load: 0.0,
+            stribeck_load: 0.0,
+            quadratic_1_nm: 0.0,
+        }
+    }
+}
+
+impl ServoLaw {
+    /// The motor, where this is one.
+    pub fn motor(&self) -> Option<&Motor> {
+        match self {
+            Self::Motor(motor) => Some(motor),
+            Self::Velocity { .. } | Self::Torque { .. } => None,
+        }
+    }
+
+    /// The motor, where this is one.
+    pub fn motor_mut(&mut self) -> Option<&mut Motor> {
+        match self {
+            Self::Motor(motor) => Some(motor),
+            Self::Velocity { .. } | Self::Torque { .. } => None,
+        }
+    }
+}
+
+/// Checks a motor; `at` is the path of its law.
+pub(super) fn check_motor(motor: &Motor, at: &str) -> Checked<()> {
+    let Motor {
+        position_gain,
+        duty_1_rad,
+        supply_v,
+        torque_constant_nm_a,
+        resistance_ohm,
+        ripple_ohm,
+        armature_kg_m2,
+        slew_1_s,
+        friction,
+    } = *motor;
+    let path = |field: &str| format!("{at}.{field}");
+    Range::within(0.0, 1e6, "").check(position_gain, &path("position_gain"))?;
+    Range::above(0.0, 1e6, "1/rad").check(duty_1_rad, &path("duty_1_rad"))?;
+    Range::within(0.0, 1000.0, "V").check(supply_v, &path("supply_v"))?;
+    Range::above(0.0, 1000.0, "N m/A")
+        .check(torque_constant_nm_a, &path("torque_constant_nm_a"))?;
+    Range::above(0.0, 1e6, "ohm").check(resistance_ohm, &path("resistance_ohm"))?;
+    Range::within(0.0, 1e6, "ohm").check(ripple_ohm, &path("ripple_ohm"))?;
+    Range::within(0.0, 1000.0, "kg m^2").check(armature_kg_m2, &path("armature_kg_m2"))?;
+    // Infinity is the way to say "no limit"; files say it by leaving the field out.
+    if slew_1_s.is_nan() || slew_1_s < f64::INFINITY {
+        Range::above(0.0, 1e6, "1/s").check(slew_1_s, &path("slew_1_s"))?;
+    }
+    let path = |field: &str| format!("{at}.friction.{field}");
+    let GearFriction {
+        dry_nm,
+        viscous_nm_s_rad,
+        stribeck_nm,
+        stribeck_speed_rad_s,
+        stribeck_shape,
+        motor_load,
+        output_load,
+        stribeck_load,
+        quadratic_1_nm,
+    } = friction;
+    Range::within(0.0, 1e4, "N m").check(dry_nm, &path("dry_nm"))?;
+    Range::within(0.0, 1e4, "N m s/rad").check(viscous_nm_s_rad, &path("viscous_nm_s_rad"))?;
+    Range::within(0.0, 1e4, "N m").check(stribeck_nm, &path("stribeck_nm"))?;
+    Range::above(0.0, 1000.0, "rad/s")
+        .check(stribeck_speed_rad_s, &path("stribeck_speed_rad_s"))?;
+    Range::within(0.1, 10.0, "").check(stribeck_shape, &path("stribeck_shape"))?;
+    // With an output share of 1 the gear would lock itself at any load.
+    for (field, value) in [
+        ("motor_load", motor_load),
+        ("output_load", output_load),
+        ("stribeck_load", stribeck_load),
+    ] {
+        Range::within(0.0, MOST_LOAD, "").check(value, &path(field))?;
+    }
+    Range::within(0.0, 1000.0, "1/(N m)").check(quadratic_1_nm, &path("quadratic_1_nm"))?;
+    Ok(())
+}
+
+/// Largest share of a load that a gear may take.
+pub const MOST_LOAD: f64 = 0.95;

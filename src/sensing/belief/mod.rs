@@ -1,0 +1,127 @@
+//! Discrete Bayes filter over the distance (paper 000, algorithm 1), in logarithms.
+
+mod experiment;
+mod words;
+
+use super::range::{Beam, RangeSensor};
+
+pub use experiment::{BeliefOptions, BeliefReport, Side, TrialSet};
+
+/// Probabilities of distances on a grid.
+///
+/// Logarithms keep products of many small densities apart from 0. Where a reading has density 0 everywhere (or no number is left), all
+/// mass is gone: the belief starts again from the uniform one, and counts it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Belief {
+    distances_m: Vec<f64>,
+    log_weights: Vec<f64>,
+    restarts: usize,
+}
+
+impl Belief {
+    /// The same belief in `cells` distances from one to the other.
+    pub fn uniform(near_m: f64, far_m: f64, cells: usize) -> Self {
+        let cells = cells.max(2);
+        let step = (far_m - near_m) / (cells - 1) as f64;
+        Self::on((0..cells).map(|k| near_m + step * k as f64).collect())
+    }
+
+    /// The same belief in each of these distances: any grid.
+    pub fn on(distances_m: Vec<f64>) -> Self {
+        Self {
+            log_weights: vec![0.0; distances_m.len()],
+            distances_m,
+            restarts: 0,
+        }
+    }
+
+    /// The grid, metres.
+    pub fn distances_m(&self) -> &[f64] {
+        &self.distances_m
+    }
+
+    /// How often all mass was gone.
+    pub fn restarts(&self) -> usize {
+        self.restarts
+    }
+
+    /// Takes a reading into account: p ← constant · p(z | d) p.
+    pub fn observe(&mut self, sensor: &dyn RangeSensor, reading: f64) {
+        for (weight, distance_m) in self.log_weights.iter_mut().zip(&self.distances_m) {
+            *weight += sensor.log_density(reading, &Beam::straight(*distance_m));
+        }
+        self.normalise();
+    }
+
+    /// Takes a motion into account: the distance becomes less by `closer_m` with this standard deviation. Mass that leaves the grid
+    /// stays at its end.
+    pub fn move_by(&mut self, closer_m: f64, sd_m: f64) {
+        let old = self.probabilities();
+        let least = self.cell_m() * 0.3;
+        let sd = sd_m.max(least);
+        let mut new = vec![0.0; old.len()];
+        let (low, high) = (self.distances_m[0], self.distances_m[old.len() - 1]);
+        for (p, from) in old.iter().zip(&self.distances_m).filter(|(p, _)| **p > 0.0) {
+            let centre = (from - closer_m).clamp(low, high);
+            let weights: Vec<f64> = self
+                .distances_m
+                .iter()
+                .map(|to| libm::exp(-0.5 * ((to - centre) / sd).powi(2)))
+                .collect();
+            let sum: f64 = weights.iter().sum();
+            for (target, weight) in new.iter_mut().zip(weights) {
+                *target += p * weight / sum;
+            }
+        }
+        self.log_weights = new.iter().map(|p| libm::log(*p)).collect();
+        self.normalise();
+    }
+
+    /// Mean width of a cell, metres.
+    fn cell_m(&self) -> f64 {
+        let last = self.distances_m.len() - 1;
+        (self.distances_m[last] - self.distances_m[0]) / last as f64
+    }
+
+    fn normalise(&mut self) {
+        let most = self
+            .log_weights
+            .iter()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max);
+        if !most.is_finite() {
+            self.log_weights.iter_mut().for_each(|w| *w = 0.0);
+            self.restarts += 1;
+            return;
+        }
+        self.log_weights.iter_mut().for_each(|w| *w -= most);
+    }
+
+    /// Probability of each distance; they sum to 1.
+    pub fn probabilities(&self) -> Vec<f64> {
+        let weights: Vec<f64> = self.log_weights.iter().map(|w| libm::exp(*w)).collect();
+        let sum: f64 = weights.iter().sum();
+        weights.iter().map(|w| w / sum).collect()
+    }
+
+    /// Mean distance, metres.
+    pub fn mean_m(&self) -> f64 {
+        self.probabilities()
+            .iter()
+            .zip(&self.distances_m)
+            .map(|(p, d)| p * d)
+            .sum()
+    }
+
+    /// Standard deviation, metres.
+    pub fn sd_m(&self) -> f64 {
+        let mean = self.mean_m();
+        let variance: f64 = self
+            .probabilities()
+            .iter()
+            .zip(&self.distances_m)
+            .map(|(p, d)| p * (d - mean).powi(2))
+            .sum();
+        variance.sqrt()
+    }
+}

@@ -1,0 +1,19 @@
+//! Sensorgraphs: what a scanner reads at a place, as transparent polynomials (paper 001).
+//!
+//! A [`ScanLog`] of poses and scans becomes medians of segments; for each heading and segment, or for each direction of the world,
+//! [`fit`](fit()) finds a polynomial in (x, y) whose terms forward regression chooses ([`regression`]). An [`Evaluation`] holds the
+//! model against a log that it has not seen, beside the guesses that a reader would ask for.
+
+mod evaluation;
+mod export;
+mod fit;
+mod model;
+pub mod regression;
+mod scan;
+mod words;
+
+pub use evaluation::{Evaluation, SegmentReport};
+pub use export::{Language, functions};
+pub use fit::{FittedGraph, GraphOptions, fit};
+pub use model::{Frame, LoggedPose, Polynomial, Sensorgraph, Term};
+pub use scan::{Scan, ScanLog};

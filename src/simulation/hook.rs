@@ -1,0 +1,86 @@
+//! What the engine asks about contacts: which modules pass through each other, and how contacts rub.
+
+use nalgebra::Vector3;
+
+use super::engine::Real;
+use super::engine::dynamics::RigidBodyHandle;
+use super::engine::geometry::{ColliderHandle, SolverFlags};
+use super::engine::math::Vector;
+use super::engine::pipeline::{ContactModificationContext, PairFilterContext, PhysicsHooks};
+use super::friction::Friction;
+use super::world::{from_vector, to_vector};
+
+/// A body that is driven along a track: the engine learns its velocity only after it has asked about contacts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Driven {
+    /// The body.
+    pub body: RigidBodyHandle,
+    /// Velocity of the body's origin, world frame, m/s.
+    pub linear_world_m_s: Vector3<f64>,
+    /// Angular velocity, world frame, rad/s.
+    pub angular_world_rad_s: Vector3<f64>,
+    /// The body's origin, world frame, metres.
+    pub origin_world_m: Vector3<f64>,
+}
+
+impl Driven {
+    /// A body that has not moved yet.
+    pub fn at_rest(body: RigidBodyHandle) -> Self {
+        Self {
+            body,
+            linear_world_m_s: Vector3::zeros(),
+            angular_world_rad_s: Vector3::zeros(),
+            origin_world_m: Vector3::zeros(),
+        }
+    }
+
+    /// Velocity at a point of the world, m/s.
+    pub fn velocity_at(&self, point: Vector) -> Vector {
+        let arm = from_vector(point) - self.origin_world_m;
+        to_vector(&(self.linear_world_m_s + self.angular_world_rad_s.cross(&arm)))
+    }
+}
+
+/// Number of a module as a collider carries it; 0 is for all others.
+pub(super) fn module_mark(module: usize) -> u128 {
+    module as u128 + 1
+}
+
+/// Answers to the engine's questions about contacts.
+#[derive(Default)]
+pub(super) struct Hooks {
+    /// Turns sliding friction opposite to slip; only where every contact has a cone of its own.
+    pub friction: Option<Friction>,
+    /// Pairs of modules that never touch.
+    pub apart: Vec<(usize, usize)>,
+    /// Friction of pairs with these colliders, whatever the other one is.
+    pub pair_friction: Vec<(ColliderHandle, Real)>,
+    /// Bodies that are driven along tracks.
+    pub driven: Vec<Driven>,
+}
+
+impl PhysicsHooks for Hooks {
+    fn filter_contact_pair(&self, context: &PairFilterContext<'_>) -> Option<SolverFlags> {
+        let mark = |handle: ColliderHandle| context.colliders.get(handle).map(|c| c.user_data);
+        let marks = (mark(context.collider1)?, mark(context.collider2)?);
+        let is_apart = self.apart.iter().any(|&(a, b)| {
+            let pair = (module_mark(a), module_mark(b));
+            marks == pair || marks == (pair.1, pair.0)
+        });
+        (!is_apart).then_some(SolverFlags::default())
+    }
+
+    fn modify_solver_contacts(&self, context: &mut ContactModificationContext<'_>) {
+        let colliders = [context.collider1, context.collider2];
+        let own = self
+            .pair_friction
+            .iter()
+            .find(|(collider, _)| colliders.contains(collider));
+        if let (Some((_, friction)), Some(manifold)) = (own, context.rigid_mut()) {
+            *manifold.friction = *friction;
+        }
+        if let Some(friction) = &self.friction {
+            friction.oppose_slip(context, &self.driven);
+        }
+    }
+}

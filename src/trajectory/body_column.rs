@@ -1,0 +1,81 @@
+//! Files with the poses of several bodies: columns `NAME_x_m,NAME_y_m,…` beside or in place of `x_m,y_m,…`.
+
+use std::collections::BTreeSet;
+
+/// The bodies that have columns of their own, in the order of the file.
+pub(super) fn names(columns: &[&str]) -> Vec<String> {
+    columns
+        .iter()
+        .filter_map(|column| column.strip_suffix("_x_m"))
+        .filter(|name| !name.is_empty() && columns.contains(&format!("{name}_y_m").as_str()))
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Whether the file has a path without a body's name.
+pub(super) fn has_plain(columns: &[&str]) -> bool {
+    columns.contains(&"x_m")
+}
+
+/// The same text with the columns of one body called as if it were alone; those of all others keep their places.
+pub(super) fn as_if_alone(text: &str, name: &str) -> String {
+    let mut header_is_done = false;
+    let mut alone = String::with_capacity(text.len());
+    for line in text.split_inclusive('\n') {
+        if header_is_done || line.trim().is_empty() {
+            alone.push_str(line);
+            continue;
+        }
+        header_is_done = true;
+        let end = &line[line.trim_end_matches(['\r', '\n']).len()..];
+        let cells: Vec<&str> = line.trim_end_matches(['\r', '\n']).split(',').collect();
+        let prefix = format!("{name}_");
+        let own: BTreeSet<&str> = cells
+            .iter()
+            .filter_map(|cell| cell.trim().strip_prefix(&prefix))
+            .collect();
+        let renamed: Vec<String> = cells
+            .iter()
+            .map(|cell| match cell.trim() {
+                cell if own.contains(cell) => format!("other_{cell}"),
+                cell => cell.strip_prefix(&prefix).unwrap_or(cell).to_owned(),
+            })
+            .collect();
+        alone.push_str(&renamed.join(","));
+        alone.push_str(end);
+    }
+    alone
+}
+
+/// Whether every column belongs to one of these bodies, or is the time.
+pub(super) fn all_belong(columns: &[&str], bodies: &[String]) -> bool {
+    columns.iter().all(|column| {
+        let is_of = |name: &String| {
+            let rest = column.strip_prefix(name.as_str());
+            rest.is_some_and(|rest| rest.starts_with('_'))
+        };
+        *column == "t_s" || bodies.iter().any(is_of)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_of_several_bodies_is_read_as_if_it_were_alone() {
+        let text = "t_s,a_x_m,a_y_m,b_x_m,b_y_m\n0,1,2,3,4\n";
+        let columns = ["t_s", "a_x_m", "a_y_m", "b_x_m", "b_y_m"];
+        assert_eq!(names(&columns), ["a", "b"]);
+        assert!(!has_plain(&columns) && all_belong(&columns, &names(&columns)));
+        assert_eq!(
+            as_if_alone(text, "b"),
+            "t_s,a_x_m,a_y_m,x_m,y_m\n0,1,2,3,4\n"
+        );
+        let mixed = "t_s,x_m,y_m,b_x_m,b_y_m\n0,1,2,3,4\n";
+        assert_eq!(
+            as_if_alone(mixed, "b"),
+            "t_s,other_x_m,other_y_m,x_m,y_m\n0,1,2,3,4\n"
+        );
+    }
+}
