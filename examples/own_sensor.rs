@@ -27,7 +27,8 @@ impl RangeSensor for Whisker {
     }
 }
 
-fn main() -> Result<()> {
+/// Prints what a log of it becomes, and what a filter believes of it.
+pub fn main() -> Result<()> {
     let mut rng = Numbered::SensorReading.generator(1, 0);
     let mut log = String::from("distance_cm,reading_bend\n");
     for distance_cm in 1..=8 {

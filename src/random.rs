@@ -130,11 +130,13 @@ pub enum Once {
     Subset,
     /// Guesses that know nothing, for others to be better than.
     RandomGuess,
+    /// Where a robot that walks at random turns.
+    RandomWalk,
 }
 
 impl Once {
     /// Every stream.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Resampling,
         Self::Split,
         Self::BestPoint,
@@ -142,6 +144,7 @@ impl Once {
         Self::Permutation,
         Self::Subset,
         Self::RandomGuess,
+        Self::RandomWalk,
     ];
 
     fn number(self) -> u64 {
@@ -153,6 +156,7 @@ impl Once {
             Self::Permutation => 4,
             Self::Subset => 30,
             Self::RandomGuess => 31,
+            Self::RandomWalk => 32,
         }
     }
 

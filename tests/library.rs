@@ -5,6 +5,8 @@ mod common;
 
 #[path = "../examples/compare.rs"]
 mod compare;
+#[path = "../examples/own_sensor.rs"]
+mod own_sensor;
 #[path = "../examples/predict.rs"]
 mod predict;
 #[path = "../examples/sweep.rs"]
@@ -25,7 +27,13 @@ use realgap::{ErrorKind, Progress, RunOptions, trajectory};
 
 #[test]
 fn every_example_runs() {
-    for example in [sweep::main, tune::main, compare::main, predict::main] {
+    for example in [
+        sweep::main,
+        tune::main,
+        compare::main,
+        predict::main,
+        own_sensor::main,
+    ] {
         example().unwrap();
     }
 }

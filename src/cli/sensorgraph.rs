@@ -1,4 +1,4 @@
-//! `realgap sensorgraph`: polynomial models of what a scanner reads at a place.
+//! `realgap sensorgraph`: logs of a scanner, polynomial models of what it reads at a place.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -7,10 +7,13 @@ use clap::{Args, Subcommand, ValueEnum};
 use realgap::file::{check_writable, write_atomic};
 use realgap::plot::check_picture_path;
 use realgap::results::draw_segment;
+use realgap::sensing::arena::Arena;
 use realgap::sensing::graph::regression::Stop;
 use realgap::sensing::graph::{
-    Evaluation, Frame, GraphOptions, Language, ScanLog, Sensorgraph, fit, functions,
+    Evaluation, Frame, GraphOptions, Language, Logger, ScanLog, Sensorgraph, fit, functions,
 };
+use realgap::sensing::range::find_sensor;
+use realgap::unit::counted;
 use realgap::{Error, Result};
 
 use super::option::Format as Print;
@@ -28,6 +31,7 @@ pub struct SensorgraphCommand {
 
 #[derive(Debug, Subcommand)]
 enum Action {
+    Log(Log),
     Fit(Fit),
     Evaluate(Evaluate),
     Print(PrintOut),
@@ -84,6 +88,61 @@ enum StopOption {
     Terms,
 }
 
+/// Let a simulated robot log scans in an arena: a stand-in for a real log, with known walls
+///
+/// It walks at random from where the arena says that robots start, or goes along `--way`, turning on the spot.
+#[derive(Debug, Args)]
+struct Log {
+    /// The arena
+    arena: PathBuf,
+    /// The log to write (.csv)
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Scans of the random walk
+    #[arg(long, value_name = "N", default_value_t = 1400, conflicts_with = "way")]
+    samples: usize,
+    /// Go along straight lines between these places, metres
+    #[arg(long, value_name = "X,Y:X,Y…", value_parser = way, allow_hyphen_values = true)]
+    way: Option<Way>,
+    /// What it sees with: a shipped sensor or a model's .ron file whose readings are lengths
+    #[arg(long, value_name = "SENSOR", default_value = "laser")]
+    sensor: String,
+    /// Beams of a scan
+    #[arg(long, value_name = "N", default_value_t = Logger::default().beams)]
+    beams: usize,
+    /// From the rightmost to the leftmost, degrees
+    #[arg(long, value_name = "DEG", default_value_t = Logger::default().view_deg)]
+    view: f64,
+    /// Time from one scan to the next, seconds
+    #[arg(long, value_name = "S", default_value_t = Logger::default().interval_s)]
+    interval: f64,
+    /// Speed of the robot, m/s
+    #[arg(long, value_name = "M_S", default_value_t = Logger::default().speed_m_s)]
+    speed: f64,
+    /// Radius of the robot, metres
+    #[arg(long, value_name = "M", default_value_t = Logger::default().radius_m)]
+    radius: f64,
+    /// Seed of the walk and of the readings
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+}
+
+/// Places to go to, metres.
+#[derive(Debug, Clone)]
+struct Way(Vec<[f64; 2]>);
+
+fn way(text: &str) -> std::result::Result<Way, String> {
+    let place = |text: &str| -> Option<[f64; 2]> {
+        let (x, y) = text.split_once(',')?;
+        let number = |text: &str| text.trim().parse().ok().filter(|v: &f64| v.is_finite());
+        Some([number(x)?, number(y)?])
+    };
+    text.split(':')
+        .map(|part| place(part).ok_or_else(|| format!("`{part}` is no place, e.g. 1.5,2")))
+        .collect::<std::result::Result<_, _>>()
+        .map(Way)
+}
+
 /// Fit polynomials to a log
 #[derive(Debug, Args)]
 struct Fit {
@@ -128,6 +187,9 @@ struct Evaluate {
     /// The model that `fit` wrote
     #[arg(long, value_name = "FILE")]
     parameters: PathBuf,
+    /// Cast ideal beams in this arena, as one more guess
+    #[arg(long, value_name = "FILE")]
+    arena: Option<PathBuf>,
     #[command(flatten)]
     part: Part,
     /// Seed of the random guess
@@ -157,10 +219,39 @@ struct PrintOut {
 impl SensorgraphCommand {
     pub fn run(self) -> Result<ExitCode> {
         match self.action {
+            Action::Log(log) => log.run(),
             Action::Fit(fit) => fit.run(),
             Action::Evaluate(evaluate) => evaluate.run(),
             Action::Print(print) => print.run(),
         }
+    }
+}
+
+impl Log {
+    fn run(self) -> Result<ExitCode> {
+        check_writable(&self.output)?;
+        let arena = Arena::read(&self.arena)?;
+        let sensor = find_sensor(&self.sensor)?;
+        let logger = Logger {
+            beams: self.beams,
+            view_deg: self.view,
+            interval_s: self.interval,
+            speed_m_s: self.speed,
+            radius_m: self.radius,
+            ..Logger::default()
+        };
+        let log = match &self.way {
+            Some(Way(places)) => logger.follow(&arena, &sensor, places, self.seed),
+            None => logger.walk(&arena, &sensor, self.samples, self.seed),
+        };
+        let log = log.map_err(|e| e.at_file(&self.arena))?;
+        write_atomic(&self.output, log.to_csv().as_bytes())?;
+        terminal::print(format!(
+            "{} in {}",
+            counted(log.scans.len(), "scan"),
+            self.output.display()
+        ));
+        Ok(ExitCode::SUCCESS)
     }
 }
 
@@ -207,7 +298,9 @@ impl Evaluate {
         }
         let model = Sensorgraph::read(&self.parameters)?;
         let log = self.part.of(&ScanLog::read(&self.log)?)?;
-        let found = Evaluation::new(&model, &log, self.seed).map_err(|e| e.at_file(&self.log))?;
+        let arena = self.arena.as_ref().map(Arena::read).transpose()?;
+        let found = Evaluation::new(&model, &log, arena.as_ref(), self.seed)
+            .map_err(|e| e.at_file(&self.log))?;
         if let Some(plot) = &self.plot {
             draw_segment(&model, &log, self.segment, plot)?;
         }

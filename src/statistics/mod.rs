@@ -2,6 +2,7 @@
 //!
 //! Checked against scipy and statsmodels where they have the same quantity (tests/statistic.rs).
 
+mod autocorrelation;
 mod bootstrap;
 mod describe;
 mod energy;
@@ -12,6 +13,7 @@ mod proportion;
 mod rank;
 mod significance;
 
+pub use autocorrelation::{autocorrelation_time, independent_pairs};
 pub use bootstrap::{Resample, percentile_interval, resamples, smaller_resamples};
 pub use describe::{mean, median, quantile, standard_deviation};
 pub use energy::{EnergyTest, PERMUTATIONS, energy_test};
@@ -19,4 +21,6 @@ pub use jackknife::{Degree, jackknife_interval};
 pub use matern::matern_5_2;
 pub use normality::{LEAST_FOR_NORMALITY, anderson_darling};
 pub use proportion::{Proportion, normal_quantile};
-pub use significance::{PValueMethod, SampleTest, kolmogorov_smirnov, mann_whitney, spearman};
+pub use significance::{
+    PValueMethod, SampleTest, kolmogorov_smirnov, mann_whitney, spearman, spearman_worth,
+};

@@ -142,6 +142,14 @@ pub fn kolmogorov_smirnov(x: &[f64], y: &[f64]) -> Result<SampleTest> {
 /// # Errors
 /// Samples of different length, fewer than three values, values that are not finite, a constant sample.
 pub fn spearman(x: &[f64], y: &[f64]) -> Result<SampleTest> {
+    spearman_worth(x, y, x.len() as f64)
+}
+
+/// As [`spearman`], where the pairs are worth only so many independent ones ([`independent_pairs`](super::independent_pairs)).
+///
+/// # Errors
+/// As [`spearman`], and fewer than three independent pairs.
+pub fn spearman_worth(x: &[f64], y: &[f64], pairs: f64) -> Result<SampleTest> {
     check_sample("x", x, 3)?;
     check_sample("y", y, 3)?;
     if x.len() != y.len() {
@@ -165,7 +173,14 @@ pub fn spearman(x: &[f64], y: &[f64]) -> Result<SampleTest> {
         ));
     }
     let statistic = (xy / (xx * yy).sqrt()).clamp(-1.0, 1.0);
-    let freedom = (x.len() - 2) as f64;
+    if pairs.is_nan() || pairs < 3.0 {
+        return Err(
+            Error::invalid("too few independent pairs for a correlation")
+                .found(format!("{pairs:.1}"))
+                .allowed("3 or more"),
+        );
+    }
+    let freedom = pairs - 2.0;
     // 2 P(T > |t|) with t² = ρ² ν / (1 − ρ²), so that ν / (ν + t²) = 1 − ρ².
     let p_value = match 1.0 - statistic * statistic {
         rest if rest > 0.0 => beta_reg(freedom / 2.0, 0.5, rest.min(1.0)),

@@ -7,7 +7,11 @@ use super::model::{NOTHING, Sensorgraph};
 use super::scan::{ScanLog, wrapped};
 use crate::error::{Error, Result};
 use crate::random::Once;
-use crate::statistics::{mann_whitney, mean, spearman, standard_deviation};
+use crate::sensing::arena::Arena;
+use crate::statistics::{
+    autocorrelation_time, independent_pairs, mann_whitney, mean, spearman, spearman_worth,
+    standard_deviation,
+};
 use crate::warning::{Code, Warning};
 
 /// One segment of the scan.
@@ -19,17 +23,21 @@ pub struct SegmentReport {
     pub samples: usize,
     /// Mean absolute error, metres.
     pub mean_absolute_error_m: f64,
-    /// Its standard error, as if scans were independent, metres.
+    /// Its standard error, metres: scans along the way count as often as their errors are independent.
     pub standard_error_m: f64,
+    /// So many scans are worth one independent error.
+    pub scans_per_error: f64,
     /// Mean absolute error of the segment's mean over the log of the fit, metres.
     pub baseline_constant_m: f64,
     /// Mean absolute error of the reading at the nearest logged pose, metres.
     pub baseline_nearest_m: Option<f64>,
+    /// Mean absolute error of ideal beams in an arena, where one is given.
+    pub baseline_ray_casting_m: Option<f64>,
     /// Spearman's rank correlation of predicted and actual ranges; `None` where one of the two does not vary.
     pub spearman: Option<f64>,
-    /// Its p value, as if scans were independent.
+    /// Its p value for as many independent pairs as the way is worth; `None` where these are fewer than three.
     pub p: Option<f64>,
-    /// p value of Mann and Whitney's test of the errors against those of a random guess.
+    /// p value of Mann and Whitney's test of the errors against those of a random guess, of as many scans as are nearly independent.
     pub mann_whitney_p: f64,
 }
 
@@ -46,14 +54,18 @@ pub struct Evaluation {
     pub baseline_nearest_m: Option<f64>,
     /// Of the reading at the nearest logged place, turned to the heading: the log itself used as a map.
     pub baseline_nearest_turned_m: Option<f64>,
+    /// Of ideal beams in an arena, where one is given.
+    pub baseline_ray_casting_m: Option<f64>,
     /// Of a guess drawn evenly from the ranges of the log.
     pub baseline_random_m: f64,
     /// Spearman's rank correlation of predicted and actual ranges, all segments together.
     pub spearman: Option<f64>,
-    /// Its p value, as if samples were independent.
+    /// Its p value for as many independent pairs as the way is worth in its best segment: segments of one scan count once.
     pub p: Option<f64>,
-    /// p value of Mann and Whitney's test of the errors against those of the random guess.
+    /// p value of Mann and Whitney's test of the errors against those of the random guess, of one scan in `every`.
     pub mann_whitney_p: f64,
+    /// From so many scans to as many later the errors of every segment are nearly independent.
+    pub every: usize,
     /// Scans of the log,
     pub scans: usize,
     /// and segments in which something came back.
@@ -76,6 +88,7 @@ struct Sample {
     random_m: f64,
     nearest_m: Option<f64>,
     turned_m: Option<f64>,
+    cast_m: Option<f64>,
 }
 
 /// Parts of the way whose means are taken as independent.
@@ -84,12 +97,17 @@ const PARTS: usize = 10;
 const METRES_PER_RADIAN: f64 = 1.0;
 
 impl Evaluation {
-    /// Holds the model against a log.
+    /// Holds the model against a log; `arena` is where ideal beams are cast to compare with.
     ///
     /// # Errors
     /// A log whose beams do not cover the model's segments, or from which nothing came back.
-    pub fn new(model: &Sensorgraph, log: &ScanLog, seed: u64) -> Result<Self> {
-        let samples = samples(model, log, seed);
+    pub fn new(
+        model: &Sensorgraph,
+        log: &ScanLog,
+        arena: Option<&Arena>,
+        seed: u64,
+    ) -> Result<Self> {
+        let samples = samples(model, log, arena, seed);
         if samples.is_empty() {
             return Err(
                 Error::invalid("nothing came back from any segment of the model").hint(
@@ -99,14 +117,27 @@ impl Evaluation {
         }
         let all: Vec<&Sample> = samples.iter().collect();
         let whole = errors(&all);
-        let (random_m, mann_whitney_p) = against_random(&all)?;
-        let (rank, p) = ranks(&all);
-        let segments = (0..model.segments_deg.len())
-            .filter_map(|segment| {
-                let own: Vec<&Sample> = samples.iter().filter(|s| s.segment == segment).collect();
-                (!own.is_empty()).then(|| segment_report(model.segments_deg[segment], &own))
+        let by_segment: Vec<(f64, Vec<&Sample>)> = model
+            .segments_deg
+            .iter()
+            .enumerate()
+            .map(|(segment, degrees)| {
+                let own = samples.iter().filter(|s| s.segment == segment);
+                (*degrees, own.collect())
             })
+            .filter(|(_, own): &(f64, Vec<&Sample>)| !own.is_empty())
+            .collect();
+        let segments: Vec<SegmentReport> = by_segment
+            .iter()
+            .map(|(degrees, own)| segment_report(*degrees, own))
             .collect::<Result<_>>()?;
+        let every = segments
+            .iter()
+            .map(|s| s.scans_per_error.ceil() as usize)
+            .fold(1, usize::max);
+        let mann_whitney_p = against_random(&all, |s| s.scan % every == 0)?;
+        let pairs = by_segment.iter().map(|(_, own)| pairs_worth(own));
+        let (rank, p) = ranks(&all, pairs.fold(0.0, f64::max));
         let within = log.scans.iter().filter(|scan| {
             let [u, v] = model.scaled(scan.position_world_m);
             let (low, high) = model.extent();
@@ -138,10 +169,12 @@ impl Evaluation {
             baseline_constant_m,
             baseline_nearest_m: optional(|s| s.nearest_m),
             baseline_nearest_turned_m: optional(|s| s.turned_m),
-            baseline_random_m: random_m,
+            baseline_ray_casting_m: optional(|s| s.cast_m),
+            baseline_random_m: mean(&whole(|s| Some(s.random_m))),
             spearman: rank,
             p,
             mann_whitney_p,
+            every,
             scans: log.scans.len(),
             samples: samples.len(),
             outside,
@@ -161,33 +194,57 @@ fn errors<'a>(samples: &'a [&Sample]) -> impl Fn(fn(&Sample) -> Option<f64>) -> 
     }
 }
 
-fn against_random(samples: &[&Sample]) -> Result<(f64, f64)> {
-    let of = errors(samples);
-    let (own, random) = (of(|s| Some(s.predicted_m)), of(|s| Some(s.random_m)));
-    Ok((mean(&random), mann_whitney(&own, &random)?.p_value))
+/// p value of the errors of the samples that are `kept` against the random guess's; of all where hardly any are.
+fn against_random(samples: &[&Sample], kept: impl Fn(&Sample) -> bool) -> Result<f64> {
+    let thinned: Vec<&Sample> = samples.iter().copied().filter(|s| kept(s)).collect();
+    let of = errors(if thinned.is_empty() {
+        samples
+    } else {
+        &thinned
+    });
+    Ok(mann_whitney(&of(|s| Some(s.predicted_m)), &of(|s| Some(s.random_m)))?.p_value)
 }
 
-fn ranks(samples: &[&Sample]) -> (Option<f64>, Option<f64>) {
-    let of = |value: fn(&Sample) -> f64| samples.iter().map(|s| value(s)).collect::<Vec<_>>();
-    let test = spearman(&of(|s| s.predicted_m), &of(|s| s.actual_m)).ok();
-    (test.map(|t| t.statistic), test.map(|t| t.p_value))
+/// Predicted and actual ranges.
+fn both(samples: &[&Sample]) -> (Vec<f64>, Vec<f64>) {
+    samples.iter().map(|s| (s.predicted_m, s.actual_m)).unzip()
+}
+
+/// How many independent pairs of predicted and actual ranges the samples of one segment are worth.
+fn pairs_worth(samples: &[&Sample]) -> f64 {
+    let (predicted, actual) = both(samples);
+    independent_pairs(&predicted, &actual)
+}
+
+fn ranks(samples: &[&Sample], pairs: f64) -> (Option<f64>, Option<f64>) {
+    let (predicted, actual) = both(samples);
+    (
+        spearman(&predicted, &actual).ok().map(|t| t.statistic),
+        spearman_worth(&predicted, &actual, pairs)
+            .ok()
+            .map(|t| t.p_value),
+    )
 }
 
 fn segment_report(segment_deg: f64, samples: &[&Sample]) -> Result<SegmentReport> {
     let of = errors(samples);
     let own = of(|s| Some(s.predicted_m));
-    let nearest = of(|s| s.nearest_m);
-    let (rank, p) = ranks(samples);
+    let optional = |of: Vec<f64>| (!of.is_empty()).then(|| mean(&of));
+    let (rank, p) = ranks(samples, pairs_worth(samples));
+    let scans_per_error = autocorrelation_time(&own);
+    let every = scans_per_error.ceil() as usize;
     Ok(SegmentReport {
         segment_deg,
         samples: samples.len(),
         mean_absolute_error_m: mean(&own),
-        standard_error_m: standard_deviation(&own) / (own.len() as f64).sqrt(),
+        standard_error_m: standard_deviation(&own) * (scans_per_error / own.len() as f64).sqrt(),
+        scans_per_error,
         baseline_constant_m: mean(&of(|s| Some(s.constant_m))),
-        baseline_nearest_m: (!nearest.is_empty()).then(|| mean(&nearest)),
+        baseline_nearest_m: optional(of(|s| s.nearest_m)),
+        baseline_ray_casting_m: optional(of(|s| s.cast_m)),
         spearman: rank,
         p,
-        mann_whitney_p: against_random(samples)?.1,
+        mann_whitney_p: against_random(samples, |s| s.scan % every == 0)?,
     })
 }
 
@@ -207,7 +264,8 @@ fn by_parts(samples: &[&Sample], scans: usize) -> f64 {
     standard_deviation(&means) / (means.len() as f64).sqrt()
 }
 
-fn samples(model: &Sensorgraph, log: &ScanLog, seed: u64) -> Vec<Sample> {
+fn samples(model: &Sensorgraph, log: &ScanLog, arena: Option<&Arena>, seed: u64) -> Vec<Sample> {
+    let ideal = arena.map(|arena| log.cast_in(arena));
     let mut rng = Once::RandomGuess.generator(seed);
     let known = || {
         model
@@ -267,6 +325,9 @@ fn samples(model: &Sensorgraph, log: &ScanLog, seed: u64) -> Vec<Sample> {
                 random_m: low + (high - low) * rng.random::<f64>(),
                 nearest_m: pose.and_then(|pose| something(pose.segments_m[segment])),
                 turned_m: turned,
+                cast_m: ideal.as_ref().and_then(|ideal| {
+                    ideal.median_m(&ideal.scans[index], degrees.to_radians(), width)
+                }),
             });
         }
     }

@@ -7,13 +7,17 @@
 mod evaluation;
 mod export;
 mod fit;
+mod logger;
 mod model;
+mod polynomial;
 pub mod regression;
+mod sample;
 mod scan;
 mod words;
 
 pub use evaluation::{Evaluation, SegmentReport};
 pub use export::{Language, functions};
 pub use fit::{FittedGraph, GraphOptions, fit};
+pub use logger::Logger;
 pub use model::{Frame, LoggedPose, Polynomial, Sensorgraph, Term};
 pub use scan::{Scan, ScanLog};

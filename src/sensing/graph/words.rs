@@ -82,6 +82,9 @@ impl fmt::Display for Evaluation {
             ("  guess", Side::Left),
             ("mean absolute error", Side::Right),
         ]);
+        let cast = self
+            .baseline_ray_casting_m
+            .map(|m| ("  ideal beams in the arena", Some(m)));
         for (name, value) in [
             ("  the model", Some(self.mean_absolute_error_m)),
             ("  each segment's mean", Some(self.baseline_constant_m)),
@@ -91,7 +94,10 @@ impl fmt::Display for Evaluation {
                 self.baseline_nearest_turned_m,
             ),
             ("  at random", Some(self.baseline_random_m)),
-        ] {
+        ]
+        .into_iter()
+        .chain(cast)
+        {
             table.push([name.to_owned(), metres(value)]);
         }
         f.write_str(&table.render(false))?;
@@ -109,7 +115,8 @@ impl fmt::Display for Evaluation {
         }
         writeln!(
             f,
-            "better than at random with p = {}\n",
+            "other errors than at random, by one of {} scans: p = {}\n",
+            self.every,
             number(self.mann_whitney_p)
         )?;
         let mut table = TextTable::new([

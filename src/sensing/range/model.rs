@@ -364,12 +364,13 @@ impl RangeSensor for RangeModel {
 }
 
 /// The models that come with the program: name and file.
-const SHIPPED: [(&str, &str); 2] = [
+const SHIPPED: [(&str, &str); 3] = [
     (
         "ultrasonic",
         include_str!("../../../sensors/ultrasonic.ron"),
     ),
     ("infrared", include_str!("../../../sensors/infrared.ron")),
+    ("laser", include_str!("../../../sensors/laser.ron")),
 ];
 
 /// Names of the models that come with the program.
