@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use realgap::robot::morphology::{Gait, Morphology};
+use realgap::sensing::range::form::{Curve, FORMS, form_by_name};
 use realgap::simulation::parameter::{self, Parameter, ParameterSet};
 use realgap::simulation::{
     Experiment, JointState, SceneBody, SceneBox, SceneMotion, Start, Vehicle, run,
@@ -114,6 +115,30 @@ fn driven() -> Experiment {
     experiment
 }
 
+/// The same with a sensor of another form.
+fn seen_with(mean: (&str, Vec<f64>), spread: (&str, Vec<f64>)) -> Experiment {
+    let mut experiment = driven();
+    let vehicle = Arc::make_mut(experiment.vehicle.as_mut().unwrap());
+    let sensor = Arc::make_mut(&mut vehicle.sensor);
+    for (curve, (form, values)) in [(&mut sensor.mean, mean), (&mut sensor.spread, spread)] {
+        *curve = Curve::new(form_by_name(form).unwrap(), Vec::new(), values).unwrap();
+    }
+    experiment
+}
+
+/// Readings that grow as a power of the distance.
+fn seen_by_power() -> Experiment {
+    seen_with(("power", vec![1.0, 1.0]), ("power", vec![0.5, 0.1]))
+}
+
+/// Readings that grow exponentially with the distance.
+fn seen_by_exponential() -> Experiment {
+    seen_with(
+        ("exponential", vec![1.0, 0.23]),
+        ("exponential", vec![0.5, 0.01]),
+    )
+}
+
 /// Builds an experiment.
 type Make = fn() -> Experiment;
 
@@ -178,6 +203,18 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         "vehicle.speed_m_s" => (vec![driven], 0.2, 0.3),
         "vehicle.threshold_m" => (vec![driven], 0.1, 0.15),
         "vehicle.turn_rate_rad_s" => (vec![driven], 4.0, 3.0),
+        "vehicle.sensor.mean.intercept" => (vec![driven], 0.5, 3.0),
+        "vehicle.sensor.mean.slope" => (vec![driven], 0.95, 0.7),
+        "vehicle.sensor.mean.factor" => (vec![seen_by_power, seen_by_exponential], 1.0, 0.7),
+        "vehicle.sensor.mean.exponent" => (vec![seen_by_power], 1.0, 0.8),
+        "vehicle.sensor.mean.rate" => (vec![seen_by_exponential], 0.23, 0.18),
+        "vehicle.sensor.spread.intercept" => (vec![driven], 0.5, 3.0),
+        "vehicle.sensor.spread.slope" => (vec![driven], 0.01, 0.3),
+        "vehicle.sensor.spread.factor" => (vec![seen_by_power, seen_by_exponential], 0.5, 3.0),
+        "vehicle.sensor.spread.exponent" => (vec![seen_by_power], 0.1, 1.0),
+        "vehicle.sensor.spread.rate" => (vec![seen_by_exponential], 0.01, 0.2),
+        "vehicle.sensor.dropout" => (vec![driven], 0.0, 0.9),
+        "vehicle.sensor.incidence_per_deg" => (vec![driven], 0.0, 1.0),
         name if name.starts_with("vehicle.ideal") || name.ends_with("_noise") => {
             (vec![driven], 0.0, 1.0)
         }
@@ -225,9 +262,31 @@ fn a_parameter_of_a_module_that_the_robot_does_not_have_is_said_to_have_no_effec
     assert!(said("servo.gain", &elbow()).contains("no servos"));
     assert!(said("servo.dry_nm", &walk()).contains("no servo of the robot is a motor"));
     assert!(said("pusher.friction", &toss()).contains("no driven body"));
+    assert!(said("vehicle.sensor.mean.slope", &toss()).contains("no vehicle"));
+    assert!(said("vehicle.sensor.mean.exponent", &driven()).contains("no such number"));
+    assert_eq!(said("vehicle.sensor.mean.slope", &driven()), "");
     for wrong in ["module.first.mass", "module..mass_scale", "module.first"] {
         assert!(parameter::by_name(wrong).is_err(), "{wrong}");
     }
+}
+
+/// A form is one line of its registry; the numbers that have names can be set, swept and tuned.
+#[test]
+fn every_named_number_of_a_form_is_a_parameter_of_a_vehicles_sensor() {
+    for form in FORMS.iter().filter(|form| form.name() != "table") {
+        for name in form.parameters(&[]) {
+            for curve in ["mean", "spread"] {
+                parameter::by_name(&format!("vehicle.sensor.{curve}.{name}")).unwrap();
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sensor_without_a_spread_is_refused_before_it_runs() {
+    let slope = parameter::by_name("vehicle.sensor.spread.slope").unwrap();
+    let error = run(&slope.apply(&driven(), -1.0).unwrap()).unwrap_err();
+    assert!(error.to_string().contains("no density"), "{error}");
 }
 
 fn largest_distance_m(a: &Trajectory, b: &Trajectory) -> f64 {
@@ -266,7 +325,11 @@ fn what_is_set_is_read_back_and_nothing_else_changes() {
         // Motors have what their robot's file states, and the tripod has none.
         let is_of_motor =
             parameter.name.starts_with("servo.") && parameter.value(&walk()).is_none();
-        let base = if is_of_motor { swung() } else { walk() };
+        let base = match parameter.name {
+            name if name.starts_with("vehicle.sensor.") => case(parameter).0[0](),
+            _ if is_of_motor => swung(),
+            _ => walk(),
+        };
         for value in [one, other] {
             let changed = parameter.apply(&base, value).unwrap();
             assert_eq!(parameter.value(&changed), Some(value), "{}", parameter.name);

@@ -136,6 +136,9 @@ impl ParameterSet {
                 "vehicle" if experiment.vehicle.is_none() => {
                     Some("the robot is no vehicle".to_owned())
                 }
+                "vehicle" if a.parameter.value(experiment).is_none() => {
+                    Some("the sensor's model has no such number".to_owned())
+                }
                 "pusher" if !has_pusher => Some("the scene has no driven body".to_owned()),
                 "module" if !robot.module_names.iter().any(|name| name == module) => {
                     Some(format!("the robot has no module `{module}`"))

@@ -12,6 +12,7 @@ mod hinge;
 mod module;
 mod motor;
 mod recording;
+mod sensor;
 mod servo;
 mod solver;
 mod vehicle;
@@ -94,6 +95,8 @@ pub static PARAMETERS: &[&[Parameter]] = &[
     hinge::PARAMETERS,
     recording::PARAMETERS,
     vehicle::PARAMETERS,
+    sensor::CURVES,
+    sensor::PARAMETERS,
 ];
 
 /// Parameters of single modules, with `NAME` in place of a module's name.

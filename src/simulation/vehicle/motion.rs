@@ -64,9 +64,10 @@ impl Dice {
 /// Runs a two-wheel robot.
 ///
 /// # Errors
-/// A start in a wall.
+/// A start in a wall, a sensor whose parameters leave it without a spread.
 pub(in crate::simulation) fn run(experiment: &Experiment, vehicle: &Vehicle) -> Result<Run> {
     let drive = experiment.drive.resolved();
+    vehicle.sensor.check()?;
     let draw = experiment.perturbation.draw;
     let stream = |stream: Numbered| draw.map(|(seed, repeat)| stream.generator(seed, repeat));
     let mut dice = Dice {
