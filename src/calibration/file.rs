@@ -20,7 +20,7 @@ use crate::file::{Source, name_of_file, parse_ron, sha256, unique_keys};
 use crate::optimization::{Grid, MAX_POINTS, Range};
 use crate::robot::morphology::Morphology;
 use crate::simulation::parameter::{Assignment, ParameterSet, by_name};
-use crate::simulation::{Noise, Vehicle};
+use crate::simulation::{Noise, SceneBody, Vehicle};
 use crate::trajectory::Reading;
 
 /// A study file as written.
@@ -42,6 +42,8 @@ struct StudyFile {
     only_at_rest: bool,
     #[serde(default)]
     scene: Vec<BodyFile>,
+    /// Walls around the robot: of a settled start, where the arena says that robots start; else in the recording's coordinates.
+    arena: Option<PathBuf>,
     commands: Option<Commands>,
     duration_s: Option<f64>,
     timestep_s: Option<f64>,
@@ -253,6 +255,16 @@ impl Definition {
                 .into_body()
                 .map_err(|e| source.at(&format!("scene[{index}]"), e))?;
             scene.push(body);
+        }
+        let mut morphology_sha256 = morphology_sha256;
+        if let Some(named) = &file.arena {
+            let plan =
+                Source::read(folder.join(named), "arena").map_err(|e| source.at("arena", e))?;
+            scene.push(SceneBody::read_arena(
+                &plan,
+                file.start == StartRule::Settled,
+            )?);
+            morphology_sha256 = sha256(format!("{morphology_sha256}\n{}", plan.text()).as_bytes());
         }
         let truth = file
             .truth

@@ -4,10 +4,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::file::check_writable;
+use realgap::file::{Source, check_writable};
 use realgap::plot::quantity;
 use realgap::robot::morphology::Morphology;
-use realgap::simulation::{self, Divergence, Experiment, JointKind, Outcome, Run, Sampling};
+use realgap::simulation::{
+    self, Divergence, Experiment, JointKind, Outcome, Run, Sampling, SceneBody,
+};
 use realgap::trajectory;
 use realgap::unit::{Unit, decimals};
 use realgap::{Error, Result};
@@ -37,6 +39,9 @@ pub struct Simulate {
     substeps: Option<usize>,
     #[arg(long, value_enum, help = joint_help())]
     joint: Option<Joint>,
+    /// Put the robot where this arena says that robots start, among its walls; the motion begins at (0, 0) all the same
+    #[arg(long, value_name = "FILE")]
+    arena: Option<PathBuf>,
     #[command(flatten)]
     values: Values,
     /// Samples per second of the output
@@ -56,6 +61,10 @@ impl Simulate {
         let mut experiment = Experiment::new(morphology.assemble());
         experiment.duration_s = self.duration;
         experiment.sampling = Sampling::Rate(self.rate);
+        if let Some(path) = &self.arena {
+            let plan = Source::read(path, "arena")?;
+            experiment.scene.push(SceneBody::read_arena(&plan, true)?);
+        }
         let values = self.values.parameter_set()?;
         terminal::print_warnings(&morphology.warnings());
         terminal::print_warnings(&values.without_effect(&experiment));

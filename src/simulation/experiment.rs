@@ -397,6 +397,7 @@ impl Experiment {
         self.check_edges()?;
         for body in &self.scene {
             body.check()?;
+            body.check_clear(self)?;
         }
         range("duration_s", self.duration_s, 1e-3..=3600.0, "s")?;
         range("timestep_s", self.solver.timestep_s, 1e-6..=0.1, "s")?;

@@ -8,6 +8,7 @@ pub mod parameter;
 pub mod verification;
 
 mod adjustment;
+mod arena;
 mod axle;
 mod camera;
 mod command;
