@@ -10,6 +10,7 @@ use super::colour::{FAINT_INK, line, tint};
 use super::frame::{BELOW_LABEL, Frame, left_of_label};
 use super::heading::{Caption, Heading};
 use super::legend::{Legend, Symbol};
+use super::path::equal_aspect;
 use super::picture::{self, Picture};
 use super::scale::{AXIS_DECADES, Scale, ScoreScale, with_room};
 use crate::unit::DisplayUnit;
@@ -205,14 +206,31 @@ impl Picture for LinePlot {
         // A line may end at the frame; a dot there would be cut in half.
         let only_dots = self.series.iter().all(|s| s.kind == SeriesKind::Dots);
         let room = if only_dots { 0.03 * (high - low) } else { 0.0 };
-        let x = Scale::linear(low - room, high + room);
+        let (top, bottom) = (
+            14.0 + heading.height() + 22.0,
+            legend_top - 14.0 - BELOW_LABEL,
+        );
+        let left_of = |y: &Scale| MARGIN + left_of_label(&y.ticks(7));
+        let (x, y) = if self.scale == ScoreScale::LikeX {
+            let ends = |values: &[f64]| {
+                let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+                let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                (low - 0.03 * (high - low), high + 0.03 * (high - low))
+            };
+            let (across, up) = (ends(&xs), ends(&shown));
+            let shape = |left: f64| (WIDTH - MARGIN - left) / (bottom - top);
+            let (_, rough) = equal_aspect(across, up, shape(left_of(&y)));
+            equal_aspect(across, up, shape(left_of(&rough)))
+        } else {
+            (Scale::linear(low - room, high + room), y)
+        };
         let x_ticks = x.ticks(9);
         let y_ticks = y.ticks(7);
         let frame = Frame {
-            left: MARGIN + left_of_label(&y_ticks),
-            top: 14.0 + heading.height() + 22.0,
+            left: left_of(&y),
+            top,
             right: WIDTH - MARGIN,
-            bottom: legend_top - 14.0 - BELOW_LABEL,
+            bottom,
             x,
             y,
         };

@@ -9,6 +9,8 @@ pub enum ScoreScale {
     Auto,
     /// Linear from the smallest to the largest score.
     Linear,
+    /// Linear, a unit as long as one of the horizontal axis: maps. Colours take it as linear.
+    LikeX,
     /// Logarithmic over at most four decades of colours, or twelve of an axis, below the largest
     /// score; scores below that range, or not positive, are drawn at its lower end.
     Log,

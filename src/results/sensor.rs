@@ -370,12 +370,12 @@ pub fn draw_arena(arena: &Arena, path: impl AsRef<Path>) -> Result<()> {
     let plot = LinePlot {
         caption: Caption::new(
             format!("Arena: {}", arena.name),
-            format!("{width} x {height} m; the axes have scales of their own"),
+            format!("{width} x {height} m"),
         ),
         x: AxisSpec::new("x (m)", Unit::One),
         y_label: "y (m)".to_owned(),
         y_unit: Unit::One,
-        scale: ScoreScale::Linear,
+        scale: ScoreScale::LikeX,
         y_range: None,
         series: all,
     };
