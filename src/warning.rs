@@ -54,6 +54,7 @@ codes! {
     FewDistances "few-distances" "Too few distances to choose a form by what it predicts.";
     FewRecordings "few-recordings" "Too few recordings for what is asked of them.";
     FewRepeats "few-repeats" "Too few repeats for what is asked of them.";
+    FewerTerms "fewer-terms" "Polynomials have fewer terms than asked for: the log has too few samples.";
     FloorNotExported "floor-not-exported" "A format has no floor.";
     FreeParameter "free-parameter" "A free parameter was given no value.";
     GaitNeedsProgram "gait-needs-program" "A format holds servos, but not what commands them.";
@@ -64,6 +65,7 @@ codes! {
     ImpossibleReadings "impossible-readings" "Readings that cannot be were counted as missing.";
     InSample "in-sample" "The values were fitted on the same recordings.";
     Incomplete "incomplete" "The work was interrupted; this is what there is.";
+    InsideWall "inside-wall" "Scans were taken where an arena has a wall.";
     KnownLimit "known-limit" "A result depends on something that the engine is known to do wrongly.";
     LackOfFit "lack-of-fit" "A fitted form misses the data by more than chance.";
     LostSamples "lost-samples" "Samples without numbers are left out.";
@@ -92,6 +94,7 @@ codes! {
     RefinedStart "refined-start" "Start states have seen more than the first sample.";
     RestitutionNotExported "restitution-not-exported" "A format has no restitution.";
     SamplesSorted "samples-sorted" "Samples are sorted by time.";
+    ScansWithoutPose "scans-without-pose" "Scans outside of the times of the poses are left out.";
     ServoTooSlow "servo-too-slow" "A gait asks for more speed than its servo has.";
     SeveralMaterials "several-materials" "Readings off different materials are fitted as one sensor.";
     SeveralRobots "several-robots" "A recording looks like the paths of several robots.";

@@ -46,6 +46,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "unit",
             "quantity",
             "robot::morphology",
+            "sensing",
             "simulation",
         ],
     ),
@@ -72,6 +73,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "text",
             "statistics",
             "file",
+            "trajectory",
         ],
     ),
     (

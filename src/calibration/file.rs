@@ -258,8 +258,7 @@ impl Definition {
         }
         let mut morphology_sha256 = morphology_sha256;
         if let Some(named) = &file.arena {
-            let plan =
-                Source::read(folder.join(named), "arena").map_err(|e| source.at("arena", e))?;
+            let plan = Source::read(folder.join(named), "arena")?;
             scene.push(SceneBody::read_arena(
                 &plan,
                 file.start == StartRule::Settled,

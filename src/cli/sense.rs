@@ -17,10 +17,15 @@ use super::terminal;
 /// The log can be given to `realgap characterise` and `realgap belief`. Distances are in the model's own unit.
 #[derive(Debug, Args)]
 pub struct Sense {
-    /// A shipped sensor (ultrasonic, infrared) or a model's .ron file
+    /// A shipped sensor (ultrasonic, infrared, laser) or a model's .ron file
     sensor: String,
     /// Distances, in the model's unit [default: 21 over its range]
-    #[arg(long, value_name = "D", value_delimiter = ',')]
+    #[arg(
+        long,
+        value_name = "D",
+        value_delimiter = ',',
+        allow_negative_numbers = true
+    )]
     distances: Vec<f64>,
     /// Readings at each distance
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]

@@ -1,6 +1,6 @@
 //! `realgap sensorgraph`: logs of a scanner, polynomial models of what it reads at a place.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Subcommand, ValueEnum};
@@ -37,9 +37,12 @@ enum Action {
     Print(PrintOut),
 }
 
-/// Which part of a log.
+/// Which part of a log, and where its poses are.
 #[derive(Debug, Clone, Args)]
 struct Part {
+    /// Poses over time in a file of their own (TUM text, or a trajectory's CSV), in place of the log's columns
+    #[arg(long, value_name = "FILE")]
+    poses: Option<PathBuf>,
     /// Begin after this share of the way, 0 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
     from: f64,
@@ -49,7 +52,15 @@ struct Part {
 }
 
 impl Part {
-    fn of(&self, log: &ScanLog) -> Result<ScanLog> {
+    fn read(&self, path: &Path) -> Result<ScanLog> {
+        let log = match &self.poses {
+            Some(poses) => {
+                let (log, warning) = ScanLog::read_with_poses(path, poses)?;
+                terminal::print_warnings(warning.as_slice());
+                log
+            }
+            None => ScanLog::read(path)?,
+        };
         if !(0.0 <= self.from && self.from < self.to && self.to <= 1.0) {
             return Err(Error::usage("not a part of the way")
                 .field("--from, --to")
@@ -240,6 +251,8 @@ impl Log {
             radius_m: self.radius,
             ..Logger::default()
         };
+        let scans = if self.way.is_some() { 1 } else { self.samples };
+        logger.check(&sensor, scans).map_err(Error::into_usage)?;
         let log = match &self.way {
             Some(Way(places)) => logger.follow(&arena, &sensor, places, self.seed),
             None => logger.walk(&arena, &sensor, self.samples, self.seed),
@@ -277,7 +290,7 @@ impl Fit {
                 FrameOption::World => Some(Frame::World),
             },
         };
-        let log = self.part.of(&ScanLog::read(&self.log)?)?;
+        let log = self.part.read(&self.log)?;
         let found = fit(&log, &options).map_err(|e| e.at_file(&self.log))?;
         terminal::print_warnings(&found.warnings);
         if let Some(output) = &self.output {
@@ -297,7 +310,7 @@ impl Evaluate {
             check_picture_path(plot)?;
         }
         let model = Sensorgraph::read(&self.parameters)?;
-        let log = self.part.of(&ScanLog::read(&self.log)?)?;
+        let log = self.part.read(&self.log)?;
         let arena = self.arena.as_ref().map(Arena::read).transpose()?;
         let found = Evaluation::new(&model, &log, arena.as_ref(), self.seed)
             .map_err(|e| e.at_file(&self.log))?;

@@ -1,6 +1,7 @@
 //! Logs of scans: what is read, and what is refused.
 
-use realgap::sensing::graph::{Frame, GraphOptions, ScanLog, fit};
+use realgap::sensing::graph::regression::Stop;
+use realgap::sensing::graph::{Frame, GraphOptions, Polynomial, ScanLog, fit};
 
 use super::room;
 
@@ -113,4 +114,69 @@ fn a_bad_log_of_scans_is_told_what_is_wrong_with_it() {
     let found = fit(&log, &options).unwrap();
     assert_eq!(found.warnings[0].code.name(), "empty-headings");
     assert!(found.model.range_m([0.0, 0.0], 0.1, 0).is_finite());
+    // More terms than samples: as many as they bear, and said.
+    let options = GraphOptions {
+        stop: Stop::Terms(15),
+        headings: 12,
+        ..options
+    };
+    let found = fit(&log, &options).unwrap();
+    assert!(
+        found
+            .warnings
+            .iter()
+            .any(|w| w.code.name() == "fewer-terms")
+    );
+    let sound = |p: &&Polynomial| p.terms.len() <= (p.samples / 3).max(1);
+    assert!(found.model.polynomials.iter().all(|p| sound(&p)));
+}
+
+/// The poses of a log, taken out into a file of their own, between whose samples scans lie, give the log again.
+#[test]
+fn poses_in_a_file_of_their_own_are_read_at_the_times_of_the_scans() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = ScanLog::parse("room.csv", &room(200, true)).unwrap();
+    let write = |name: &str, text: String| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let scans = write(
+        "scans.csv",
+        room(200, true)
+            .lines()
+            .map(|line| {
+                let cells: Vec<&str> = line.split(',').collect();
+                format!("{},{}\n", cells[0], cells[4..].join(","))
+            })
+            .collect(),
+    );
+    // Ten poses between two scans, from after the first to before the last scan.
+    let tum = (20..1900).map(|k| {
+        let share = f64::from(k) / 10.0;
+        let t = share / 200.0;
+        let (sin, cos) = (20.0 * t).sin_cos();
+        let (x, y) = (3.0 * (9.0 * t).sin(), 3.0 * (14.0 * t).cos());
+        format!("{} {x} {y} 0 0 0 {sin} {cos}\n", 0.25 * share)
+    });
+    let poses = write("poses.tum", tum.collect());
+    let (log, warning) = ScanLog::read_with_poses(&scans, &poses).unwrap();
+    assert_eq!(warning.unwrap().code.name(), "scans-without-pose");
+    assert_eq!(log.scans.len(), 188);
+    for (found, known) in log.scans.iter().zip(&whole.scans[2..]) {
+        assert_eq!(found.ranges_m, known.ranges_m);
+        for axis in 0..2 {
+            let off_m = found.position_world_m[axis] - known.position_world_m[axis];
+            assert!(off_m.abs() < 1e-6, "{off_m}");
+        }
+        let off_rad = (found.heading_rad - known.heading_rad).sin().abs();
+        assert!(off_rad < 1e-6, "{off_rad}");
+    }
+    let refused = |name: &str, text: &str| {
+        let poses = write(name, text.to_owned());
+        let error = ScanLog::read_with_poses(&scans, &poses).unwrap_err();
+        error.to_string()
+    };
+    assert!(refused("late.tum", "900 0 0 0 0 0 0 1\n901 1 0 0 0 0 0 1\n").contains("same clock"));
+    assert!(refused("flat.csv", "t_s,x_m,y_m\n0,0,0\n9,1,1\n").contains("need orientations"));
 }

@@ -9,8 +9,8 @@ use realgap::statistics::{
 
 use super::common;
 
-/// The two ways of docs/fidelity/sensing.md: a bow through the middle, and a winding one.
-const WAYS: [&[[f64; 2]]; 2] = [
+/// The two ways of docs/fidelity/sensing.md in each arena: a short one, and a winding one.
+const AMONG_CARTONS: [&[[f64; 2]]; 2] = [
     &[[1.0, 1.0], [4.6, 2.8], [5.3, 6.6], [6.0, 9.0]],
     &[
         [9.0, 9.0],
@@ -25,14 +25,28 @@ const WAYS: [&[[f64; 2]]; 2] = [
         [5.2, 9.2],
     ],
 ];
+const IN_THE_PEN: [&[[f64; 2]]; 2] = [
+    &[[3.2, 3.2], [4.4, 4.6], [5.6, 5.2], [6.8, 6.6]],
+    &[
+        [6.9, 6.7],
+        [6.9, 4.2],
+        [5.4, 3.5],
+        [3.3, 3.3],
+        [3.5, 5.0],
+        [5.2, 4.6],
+        [6.1, 5.8],
+        [4.6, 6.3],
+        [3.2, 6.7],
+    ],
+];
 
-fn cartons() -> Arena {
-    Arena::read(common::project().join("arenas/cartons.ron")).unwrap()
+fn arena(name: &str) -> Arena {
+    Arena::read(common::project().join(format!("arenas/{name}.ron"))).unwrap()
 }
 
 #[test]
 fn a_random_walk_visits_the_arena_in_all_directions_and_hits_nothing() {
-    let (arena, laser) = (cartons(), sensor_by_name("laser").unwrap());
+    let (arena, laser) = (arena("cartons"), sensor_by_name("laser").unwrap());
     let logger = Logger::default();
     let log = logger.walk(&arena, &laser, 1400, 1).unwrap();
     assert_eq!(log, logger.walk(&arena, &laser, 1400, 1).unwrap());
@@ -59,9 +73,9 @@ fn a_random_walk_visits_the_arena_in_all_directions_and_hits_nothing() {
     assert!(apart.into_iter().all(|(a, b)| (a - b).abs() < 1e-7));
 }
 
-#[test]
-fn tables_1_to_3_of_the_paper_hold_in_the_simulated_arena() {
-    let (arena, laser) = (cartons(), sensor_by_name("laser").unwrap());
+/// A random walk of 1400 scans, 72 polynomials, and both ways held against them.
+fn held(name: &str, ways: [&[[f64; 2]]; 2]) -> [Evaluation; 2] {
+    let (arena, laser) = (arena(name), sensor_by_name("laser").unwrap());
     let logger = Logger::default();
     let log = logger.walk(&arena, &laser, 1400, 1).unwrap();
     let options = GraphOptions {
@@ -70,32 +84,58 @@ fn tables_1_to_3_of_the_paper_hold_in_the_simulated_arena() {
     };
     let found = fit(&log, &options).unwrap();
     assert_eq!(found.polynomials, 72);
-    for way in WAYS {
-        let closer = Logger {
-            interval_s: 0.25,
-            ..logger.clone()
-        };
+    let closer = Logger {
+        interval_s: 0.25,
+        ..logger
+    };
+    ways.map(|way| {
         let run = closer.follow(&arena, &laser, way, 2).unwrap();
         let held = Evaluation::new(&found.model, &run, Some(&arena), 1).unwrap();
-        println!("{held}\n");
-        assert_eq!(held.segments.len(), 6);
-        assert!(held.mean_absolute_error_m < held.baseline_constant_m);
-        assert!(held.mann_whitney_p < 0.05 && held.spearman.unwrap() > 0.3);
+        println!("{name}: {held}\n");
         // Medians of beams with a spread of 1 cm miss those of ideal ones by millimetres.
         assert!(held.baseline_ray_casting_m.unwrap() < 0.01);
+        assert_eq!(held.segments.len(), 6);
+        held
+    })
+}
+
+/// Mean errors of 17 to 66 cm there, rank correlations of 0.30 to 0.98, better than at random at 5 %.
+#[test]
+fn tables_1_to_3_of_the_paper_hold_in_a_pen_of_cartons() {
+    let ways = held("pen", IN_THE_PEN);
+    for way in &ways {
+        assert!(way.mean_absolute_error_m < 0.5 * way.baseline_constant_m);
+        assert!(way.mann_whitney_p < 0.05 && way.p.unwrap() < 0.05);
+        for segment in &way.segments {
+            assert!(segment.mean_absolute_error_m < 0.65, "{segment:?}");
+            assert!(segment.spearman.unwrap() > 0.3, "{segment:?}");
+            assert!(segment.p.unwrap() < 0.05, "{segment:?}");
+        }
+    }
+    // The short way is worth three scans, too few for a test of each segment.
+    let [_, winding] = ways;
+    assert!(winding.segments.iter().all(|s| s.mann_whitney_p < 0.05));
+}
+
+/// Cartons in the middle throw shadows that no polynomial of fourth degree can follow: better than constants, and no more.
+#[test]
+fn cartons_in_the_middle_are_foretold_better_than_by_constants_only() {
+    for way in held("cartons", AMONG_CARTONS) {
+        assert!(way.mean_absolute_error_m < way.baseline_constant_m);
+        assert!(way.mann_whitney_p < 0.05 && way.spearman.unwrap() > 0.3);
     }
 }
 
 #[test]
 fn a_way_through_a_carton_or_with_another_sensor_is_refused() {
-    let (arena, laser) = (cartons(), sensor_by_name("laser").unwrap());
+    let (arena, laser) = (arena("cartons"), sensor_by_name("laser").unwrap());
     let logger = Logger::default();
     let follow = |way: &[[f64; 2]]| {
         let error = logger.follow(&arena, &laser, way, 1).unwrap_err();
         error.to_string()
     };
     assert!(follow(&[[1.0, 6.0], [1.6, 9.5]]).contains("0.3 m or more from every wall"));
-    assert!(follow(&[[1.0, 6.0], [11.0, 6.0]]).contains("cannot start here"));
+    assert!(follow(&[[1.0, 6.0], [11.0, 6.0]]).contains("out of the field"));
     assert!(follow(&[[1.0, 6.0]]).contains("two or more places"));
     let infrared = sensor_by_name("infrared").unwrap();
     let error = logger.walk(&arena, &infrared, 10, 1).unwrap_err();
@@ -106,6 +146,20 @@ fn a_way_through_a_carton_or_with_another_sensor_is_refused() {
     };
     let error = slow.walk(&arena, &laser, 10, 1).unwrap_err();
     assert!(error.to_string().contains("speed"), "{error}");
+}
+
+/// A plan of another place is told by its walls.
+#[test]
+fn a_log_from_inside_of_a_wall_is_told() {
+    let (cartons, laser) = (arena("cartons"), sensor_by_name("laser").unwrap());
+    let log = Logger::default().walk(&cartons, &laser, 200, 1).unwrap();
+    let model = fit(&log, &GraphOptions::default()).unwrap().model;
+    let codes = |arena: &Arena| -> Vec<&str> {
+        let held = Evaluation::new(&model, &log, Some(arena), 1).unwrap();
+        held.warnings.iter().map(|w| w.code.name()).collect()
+    };
+    assert!(!codes(&cartons).contains(&"inside-wall"));
+    assert!(codes(&arena("paper000")).contains(&"inside-wall"));
 }
 
 /// Σ over an autoregressive series of first order is (1 + φ) / (1 − φ).

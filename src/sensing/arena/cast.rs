@@ -21,6 +21,9 @@ impl Arena {
         let (sin, cos) = direction_rad.sin_cos();
         let mut nearest: Option<(f64, f64, usize)> = None;
         for (index, object) in self.objects.iter().enumerate() {
+            if !object.may_meet(from_m, [cos, sin]) {
+                continue;
+            }
             let Some((distance, normal)) = object.meet(from_m, [cos, sin]) else {
                 continue;
             };
@@ -61,7 +64,23 @@ impl Arena {
     }
 }
 
+/// Room for rounding in [`Object::may_meet`].
+const ROUNDING: f64 = 1.0 + 1e-9;
+
 impl Object {
+    /// False where a beam passes the circle around the object: most beams pass most objects.
+    fn may_meet(&self, from_m: [f64; 2], [cos, sin]: [f64; 2]) -> bool {
+        let radius2 = match self.shape {
+            Shape::Circle { radius_m } => radius_m * radius_m,
+            Shape::Box {
+                half_m: [hx, hy], ..
+            } => hx * hx + hy * hy,
+        } * ROUNDING;
+        let [dx, dy] = [self.centre_m[0] - from_m[0], self.centre_m[1] - from_m[1]];
+        let (across, along) = (dx * sin - dy * cos, dx * cos + dy * sin);
+        across * across <= radius2 && (along >= 0.0 || along * along <= radius2)
+    }
+
     /// Distance along a beam of unit direction, and the cosine of its angle of incidence.
     fn meet(&self, from_m: [f64; 2], [cos, sin]: [f64; 2]) -> Option<(f64, f64)> {
         let [x, y] = self.local(from_m);

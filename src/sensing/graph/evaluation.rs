@@ -151,6 +151,19 @@ impl Evaluation {
                 format!("{:.1} % of the scans were taken outside of the places that the model was fitted to", 100.0 * outside),
             ));
         }
+        if let Some(arena) = arena {
+            let inside = log
+                .scans
+                .iter()
+                .filter(|scan| arena.check_place(scan.position_world_m, 0.0).is_err());
+            let inside = inside.count();
+            if inside > 0 {
+                warnings.push(Warning::new(
+                    Code::InsideWall,
+                    format!("{inside} of {} scans were taken inside of a wall of the arena, or outside of its field: is it the arena of this log?", log.scans.len()),
+                ));
+            }
+        }
         let baseline_constant_m = mean(&whole(|s| Some(s.constant_m)));
         let mean_absolute_error_m = mean(&whole(|s| Some(s.predicted_m)));
         if mean_absolute_error_m >= baseline_constant_m {

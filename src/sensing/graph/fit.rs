@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::model::{Frame, Sensorgraph};
-use super::polynomial::{FOLDS, fold, polynomial};
-use super::regression::Stop;
+use super::model::{Frame, Polynomial, Sensorgraph};
+use super::polynomial::{FOLDS, SAMPLES_PER_TERM, fold, polynomial};
+use super::regression::{Stop, monomials};
 use super::sample::{frame_of_log, logged, samples};
 use super::scan::ScanLog;
 use crate::error::{Error, Result};
@@ -110,6 +110,20 @@ pub fn fit(log: &ScanLog, options: &GraphOptions) -> Result<FittedGraph> {
             Code::EmptyHeadings,
             format!("the log has no sample for {empty} of {} polynomials; the mean of all stands in for them", model.polynomials.len()),
         ));
+    }
+    if let Stop::Terms(asked) = options.stop {
+        let asked = asked.min(monomials(options.degree).len());
+        let short = |p: &&Polynomial| p.samples > 0 && p.terms.len() < asked;
+        let fewer = model.polynomials.iter().filter(short).count();
+        if fewer > 0 {
+            warnings.push(Warning::new(
+                Code::FewerTerms,
+                format!(
+                    "{fewer} of {} polynomials have fewer than {asked} terms: a term needs {SAMPLES_PER_TERM} samples, and places that differ",
+                    model.polynomials.len()
+                ),
+            ));
+        }
     }
     model.log = logged(log, &model);
     Ok(FittedGraph {

@@ -152,9 +152,18 @@ impl Logger {
         };
         let mut log = self.empty_log();
         let mut take = |pose: Pose| -> Result<()> {
-            arena
-                .check_place(pose.place_m, self.radius_m)
-                .map_err(|e| e.field("way"))?;
+            if arena.check_place(pose.place_m, self.radius_m).is_err() {
+                let [x, y] = pose.place_m;
+                return Err(
+                    Error::invalid("the way leads through a wall, or out of the field")
+                        .field("way")
+                        .found(format!(
+                            "({x:.3}, {y:.3}) m, {:.3} m from the nearest wall",
+                            arena.clearance_m(pose.place_m)
+                        ))
+                        .allowed(format!("{} m or more from every wall", self.radius_m)),
+                );
+            }
             if log.scans.len() >= MOST_SCANS || (log.scans.len() + 1) * self.beams > MOST_READINGS {
                 return Err(Error::invalid("the way is too long for one log")
                     .field("way")
@@ -184,7 +193,11 @@ impl Logger {
         Ok(log)
     }
 
-    fn check(&self, sensor: &RangeModel, scans: usize) -> Result<()> {
+    /// Checks its numbers and its sensor for a log of so many scans.
+    ///
+    /// # Errors
+    /// Numbers out of range, a sensor whose readings are no lengths.
+    pub fn check(&self, sensor: &RangeModel, scans: usize) -> Result<()> {
         let ranges = [
             ("beams", self.beams as f64, 2.0, 100_000.0),
             ("view", self.view_deg, 1.0, 360.0),
@@ -216,7 +229,10 @@ impl Logger {
                 "a scanner reads lengths, this sensor does not",
             )
             .field("reading_unit")
-            .found(sensor.reading_unit.symbol())
+            .found(format!(
+                "a unit of its own, \"{}\"",
+                sensor.reading_unit.symbol()
+            ))
             .hint("take a model whose reading_unit is a Length, e.g. `laser`")),
         }
     }

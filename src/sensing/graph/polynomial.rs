@@ -12,9 +12,8 @@ use crate::statistics::mean;
 pub(super) const FOLDS: usize = 5;
 /// Most terms of a polynomial.
 const MOST_TERMS: usize = 15;
-
 /// A polynomial has at most one term for so many samples.
-const SAMPLES_PER_TERM: usize = 3;
+pub(super) const SAMPLES_PER_TERM: usize = 3;
 
 /// Regressors and ranges.
 fn table(samples: &[Sample], terms: &[Powers]) -> (DMatrix<f64>, DVector<f64>) {
@@ -49,6 +48,7 @@ pub(super) fn polynomial(samples: &[Sample], options: &GraphOptions, instead_m: 
     let ranges: Vec<f64> = samples.iter().map(|s| s.range_m).collect();
     let (degree, terms) = match options.stop {
         Stop::Validation => validated(samples, options.degree),
+        Stop::Terms(terms) => (options.degree, terms),
         _ => (options.degree, MOST_TERMS),
     };
     fitted(samples, degree, terms, options.stop).unwrap_or_else(|| Polynomial {

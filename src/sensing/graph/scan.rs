@@ -2,9 +2,14 @@
 
 use std::path::Path;
 
+use nalgebra::Vector3;
+
 use crate::error::{Error, Result};
 use crate::sensing::table::{Table, read_text};
 use crate::statistics::median;
+use crate::trajectory::{self, Interpolator};
+use crate::unit::LengthUnit;
+use crate::warning::{Code, Warning};
 
 /// One scan, and where it was taken.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,8 +67,71 @@ impl ScanLog {
         let log = if is_carmen {
             carmen(path, text)?
         } else {
-            csv(path, text)?
+            csv(path, text, Poses::Columns)?
         };
+        log.checked(path)
+    }
+
+    /// Reads a CSV log of scans whose poses stand in a trajectory's file (TUM text or CSV) on the same clock; warns of scans outside of
+    /// its times, which are left out.
+    ///
+    /// # Errors
+    /// As [`ScanLog::read`]; a trajectory without orientations; no scan within its times.
+    pub fn read_with_poses(
+        path: impl AsRef<Path>,
+        poses: impl AsRef<Path>,
+    ) -> Result<(Self, Option<Warning>)> {
+        let (path, poses) = (path.as_ref(), poses.as_ref());
+        let motion = trajectory::read(poses, LengthUnit::Metre)?.trajectory;
+        if motion.orientations_world_from_body().is_none() {
+            return Err(Error::invalid("poses of a scanner need orientations")
+                .at_file(poses)
+                .hint("columns qw, qx, qy, qz, or TUM text"));
+        }
+        let mut log = csv(path, &read_text(path)?, Poses::Apart)?;
+        let times_s = motion.times_s();
+        let (first_s, last_s) = (times_s[0], times_s[times_s.len() - 1]);
+        let all = log.scans.len();
+        let ends_s = log
+            .scans
+            .first()
+            .zip(log.scans.last())
+            .map(|(a, b)| (a.time_s, b.time_s));
+        log.scans
+            .retain(|scan| (first_s..=last_s).contains(&scan.time_s));
+        let mut along = Interpolator::new(&motion);
+        for scan in &mut log.scans {
+            let since_s = scan.time_s - first_s;
+            let at = along.position_world_m(since_s);
+            let turn = along.orientation_world_from_body(since_s);
+            scan.position_world_m = [at.x, at.y];
+            scan.heading_rad = turn.map_or(0.0, |turn| {
+                let ahead = turn * Vector3::x();
+                libm::atan2(ahead.y, ahead.x)
+            });
+        }
+        if let (Some((from, to)), true) = (ends_s, log.scans.is_empty()) {
+            return Err(Error::invalid("no scan lies within the times of the poses")
+                .at_file(path)
+                .field("t_s")
+                .found(format!("{from} to {to} s"))
+                .allowed(format!("{first_s} to {last_s} s"))
+                .hint("both files must have the same clock"));
+        }
+        let warning = (log.scans.len() < all).then(|| {
+            Warning::new(
+                Code::ScansWithoutPose,
+                format!(
+                    "{} of {all} scans lie outside of the times of the poses and are left out",
+                    all - log.scans.len()
+                ),
+            )
+        });
+        Ok((log.checked(path)?, warning))
+    }
+
+    fn checked(self, path: &Path) -> Result<Self> {
+        let log = self;
         if log.scans.is_empty() {
             return Err(Error::invalid("the log has no scans")
                 .at_file(path)
@@ -112,11 +180,26 @@ impl ScanLog {
     }
 }
 
-fn csv(path: &Path, text: &str) -> Result<ScanLog> {
+/// Where the poses of a CSV log are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Poses {
+    /// In its columns.
+    Columns,
+    /// In another file.
+    Apart,
+}
+
+fn csv(path: &Path, text: &str, poses: Poses) -> Result<ScanLog> {
     let table = Table::parse(path, text)?;
-    let [time, x, y, heading] =
-        ["t_s", "x_m", "y_m", "heading_rad"].map(|name| table.require(name, HINT));
-    let (time, x, y, heading) = (time?, x?, y?, heading?);
+    let time = table.require("t_s", HINT)?;
+    let pose = match poses {
+        Poses::Columns => {
+            let [x, y, heading] =
+                ["x_m", "y_m", "heading_rad"].map(|name| table.require(name, HINT));
+            Some((x?, y?, heading?))
+        }
+        Poses::Apart => None,
+    };
     let beams: Vec<(usize, f64)> = table
         .header()
         .iter()
@@ -159,10 +242,17 @@ fn csv(path: &Path, text: &str) -> Result<ScanLog> {
                 range => Ok(range.filter(|r| *r > 0.0)),
             }
         };
+        let (position_world_m, heading_rad) = match pose {
+            Some((x, y, heading)) => (
+                [table.number(row, x)?, table.number(row, y)?],
+                wrapped(table.number(row, heading)?),
+            ),
+            None => ([0.0; 2], 0.0),
+        };
         scans.push(Scan {
             time_s,
-            position_world_m: [table.number(row, x)?, table.number(row, y)?],
-            heading_rad: wrapped(table.number(row, heading)?),
+            position_world_m,
+            heading_rad,
             ranges_m: beams.iter().map(range).collect::<Result<_>>()?,
         });
     }
