@@ -193,6 +193,72 @@ fn repeats_differ_by_their_number_alone_and_are_the_same_again() {
     assert!(off < 1e-9, "{off}");
 }
 
+/// Robots in an empty field, the first at (1, 1) looking along +x.
+fn crowd(others: &str) -> realgap::Result<Experiment> {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: String| std::fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "field.ron",
+        "(name: \"field\", size_m: (4.0, 3.0), boundary: Open, start: (x_m: 1.0, y_m: 1.0))"
+            .to_owned(),
+    );
+    write(
+        "robot.ron",
+        format!(
+            "(name: \"robot\", radius_m: 0.08, arena: \"field.ron\", sensor: \"ultrasonic\", others: [{others}])"
+        ),
+    );
+    let vehicle = Vehicle::read(folder.path().join("robot.ron"), None)?;
+    let mut experiment = two_wheel();
+    experiment.drive = vehicle.drive;
+    experiment.vehicle = Some(Arc::new(vehicle));
+    experiment.duration_s = 3.0;
+    Ok(experiment)
+}
+
+#[test]
+fn robots_in_one_arena_see_and_avoid_one_another() {
+    let turned_rad = |experiment: &Experiment| {
+        let motion = motion(experiment);
+        let all = motion.orientations_world_from_body().unwrap();
+        all[0].angle_to(&all[all.len() - 1])
+    };
+    // Alone it drifts; another that comes towards it makes it turn to the right.
+    let alone = turned_rad(&crowd("").unwrap());
+    assert!(alone < 0.3, "{alone}");
+    let met = turned_rad(&crowd("(x_m: 1.8, y_m: 0.97, heading_deg: 180.0)").unwrap());
+    assert!(met > 1.2, "{met}");
+    // One far off changes nothing, not even what is drawn.
+    let mut far = crowd("(x_m: 3.9, y_m: 2.9, heading_deg: 90.0)").unwrap();
+    let mut lone = crowd("").unwrap();
+    for experiment in [&mut far, &mut lone] {
+        experiment.perturbation.draw = Some((3, 4));
+    }
+    assert_eq!(motion(&far), motion(&lone));
+    // One that is driven into from behind its sensor's view stops both before they overlap.
+    let mut blind = crowd("(x_m: 1.5, y_m: 1.0, heading_deg: 180.0)").unwrap();
+    blind.drive.threshold_m = 0.0;
+    blind.drive.ideal_sensor = 1.0;
+    let path = motion(&blind);
+    let farthest_m = path
+        .positions_world_m()
+        .iter()
+        .map(|p| p.x)
+        .fold(0.0, f64::max);
+    assert!((farthest_m - 1.17).abs() < 0.01, "{farthest_m}");
+    for (others, said) in [
+        ("(x_m: 1.1, y_m: 1.0)", "starts in another"),
+        ("(x_m: 9.0, y_m: 1.0)", "inside of the field"),
+        ("(x_m: 2.0, y_m: 1.0), (x_m: 2.0, y_m: 1.1)", "others[1]"),
+    ] {
+        let error = crowd(others).unwrap_err().to_string();
+        assert!(
+            error.contains(said) && error.contains("robot.ron:1:"),
+            "{error}"
+        );
+    }
+}
+
 #[test]
 fn a_thousand_runs_take_seconds() {
     let experiment = two_wheel();

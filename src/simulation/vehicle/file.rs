@@ -18,9 +18,24 @@ struct VehicleFile {
     radius_m: f64,
     arena: PathBuf,
     sensor: String,
+    /// Other robots of its kind in the same arena.
+    #[serde(default)]
+    others: Vec<PlaceFile>,
     #[serde(default)]
     drive: Drive,
 }
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Place")]
+struct PlaceFile {
+    x_m: f64,
+    y_m: f64,
+    #[serde(default)]
+    heading_deg: f64,
+}
+
+/// Most robots beside the first.
+const MOST_OTHERS: usize = 100;
 
 impl Vehicle {
     /// Reads a two-wheel robot, its arena and its sensor; `sensor` takes the place of the file's own.
@@ -52,6 +67,7 @@ impl Vehicle {
         arena
             .check_place([x, y], file.radius_m)
             .map_err(|e| arena_source.at("start", e))?;
+        let others = others(&file, &arena, [x, y]).map_err(|e| source.at("others", e))?;
         let name = sensor.unwrap_or(&file.sensor);
         let sensor = match name.ends_with(".ron") {
             true => find_sensor(&folder.join(name).to_string_lossy()),
@@ -68,8 +84,48 @@ impl Vehicle {
                 sensor.to_ron()?
             ),
             arena: Arc::new(arena),
+            others,
             sensor: Arc::new(sensor),
             drive: file.drive,
         })
     }
+}
+
+/// Where the other robots begin.
+///
+/// # Errors
+/// Too many of them, one in a wall or in another robot.
+fn others(file: &VehicleFile, arena: &Arena, first_m: [f64; 2]) -> Result<Vec<[f64; 3]>> {
+    if file.others.len() > MOST_OTHERS {
+        return Err(Error::invalid("too many robots")
+            .field("others")
+            .found(file.others.len())
+            .allowed(format!("at most {MOST_OTHERS}")));
+    }
+    let mut taken_m = vec![first_m];
+    for (index, other) in file.others.iter().enumerate() {
+        let field = format!("others[{index}]");
+        let place_m = [other.x_m, other.y_m];
+        if !other.heading_deg.is_finite() {
+            return Err(Error::invalid("not a heading")
+                .field(field)
+                .found(other.heading_deg));
+        }
+        arena
+            .check_place(place_m, file.radius_m)
+            .map_err(|e| e.field(&field))?;
+        let distance_m = |at: &[f64; 2]| (at[0] - place_m[0]).hypot(at[1] - place_m[1]);
+        if let Some(near) = taken_m
+            .iter()
+            .find(|at| distance_m(at) < 2.0 * file.radius_m)
+        {
+            return Err(Error::invalid("a robot starts in another")
+                .field(field)
+                .found(format!("{place_m:?} m, the other at {near:?} m"))
+                .allowed(format!("{} m apart or more", 2.0 * file.radius_m)));
+        }
+        taken_m.push(place_m);
+    }
+    let heading = |other: &PlaceFile| [other.x_m, other.y_m, other.heading_deg.to_radians()];
+    Ok(file.others.iter().map(heading).collect())
 }

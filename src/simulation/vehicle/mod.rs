@@ -7,6 +7,7 @@
 mod drive;
 mod file;
 mod motion;
+mod robot;
 mod sense;
 
 use std::sync::Arc;
@@ -26,6 +27,8 @@ pub struct Vehicle {
     pub radius_m: f64,
     /// Where it drives.
     pub arena: Arc<Arena>,
+    /// Where other robots of its kind begin to drive, x and y in metres and heading in radians: they see and avoid one another.
+    pub others: Vec<[f64; 3]>,
     /// What it sees with.
     pub sensor: Arc<RangeModel>,
     /// Its numbers where a study sets nothing else.

@@ -1,65 +1,19 @@
-//! Epoch by epoch: drive, look, turn.
+//! A run: robots epoch by epoch, and what the pictures show of the first.
 
 use std::time::Duration;
 
 use nalgebra::{UnitQuaternion, Vector3};
-use rand::RngExt as _;
-use rand_distr::StandardNormal;
 
 use super::Vehicle;
 use super::drive::{Drive, EPOCH_S};
+use super::robot::{Dice, Pose, Robot};
 use super::sense::Eye;
 use crate::error::Result;
-use crate::random::{Generator, Numbered};
+use crate::random::Numbered;
 use crate::simulation::experiment::Experiment;
 use crate::simulation::outcome::Outcome;
 use crate::simulation::run::Run;
 use crate::trajectory::Trajectory;
-
-/// What the robot is doing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Doing {
-    /// Straight ahead.
-    Forward,
-    /// Decided, but still going straight until a time.
-    Reacting { until_s: f64 },
-    /// On by so much after a straight command.
-    Coasting { left_m: f64 },
-    /// Turning right by so much more.
-    Turning { left_rad: f64 },
-}
-
-/// Where it is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Pose {
-    place_m: [f64; 2],
-    heading_rad: f64,
-}
-
-impl Pose {
-    fn at(&self, ahead_m: f64, left_m: f64) -> [f64; 2] {
-        let (sin, cos) = self.heading_rad.sin_cos();
-        [
-            self.place_m[0] + ahead_m * cos - left_m * sin,
-            self.place_m[1] + ahead_m * sin + left_m * cos,
-        ]
-    }
-}
-
-/// Draws of the actuators; zeros where nothing is random.
-struct Dice {
-    rng: Option<Generator>,
-    factor: f64,
-}
-
-impl Dice {
-    fn normal(&mut self, sd: f64) -> f64 {
-        let factor = self.factor;
-        self.rng.as_mut().map_or(0.0, |rng| {
-            factor * sd * rng.sample::<f64, _>(StandardNormal)
-        })
-    }
-}
 
 /// Runs a two-wheel robot.
 ///
@@ -89,19 +43,31 @@ pub(in crate::simulation) fn run(experiment: &Experiment, vehicle: &Vehicle) -> 
     };
     vehicle.arena.check_place(start.place_m, 0.0)?;
     let start_s = drive.start_s + dice.normal_of(drive.start_sd_s);
-    let (path, steps) = drive_along(
-        experiment.duration_s,
-        start_s,
-        start,
-        vehicle,
-        &drive,
-        dice,
-        eye,
-    );
+    let mut robots = vec![Robot::new(vehicle, &drive, start, dice, eye)];
+    for (index, [x, y, heading_rad]) in (1_u64..).zip(&vehicle.others) {
+        // Streams of their own, so that the first draws what it draws alone.
+        let stream = |stream: Numbered| {
+            draw.map(|(seed, repeat)| stream.generator(seed, repeat + (index << 40)))
+        };
+        let dice = Dice {
+            rng: stream(Numbered::Actuator),
+            factor: drive.actuator_noise,
+        };
+        let eye = Eye::new(vehicle, drive, stream(Numbered::SensorReading));
+        let start = Pose {
+            place_m: [*x, *y],
+            heading_rad: *heading_rad,
+        };
+        robots.push(Robot::new(vehicle, &drive, start, dice, eye));
+    }
+    let epochs = ((experiment.duration_s - start_s) / EPOCH_S)
+        .ceil()
+        .max(0.0) as usize;
+    let path = drive_along(epochs, vehicle, &drive, robots);
     let motion = recorded(experiment, &drive, start_s, &path)?;
     Ok(Run {
         outcome: Outcome::Completed(motion),
-        steps,
+        steps: epochs as u64,
         settle_steps: 0,
         cpu: Duration::ZERO,
         servo_rms_rad: 0.0,
@@ -109,102 +75,24 @@ pub(in crate::simulation) fn run(experiment: &Experiment, vehicle: &Vehicle) -> 
     })
 }
 
-impl Dice {
-    /// As [`Dice::normal`], of something that is no actuator.
-    fn normal_of(&mut self, sd: f64) -> f64 {
-        self.rng
-            .as_mut()
-            .map_or(0.0, |rng| sd * rng.sample::<f64, _>(StandardNormal))
-    }
-}
-
-impl Dice {
-    /// What follows a straight command.
-    fn coast(&mut self, drive: &Drive) -> Doing {
-        Doing::Coasting {
-            left_m: (drive.coast_m + self.normal(drive.coast_sd_m)).max(0.0),
-        }
-    }
-}
-
-/// Poses at every epoch since it began to move.
+/// Poses of the first robot at every epoch since all began to move.
 fn drive_along(
-    duration_s: f64,
-    start_s: f64,
-    start: Pose,
+    epochs: usize,
     vehicle: &Vehicle,
     drive: &Drive,
-    mut dice: Dice,
-    mut eye: Eye<'_>,
-) -> (Vec<Pose>, u64) {
-    let epochs = ((duration_s - start_s) / EPOCH_S).ceil().max(0.0) as usize;
-    let mut pose = start;
-    let mut path = Vec::with_capacity(epochs + 1);
-    path.push(pose);
-    let mut doing = Doing::Forward;
-    pose.heading_rad += drive.drift_offset_rad + dice.normal(drive.drift_sd_rad);
+    mut robots: Vec<Robot<'_>>,
+) -> Vec<Pose> {
     for epoch in 0..epochs {
         let time_s = EPOCH_S * epoch as f64;
-        let mut ahead_m = drive.speed_m_s * EPOCH_S;
-        match doing {
-            Doing::Forward => {
-                pose.heading_rad += drive.drift_rad_s * EPOCH_S;
-                if eye.is_near(time_s, pose.place_m, pose.heading_rad) == Some(true) {
-                    doing = if drive.reaction_s > 0.0 {
-                        Doing::Reacting {
-                            until_s: time_s + drive.reaction_s,
-                        }
-                    } else {
-                        dice.coast(drive)
-                    };
-                }
-            }
-            Doing::Reacting { until_s } => {
-                pose.heading_rad += drive.drift_rad_s * EPOCH_S;
-                if time_s >= until_s - 1e-9 {
-                    doing = dice.coast(drive);
-                }
-            }
-            Doing::Coasting { left_m } => {
-                ahead_m = ahead_m.min(left_m);
-                doing = if left_m > ahead_m {
-                    Doing::Coasting {
-                        left_m: left_m - ahead_m,
-                    }
-                } else {
-                    let turn_rad =
-                        drive.turn_rate_rad_s * drive.turn_command_s + drive.turn_coast_rad;
-                    Doing::Turning {
-                        left_rad: (turn_rad + dice.normal(drive.turn_sd_rad)).max(0.0),
-                    }
-                };
-            }
-            Doing::Turning { left_rad } => {
-                ahead_m = 0.0;
-                let step_rad = (drive.turn_rate_rad_s * EPOCH_S).min(left_rad);
-                pose.heading_rad -= step_rad;
-                doing = if left_rad > step_rad {
-                    Doing::Turning {
-                        left_rad: left_rad - step_rad,
-                    }
-                } else {
-                    eye.forget();
-                    pose.heading_rad += drive.drift_offset_rad + dice.normal(drive.drift_sd_rad);
-                    Doing::Forward
-                };
-            }
+        // All see where the others were before this epoch, so that their order does not matter.
+        let places_m: Vec<[f64; 2]> = robots.iter().map(Robot::place_m).collect();
+        for (index, robot) in robots.iter_mut().enumerate() {
+            let others = places_m.iter().enumerate().filter(|(k, _)| *k != index);
+            let others_m: Vec<[f64; 2]> = others.map(|(_, place)| *place).collect();
+            robot.step(vehicle, drive, time_s, &others_m);
         }
-        let next = Pose {
-            place_m: pose.at(ahead_m, 0.0),
-            ..pose
-        };
-        // It pushes nothing: where it would run into a wall, its wheels slip.
-        if ahead_m > 0.0 && vehicle.arena.clearance_m(next.place_m) >= 0.0 {
-            pose = next;
-        }
-        path.push(pose);
     }
-    (path, epochs as u64)
+    robots.swap_remove(0).path
 }
 
 /// What the pictures show, at the times that are asked for: straight lines between pictures.

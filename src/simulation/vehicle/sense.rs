@@ -5,6 +5,7 @@ use rand::RngExt as _;
 use super::Vehicle;
 use super::drive::Drive;
 use crate::random::Generator;
+use crate::sensing::arena::Arena;
 use crate::sensing::belief::Belief;
 use crate::sensing::range::{Beam, RangeSensor, ReadingUnit};
 
@@ -41,6 +42,7 @@ impl<'a> Eye<'a> {
     /// Whether something is near, as far as the robot can tell; `None` where there is no reading, or no decision yet.
     pub(super) fn is_near(
         &mut self,
+        arena: &Arena,
         time_s: f64,
         place_m: [f64; 2],
         heading_rad: f64,
@@ -52,7 +54,7 @@ impl<'a> Eye<'a> {
         let (sin, cos) = heading_rad.sin_cos();
         let ahead = self.drive.sensor_ahead_m;
         let eye_m = [place_m[0] + ahead * cos, place_m[1] + ahead * sin];
-        let hit = self.vehicle.arena.cast(eye_m, heading_rad);
+        let hit = arena.cast(eye_m, heading_rad);
         let (near_m, far_m) = self.vehicle.sensor.range_m();
         // Beyond its range a sensor answers nothing that means anything.
         let hit = hit.filter(|hit| hit.distance_m <= far_m)?;
