@@ -136,6 +136,7 @@ pub mod guide {
 [docs/fidelity/precision.md]: crate::guide::fidelity::precision
 [docs/fidelity/joints.md]: crate::guide::fidelity::joints
 [docs/fidelity/tosses.md]: crate::guide::fidelity::tosses
+[docs/fidelity/energy.md]: crate::guide::fidelity::energy
 [docs/fidelity/hardware.md]: crate::guide::fidelity::hardware
 [docs/fidelity/servo.md]: crate::guide::fidelity::servo
 [docs/fidelity/engines.md]: crate::guide::fidelity::engines
@@ -252,6 +253,8 @@ pub mod guide {
         #[doc = links!()]
         #[doc = include_str!("../docs/fidelity/tosses.md")]
         pub mod tosses {}
+        #[doc = include_str!("../docs/fidelity/energy.md")]
+        pub mod energy {}
         #[doc = include_str!("../docs/fidelity/hardware.md")]
         pub mod hardware {}
 

@@ -35,6 +35,10 @@ pub enum Unit {
     Degree,
     /// Metre per second.
     MetrePerSecond,
+    /// Joule.
+    Joule,
+    /// Metre per joule: speed per power.
+    MetrePerJoule,
     /// Radian per second.
     RadianPerSecond,
     /// Newton metre.
@@ -71,6 +75,8 @@ impl Unit {
             Self::Radian => "rad",
             Self::Degree => "deg",
             Self::MetrePerSecond => "m/s",
+            Self::Joule => "J",
+            Self::MetrePerJoule => "m/J",
             Self::RadianPerSecond => "rad/s",
             Self::NewtonMetre => "N m",
             Self::NewtonMetreSecondPerRadian => "N m s/rad",

@@ -47,6 +47,7 @@ codes! {
     Diverged "diverged" "Simulations blew up and are left out.";
     DuplicateSamples "duplicate-samples" "Samples that repeat the one before are left out.";
     EmptyHeadings "empty-headings" "A log never looked into some directions.";
+    EnergyOpen "energy-open" "A balance of energy does not close.";
     EstimatedNoise "estimated-noise" "Nobody stated the noise; an estimate is used.";
     EstimatedVelocity "estimated-velocity" "Velocities are differences of positions.";
     ExclusionNotExported "exclusion-not-exported" "A format cannot say which parts never touch.";

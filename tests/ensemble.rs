@@ -38,6 +38,7 @@ fn motion(path: Prepared, turned_rad: f64) -> Outcome<Motion> {
         path,
         turned_rad,
         servo_rms_rad: 0.0,
+        energy: None,
     })
 }
 

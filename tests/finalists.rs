@@ -141,7 +141,7 @@ fn a_tower_that_falls_over_once_gets_nowhere_after_that() {
             from_s,
             ..Objective::default()
         };
-        let travel = objective.travel(path, 0.0, 10.0);
+        let travel = objective.travel(path, 0.0, None, 10.0);
         assert!((travel.displacement_m - travel.path_length_m).abs() < 1e-12);
         travel.displacement_m
     };

@@ -201,8 +201,8 @@ fn what_cannot_be_searched_is_refused_with_its_place() {
             vec!["start"],
         ),
         (
-            &format!("{good} objective: (measure: SpeedPerEnergy),"),
-            vec!["speed per energy", "work of the servos"],
+            &format!("{good} objective: (measure: SpeedPerVolt),"),
+            vec!["SpeedPerVolt", "SpeedPerEnergy"],
         ),
         (
             &format!("{good} objective: (aggregate: LowerQuantile(1.5)),"),
@@ -433,4 +433,30 @@ fn ctrl_c_saves_draws_and_exits_with_130() {
     let robots = summary["robots"].as_u64().unwrap();
     assert!((3..200).contains(&robots), "{robots}");
     assert_eq!(read(&out, "history.csv").lines().count() as u64, 1 + robots);
+}
+
+#[test]
+fn speed_per_energy_can_be_searched_for_and_cards_say_what_going_costs() {
+    let search = search(
+        "strategy: Grid(genes: [(gene: \"frequency\", values: [0.3, 0.6])]),
+         start: Morphology(\"../morphologies/tripod.ron\"), duration_s: 4.0, repeats: 2,
+         development: (amplitude_rad: (0.0, 1.0), frequency_hz: (0.5, 1.5), offset_rad: (-1.0, 1.0)),
+         objective: (measure: SpeedPerEnergy, from_s: 1.0), finalists: (count: 1, repeats: 3),",
+    );
+    let found = search.run(&RunOptions::default()).unwrap();
+    for robot in found.robots.iter().filter_map(EvaluatedRobot::performance) {
+        for travel in &robot.repeats {
+            assert!(travel.servo_j.unwrap() > 0.0, "{travel:?}");
+        }
+    }
+    let finalists = search.finalists(&found, &RunOptions::default()).unwrap();
+    let card = finalists[0].card();
+    let finals = card.finals.as_ref().unwrap();
+    let economy = finals.economy.unwrap();
+    // Quantiles of ratios are not ratios of sums, but near.
+    let metres_per_joule = finals.fitness.unwrap();
+    assert!((metres_per_joule * economy.joules_per_metre - 1.0).abs() < 0.3);
+    assert!(economy.residual_share < 0.02, "{economy:?}");
+    assert_eq!(finals.unit.label(), "m/J");
+    assert!(card.to_string().contains("cost of transport"));
 }

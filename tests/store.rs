@@ -48,6 +48,7 @@ fn robot(index: usize) -> RobotRow {
         displacement_m: 0.1 * repeat as f64,
         path_length_m: 0.3,
         turned_rad: -0.1,
+        servo_j: (!repeat.is_multiple_of(2)).then_some(2.5),
     };
     RobotRow {
         index,

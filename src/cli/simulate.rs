@@ -8,7 +8,7 @@ use realgap::file::{Source, check_writable};
 use realgap::plot::quantity;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{
-    self, Divergence, Experiment, JointKind, Outcome, Run, Sampling, SceneBody,
+    self, Divergence, EnergyBalance, Experiment, JointKind, Outcome, Run, Sampling, SceneBody,
 };
 use realgap::trajectory;
 use realgap::unit::{Unit, decimals};
@@ -44,6 +44,9 @@ pub struct Simulate {
     arena: Option<PathBuf>,
     #[command(flatten)]
     values: Values,
+    /// Say where the energy came from and went, and what going costs
+    #[arg(long)]
+    energy: bool,
     /// Samples per second of the output
     #[arg(long, value_name = "HZ", default_value_t = 60.0)]
     rate: f64,
@@ -83,6 +86,9 @@ impl Simulate {
             trajectory::format_of(output)?;
             check_writable(output)?;
         }
+        if self.energy {
+            experiment.energy_from_s = Some(0.0);
+        }
         experiment.check().map_err(Error::into_usage)?;
         let run = simulation::run(&experiment)?;
         terminal::print_warnings(&run.warnings);
@@ -111,6 +117,11 @@ impl Simulate {
         let net_m = motion.map(|t| t.net_displacement_world_m());
         let path_m = motion.map(|t| t.path_length_xy_m());
         let turned_rad = motion.and_then(|t| t.turned_rad());
+        let weight_n = morphology.summary().mass_kg * experiment.gravity_m_s2;
+        let cost = run.energy.zip(net_m).and_then(|(energy, net)| {
+            let transport = energy.cost_of_transport(weight_n, net.xy().norm())?;
+            Some((transport * weight_n, transport))
+        });
         if self.format == Format::Json {
             let report = json!({
                 "morphology": morphology.name(),
@@ -121,6 +132,9 @@ impl Simulate {
                 "heading_rad": net_m.map(|d| d.y.atan2(d.x)),
                 "turned_rad": turned_rad,
                 "servo_rms_rad": run.servo_rms_rad,
+                "energy": run.energy,
+                "joules_per_metre": cost.map(|(joules_per_metre, _)| joules_per_metre),
+                "cost_of_transport": cost.map(|(_, transport)| transport),
                 "cpu_s": cpu_s,
                 "steps": run.steps,
                 "settle_steps": run.settle_steps,
@@ -167,6 +181,14 @@ impl Simulate {
                 ));
             }
         }
+        if let Some(energy) = &run.energy {
+            lines.push(energy_line(energy));
+            if let Some((joules_per_metre, transport)) = cost {
+                lines.push(format!(
+                    "  going costs       {joules_per_metre:.3} J/m, cost of transport {transport:.3}"
+                ));
+            }
+        }
         lines.push(format!(
             "  cost              {:.3} s CPU, {} steps + {} to settle, {times_real:.0} x real time",
             cpu_s, run.steps, run.settle_steps
@@ -181,6 +203,22 @@ impl Simulate {
         terminal::print(lines.join("\n"));
         Ok(())
     }
+}
+
+/// The balance in one line, for people.
+fn energy_line(energy: &EnergyBalance) -> String {
+    format!(
+        "  energy            servos {:.4} J (gave {:.4} J), gravity {:.4} J, contacts {:.4} J, friction {:.4} J, hinges {:.4} J; \
+         kinetic {:+.4} J, unexplained {:+.4} J",
+        energy.servo_j,
+        energy.servo_positive_j,
+        energy.gravity_j,
+        energy.contact_j,
+        energy.friction_j,
+        energy.joint_j + energy.slack_j,
+        energy.kinetic_j,
+        energy.residual_j
+    )
 }
 
 /// How a run ended, for machines.

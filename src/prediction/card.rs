@@ -5,6 +5,7 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
+use super::economy::Economy;
 use super::ensemble::{Ensemble, Forecast, Motion, percent};
 use super::growth::Growth;
 use super::model::{self, ModelError, SuccessRange};
@@ -126,6 +127,8 @@ pub struct Finals {
     pub search_fitness: Option<f64>,
     /// With new draws; `None` where a repeat diverged.
     pub fitness: Option<f64>,
+    /// What going costs, with new draws; `None` where it goes nowhere or no servo gives energy.
+    pub economy: Option<Economy>,
     /// The robot under other solver settings.
     pub reruns: Vec<Rerun>,
 }
@@ -329,6 +332,9 @@ impl fmt::Display for Finals {
             fitness(self.search_fitness),
             fitness(self.fitness)
         )?;
+        if let Some(economy) = &self.economy {
+            write!(f, "\n  energy            {economy}")?;
+        }
         for rerun in &self.reruns {
             let what = match (rerun.change, &rerun.failure) {
                 (_, Some(failure)) => format!("fails: {failure}"),

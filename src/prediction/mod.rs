@@ -25,6 +25,7 @@
 //! ```
 
 mod card;
+mod economy;
 pub mod ensemble;
 pub mod gap;
 mod growth;
@@ -32,6 +33,7 @@ mod model;
 mod report;
 
 pub use card::{Card, Finals, Rerun, Success, SuccessRule};
+pub use economy::Economy;
 pub use growth::Growth;
 pub use model::{LEVEL, Model, ModelError, Range, Source, SuccessRange};
 pub use report::{EnsembleCase, EnsembleOptions, EnsembleReport};

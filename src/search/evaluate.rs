@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::descriptor::{Behaviour, descriptor_named};
 use super::failure::{Failure, Reason};
-use super::objective::Travel;
+use super::objective::{Measure, Travel};
 use super::problem::Search;
 use super::robot::{EvaluatedRobot, Outcome, Performance};
 use crate::Result;
@@ -118,6 +118,9 @@ impl Search {
             if let Some(change) = change {
                 change(&mut experiment);
             }
+            if self.objective.measure == Measure::SpeedPerEnergy {
+                experiment.energy_from_s = Some(self.objective.from_s);
+            }
             self.observe(&experiment)
         };
         let first = match one(0)? {
@@ -161,6 +164,7 @@ impl Search {
                 return Ok(Ok(self.objective.travel(
                     &path,
                     turned_rad,
+                    run.energy.as_ref(),
                     self.duration_s,
                 )));
             }

@@ -9,10 +9,10 @@ use super::robot::{EvaluatedRobot, mean_displacement_m};
 use super::run::SearchResults;
 use crate::optimization::{RunOptions, pool};
 use crate::prediction::ensemble::{self, Ensemble, Forecast};
-use crate::prediction::{Card, Finals, Growth, Rerun, Success, SuccessRule};
+use crate::prediction::{Card, Economy, Finals, Growth, Rerun, Success, SuccessRule};
 use crate::robot::morphology::Morphology;
-use crate::simulation::Experiment;
 use crate::simulation::parameter::ParameterSet;
+use crate::simulation::{EnergyBalance, Experiment};
 use crate::warning::{Code, Warning};
 use crate::{Error, Result};
 
@@ -212,6 +212,7 @@ impl Search {
             unit: self.objective.measure.unit(),
             search_fitness: evaluated.fitness(),
             fitness: self.fitness_of(&ensemble),
+            economy: self.economy_of(&robot, &ensemble),
             reruns,
         };
         let prediction = Card::new(robot.name(), &ensemble, SuccessRule::HalfOfNoiseFree)?
@@ -233,7 +234,8 @@ impl Search {
         robot: &Morphology,
         options: &RunOptions<'_>,
     ) -> Result<Ensemble> {
-        let base = self.experiment(robot);
+        let mut base = self.experiment(robot);
+        base.energy_from_s = Some(self.objective.from_s);
         let seed = self.finals_seed();
         // `run_each` takes no errors, and draws of checked ranges have none.
         let drawn: Result<Vec<ParameterSet>> = (0..self.finals.repeats as u64)
@@ -259,15 +261,35 @@ impl Search {
         Ok(ensemble)
     }
 
+    /// What counts of every repeat that ended.
+    fn travels<'a>(&'a self, ensemble: &'a Ensemble) -> impl Iterator<Item = Travel> + 'a {
+        ensemble.motions().map(|(_, motion)| {
+            let energy = motion.energy.as_ref();
+            self.objective
+                .travel(&motion.path, motion.turned_rad, energy, self.duration_s)
+        })
+    }
+
+    /// What going costs; `None` where a servo gave nothing or the robot got nowhere.
+    fn economy_of(&self, robot: &Morphology, ensemble: &Ensemble) -> Option<Economy> {
+        let weight_n = robot.summary().mass_kg * self.experiment(robot).gravity_m_s2;
+        let travels: Vec<Travel> = self.travels(ensemble).collect();
+        let servos_j = travels.iter().map(|travel| travel.servo_j);
+        let distances_m = travels.iter().map(|travel| travel.displacement_m);
+        let balances = ensemble
+            .motions()
+            .filter_map(|(_, motion)| motion.energy.as_ref());
+        Economy::new(
+            &servos_j.collect::<Option<Vec<f64>>>()?,
+            &distances_m.collect::<Vec<f64>>(),
+            weight_n,
+            balances.map(EnergyBalance::residual_share),
+        )
+    }
+
     /// The objective of an ensemble; `None` where a repeat diverged.
     pub(super) fn fitness_of(&self, ensemble: &Ensemble) -> Option<f64> {
-        let repeats: Vec<Travel> = ensemble
-            .motions()
-            .map(|(_, motion)| {
-                self.objective
-                    .travel(&motion.path, motion.turned_rad, self.duration_s)
-            })
-            .collect();
+        let repeats: Vec<Travel> = self.travels(ensemble).collect();
         let all_walked = repeats.len() == ensemble.repeats.len() && !repeats.is_empty();
         let body_length_m = self.body().length_m();
         all_walked.then(|| self.objective.of(&repeats, body_length_m, self.duration_s))

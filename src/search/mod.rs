@@ -51,7 +51,7 @@
 //! | `parameters` | what is only known to a range, `[(name, low, high)]`: every repeat draws | |
 //! | `indistinguishable` | a folder of `sweep` or `tune`: every repeat gets one of the points that cannot be told from its best | |
 //! | `noise` | as in a study | an estimate |
-//! | `objective` | `(measure: Displacement, Straightness or Speed; aggregate: Mean, LowerQuantile(level) or MeanMinusSd(k); from_s: what comes before does not count)` | displacement, 20 % quantile |
+//! | `objective` | `(measure: Displacement, Straightness, Speed or SpeedPerEnergy; aggregate: Mean, LowerQuantile(level) or MeanMinusSd(k); from_s: what comes before does not count)` | displacement, 20 % quantile |
 //! | `repeats` | runs of every robot; all robots get the same draws | 8 |
 //! | `failures` | [`FailureRules`] | |
 //! | `finalists` | [`FinalsSettings`] | |

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::simulation::EnergyBalance;
 use crate::statistics::{mean, quantile, standard_deviation};
 use crate::trajectory::Prepared;
 use crate::unit::Unit;
@@ -16,7 +17,9 @@ pub enum Measure {
     Straightness,
     /// Displacement per time, m/s.
     Speed,
-    /// Not available: the simulation reports no work of the servos. Refused when a file asks for it.
+    /// Displacement per joule that the servos gave, m/J: speed per power is distance per energy. What they took counts as lost
+    /// ([`crate::simulation::EnergyBalance::servo_positive_j`]). 0 for a robot that gets less than one body length far: who
+    /// hardly moves hardly spends.
     SpeedPerEnergy,
 }
 
@@ -63,6 +66,8 @@ pub struct Travel {
     pub path_length_m: f64,
     /// Change of the heading, radians, left positive.
     pub turned_rad: f64,
+    /// What the servos gave meanwhile, joules; `None` where nobody counted.
+    pub servo_j: Option<f64>,
 }
 
 impl Travel {
@@ -73,6 +78,16 @@ impl Travel {
         }
         (self.displacement_m / self.path_length_m).min(1.0)
     }
+
+    /// Displacement per energy, m/J; 0 below one body length, and where no servo gave any or nobody counted.
+    pub fn metres_per_joule(&self, body_length_m: f64) -> f64 {
+        match self.servo_j {
+            Some(servo_j) if servo_j > 0.0 && self.displacement_m >= body_length_m => {
+                self.displacement_m / servo_j
+            }
+            _ => 0.0,
+        }
+    }
 }
 
 impl Measure {
@@ -81,7 +96,8 @@ impl Measure {
         match self {
             Self::Displacement => travel.displacement_m,
             Self::Straightness => travel.straightness(body_length_m),
-            Self::Speed | Self::SpeedPerEnergy => travel.displacement_m / duration_s,
+            Self::Speed => travel.displacement_m / duration_s,
+            Self::SpeedPerEnergy => travel.metres_per_joule(body_length_m),
         }
     }
 
@@ -90,7 +106,8 @@ impl Measure {
         match self {
             Self::Displacement => Unit::Metre,
             Self::Straightness => Unit::One,
-            Self::Speed | Self::SpeedPerEnergy => Unit::MetrePerSecond,
+            Self::Speed => Unit::MetrePerSecond,
+            Self::SpeedPerEnergy => Unit::MetrePerJoule,
         }
     }
 
@@ -117,8 +134,15 @@ impl Aggregate {
 }
 
 impl Objective {
-    /// What counts of one run of this length.
-    pub fn travel(&self, path: &Prepared, turned_rad: f64, duration_s: f64) -> Travel {
+    /// What counts of one run of this length; `energy` as counted from [`Objective::from_s`] on.
+    pub fn travel(
+        &self,
+        path: &Prepared,
+        turned_rad: f64,
+        energy: Option<&EnergyBalance>,
+        duration_s: f64,
+    ) -> Travel {
+        let servo_j = energy.map(|energy| energy.servo_positive_j);
         let xy_m = path.xy_m();
         let share = (self.from_s / duration_s).clamp(0.0, 1.0);
         let first = (share * (xy_m.len() - 1) as f64).round() as usize;
@@ -127,6 +151,7 @@ impl Objective {
                 displacement_m: path.net_displacement_m(),
                 path_length_m: path.path_length_m(),
                 turned_rad,
+                servo_j,
             };
         }
         let distance_m = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
@@ -135,6 +160,7 @@ impl Objective {
             displacement_m: distance_m(counted[0], counted[counted.len() - 1]),
             path_length_m: counted.windows(2).map(|w| distance_m(w[0], w[1])).sum(),
             turned_rad,
+            servo_j,
         }
     }
 
@@ -149,15 +175,8 @@ impl Objective {
     /// Checks that it can be computed.
     ///
     /// # Errors
-    /// Speed per energy; a quantile's level or a factor out of range.
+    /// A quantile's level or a factor out of range.
     pub fn check(&self) -> Result<()> {
-        if self.measure == Measure::SpeedPerEnergy {
-            return Err(Error::invalid("speed per energy cannot be told")
-                .field("measure")
-                .found("SpeedPerEnergy")
-                .allowed("Displacement, Straightness, Speed")
-                .hint("the simulation does not report the work of the servos"));
-        }
         if !(0.0..=3600.0).contains(&self.from_s) {
             return Err(Error::invalid("out of range")
                 .field("from_s")

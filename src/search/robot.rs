@@ -107,6 +107,7 @@ impl From<&EvaluatedRobot> for RobotRow {
                         displacement_m: travel.displacement_m,
                         path_length_m: travel.path_length_m,
                         turned_rad: travel.turned_rad,
+                        servo_j: travel.servo_j,
                     })
                     .collect(),
                 descriptors: performance.descriptors.clone(),
@@ -151,6 +152,7 @@ impl TryFrom<&RobotRow> for EvaluatedRobot {
                         displacement_m: travel.displacement_m,
                         path_length_m: travel.path_length_m,
                         turned_rad: travel.turned_rad,
+                        servo_j: travel.servo_j,
                     })
                     .collect(),
                 descriptors: descriptors.clone(),

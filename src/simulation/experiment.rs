@@ -1,5 +1,7 @@
 //! Everything that decides what a simulation does, as plain validated data.
 
+mod check;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -9,7 +11,6 @@ use super::adjustment::{Adjustment, ModuleAdjustment};
 use super::command::CommandTrack;
 use super::scene::SceneBody;
 use super::vehicle::{Drive, Vehicle};
-use crate::error::{Error, Result};
 use crate::robot::morphology::{Assembly, Role};
 use crate::trajectory::State;
 use crate::unit::GRAVITY_M_S2;
@@ -292,6 +293,9 @@ pub struct Experiment {
     pub perturbation: Perturbation,
     /// Recorded lengths are this times the true ones. The run itself is in true lengths.
     pub recording_length_scale: f64,
+    /// Whether the run says where its energy came from and went ([`super::EnergyBalance`]), and from which second on. It changes
+    /// nothing about the run.
+    pub energy_from_s: Option<f64>,
 }
 
 impl Experiment {
@@ -316,6 +320,7 @@ impl Experiment {
             module_adjustments: BTreeMap::new(),
             perturbation: Perturbation::default(),
             recording_length_scale: 1.0,
+            energy_from_s: None,
         }
     }
 
@@ -377,87 +382,6 @@ impl Experiment {
                 actuator.servo.law.scale_gain(factor);
             }
         }
-    }
-
-    /// Checks the ranges that no single field can check for itself.
-    ///
-    /// # Errors
-    /// A duration, timestep or sampling that cannot be simulated.
-    pub fn check(&self) -> Result<()> {
-        let range =
-            |field: &str, value: f64, allowed: std::ops::RangeInclusive<f64>, unit: &str| {
-                if allowed.contains(&value) {
-                    return Ok(());
-                }
-                Err(Error::invalid("out of range")
-                    .field(field)
-                    .found(format!("{value} {unit}").trim_end())
-                    .allowed(format!("{} to {} {unit}", allowed.start(), allowed.end()).trim_end()))
-            };
-        self.check_edges()?;
-        for body in &self.scene {
-            body.check()?;
-            body.check_clear(self)?;
-        }
-        range("duration_s", self.duration_s, 1e-3..=3600.0, "s")?;
-        range("timestep_s", self.solver.timestep_s, 1e-6..=0.1, "s")?;
-        range(
-            "solver.substeps",
-            self.solver.substeps as f64,
-            1.0..=256.0,
-            "",
-        )?;
-        let steps = self.duration_s / self.solver.timestep_s;
-        if steps > 1e8 {
-            return Err(Error::invalid("too many steps for one run")
-                .found(format!(
-                    "{steps:.0} steps, about {:.0} hours at 20 microseconds a step",
-                    steps * 20e-6 / 3600.0
-                ))
-                .allowed("at most 100 000 000")
-                .hint("shorten the duration or lengthen the timestep"));
-        }
-        match &self.sampling {
-            Sampling::Rate(hz) => {
-                range("rate", *hz, 1e-3..=1e5, "Hz")?;
-                if self.duration_s * hz > 1e7 {
-                    return Err(Error::invalid("too many samples for one run")
-                        .found(format!("{:.0} samples", self.duration_s * hz))
-                        .allowed("at most 10 000 000"));
-                }
-            }
-            Sampling::Times(times_s) => {
-                let increasing = times_s.windows(2).all(|w| w[0] < w[1]);
-                if times_s.len() < 2 || !increasing || !times_s.iter().all(|t| t.is_finite()) {
-                    return Err(Error::invalid(
-                        "sample times must be at least two, finite and increasing",
-                    ));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// A cube cannot be rounder than a ball.
-    fn check_edges(&self) -> Result<()> {
-        let radius_m = self.adjustment.edge_radius_m;
-        let smallest_m = self
-            .assembly
-            .parts
-            .iter()
-            .flat_map(|part| &part.solids)
-            .filter(|solid| solid.role == Role::Cube)
-            .map(|solid| solid.half_extents_m.min())
-            .fold(f64::INFINITY, f64::min);
-        if radius_m == 0.0 || (0.0..smallest_m).contains(&radius_m) {
-            return Ok(());
-        }
-        Err(
-            Error::invalid("the edges are rounder than the cube is wide")
-                .field("body.edge_radius_m")
-                .found(format!("{radius_m} m"))
-                .allowed(format!("less than half the narrowest cube, {smallest_m} m")),
-        )
     }
 
     /// Sample times, seconds from the start, at least two.

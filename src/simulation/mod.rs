@@ -13,6 +13,7 @@ mod axle;
 mod camera;
 mod command;
 mod distribution;
+mod energy;
 mod engine;
 mod experiment;
 mod friction;
@@ -23,6 +24,7 @@ mod noise;
 mod numerics;
 mod outcome;
 mod part_state;
+mod path;
 mod plausibility;
 mod posture;
 mod run;
@@ -37,6 +39,7 @@ pub use adjustment::{Adjustment, ModuleAdjustment};
 pub use camera::Camera;
 pub use command::CommandTrack;
 pub use distribution::Distribution;
+pub use energy::EnergyBalance;
 pub use engine::ENGINE_VERSION;
 pub use experiment::{
     Contact, Experiment, Floor, FrictionModel, JointKind, JointState, Perturbation, Sampling,

@@ -5,10 +5,12 @@ use std::time::Duration;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::command::Orders;
+use super::energy::{EnergyBalance, Meter};
 use super::experiment::{Experiment, JointState, Start};
 use super::kinematics::{lowest_m, part_from_track, robot_from_parts};
-use super::motor::{duty, effort};
+use super::motor::{Effort, duty, effort};
 use super::outcome::{Divergence, Outcome};
+use super::path::{Path, between};
 use super::scene::{Guide, SceneMotion};
 use super::servo::{NOTHING, command, error_beyond_play};
 use super::vehicle;
@@ -16,7 +18,7 @@ use super::watch::{Push, Snapshot};
 use super::world::{Motion, World};
 use crate::error::{Error, Result};
 use crate::robot::morphology::{Actuator, Assembly};
-use crate::trajectory::{JointTrack, State, Trajectory};
+use crate::trajectory::{State, Trajectory};
 use crate::warning::{Code, Warning};
 
 /// Result of one simulation.
@@ -32,6 +34,8 @@ pub struct Run {
     pub cpu: Duration,
     /// Root mean square of command minus angle over all servos and steps, radians; 0 without servos.
     pub servo_rms_rad: f64,
+    /// Where the energy came from and went, where [`Experiment::energy_from_s`] asks for it and the run was completed.
+    pub energy: Option<EnergyBalance>,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
 }
@@ -123,6 +127,9 @@ struct Rollout<'a> {
     angles_rad: Vec<f64>,
     squared_error_rad2: f64,
     orders: Vec<Orders<'a>>,
+    meter: Option<Meter>,
+    /// What every motor behind a gear did during the step before.
+    efforts: Vec<Option<Effort>>,
     /// Duty of every motor during the step before.
     duties: Vec<f64>,
     latency_s: Vec<f64>,
@@ -210,6 +217,10 @@ impl<'a> Rollout<'a> {
                 .iter()
                 .map(|hinge| Orders::new(experiment, hinge))
                 .collect(),
+            meter: experiment
+                .energy_from_s
+                .map(|from_s| Meter::new(experiment, assembly, from_s)),
+            efforts: vec![None; assembly.hinges.len()],
             duties: vec![0.0; assembly.hinges.len()],
             timestep_s: experiment.solver.timestep_s,
             latency_s: (0..assembly.hinges.len())
@@ -258,6 +269,7 @@ impl<'a> Rollout<'a> {
             self.duties[index] = duty.unwrap_or(0.0);
             let speed_rad_s = self.world.hinge_speed_rad_s(index);
             let effort = effort(motor, duty, servo.max_torque_nm, speed_rad_s);
+            self.efforts[index] = Some(effort);
             self.world.exert(index, &effort);
         }
         self.world.step();
@@ -365,12 +377,17 @@ impl<'a> Rollout<'a> {
         } else {
             0.0
         };
+        let meter = self.meter.as_ref().filter(|_| outcome.is_completed());
+        let energy = meter.map(Meter::balance);
+        self.warnings
+            .extend(energy.and_then(|energy| energy.warning()));
         Ok(Run {
             outcome,
             steps: self.steps,
             settle_steps: self.settle_steps,
             cpu: Duration::ZERO,
             servo_rms_rad,
+            energy,
             warnings: std::mem::take(&mut self.warnings),
         })
     }
@@ -401,6 +418,9 @@ impl<'a> Rollout<'a> {
         if let Some(observer) = &mut observer {
             observer(&Snapshot::take(0.0, self.assembly, &self.world));
         }
+        if let Some(meter) = &mut self.meter {
+            meter.start(self.assembly, &self.world);
+        }
         let mut before = self.sample();
         let mut next = 0;
         while next < times_s.len() && times_s[next] <= 0.0 {
@@ -416,6 +436,9 @@ impl<'a> Rollout<'a> {
             self.steps = step;
             if let Some(why) = self.absurd(&origin_world_m) {
                 return Ok(Outcome::Diverged(Divergence { at_s: to_s, why }));
+            }
+            if let Some(meter) = &mut self.meter {
+                meter.read(self.assembly, &self.world, from_s, &self.efforts);
             }
             if let Some(observer) = &mut observer {
                 observer(&Snapshot::take(to_s, self.assembly, &self.world));
@@ -433,100 +456,5 @@ impl<'a> Rollout<'a> {
             }
         }
         path.finish().map(Outcome::Completed)
-    }
-}
-
-/// The state a share of the way from one step to the next; exactly the end states at 0 and 1.
-fn between(
-    before: &(State, Vec<JointState>),
-    after: &(State, Vec<JointState>),
-    share: f64,
-) -> (State, Vec<JointState>) {
-    if share <= 0.0 {
-        return before.clone();
-    }
-    if share >= 1.0 {
-        return after.clone();
-    }
-    let lerp = |a: f64, b: f64| a + share * (b - a);
-    let joints = before.1.iter().zip(&after.1).map(|(a, b)| JointState {
-        angle_rad: lerp(a.angle_rad, b.angle_rad),
-        speed_rad_s: lerp(a.speed_rad_s, b.speed_rad_s),
-    });
-    (between_states(&before.0, &after.0, share), joints.collect())
-}
-
-fn between_states(before: &State, after: &State, share: f64) -> State {
-    let orientation = |a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>| {
-        a.try_slerp(b, share, 1e-12).unwrap_or(*b)
-    };
-    State {
-        position_world_m: before.position_world_m.lerp(&after.position_world_m, share),
-        orientation_world_from_body: orientation(
-            &before.orientation_world_from_body,
-            &after.orientation_world_from_body,
-        ),
-        velocity_world_m_s: before
-            .velocity_world_m_s
-            .lerp(&after.velocity_world_m_s, share),
-        angular_velocity_body_rad_s: before
-            .angular_velocity_body_rad_s
-            .lerp(&after.angular_velocity_body_rad_s, share),
-    }
-}
-
-/// Samples on their way to becoming a trajectory.
-struct Path {
-    times_s: Vec<f64>,
-    positions: Vec<Vector3<f64>>,
-    orientations: Vec<UnitQuaternion<f64>>,
-    linear: Vec<Vector3<f64>>,
-    angular: Vec<Vector3<f64>>,
-    joint_names: Vec<String>,
-    /// Joints of every sample, one sample after the other.
-    joints: Vec<JointState>,
-}
-
-impl Path {
-    fn with_capacity(samples: usize) -> Self {
-        Self {
-            times_s: Vec::with_capacity(samples),
-            positions: Vec::with_capacity(samples),
-            orientations: Vec::with_capacity(samples),
-            linear: Vec::with_capacity(samples),
-            angular: Vec::with_capacity(samples),
-            joint_names: Vec::new(),
-            joints: Vec::new(),
-        }
-    }
-
-    fn push(&mut self, t_s: f64, (state, joints): &(State, Vec<JointState>)) {
-        self.joints.extend(joints);
-        self.times_s.push(t_s);
-        self.positions.push(state.position_world_m);
-        self.orientations.push(state.orientation_world_from_body);
-        self.linear.push(state.velocity_world_m_s);
-        self.angular.push(state.angular_velocity_body_rad_s);
-    }
-
-    fn finish(self) -> Result<Trajectory> {
-        let count = self.joint_names.len();
-        let tracks = self
-            .joint_names
-            .into_iter()
-            .enumerate()
-            .map(|(index, name)| {
-                let own = self.joints.iter().skip(index).step_by(count);
-                JointTrack {
-                    name,
-                    angles_rad: own.clone().map(|joint| joint.angle_rad).collect(),
-                    speeds_rad_s: Some(own.map(|joint| joint.speed_rad_s).collect()),
-                }
-            });
-        let tracks = tracks.collect();
-        Trajectory::new(self.times_s, self.positions)?
-            .with_orientations(self.orientations)?
-            .with_velocities(self.linear, self.angular)?
-            .with_joints(tracks)
     }
 }

@@ -1,11 +1,13 @@
 //! A robot on a floor in the engine's hands, one step at a time.
 
+mod load;
+mod pose;
 mod scene;
 
-use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
 use super::axle::{Axle, Seat, rotor_inertia_kg_m2};
-use super::engine::math::{Matrix, Pose, Rotation, Vector};
+use super::engine::math::{Pose, Vector};
 use super::engine::prelude::{
     ActiveHooks, BroadPhaseBvh, CCDSolver, CoefficientCombineRule, ColliderBuilder, ColliderSet,
     FrictionModel as EngineFriction, ImpulseJointSet, IntegrationParameters, IslandManager,
@@ -21,6 +23,10 @@ use super::motor::Effort;
 use super::part_state::PartState;
 use super::servo::Command;
 use crate::robot::morphology::{Assembly, Part, Role};
+
+pub(super) use load::Load;
+use pose::{from_pose, to_matrix};
+pub(super) use pose::{from_rotation, from_vector, to_pose, to_vector};
 
 /// Rigid motion of the whole robot at the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -395,6 +401,27 @@ impl World {
         }
     }
 
+    /// A part in full, with the velocities that the last substep left: those of the bodies of a multibody are one substep
+    /// older, since the engine works them out before it solves contacts and joints.
+    pub fn part_now(&self, part: usize) -> PartState {
+        let mut state = self.part_state(part);
+        let Some(link) = self.multibody_joints.rigid_body_link(self.parts[part].body) else {
+            return state;
+        };
+        let Some(multibody) = self.multibody_joints.get_multibody(link.multibody) else {
+            return state;
+        };
+        let speeds = multibody.generalized_velocity();
+        let jacobian = multibody.body_jacobian(link.id);
+        // Before the first step there is no Jacobian, and nothing has been solved.
+        if jacobian.ncols() == speeds.len() {
+            let row = |row: usize| wide(jacobian.row(row).tr_dot(&speeds));
+            state.velocity_world_m_s = Vector3::new(row(0), row(1), row(2));
+            state.angular_velocity_world_rad_s = Vector3::new(row(3), row(4), row(5));
+        }
+        state
+    }
+
     /// Adds to the velocity of a part that no hinge holds, m/s.
     pub fn push(&mut self, part: usize, velocity_world_m_s: &Vector3<f64>) {
         if let Some(body) = self.bodies.get_mut(self.parts[part].body) {
@@ -457,56 +484,4 @@ fn parameters(experiment: &Experiment) -> IntegrationParameters {
     p.contact_softness.natural_frequency = narrow(0.5 * contact.natural_frequency_hz);
     p.contact_softness.damping_ratio = narrow(contact.damping_ratio);
     p
-}
-
-pub(super) fn to_vector(v: &Vector3<f64>) -> Vector {
-    Vector::new(narrow(v.x), narrow(v.y), narrow(v.z))
-}
-
-pub(super) fn from_vector(v: Vector) -> Vector3<f64> {
-    Vector3::new(wide(v.x), wide(v.y), wide(v.z))
-}
-
-fn to_matrix(m: &Matrix3<f64>) -> Matrix {
-    Matrix::from_cols(
-        to_vector(&m.column(0).into_owned()),
-        to_vector(&m.column(1).into_owned()),
-        to_vector(&m.column(2).into_owned()),
-    )
-}
-
-pub(super) fn to_pose(pose: &Isometry3<f64>) -> Pose {
-    let q = pose.rotation.quaternion();
-    Pose::from_parts(
-        to_vector(&pose.translation.vector),
-        Rotation::from_xyzw(narrow(q.i), narrow(q.j), narrow(q.k), narrow(q.w)),
-    )
-}
-
-pub(super) fn from_rotation(rotation: &Rotation) -> UnitQuaternion<f64> {
-    from_quaternion(Quaternion::new(
-        wide(rotation.w),
-        wide(rotation.x),
-        wide(rotation.y),
-        wide(rotation.z),
-    ))
-}
-
-/// A unit quaternion in f64 as it is.
-#[cfg(feature = "f64")]
-fn from_quaternion(rotation: Quaternion<f64>) -> UnitQuaternion<f64> {
-    UnitQuaternion::new_unchecked(rotation)
-}
-
-/// A unit quaternion in f32 is one in f64 to seven digits only, and everything else counts on sixteen.
-#[cfg(not(feature = "f64"))]
-fn from_quaternion(rotation: Quaternion<f64>) -> UnitQuaternion<f64> {
-    UnitQuaternion::new_normalize(rotation)
-}
-
-fn from_pose(pose: &Pose) -> Isometry3<f64> {
-    Isometry3::from_parts(
-        from_vector(pose.translation).into(),
-        from_rotation(&pose.rotation),
-    )
 }

@@ -46,6 +46,8 @@ pub struct TravelRow {
     pub path_length_m: f64,
     /// Change of the heading, radians.
     pub turned_rad: f64,
+    /// What the servos gave, joules; `None` where nobody counted.
+    pub servo_j: Option<f64>,
 }
 
 /// What stands in the column `status` of a robot that walked.
@@ -57,8 +59,8 @@ struct Columns {
     status: String,
     seen: String,
     fitness: Option<f64>,
-    /// Blobs of displacements, path lengths, headings and descriptors.
-    lists: [Vec<u8>; 4],
+    /// Blobs of displacements, path lengths, headings, energies (NaN where nobody counted) and descriptors.
+    lists: [Vec<u8>; 5],
 }
 
 impl Columns {
@@ -90,6 +92,7 @@ impl Columns {
                         list(|travel| travel.displacement_m),
                         list(|travel| travel.path_length_m),
                         list(|travel| travel.turned_rad),
+                        list(|travel| travel.servo_j.unwrap_or(f64::NAN)),
                         to_bytes(descriptors),
                     ],
                 }
@@ -99,17 +102,26 @@ impl Columns {
 
     fn row(self, index: usize) -> RobotRow {
         let outcome = if self.status == WALKED {
-            let [displacements_m, lengths_m, turned_rad, descriptors] =
-                self.lists.map(|bytes| from_bytes(&bytes));
-            let repeats = displacements_m.iter().zip(&lengths_m).zip(&turned_rad);
+            let [
+                displacements_m,
+                lengths_m,
+                turned_rad,
+                servos_j,
+                descriptors,
+            ] = self.lists.map(|bytes| from_bytes(&bytes));
+            let paths = displacements_m.iter().zip(&lengths_m).zip(&turned_rad);
+            let repeats = paths.zip(&servos_j);
             RobotOutcome::Walked {
                 fitness: self.fitness.unwrap_or(f64::NAN),
                 repeats: repeats
-                    .map(|((displacement_m, path_length_m), turned_rad)| TravelRow {
-                        displacement_m: *displacement_m,
-                        path_length_m: *path_length_m,
-                        turned_rad: *turned_rad,
-                    })
+                    .map(
+                        |(((displacement_m, path_length_m), turned_rad), servo_j)| TravelRow {
+                            displacement_m: *displacement_m,
+                            path_length_m: *path_length_m,
+                            turned_rad: *turned_rad,
+                            servo_j: Some(*servo_j).filter(|servo_j| !servo_j.is_nan()),
+                        },
+                    )
                     .collect(),
                 descriptors,
             }
@@ -150,14 +162,16 @@ impl Table for RobotRow {
     const TABLES: &'static str = "CREATE TABLE robot (
         id INTEGER PRIMARY KEY, genome BLOB NOT NULL, status TEXT NOT NULL, seen TEXT NOT NULL, fitness REAL,
         displacement_m BLOB NOT NULL, path_length_m BLOB NOT NULL, turned_rad BLOB NOT NULL,
-        descriptors BLOB NOT NULL, checksum INTEGER NOT NULL) STRICT;";
+        servo_j BLOB NOT NULL, descriptors BLOB NOT NULL, checksum INTEGER NOT NULL) STRICT;";
 
     fn insert(&self, transaction: &Transaction<'_>) -> rusqlite::Result<i64> {
         let columns = Columns::of(self);
         let checksum = columns.checksum(self.index);
-        let [displacements, lengths, turned, descriptors] = &columns.lists;
+        let [displacements, lengths, turned, energies, descriptors] = &columns.lists;
         transaction
-            .prepare_cached("INSERT INTO robot VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)")?
+            .prepare_cached(
+                "INSERT INTO robot VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)",
+            )?
             .execute(params![
                 self.index as i64,
                 columns.genome,
@@ -167,6 +181,7 @@ impl Table for RobotRow {
                 displacements,
                 lengths,
                 turned,
+                energies,
                 descriptors,
                 checksum
             ])?;
@@ -175,7 +190,7 @@ impl Table for RobotRow {
 
     fn read(connection: &Connection, from: i64, to: i64) -> rusqlite::Result<Vec<Checked<Self>>> {
         let mut statement = connection.prepare_cached(
-            "SELECT id, genome, status, seen, fitness, displacement_m, path_length_m, turned_rad, descriptors, checksum
+            "SELECT id, genome, status, seen, fitness, displacement_m, path_length_m, turned_rad, servo_j, descriptors, checksum
              FROM robot WHERE id >= ?1 AND id < ?2 ORDER BY id",
         )?;
         let rows = statement.query_map([from, to], |row| {
@@ -185,10 +200,16 @@ impl Table for RobotRow {
                 status: row.get(2)?,
                 seen: row.get(3)?,
                 fitness: row.get(4)?,
-                lists: [row.get(5)?, row.get(6)?, row.get(7)?, row.get(8)?],
+                lists: [
+                    row.get(5)?,
+                    row.get(6)?,
+                    row.get(7)?,
+                    row.get(8)?,
+                    row.get(9)?,
+                ],
             };
             Ok(Checked {
-                stored: row.get(9)?,
+                stored: row.get(10)?,
                 computed: columns.checksum(index),
                 row: columns.row(index),
             })

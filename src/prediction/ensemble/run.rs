@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::optimization::RunOptions;
-use crate::simulation::{self, Experiment, Noise, Outcome, Perturbation, Run};
+use crate::simulation::{self, EnergyBalance, Experiment, Noise, Outcome, Perturbation, Run};
 use crate::trajectory::{Prepared, prepare};
 use crate::warning::{Code, Warning};
 
@@ -23,6 +23,8 @@ pub struct Motion {
     pub turned_rad: f64,
     /// Root mean square servo error, radians.
     pub servo_rms_rad: f64,
+    /// Where its energy came from and went, where the experiment asks for it.
+    pub energy: Option<EnergyBalance>,
 }
 
 impl Motion {
@@ -214,6 +216,7 @@ fn outcome(run: Run) -> Result<(Outcome<Motion>, Duration)> {
             path: prepare(&motion)?,
             turned_rad: motion.turned_rad().unwrap_or(0.0),
             servo_rms_rad,
+            energy: run.energy,
         }),
         Outcome::Diverged(divergence) => Outcome::Diverged(divergence),
     };

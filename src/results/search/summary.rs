@@ -35,6 +35,10 @@ pub struct BestRobot {
     pub success_m: Option<f64>,
     /// Probability of it.
     pub success: Option<f64>,
+    /// What the servos give over the distance, J/m.
+    pub joules_per_metre: Option<f64>,
+    /// The same per weight: mechanical cost of transport.
+    pub cost_of_transport: Option<f64>,
     /// Whether half and double timestep and substeps, the limit of hard contact and the other joint kind at its own leave its displacement
     /// within the tolerance.
     pub survives: bool,
@@ -108,6 +112,8 @@ impl BestRobot {
             displacement_q05_q95_m: displacement_m.map(|d| [d.q05, d.q95]),
             success_m: finalist.success().map(|s| s.least_displacement_m),
             success: finalist.success().map(|s| s.probability.share),
+            joules_per_metre: finals.economy.map(|economy| economy.joules_per_metre),
+            cost_of_transport: finals.economy.map(|economy| economy.cost_of_transport),
             survives: finals.survives,
             worst_rerun: worst.map(|rerun| rerun.settings),
             largest_change: changes

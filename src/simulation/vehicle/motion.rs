@@ -71,6 +71,7 @@ pub(in crate::simulation) fn run(experiment: &Experiment, vehicle: &Vehicle) -> 
         settle_steps: 0,
         cpu: Duration::ZERO,
         servo_rms_rad: 0.0,
+        energy: None,
         warnings: Vec::new(),
     })
 }
