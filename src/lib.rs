@@ -149,6 +149,7 @@ pub mod guide {
 [docs/fidelity/genomes.md]: crate::guide::fidelity::genomes
 [docs/fidelity/search.md]: crate::guide::fidelity::search
 [docs/fidelity/sensing.md]: crate::guide::fidelity::sensing
+[docs/fidelity/radio.md]: crate::guide::fidelity::radio
 [docs/upstream/contact_stiffness.md]: crate::guide::upstream::contact_stiffness
 [docs/upstream/friction_direction.md]: crate::guide::upstream::friction_direction
 [docs/upstream/multibody_root.md]: crate::guide::upstream::multibody_root
@@ -255,6 +256,8 @@ pub mod guide {
         pub mod tosses {}
         #[doc = include_str!("../docs/fidelity/energy.md")]
         pub mod energy {}
+
+        #[doc = links!()]
         #[doc = include_str!("../docs/fidelity/hardware.md")]
         pub mod hardware {}
 
@@ -301,6 +304,10 @@ pub mod guide {
         #[doc = links!()]
         #[doc = include_str!("../docs/fidelity/sensing.md")]
         pub mod sensing {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/radio.md")]
+        pub mod radio {}
     }
 
     #[doc = links!()]

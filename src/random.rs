@@ -57,11 +57,15 @@ pub enum Numbered {
     SensorReading,
     /// Errors of wheels: how far a command goes, how far it turns.
     Actuator,
+    /// What places add to the strength of a radio signal.
+    Shadowing,
+    /// What happens to a message: fading, loss, latency.
+    Message,
 }
 
 impl Numbered {
     /// Every stream.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::Start,
         Self::Camera,
         Self::CameraTime,
@@ -77,6 +81,8 @@ impl Numbered {
         Self::Refinement,
         Self::SensorReading,
         Self::Actuator,
+        Self::Shadowing,
+        Self::Message,
     ];
 
     fn number(self) -> u64 {
@@ -96,6 +102,8 @@ impl Numbered {
             Self::CameraTime => 12,
             Self::SensorReading => 30,
             Self::Actuator => 31,
+            Self::Shadowing => 40,
+            Self::Message => 41,
         }
     }
 

@@ -32,6 +32,7 @@ macro_rules! codes {
 }
 
 codes! {
+    AnchorInWall "anchor-in-wall" "A radio anchor stands in a wall, which does not count for it.";
     AtypicalPrediction "atypical-prediction" "The run without noise is unlike its own repeats.";
     BaselineNotBeaten "baseline-not-beaten" "A search found nothing better than what it started from.";
     BeliefRestarted "belief-restarted" "Readings were impossible at every distance, and a belief began again.";
@@ -53,6 +54,7 @@ codes! {
     ExclusionNotExported "exclusion-not-exported" "A format cannot say which parts never touch.";
     Extrapolated "extrapolated" "A model is asked beyond what it was fitted to.";
     FewDistances "few-distances" "Too few distances to choose a form by what it predicts.";
+    FewPlaces "few-places" "Too few places to say how wrong a model is elsewhere.";
     FewRecordings "few-recordings" "Too few recordings for what is asked of them.";
     FewRepeats "few-repeats" "Too few repeats for what is asked of them.";
     FewerTerms "fewer-terms" "Polynomials have fewer terms than asked for: the log has too few samples.";
@@ -75,18 +77,21 @@ codes! {
     NoCamera "no-camera" "The noise has no camera, and recordings have one.";
     NoEffect "no-effect" "Something that was set changes nothing.";
     NoFlight "no-flight" "No free flight was found.";
+    NoInterval "no-interval" "A model states no interval, so that its coverage says nothing.";
     NoNoise "no-noise" "Repeats that differ by nothing.";
     NoRecordings "no-recordings" "Nothing real to compare with.";
     NoRepeats "no-repeats" "No repeat of a simulation ended well.";
     NoSimulatedOdds "no-simulated-odds" "The simulated resting faces could not be counted.";
     NoSuccessRule "no-success-rule" "Nobody said what success is.";
     NoSurvivor "no-survivor" "No finalist holds under other numerics.";
+    NoWalls "no-walls" "No link of a log crosses a wall.";
     NotNormal "not-normal" "Readings are not spread normally.";
     NotSettled "not-settled" "A robot did not come to rest before its run.";
     NotWritten "not-written" "A result could not be written.";
     OneRecording "one-recording" "One recording does not know its own spread.";
     OnlyDistributions "only-distributions" "Small differences grow so fast that single runs do not compare.";
     OtherRobot "other-robot" "A recording names another robot.";
+    OutsideArena "outside-arena" "Readings were taken outside of the arena.";
     Overfitted "overfitted" "Recordings that were held out are fitted worse.";
     PlateBlocked "plate-blocked" "A plate hits its own robot.";
     QuaternionOrder "quaternion-order" "Orientations look as if their real part stood elsewhere.";
@@ -99,6 +104,7 @@ codes! {
     ServoTooSlow "servo-too-slow" "A gait asks for more speed than its servo has.";
     SeveralMaterials "several-materials" "Readings off different materials are fitted as one sensor.";
     SeveralRobots "several-robots" "A recording looks like the paths of several robots.";
+    SeveralSessions "several-sessions" "Sessions of a log are taken together.";
     ShortRecording "short-recording" "A recording ends before the study.";
     ShorterSimulation "shorter-simulation" "A simulation ends before its recording.";
     SolverNotExported "solver-not-exported" "A format does not hold the solver's settings.";

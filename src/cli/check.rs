@@ -1,5 +1,7 @@
 //! `realgap check`: is a file of ours sound, and what is in it?
 
+mod sensing;
+
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -10,10 +12,9 @@ use realgap::plot::check_picture_path;
 use realgap::robot::genome::Specimen;
 use realgap::robot::morphology::Morphology;
 use realgap::search::{self, Search};
-use realgap::sensing::arena::{Arena, Boundary};
-use realgap::sensing::range::RangeModel;
+use realgap::sensing::arena::Arena;
+use realgap::simulation::Experiment;
 use realgap::simulation::verification::known_limits;
-use realgap::simulation::{Experiment, Vehicle};
 use realgap::text::shown;
 use realgap::trajectory::Reading;
 use realgap::unit::counted;
@@ -163,9 +164,10 @@ fn describe(path: &Path, reading: &Reading) -> Result<Contents> {
         Some(Kind::Search) => search(path),
         Some(Kind::Parameters) => parameters(path),
         Some(Kind::Meta) => meta(path),
-        Some(Kind::Arena) => arena(&source),
-        Some(Kind::Sensor) => sensor(&source),
-        Some(Kind::Vehicle) => vehicle(path),
+        Some(Kind::Arena) => sensing::arena(&source),
+        Some(Kind::Sensor) => sensing::sensor(&source),
+        Some(Kind::Vehicle) => sensing::vehicle(path),
+        Some(Kind::Radio) => sensing::radio(&source),
         _ => Err(Error::invalid("not a file of ours")
             .at_file(path)
             .allowed("a morphology (modules, glue), a genome (modules, genes), a study (morphology, parameters), a search (strategy), a parameter file (parameters) or a meta.ron (robot, source)")),
@@ -368,82 +370,6 @@ fn parameters(path: &Path) -> Result<Contents> {
         kind: Kind::Parameters,
         lines,
         details: json!({ "parameters": values }),
-        warnings: Vec::new(),
-    })
-}
-
-fn arena(source: &Source) -> Result<Contents> {
-    let arena = Arena::parse(source)?;
-    let [x, y] = arena.size_m;
-    let edge = match arena.boundary {
-        Boundary::Solid => "walls all round",
-        Boundary::Open => "nothing around it",
-    };
-    let start = match arena.start {
-        Some([x, y, heading]) => format!(
-            "  robots start at ({x}, {y}) m, heading {:.1} deg",
-            heading.to_degrees()
-        ),
-        None => "  robots start nowhere in particular".to_owned(),
-    };
-    Ok(Contents {
-        kind: Kind::Arena,
-        lines: vec![
-            format!(
-                "  arena \"{}\": {x} x {y} m, {edge}, {}",
-                shown(&arena.name, SHOWN),
-                counted(arena.objects.len(), "object")
-            ),
-            start,
-        ],
-        details: json!({
-            "name": arena.name,
-            "size_m": arena.size_m,
-            "objects": arena.objects.len(),
-            "start": arena.start,
-        }),
-        warnings: Vec::new(),
-    })
-}
-
-fn sensor(source: &Source) -> Result<Contents> {
-    let sensor = RangeModel::parse(source)?;
-    let (low, high) = sensor.range;
-    Ok(Contents {
-        kind: Kind::Sensor,
-        lines: vec![
-            format!(
-                "  range sensor: {low} to {high} {}, {}",
-                sensor.distance_unit.symbol(),
-                shown(&sensor.description, SHOWN)
-            ),
-            format!(
-                "  mean {}, spread {}",
-                sensor.mean.form.name(),
-                sensor.spread.form.name()
-            ),
-        ],
-        details: json!({
-            "range": sensor.range,
-            "distance_unit": sensor.distance_unit,
-            "mean": sensor.mean.form.name(),
-            "spread": sensor.spread.form.name(),
-        }),
-        warnings: Vec::new(),
-    })
-}
-
-fn vehicle(path: &Path) -> Result<Contents> {
-    let vehicle = Vehicle::read(path, None)?;
-    Ok(Contents {
-        kind: Kind::Vehicle,
-        lines: vec![format!(
-            "  vehicle \"{}\": radius {} m, in the arena \"{}\"",
-            shown(&vehicle.name, SHOWN),
-            vehicle.radius_m,
-            shown(&vehicle.arena.name, SHOWN)
-        )],
-        details: json!({ "name": vehicle.name, "radius_m": vehicle.radius_m, "arena": vehicle.arena.name }),
         warnings: Vec::new(),
     })
 }

@@ -22,6 +22,7 @@ pub enum Kind {
     Arena,
     Sensor,
     Vehicle,
+    Radio,
 }
 
 impl Kind {
@@ -36,6 +37,7 @@ impl Kind {
             ("morphology", Self::Study),
             ("vehicle", Self::Study),
             ("boundary", Self::Arena),
+            ("propagation", Self::Radio),
             ("spread", Self::Sensor),
             ("radius_m", Self::Vehicle),
             ("parameters", Self::Parameters),
@@ -58,6 +60,7 @@ impl Kind {
             Self::Arena => "arena",
             Self::Sensor => "sensor model",
             Self::Vehicle => "vehicle",
+            Self::Radio => "radio model",
         }
     }
 
@@ -87,6 +90,9 @@ impl Kind {
             Self::Sensor => {
                 format!("`realgap belief {path}` and `realgap sense {path}` use a sensor model")
             }
+            Self::Radio => format!(
+                "`realgap radio evaluate LOG.csv --parameters {path}` and `realgap radio send --parameters {path}` use a radio model"
+            ),
             Self::Vehicle => format!("a study names {path}: vehicle: (file: ...)"),
             Self::Trajectory => {
                 format!(

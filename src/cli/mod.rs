@@ -23,6 +23,7 @@ mod option;
 mod parameters;
 mod predict;
 mod progress;
+mod radio;
 mod reading;
 mod record;
 mod results;
@@ -89,6 +90,7 @@ enum Command {
     Sense(sense::Sense),
     Belief(belief::Belief),
     Sensorgraph(sensorgraph::SensorgraphCommand),
+    Radio(radio::RadioCommand),
     Parameters(parameters::Parameters),
     Verify(verify::Verify),
     Completions(completions::Completions),
@@ -135,6 +137,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Sense(sense) => sense.run(),
         Command::Belief(belief) => belief.run(),
         Command::Sensorgraph(graph) => graph.run(),
+        Command::Radio(radio) => radio.run(),
         Command::Parameters(parameters) => parameters.run(),
         Command::Verify(verify) => verify.run(),
         Command::Completions(completions) => completions.run(),

@@ -60,6 +60,8 @@ pub struct HeatMap {
     pub evaluated: Vec<(f64, f64)>,
     /// Bright is a large score, as for a fitness; otherwise a small one, as for a distance.
     pub larger_is_better: bool,
+    /// Lines above the cells, in the units of the axes: walls of a map.
+    pub lines: Vec<Vec<(f64, f64)>>,
 }
 
 /// Draws a heat map into a PNG or SVG file.
@@ -247,6 +249,17 @@ impl HeatMap {
     }
 
     fn draw_marks<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, frame: &Frame) {
+        for line in &self.lines {
+            let inside = line.iter().map(|&(x, y)| {
+                let [left, right] = [frame.x.low, frame.x.high];
+                let [low, high] = [frame.y.low, frame.y.high];
+                frame.at((x.clamp(left, right), y.clamp(low, high)))
+            });
+            let points: Vec<_> = inside.collect();
+            for (width, colour) in [(6.0, WHITE), (3.0, INK)] {
+                canvas.path(&points, width, colour, None);
+            }
+        }
         for &(x, y) in &self.evaluated {
             let inside = [frame.x.share(x), frame.y.share(y)];
             if inside.iter().all(|share| (0.0..=1.0).contains(share)) {

@@ -107,6 +107,7 @@ fn valley(nx: usize, ny: usize) -> HeatMap {
         best_at: None,
         evaluated: Vec::new(),
         larger_is_better: false,
+        lines: Vec::new(),
         indistinguishable,
         truth: Some(Truth {
             x: 0.47,
@@ -466,6 +467,7 @@ fn bright_is_good_whichever_way_the_score_counts() {
         indistinguishable: Vec::new(),
         truth: None,
         larger_is_better,
+        lines: Vec::new(),
         ..valley(2, 2)
     };
     // The paper is white; what comes next is the cell of the lower score.

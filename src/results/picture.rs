@@ -196,6 +196,7 @@ impl<'a> Map<'a> {
                 }
             },
             larger_is_better: false,
+            lines: Vec::new(),
             best: best.map(|best| (best[first], best[second])),
             indistinguishable,
             truth: self.truth(x, Some(y)),

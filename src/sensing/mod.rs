@@ -5,6 +5,8 @@
 //!
 //! [`graph`] holds scanners: what they read at a place, as polynomials (paper 001).
 //!
+//! [`radio`] holds radio: how strong a signal arrives, and whether a message gets there (paper 002).
+//!
 //! [`arena`] says what a beam meets, [`belief`] what a robot makes of readings (a discrete Bayes filter).
 //!
 //! A log of readings at known distances becomes a model, with intervals; the model draws readings:
@@ -33,5 +35,6 @@
 pub mod arena;
 pub mod belief;
 pub mod graph;
+pub mod radio;
 pub mod range;
 mod table;

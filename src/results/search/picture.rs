@@ -217,6 +217,7 @@ fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Resul
         best_at: None,
         evaluated: Vec::new(),
         larger_is_better: true,
+        lines: Vec::new(),
         indistinguishable: Vec::new(),
         truth: None,
     }))

@@ -66,6 +66,73 @@ impl Arena {
 
 /// Room for rounding in [`Object::may_meet`].
 const ROUNDING: f64 = 1.0 + 1e-9;
+/// A wall between two points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crossing {
+    /// Length of the line within it, metres.
+    pub thickness_m: f64,
+    /// Index of the object; of several that touch each other, the one with most of the length.
+    pub object: usize,
+}
+
+impl Arena {
+    /// The walls between two points, in order; objects that touch along the line are one wall, and what holds one of the two points
+    /// is not between them.
+    pub fn crossings(&self, from_m: [f64; 2], to_m: [f64; 2]) -> Vec<Crossing> {
+        let [dx, dy] = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
+        let length_m = dx.hypot(dy);
+        if length_m == 0.0 {
+            return Vec::new();
+        }
+        let direction = [dx / length_m, dy / length_m];
+        let mut spans: Vec<(f64, f64, usize)> = self
+            .objects
+            .iter()
+            .enumerate()
+            .filter_map(|(index, object)| {
+                let span = object.span(from_m, direction)?;
+                let is_between = span.enter_m > 0.0 && span.leave_m < length_m;
+                // Touched at a corner only.
+                let is_crossed = span.leave_m - span.enter_m > 1e-9;
+                (is_between && is_crossed).then_some((span.enter_m, span.leave_m, index))
+            })
+            .collect();
+        spans.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut walls: Vec<(f64, f64, f64, usize)> = Vec::new();
+        for (enter, leave, object) in spans {
+            let own = leave - enter;
+            match walls.last_mut() {
+                Some(last) if enter <= last.1 + TOUCHING_M => {
+                    last.1 = last.1.max(leave);
+                    if own > last.2 {
+                        (last.2, last.3) = (own, object);
+                    }
+                }
+                _ => walls.push((enter, leave, own, object)),
+            }
+        }
+        walls
+            .into_iter()
+            .map(|(enter, leave, _, object)| Crossing {
+                thickness_m: leave - enter,
+                object,
+            })
+            .collect()
+    }
+}
+
+/// Objects that are this near to each other along a line are one wall, metres.
+const TOUCHING_M: f64 = 1e-6;
+
+/// The part of a line that lies in an object.
+struct Span {
+    /// Where it enters, metres along the line; may be negative.
+    enter_m: f64,
+    /// Where it leaves.
+    leave_m: f64,
+    /// Cosine of the angle to the normal where it enters.
+    along_normal: f64,
+}
 
 impl Object {
     /// False where a beam passes the circle around the object: most beams pass most objects.
@@ -82,18 +149,24 @@ impl Object {
     }
 
     /// Distance along a beam of unit direction, and the cosine of its angle of incidence.
-    fn meet(&self, from_m: [f64; 2], [cos, sin]: [f64; 2]) -> Option<(f64, f64)> {
+    fn meet(&self, from_m: [f64; 2], direction: [f64; 2]) -> Option<(f64, f64)> {
+        let span = self.span(from_m, direction)?;
+        (span.leave_m >= 0.0).then(|| (span.enter_m.max(0.0), span.along_normal))
+    }
+
+    /// What of a line of unit direction lies in it.
+    fn span(&self, from_m: [f64; 2], [cos, sin]: [f64; 2]) -> Option<Span> {
         let [x, y] = self.local(from_m);
         match self.shape {
             Shape::Circle { radius_m } => {
                 let along = -(x * cos + y * sin);
                 let off2 = x * x + y * y - along * along;
                 let half2 = radius_m * radius_m - off2;
-                if half2 < 0.0 || (along < 0.0 && x * x + y * y > radius_m * radius_m) {
-                    return None;
-                }
-                let distance = (along - half2.sqrt()).max(0.0);
-                Some((distance, half2.sqrt() / radius_m))
+                (half2 >= 0.0).then(|| Span {
+                    enter_m: along - half2.sqrt(),
+                    leave_m: along + half2.sqrt(),
+                    along_normal: half2.sqrt() / radius_m,
+                })
             }
             Shape::Box {
                 half_m,
@@ -118,7 +191,11 @@ impl Object {
                     }
                     far = far.min(leave);
                 }
-                (near <= far && far >= 0.0).then(|| (near.max(0.0), direction[axis].abs()))
+                (near <= far).then(|| Span {
+                    enter_m: near,
+                    leave_m: far,
+                    along_normal: direction[axis].abs(),
+                })
             }
         }
     }

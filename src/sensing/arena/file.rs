@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::{Arena, Boundary, Object, Shape};
+use super::{Anchor, Arena, Boundary, Object, Shape};
 use crate::error::{Error, Result};
 use crate::file::{Source, parse_ron};
 
@@ -25,6 +25,8 @@ struct ArenaFile {
     boxes: Vec<BoxFile>,
     #[serde(default)]
     circles: Vec<CircleFile>,
+    #[serde(default)]
+    anchors: Vec<AnchorFile>,
     start: Option<StartFile>,
 }
 
@@ -57,6 +59,13 @@ struct CircleFile {
     radius_m: f64,
     #[serde(default)]
     material: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Anchor")]
+struct AnchorFile {
+    name: String,
+    position_m: (f64, f64, f64),
 }
 
 #[derive(Debug, Deserialize)]
@@ -195,6 +204,17 @@ impl Arena {
                 .found(objects.len())
                 .allowed(format!("at most {MOST}")));
         }
+        let mut anchors: Vec<Anchor> = Vec::new();
+        for (index, a) in file.anchors.into_iter().enumerate() {
+            let anchor = Anchor {
+                name: a.name,
+                position_m: [a.position_m.0, a.position_m.1, a.position_m.2],
+            };
+            anchor
+                .check(&anchors)
+                .map_err(|e| source.at(&format!("anchors[{index}]"), e))?;
+            anchors.push(anchor);
+        }
         let start = file
             .start
             .map(|s| [s.x_m, s.y_m, s.heading_deg.to_radians()]);
@@ -203,6 +223,7 @@ impl Arena {
             size_m,
             boundary: file.boundary,
             objects,
+            anchors,
             start,
         };
         if let Some([x, y, heading]) = arena.start {

@@ -16,7 +16,7 @@ mod file;
 
 use crate::error::{Error, Result};
 
-pub use cast::Hit;
+pub use cast::{Crossing, Hit};
 
 /// What ends the field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
@@ -55,6 +55,15 @@ pub struct Object {
     pub material: String,
 }
 
+/// A sender or receiver of radio waves that stays where it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Anchor {
+    /// Its name, as in the columns of logs.
+    pub name: String,
+    /// Where it is, metres; the third is its height above the floor.
+    pub position_m: [f64; 3],
+}
+
 /// A field with what stands in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arena {
@@ -66,6 +75,8 @@ pub struct Arena {
     pub boundary: Boundary,
     /// What stands in it; the walls of a solid boundary and an outline are among them.
     pub objects: Vec<Object>,
+    /// Radio stations that stay where they are.
+    pub anchors: Vec<Anchor>,
     /// Where robots begin: x, y in metres and heading in radians.
     pub start: Option<[f64; 3]>,
 }
@@ -110,6 +121,28 @@ impl Arena {
                 self.size_m[0], self.size_m[1]
             ))
         })
+    }
+}
+
+impl Anchor {
+    /// Checks it beside those before it.
+    ///
+    /// # Errors
+    /// No name, the name of another one, a place that is not finite.
+    pub fn check(&self, before: &[Self]) -> Result<()> {
+        if self.name.is_empty() || before.iter().any(|other| other.name == self.name) {
+            return Err(Error::invalid("not the name of an anchor")
+                .field("name")
+                .found(format!("`{}`", self.name))
+                .allowed("a name of its own"));
+        }
+        if self.position_m.iter().any(|v| !v.is_finite()) {
+            return Err(Error::invalid("not a place")
+                .field("position_m")
+                .found(format!("{:?}", self.position_m))
+                .allowed("three finite numbers"));
+        }
+        Ok(())
     }
 }
 

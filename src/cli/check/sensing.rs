@@ -1,0 +1,126 @@
+//! What files of sensors and their surroundings hold.
+
+use std::path::Path;
+
+use realgap::Result;
+use realgap::file::Source;
+use realgap::sensing::arena::{Arena, Boundary};
+use realgap::sensing::radio::RadioModel;
+use realgap::sensing::range::RangeModel;
+use realgap::simulation::Vehicle;
+use realgap::text::shown;
+use realgap::unit::{counted, number};
+use serde_json::json;
+
+use super::{Contents, Kind, SHOWN};
+
+pub(super) fn arena(source: &Source) -> Result<Contents> {
+    let arena = Arena::parse(source)?;
+    let [x, y] = arena.size_m;
+    let edge = match arena.boundary {
+        Boundary::Solid => "walls all round",
+        Boundary::Open => "nothing around it",
+    };
+    let start = match arena.start {
+        Some([x, y, heading]) => format!(
+            "  robots start at ({x}, {y}) m, heading {:.1} deg",
+            heading.to_degrees()
+        ),
+        None => "  robots start nowhere in particular".to_owned(),
+    };
+    let anchors = match arena.anchors.len() {
+        0 => String::new(),
+        count => format!(", {}", counted(count, "radio anchor")),
+    };
+    Ok(Contents {
+        kind: Kind::Arena,
+        lines: vec![
+            format!(
+                "  arena \"{}\": {x} x {y} m, {edge}, {}",
+                shown(&arena.name, SHOWN),
+                counted(arena.objects.len(), "object")
+            ) + &anchors,
+            start,
+        ],
+        details: json!({
+            "name": arena.name,
+            "size_m": arena.size_m,
+            "objects": arena.objects.len(),
+            "anchors": arena.anchors.iter().map(|a| &a.name).collect::<Vec<_>>(),
+            "start": arena.start,
+        }),
+        warnings: Vec::new(),
+    })
+}
+
+pub(super) fn sensor(source: &Source) -> Result<Contents> {
+    let sensor = RangeModel::parse(source)?;
+    let (low, high) = sensor.range;
+    Ok(Contents {
+        kind: Kind::Sensor,
+        lines: vec![
+            format!(
+                "  range sensor: {low} to {high} {}, {}",
+                sensor.distance_unit.symbol(),
+                shown(&sensor.description, SHOWN)
+            ),
+            format!(
+                "  mean {}, spread {}",
+                sensor.mean.form.name(),
+                sensor.spread.form.name()
+            ),
+        ],
+        details: json!({
+            "range": sensor.range,
+            "distance_unit": sensor.distance_unit,
+            "mean": sensor.mean.form.name(),
+            "spread": sensor.spread.form.name(),
+        }),
+        warnings: Vec::new(),
+    })
+}
+
+pub(super) fn vehicle(path: &Path) -> Result<Contents> {
+    let vehicle = Vehicle::read(path, None)?;
+    Ok(Contents {
+        kind: Kind::Vehicle,
+        lines: vec![format!(
+            "  vehicle \"{}\": radius {} m, in the arena \"{}\"",
+            shown(&vehicle.name, SHOWN),
+            vehicle.radius_m,
+            shown(&vehicle.arena.name, SHOWN)
+        )],
+        details: json!({ "name": vehicle.name, "radius_m": vehicle.radius_m, "arena": vehicle.arena.name }),
+        warnings: Vec::new(),
+    })
+}
+
+pub(super) fn radio(source: &Source) -> Result<Contents> {
+    let model = RadioModel::parse(source)?;
+    let parameters: Vec<String> = model
+        .parameters()
+        .iter()
+        .zip(&model.values)
+        .map(|(parameter, value)| {
+            format!("{} {} {}", parameter.name, number(*value), parameter.unit)
+        })
+        .collect();
+    Ok(Contents {
+        kind: Kind::Radio,
+        lines: vec![
+            format!(
+                "  radio model \"{}\": {}, {}",
+                model.propagation.name(),
+                model.propagation.formula(),
+                shown(&model.description, SHOWN)
+            ),
+            format!("  {}", parameters.join(", ")),
+        ],
+        details: json!({
+            "propagation": model.propagation.name(),
+            "values": model.values,
+            "log_base": model.log_base.name(),
+        }),
+        warnings: Vec::new(),
+    })
+}

@@ -1,0 +1,366 @@
+//! `realgap radio`: from logged strengths to a radio model, and what becomes of messages.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Args, Subcommand, ValueEnum};
+use realgap::file::{check_writable, write_atomic};
+use realgap::plot::check_picture_path;
+use realgap::results::{draw_error_map, draw_strength_map};
+use realgap::sensing::arena::{Anchor, Arena};
+use realgap::sensing::radio::propagation::{PROPAGATIONS, propagation_by_name};
+use realgap::sensing::radio::{
+    Evaluation, Fingerprints, LogBase, Message, RadioLog, RadioLogOptions, RadioModel,
+    RadioOptions, Service, ServiceOptions, ServiceReport, fit, read_anchors,
+};
+use realgap::{Error, Result};
+
+use super::option::Format as Print;
+use super::terminal;
+
+/// Fit how strong radio signals arrive, hold it against other logs, and send messages (paper 002, section IV)
+///
+/// A log is CSV with x_m, y_m and a column of strengths for every anchor (anchor_1_dbm …; empty where nothing was heard). Walls, with
+/// thickness and material, and the anchors' places come from an arena; realgap counts the walls between robot and anchor.
+#[derive(Debug, Args)]
+pub struct RadioCommand {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, Subcommand)]
+enum Action {
+    Fit(Fit),
+    Evaluate(Evaluate),
+    Map(Map),
+    Send(Send),
+}
+
+/// Where the walls and anchors are.
+#[derive(Debug, Clone, Args)]
+struct Place {
+    /// The arena: its walls and anchors
+    #[arg(long, value_name = "FILE")]
+    arena: PathBuf,
+    /// A CSV with the anchors' places (id, x, y, z in metres) instead of the arena's own
+    #[arg(long, value_name = "FILE")]
+    anchors: Option<PathBuf>,
+}
+
+impl Place {
+    fn read(&self) -> Result<(Arena, Vec<Anchor>)> {
+        let arena = Arena::read(&self.arena)?;
+        let anchors = match &self.anchors {
+            Some(path) => read_anchors(path)?,
+            None => arena.anchors.clone(),
+        };
+        Ok((arena, anchors))
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Base {
+    /// Base 10, as usual
+    #[value(name = "10")]
+    Ten,
+    /// Base e, which the numbers of paper 002 need
+    #[value(name = "e")]
+    E,
+}
+
+/// Fit a radio model to logged strengths
+#[derive(Debug, Args)]
+struct Fit {
+    /// The log
+    log: PathBuf,
+    #[command(flatten)]
+    place: Place,
+    /// Only rows of this session (column `session`)
+    #[arg(long, value_name = "NAME")]
+    session: Option<String>,
+    /// free-space, log-distance, walls, thickness, materials, or auto: what foretells places that are left out best
+    #[arg(long, value_name = "NAME", default_value = "auto")]
+    model: String,
+    /// Base of the logarithm of distances: the exponent depends on it
+    #[arg(long, value_enum, default_value = "10")]
+    log_base: Base,
+    /// Distance at which the strength is a parameter, metres
+    #[arg(long, value_name = "M", default_value_t = 1.0)]
+    reference_distance: f64,
+    /// Height of the robot's antenna, metres
+    #[arg(long, value_name = "M", default_value_t = 0.3)]
+    height: f64,
+    /// Write the model into this .ron file
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Print,
+}
+
+/// Hold a radio model against a log that it has not seen, beside the guesses one would ask for
+#[derive(Debug, Args)]
+struct Evaluate {
+    /// The log
+    log: PathBuf,
+    #[command(flatten)]
+    place: Place,
+    /// The model that `fit` wrote
+    #[arg(long, value_name = "FILE")]
+    parameters: PathBuf,
+    /// Only rows of this session
+    #[arg(long, value_name = "NAME")]
+    session: Option<String>,
+    /// Also guess by the nearest places of this log (the one that was fitted)
+    #[arg(long, value_name = "FILE")]
+    fingerprints: Option<PathBuf>,
+    /// Only rows of this session of it
+    #[arg(long, value_name = "NAME", requires = "fingerprints")]
+    fingerprint_session: Option<String>,
+    /// How many of the nearest places
+    #[arg(
+        long,
+        value_name = "K",
+        default_value_t = 15,
+        requires = "fingerprints"
+    )]
+    neighbours: usize,
+    /// Draw what is not explained, place by place, into this .png or .svg
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Print,
+}
+
+/// Draw how strong an anchor's signal is everywhere
+#[derive(Debug, Args)]
+struct Map {
+    #[command(flatten)]
+    place: Place,
+    /// The model that `fit` wrote
+    #[arg(long, value_name = "FILE")]
+    parameters: PathBuf,
+    /// Which anchor
+    #[arg(long, value_name = "NAME")]
+    anchor: String,
+    /// Draw into this .png or .svg
+    #[arg(long, value_name = "FILE")]
+    plot: PathBuf,
+}
+
+/// Send messages between two places and count what becomes of them
+#[derive(Debug, Args)]
+struct Send {
+    #[command(flatten)]
+    place: Place,
+    /// The model that `fit` wrote
+    #[arg(long, value_name = "FILE")]
+    parameters: PathBuf,
+    /// Where the sender is, metres: X,Y or X,Y,Z
+    #[arg(
+        long,
+        value_name = "X,Y",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    from: Vec<f64>,
+    /// Where the receiver is
+    #[arg(
+        long,
+        value_name = "X,Y",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    to: Vec<f64>,
+    /// How many
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    messages: u64,
+    /// Strength above the sensitivity at which half of the messages are lost, dB
+    #[arg(
+        long,
+        value_name = "DB",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
+    loss_half: f64,
+    /// Decibels over which the loss falls from 73 to 27 %; 0 for a sharp edge
+    #[arg(long, value_name = "DB", default_value_t = 0.0)]
+    loss_width: f64,
+    /// Mean time from sending to arriving, seconds
+    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    latency: f64,
+    /// Its standard deviation, seconds
+    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    latency_sd: f64,
+    /// No shadowing and no fading
+    #[arg(long)]
+    no_noise: bool,
+    /// Seed of shadowing, fading, losses and latencies
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Print,
+}
+
+impl RadioCommand {
+    pub fn run(self) -> Result<ExitCode> {
+        match self.action {
+            Action::Fit(fit) => fit.run(),
+            Action::Evaluate(evaluate) => evaluate.run(),
+            Action::Map(map) => map.run(),
+            Action::Send(send) => send.run(),
+        }
+    }
+}
+
+fn read_log(path: &Path, session: Option<&String>) -> Result<RadioLog> {
+    let options = RadioLogOptions {
+        session: session.cloned(),
+    };
+    RadioLog::read_with(path, &options)
+}
+
+fn print(value: &(impl serde::Serialize + std::fmt::Display), format: Print) -> Result<ExitCode> {
+    match format {
+        Print::Json => terminal::print(terminal::json(value)?),
+        Print::Table => terminal::print(value.to_string()),
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+impl Fit {
+    fn run(self) -> Result<ExitCode> {
+        if let Some(output) = &self.output {
+            check_writable(output)?;
+        }
+        let propagation = match self.model.as_str() {
+            "auto" => None,
+            name => Some(propagation_by_name(name).map_err(|e| {
+                let names = PROPAGATIONS.map(|p| p.name()).join(", ");
+                e.field("--model")
+                    .allowed(format!("auto, {names}"))
+                    .into_usage()
+            })?),
+        };
+        let options = RadioOptions {
+            propagation,
+            reference_distance_m: self.reference_distance,
+            log_base: match self.log_base {
+                Base::Ten => LogBase::Ten,
+                Base::E => LogBase::E,
+            },
+            robot_height_m: self.height,
+        };
+        let (arena, anchors) = self.place.read()?;
+        let log = read_log(&self.log, self.session.as_ref())?;
+        let mut found = fit(&log, &arena, &anchors, &options).map_err(|e| e.at_file(&self.log))?;
+        found.model.description = format!(
+            "fitted to {}",
+            self.log.file_name().unwrap_or_default().display()
+        );
+        terminal::print_warnings(&found.warnings);
+        if let Some(output) = &self.output {
+            write_atomic(output, found.model.to_ron()?.as_bytes())?;
+        }
+        print(&found, self.format)
+    }
+}
+
+impl Evaluate {
+    fn run(self) -> Result<ExitCode> {
+        if let Some(plot) = &self.plot {
+            check_picture_path(plot)?;
+        }
+        let model = RadioModel::read(&self.parameters)?;
+        let (arena, anchors) = self.place.read()?;
+        let log = read_log(&self.log, self.session.as_ref())?;
+        let prints = self
+            .fingerprints
+            .as_ref()
+            .map(|path| {
+                let log = read_log(path, self.fingerprint_session.as_ref())?;
+                Fingerprints::new(&log, self.neighbours)
+            })
+            .transpose()?;
+        let found = Evaluation::new(&model, &arena, &anchors, &log, prints.as_ref())
+            .map_err(|e| e.at_file(&self.log))?;
+        if let Some(plot) = &self.plot {
+            draw_error_map(&found, &arena, plot)?;
+        }
+        terminal::print_warnings(&found.warnings);
+        print(&found, self.format)
+    }
+}
+
+impl Map {
+    fn run(self) -> Result<ExitCode> {
+        check_picture_path(&self.plot)?;
+        let model = RadioModel::read(&self.parameters)?;
+        let (arena, anchors) = self.place.read()?;
+        let anchor = anchors
+            .iter()
+            .find(|anchor| anchor.name == self.anchor)
+            .ok_or_else(|| {
+                let names: Vec<&str> = anchors.iter().map(|a| a.name.as_str()).collect();
+                Error::usage("no such anchor")
+                    .field("--anchor")
+                    .found(&self.anchor)
+                    .allowed(names.join(", "))
+            })?;
+        draw_strength_map(&model, &arena, anchor, &self.plot)?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// A place from its option; a height that is not stated is that of a robot.
+fn place(option: &str, values: &[f64], model: &RadioModel) -> Result<[f64; 3]> {
+    match values {
+        [x, y] if x.is_finite() && y.is_finite() => Ok(model.robot_at([*x, *y])),
+        [x, y, z] if values.iter().all(|v| v.is_finite()) => Ok([*x, *y, *z]),
+        _ => Err(Error::usage("not a place")
+            .field(option)
+            .found(format!("{values:?}"))
+            .allowed("X,Y or X,Y,Z in metres")),
+    }
+}
+
+impl Send {
+    fn run(self) -> Result<ExitCode> {
+        let model = RadioModel::read(&self.parameters)?;
+        let (arena, _) = self.place.read()?;
+        let from_m = place("--from", &self.from, &model)?;
+        let to_m = place("--to", &self.to, &model)?;
+        if !(1..=10_000_000).contains(&self.messages) {
+            return Err(Error::usage("not a number of messages")
+                .field("--messages")
+                .found(self.messages)
+                .allowed("1 to 10000000"));
+        }
+        let service = Service::new(
+            &model,
+            &arena,
+            ServiceOptions {
+                seed: self.seed,
+                noise: !self.no_noise,
+                loss_half_db: self.loss_half,
+                loss_width_db: self.loss_width,
+                latency_s: self.latency,
+                latency_sd_s: self.latency_sd,
+            },
+        )?;
+        let sent: Vec<_> = (0..self.messages)
+            .map(|number| {
+                let message = Message {
+                    number,
+                    from_m,
+                    to_m,
+                    at_s: 0.0,
+                };
+                (message, service.send(&message))
+            })
+            .collect();
+        print(&ServiceReport::new(&sent), self.format)
+    }
+}

@@ -1,0 +1,27 @@
+//! Log-distance: a power law with an exponent of its own.
+
+use super::{Link, Parameter, Propagation, Terms};
+
+/// P(d₀) − 10 n log(d/d₀): equation 2 of paper 002 without walls.
+pub struct LogDistance;
+
+impl Propagation for LogDistance {
+    fn name(&self) -> &'static str {
+        "log-distance"
+    }
+
+    fn formula(&self) -> &'static str {
+        "P(d0) - 10 n log(d/d0)"
+    }
+
+    fn parameters(&self, _materials: &[String]) -> Vec<Parameter> {
+        vec![
+            Parameter::reference(),
+            Parameter::new("path_loss_exponent", ""),
+        ]
+    }
+
+    fn factors(&self, _link: &Link, terms: &Terms<'_>) -> Vec<f64> {
+        vec![1.0, -10.0 * terms.log_distance]
+    }
+}

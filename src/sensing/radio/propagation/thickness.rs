@@ -1,0 +1,33 @@
+//! Thickness: a loss for each wall and one for each metre of it.
+
+use super::{Link, Parameter, Propagation, Terms, Walls};
+
+/// As [`Walls`], and a loss for every metre of wall along the ray: two crossings of thin walls lose less than one of a thick one
+/// hit at a shallow angle.
+pub struct Thickness;
+
+impl Propagation for Thickness {
+    fn name(&self) -> &'static str {
+        "thickness"
+    }
+
+    fn formula(&self) -> &'static str {
+        "P(d0) - 10 n log(d/d0) - min(nW, C) WAF - a t"
+    }
+
+    fn parameters(&self, materials: &[String]) -> Vec<Parameter> {
+        let mut parameters = Walls.parameters(materials);
+        parameters.push(Parameter::new("thickness_loss_db_m", "dB/m"));
+        parameters
+    }
+
+    fn factors(&self, link: &Link, terms: &Terms<'_>) -> Vec<f64> {
+        let mut factors = Walls.factors(link, terms);
+        factors.push(-link.thickness_m());
+        factors
+    }
+
+    fn has_walls(&self) -> bool {
+        true
+    }
+}
