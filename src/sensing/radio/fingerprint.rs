@@ -3,12 +3,15 @@
 use super::log::RadioLog;
 use crate::error::{Error, Result};
 
+/// Where an anchor was heard (metres), and how strong (dBm).
+type Heard = Vec<([f64; 2], f64)>;
+
 /// Predicts a strength by the mean of the nearest logged ones (k nearest neighbours).
 #[derive(Debug, Clone)]
 pub struct Fingerprints {
     neighbours: usize,
     /// For each anchor of the log its name and where it was heard how strongly.
-    heard: Vec<(String, Vec<([f64; 2], f64)>)>,
+    heard: Vec<(String, Heard)>,
 }
 
 impl Fingerprints {
