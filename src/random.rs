@@ -29,6 +29,8 @@ pub type Generator = ChaCha8Rng;
 pub enum Numbered {
     /// Start position, height, tilt and heading of a repeat, and the zeros of its servos.
     Start,
+    /// Velocity and spin of a repeat's start.
+    StartMotion,
     /// Errors of a camera that records a repeat: positions and orientations.
     Camera,
     /// Errors of the times of that camera.
@@ -65,8 +67,9 @@ pub enum Numbered {
 
 impl Numbered {
     /// Every stream.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Start,
+        Self::StartMotion,
         Self::Camera,
         Self::CameraTime,
         Self::ServoGain,
@@ -100,6 +103,7 @@ impl Numbered {
             Self::UncertainParameter => 101,
             Self::Refinement => 11,
             Self::CameraTime => 12,
+            Self::StartMotion => 13,
             Self::SensorReading => 30,
             Self::Actuator => 31,
             Self::Shadowing => 40,

@@ -176,6 +176,19 @@ const PERMITTED: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "prediction::odds",
+        &[
+            "error",
+            "warning",
+            "statistics",
+            "optimization",
+            "trajectory",
+            "simulation",
+            "calibration",
+            "prediction::ensemble",
+        ],
+    ),
+    (
         "prediction::gap",
         &[
             "error",

@@ -5,11 +5,12 @@
 
 mod common;
 
+use nalgebra::{UnitQuaternion, Vector3};
 use realgap::calibration::{Definition, Overrides};
 use realgap::file::{Source, parse_ron};
 use realgap::robot::morphology::Morphology;
-use realgap::simulation::{Distribution, Experiment, Noise, Perturbation, run};
-use realgap::trajectory::Trajectory;
+use realgap::simulation::{Distribution, Experiment, Noise, Perturbation, Start, run};
+use realgap::trajectory::{State, Trajectory};
 
 /// Less than this is no demonstration, metres or radians.
 const VISIBLE: f64 = 1e-4;
@@ -18,6 +19,19 @@ fn walk() -> Experiment {
     let path = common::project().join("morphologies/tripod.ron");
     let mut experiment = Experiment::new(Morphology::read(path).unwrap().assemble());
     experiment.duration_s = 1.5;
+    experiment
+}
+
+/// What settles has no velocity to begin with.
+fn flight() -> Experiment {
+    let mut experiment = walk();
+    experiment.duration_s = 0.1;
+    experiment.start = Start::State(State {
+        position_world_m: Vector3::z(),
+        orientation_world_from_body: UnitQuaternion::identity(),
+        velocity_world_m_s: Vector3::zeros(),
+        angular_velocity_body_rad_s: Vector3::zeros(),
+    });
     experiment
 }
 
@@ -48,9 +62,12 @@ fn only(name: &str) -> Noise {
 
 #[test]
 fn every_kind_of_noise_changes_a_run_and_a_repeat_can_be_made_again() {
-    let base = walk();
-    let intended = run(&base).unwrap().outcome.completed().unwrap();
     for name in names() {
+        let base = match name {
+            "start_velocity_m_s" | "start_spin_rad_s" => flight(),
+            _ => walk(),
+        };
+        let intended = run(&base).unwrap().outcome.completed().unwrap();
         let of = |repeat| {
             let noise = only(name);
             let run = run(&noise.perturb(&base, 3, repeat)).unwrap();
@@ -93,6 +110,14 @@ fn parts(p: &Perturbation) -> Vec<(&'static str, Vec<f64>)> {
         ),
         ("start_height_m", vec![p.shift_world_m.z]),
         ("start_t", p.turn_world_rad.iter().copied().collect()),
+        (
+            "start_velocity_m_s",
+            p.velocity_world_m_s.iter().copied().collect(),
+        ),
+        (
+            "start_spin_rad_s",
+            p.spin_world_rad_s.iter().copied().collect(),
+        ),
         ("servo_zero_rad", p.servo_zero_rad.clone()),
         ("servo_gain_relative", p.servo_gain_factor.clone()),
         ("servo_phase_rad", p.servo_phase_rad.clone()),
@@ -117,7 +142,9 @@ fn a_kind_of_noise_leaves_the_draws_of_all_others_alone() {
             let is_own = name == *part
                 || (*part == "start_t" && matches!(name, "start_tilt_rad" | "start_heading_rad"));
             assert_eq!(*drawn != nothing, is_own, "{name} and {part}");
-            assert_ne!(usual, nothing, "{part}");
+            // A robot that nobody has measured is put down, not thrown.
+            let is_thrown = matches!(*part, "start_velocity_m_s" | "start_spin_rad_s");
+            assert_eq!(usual == nothing, is_thrown, "{part}");
         }
     }
     // A draw has one value a servo or module, and these differ from each other.

@@ -10,10 +10,13 @@ use realgap::calibration::{Average, Evaluation, JointEvaluation, Overrides};
 use realgap::comparison::{Joints, Pose};
 use realgap::optimization::RunOptions;
 use realgap::plot::{Side, TextTable};
+use realgap::prediction::Odds;
 use realgap::simulation::parameter::ParameterSet;
 use realgap::unit::counted;
+use serde::Serialize;
 
 use super::kind::{read_definition, read_study};
+use super::odds::OddsOption;
 use super::option::{Format, Jobs, Recordings, StartOption, Values};
 use super::{progress, terminal};
 
@@ -36,10 +39,21 @@ pub struct Evaluate {
     #[arg(long)]
     rows: bool,
     #[command(flatten)]
+    odds: OddsOption,
+    #[command(flatten)]
     jobs: Jobs,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+}
+
+/// An evaluation with the odds beside it.
+#[derive(Serialize)]
+struct Report {
+    #[serde(flatten)]
+    result: Evaluation,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    odds: Option<Odds>,
 }
 
 impl Evaluate {
@@ -73,12 +87,23 @@ impl Evaluate {
         bar.finish_and_clear();
         let mut result = result?;
         terminal::print_warnings(&result.warnings);
+        let mut odds = self.odds.odds(&study, &self.study, self.jobs.count())?;
         if !self.rows {
             result.rows.clear();
+            if let Some(odds) = &mut odds {
+                odds.rows.clear();
+            }
         }
-        match self.format {
-            Format::Json => terminal::print(terminal::json(&result)?),
-            Format::Table => print(&result),
+        match (self.format, odds) {
+            (Format::Json, odds) => {
+                terminal::print(terminal::json(&Report { result, odds })?);
+            }
+            (Format::Table, odds) => {
+                print(&result);
+                if let Some(odds) = odds {
+                    terminal::print(odds.to_string());
+                }
+            }
         }
         Ok(ExitCode::SUCCESS)
     }

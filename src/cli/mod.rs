@@ -19,6 +19,7 @@ mod identify;
 mod interrupt;
 mod kind;
 mod mujoco;
+mod odds;
 mod option;
 mod parameters;
 mod predict;

@@ -30,10 +30,12 @@ pub mod ensemble;
 pub mod gap;
 mod growth;
 mod model;
+mod odds;
 mod report;
 
 pub use card::{Card, Finals, Rerun, Success, SuccessRule};
 pub use economy::Economy;
 pub use growth::Growth;
 pub use model::{LEVEL, Model, ModelError, Range, Source, SuccessRange};
+pub use odds::{EndCoverage, Odds, OddsOptions, RecordingOdds, Scored};
 pub use report::{EnsembleCase, EnsembleOptions, EnsembleReport};

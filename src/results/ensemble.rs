@@ -180,6 +180,14 @@ fn row(
             drawn.turn_world_rad[axis].to_string(),
         );
     }
+    for (name, vector) in [
+        ("velocity_{}_m_s", &drawn.velocity_world_m_s),
+        ("spin_{}_rad_s", &drawn.spin_world_rad_s),
+    ] {
+        for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
+            push(name.replace("{}", letter), vector[axis].to_string());
+        }
+    }
     for (name, values) in [
         ("servo_zero_rad", &drawn.servo_zero_rad),
         ("servo_gain_factor", &drawn.servo_gain_factor),

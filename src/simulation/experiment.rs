@@ -187,6 +187,10 @@ pub struct Perturbation {
     pub shift_world_m: Vector3<f64>,
     /// Rotation of the start about the tracked point, world frame, rotation vector, radians.
     pub turn_world_rad: Vector3<f64>,
+    /// Velocity added to that of a stated start, world frame, m/s. What settles has none.
+    pub velocity_world_m_s: Vector3<f64>,
+    /// Angular velocity added to that of a stated start, world frame, rad/s.
+    pub spin_world_rad_s: Vector3<f64>,
     /// Error of every servo's zero, radians, by hinge; empty for none.
     pub servo_zero_rad: Vec<f64>,
     /// Factor on every servo's gain, by hinge; empty for none.
@@ -213,6 +217,8 @@ impl Default for Perturbation {
         Self {
             shift_world_m: Vector3::zeros(),
             turn_world_rad: Vector3::zeros(),
+            velocity_world_m_s: Vector3::zeros(),
+            spin_world_rad_s: Vector3::zeros(),
             servo_zero_rad: Vec::new(),
             servo_gain_factor: Vec::new(),
             servo_phase_rad: Vec::new(),

@@ -37,6 +37,10 @@ pub struct Noise {
     pub start_tilt_rad: Distribution,
     /// Start heading, radians.
     pub start_heading_rad: Distribution,
+    /// Velocity of a stated start along each axis, m/s; nothing where the robot settles first.
+    pub start_velocity_m_s: Distribution,
+    /// Angular velocity of a stated start about each axis, rad/s; nothing where the robot settles first.
+    pub start_spin_rad_s: Distribution,
     /// Zero of each servo, radians.
     pub servo_zero_rad: Distribution,
     /// Gain (stiffness for the torque law) of each servo, relative.
@@ -97,17 +101,19 @@ impl Noise {
     }
 
     /// Every field with its name, in the order of the struct.
-    pub fn fields(&self) -> [(&'static str, Distribution); 15] {
+    pub fn fields(&self) -> [(&'static str, Distribution); 17] {
         self.uses().map(|(name, field, _)| (name, field))
     }
 
-    fn uses(&self) -> [(&'static str, Distribution, Use); 15] {
+    fn uses(&self) -> [(&'static str, Distribution, Use); 17] {
         let [position, angle, time] = self.camera.uses();
         [
             ("start_position_m", self.start_position_m, Use::Offset),
             ("start_height_m", self.start_height_m, Use::Offset),
             ("start_tilt_rad", self.start_tilt_rad, Use::Offset),
             ("start_heading_rad", self.start_heading_rad, Use::Offset),
+            ("start_velocity_m_s", self.start_velocity_m_s, Use::Offset),
+            ("start_spin_rad_s", self.start_spin_rad_s, Use::Offset),
             ("servo_zero_rad", self.servo_zero_rad, Use::Offset),
             ("servo_gain_relative", self.servo_gain_relative, Use::Factor),
             ("servo_phase_rad", self.servo_phase_rad, Use::Offset),
@@ -213,9 +219,15 @@ impl Noise {
         let factors = |field: Distribution, stream: Numbered, count: usize| -> Vec<f64> {
             normals(stream, count).map(|z| field.factor(z)).collect()
         };
+        let mut motion = Numbered::StartMotion.generator(seed, repeat);
+        // Drawn whether asked for or not, so that one does not change the other.
+        let mut vector =
+            |field: Distribution| Vector3::from_fn(|_, _| field.draw(normal(&mut motion)));
         Perturbation {
             shift_world_m: Vector3::new(shift_x_m, shift_y_m, lift_m),
             turn_world_rad: turn.scaled_axis(),
+            velocity_world_m_s: vector(self.start_velocity_m_s),
+            spin_world_rad_s: vector(self.start_spin_rad_s),
             servo_zero_rad,
             servo_gain_factor: factors(self.servo_gain_relative, Numbered::ServoGain, hinges),
             servo_phase_rad: draws(self.servo_phase_rad, Numbered::ServoPhase, hinges),

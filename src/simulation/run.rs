@@ -183,9 +183,10 @@ impl<'a> Rollout<'a> {
                 let robot_from_track = robot_from_parts[assembly.track_part] * part_from_track;
                 let motion = Motion {
                     about_world_m: world_from_track.translation.vector,
-                    linear_world_m_s: state.velocity_world_m_s,
+                    linear_world_m_s: state.velocity_world_m_s + perturbation.velocity_world_m_s,
                     angular_world_rad_s: world_from_track.rotation
-                        * state.angular_velocity_body_rad_s,
+                        * state.angular_velocity_body_rad_s
+                        + perturbation.spin_world_rad_s,
                 };
                 (world_from_track * robot_from_track.inverse(), motion)
             }

@@ -42,6 +42,11 @@ pub struct Region {
 }
 
 impl Region {
+    /// Regions of some places of a body of this length; at least one.
+    pub(crate) fn of_places(places_m: &[[f64; 2]], body_length_m: f64) -> Self {
+        Self::of(places_m, FLOOR * body_length_m)
+    }
+
     fn of(points_m: &[[f64; 2]], floor_m: f64) -> Self {
         let n = points_m.len() as f64;
         let sum = points_m

@@ -1,0 +1,73 @@
+//! `realgap evaluate --odds`: a probability for every pose that a recording may end in.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use realgap::calibration::{Study, read_noise};
+use realgap::file::check_writable;
+use realgap::optimization::RunOptions;
+use realgap::prediction::{Odds, OddsOptions};
+use realgap::simulation::parameter::ParameterSet;
+use realgap::{Error, Result, results};
+
+use super::{progress, terminal};
+
+/// Whether and how odds are asked for.
+#[derive(Debug, Args)]
+pub struct OddsOption {
+    /// Run every recording that ends at rest N times under noise and other numerics, and score the odds of its final pose
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "64", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    odds: Option<u32>,
+    /// Noise of the odds from this file in place of the study's
+    #[arg(long, value_name = "FILE", requires = "odds")]
+    noise: Option<PathBuf>,
+    /// Seed of the odds' draws
+    #[arg(long, value_name = "SEED", default_value_t = 1, requires = "odds")]
+    seed: u64,
+    /// Draw the reliability diagram of the odds into this file (.png or .svg)
+    #[arg(long, value_name = "FILE", requires = "odds")]
+    plot: Option<PathBuf>,
+}
+
+impl OddsOption {
+    /// The odds, drawn where that is asked for; `None` where nobody asks.
+    pub fn odds(&self, study: &Study, file: &Path, jobs: usize) -> Result<Option<Odds>> {
+        let Some(runs) = self.odds else {
+            return Ok(None);
+        };
+        let noise = match (&self.noise, study.definition().noise) {
+            (Some(file), _) => read_noise(file)?,
+            (None, Some(noise)) => noise,
+            (None, None) => {
+                return Err(Error::invalid("odds need noise, and the study has none")
+                    .at_file(file)
+                    .field("noise")
+                    .hint("add e.g. noise: (start_velocity_m_s: Normal(0.02), start_spin_rad_s: Normal(0.3)), or name a file with --noise"));
+            }
+        };
+        if let Some(plot) = &self.plot {
+            check_writable(plot)?;
+        }
+        let options = OddsOptions {
+            noise,
+            runs: runs as usize,
+            seed: self.seed,
+        };
+        let bar = progress::bar(study.cases().len(), "odds");
+        let follow = progress::follow(&bar);
+        let run = RunOptions {
+            jobs,
+            progress: Some(&follow),
+            ..RunOptions::default()
+        };
+        // Every value is in the study's own set by now.
+        let odds = Odds::new(study, &ParameterSet::new(), &options, &run);
+        bar.finish_and_clear();
+        let odds = odds?;
+        terminal::print_warnings(&odds.warnings[study.warnings().len()..]);
+        if let Some(plot) = &self.plot {
+            results::draw_odds(&odds, &study.definition().name, plot)?;
+        }
+        Ok(Some(odds))
+    }
+}
