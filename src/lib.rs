@@ -103,6 +103,7 @@ pub mod simulation;
 pub mod statistics;
 pub mod store;
 pub mod table;
+pub mod task;
 pub mod text;
 pub mod trajectory;
 pub mod unit;
@@ -254,6 +255,8 @@ pub mod guide {
         #[doc = links!()]
         #[doc = include_str!("../docs/fidelity/tosses.md")]
         pub mod tosses {}
+
+        #[doc = links!()]
         #[doc = include_str!("../docs/fidelity/energy.md")]
         pub mod energy {}
 

@@ -119,6 +119,7 @@ codes! {
     UnequalMoments "unequal-moments" "Moments of inertia differ where a method takes them as equal.";
     UnlikelyLength "unlikely-length" "Lengths do not fit the robot, or each other.";
     UnlikelyTime "unlikely-time" "Times do not look like seconds.";
+    UnmatchedConditions "unmatched-conditions" "A condition stands in one of two logs only.";
     Unresolved "unresolved" "Numerical settings change a score as much as a parameter does.";
     VelocitiesLate "velocities-late" "Recorded velocities belong to an earlier moment.";
 }

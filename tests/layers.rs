@@ -77,6 +77,19 @@ const PERMITTED: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "task",
+        &[
+            "error",
+            "warning",
+            "unit",
+            "table",
+            "text",
+            "statistics",
+            "file",
+            "trajectory",
+        ],
+    ),
+    (
         "export",
         &[
             "error",
@@ -252,6 +265,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "robot",
             "simulation",
             "sensing",
+            "task",
             "optimization",
             "calibration",
             "prediction",

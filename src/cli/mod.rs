@@ -34,6 +34,7 @@ mod sensitivity;
 mod sensorgraph;
 mod simulate;
 mod sweep;
+mod tasks;
 mod terminal;
 mod tune;
 mod verify;
@@ -92,6 +93,7 @@ enum Command {
     Belief(belief::Belief),
     Sensorgraph(sensorgraph::SensorgraphCommand),
     Radio(radio::RadioCommand),
+    Tasks(tasks::TasksCommand),
     Parameters(parameters::Parameters),
     Verify(verify::Verify),
     Completions(completions::Completions),
@@ -139,6 +141,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Belief(belief) => belief.run(),
         Command::Sensorgraph(graph) => graph.run(),
         Command::Radio(radio) => radio.run(),
+        Command::Tasks(tasks) => tasks.run(),
         Command::Parameters(parameters) => parameters.run(),
         Command::Verify(verify) => verify.run(),
         Command::Completions(completions) => completions.run(),

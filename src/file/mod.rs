@@ -31,6 +31,7 @@
 mod decode;
 mod hash;
 mod input;
+mod log;
 mod name;
 mod outline;
 mod output;
@@ -41,6 +42,7 @@ mod unique;
 pub use decode::{parse_ron, write_ron};
 pub use hash::sha256;
 pub(crate) use input::read_limited;
+pub(crate) use log::{LogTable, read_log_text};
 pub use name::{check_name, name_of_file};
 pub use output::{check_writable, write_atomic};
 pub use source::{MAX_FILE_BYTES, MAX_NESTING, Source};

@@ -125,14 +125,7 @@ pub(super) fn edges(values: &[f64]) -> Vec<f64> {
 pub(super) fn ticks(spec: &AxisSpec, values: &[f64], scale: &Scale, count: usize) -> Vec<Tick> {
     let is_whole = |value: f64| !spec.whole || (value - value.round()).abs() < 1e-9;
     if values.len() > VALUES_WITH_OWN_TICK || !values.iter().all(|value| is_whole(*value)) {
-        let mut ticks = scale.ticks(count);
-        if spec.whole {
-            ticks.retain(|tick| is_whole(tick.value));
-            for tick in &mut ticks {
-                tick.label = compact(tick.value.round()).replace('-', "−");
-            }
-        }
-        return ticks;
+        return round_ticks(spec, scale, count);
     }
     values
         .iter()
@@ -141,6 +134,18 @@ pub(super) fn ticks(spec: &AxisSpec, values: &[f64], scale: &Scale, count: usize
             label: compact(value).replace('-', "−"),
         })
         .collect()
+}
+
+/// Ticks at round numbers, and at whole ones only where the axis counts something.
+pub(super) fn round_ticks(spec: &AxisSpec, scale: &Scale, count: usize) -> Vec<Tick> {
+    let mut ticks = scale.ticks(count);
+    if spec.whole {
+        ticks.retain(|tick| (tick.value - tick.value.round()).abs() < 1e-9);
+        for tick in &mut ticks {
+            tick.label = compact(tick.value.round()).replace('-', "−");
+        }
+    }
+    ticks
 }
 
 /// `value` with at most four significant digits and no trailing zeros.

@@ -21,6 +21,9 @@ const WIDTH: f64 = 1200.0;
 const HEIGHT: f64 = 800.0;
 const MARGIN: f64 = 34.0;
 
+/// Dash and gap of dashed lines.
+const DASHED: Option<(f64, f64)> = Some((8.0, 6.0));
+
 /// How a series is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SeriesKind {
@@ -32,6 +35,8 @@ pub enum SeriesKind {
     Band(Vec<f64>),
     /// A level: a thin dashed line through the points.
     Level,
+    /// A dashed line in the colour of its series: the counterpart of a line.
+    Dashed,
 }
 
 /// One series of a [`LinePlot`].
@@ -121,10 +126,15 @@ impl LinePlot {
                 },
                 SeriesKind::Dots => Symbol::Dot(colour),
                 SeriesKind::Band(_) => Symbol::Shade(tint(colour, 0.25)),
+                SeriesKind::Dashed => Symbol::Line {
+                    colour,
+                    width: 2.5,
+                    dash: DASHED,
+                },
                 SeriesKind::Level => Symbol::Line {
                     colour: FAINT_INK,
                     width: 2.0,
-                    dash: Some((8.0, 6.0)),
+                    dash: DASHED,
                 },
             };
             (symbol, series.label.clone())
@@ -168,14 +178,15 @@ impl LinePlot {
                     canvas.disc(at(*point), 4.5, tint(colour, 0.75));
                 }
             }
-            SeriesKind::Line | SeriesKind::Level => {
+            SeriesKind::Line | SeriesKind::Level | SeriesKind::Dashed => {
                 for run in series.points.split(|point| !is_finite(point)) {
                     let run: Vec<Point> = run.iter().copied().map(at).collect();
-                    if series.kind == SeriesKind::Level {
-                        canvas.path(&run, 2.0, FAINT_INK, Some((8.0, 6.0)));
-                    } else {
-                        canvas.path(&run, 3.5, colour, dash);
-                    }
+                    let (width, colour, dash) = match series.kind {
+                        SeriesKind::Level => (2.0, FAINT_INK, DASHED),
+                        SeriesKind::Dashed => (2.5, colour, DASHED),
+                        _ => (3.5, colour, dash),
+                    };
+                    canvas.path(&run, width, colour, dash);
                 }
             }
         }
@@ -224,7 +235,7 @@ impl Picture for LinePlot {
         } else {
             (Scale::linear(low - room, high + room), y)
         };
-        let x_ticks = x.ticks(9);
+        let x_ticks = axis::round_ticks(&self.x, &x, 9);
         let y_ticks = y.ticks(7);
         let frame = Frame {
             left: left_of(&y),

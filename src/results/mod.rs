@@ -38,6 +38,7 @@ mod radio;
 mod search;
 mod sensor;
 mod table;
+mod task;
 mod timing;
 
 use std::path::Path;
@@ -52,6 +53,7 @@ pub use odds::draw_odds;
 pub use radio::{draw_error_map, draw_strength_map};
 pub use search::{BestRobot, SearchSummary, write_search};
 pub use sensor::{draw_arena, draw_belief, draw_histograms, draw_segment, draw_sensor};
+pub use task::{draw_task_curves, draw_task_times};
 pub use timing::{Timing, write_timing};
 
 /// Writes what an answer holds into `folder`, next to the store where there is one: tables, pictures, the report, the best

@@ -37,4 +37,3 @@ pub mod belief;
 pub mod graph;
 pub mod radio;
 pub mod range;
-mod table;

@@ -13,6 +13,7 @@ mod normality;
 mod proportion;
 mod rank;
 mod significance;
+mod survival;
 
 pub use autocorrelation::{autocorrelation_time, independent_pairs};
 pub use bootstrap::{Resample, percentile_interval, resamples, smaller_resamples};
@@ -26,3 +27,4 @@ pub use proportion::{Proportion, normal_quantile};
 pub use significance::{
     PValueMethod, SampleTest, kolmogorov_smirnov, mann_whitney, spearman, spearman_worth,
 };
+pub use survival::{Duration, KaplanMeier, log_rank};

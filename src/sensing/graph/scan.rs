@@ -5,7 +5,7 @@ use std::path::Path;
 use nalgebra::Vector3;
 
 use crate::error::{Error, Result};
-use crate::sensing::table::{Table, read_text};
+use crate::file::{LogTable, read_log_text};
 use crate::statistics::median;
 use crate::trajectory::{self, Interpolator};
 use crate::unit::LengthUnit;
@@ -50,7 +50,7 @@ impl ScanLog {
     /// A missing file, missing columns, poses that are no numbers, negative ranges, times that fall, no scans.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        Self::parse(path, &read_text(path)?)
+        Self::parse(path, &read_log_text(path)?)
     }
 
     /// The log in a text; `path` is what errors call it.
@@ -88,7 +88,7 @@ impl ScanLog {
                 .at_file(poses)
                 .hint("columns qw, qx, qy, qz, or TUM text"));
         }
-        let mut log = csv(path, &read_text(path)?, Poses::Apart)?;
+        let mut log = csv(path, &read_log_text(path)?, Poses::Apart)?;
         let times_s = motion.times_s();
         let (first_s, last_s) = (times_s[0], times_s[times_s.len() - 1]);
         let all = log.scans.len();
@@ -190,7 +190,7 @@ enum Poses {
 }
 
 fn csv(path: &Path, text: &str, poses: Poses) -> Result<ScanLog> {
-    let table = Table::parse(path, text)?;
+    let table = LogTable::parse(path, text)?;
     let time = table.require("t_s", HINT)?;
     let pose = match poses {
         Poses::Columns => {

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::file::{LogTable, read_log_text};
 use crate::sensing::arena::Anchor;
-use crate::sensing::table::{Table, read_text};
 use crate::unit::counted;
 use crate::warning::{Code, Warning};
 
@@ -64,7 +64,7 @@ impl RadioLog {
     /// A missing file, missing columns, cells that are no numbers, no strength at all, no row of the session.
     pub fn read_with(path: impl AsRef<Path>, options: &RadioLogOptions) -> Result<Self> {
         let path = path.as_ref();
-        Self::parse_with(path, &read_text(path)?, options)
+        Self::parse_with(path, &read_log_text(path)?, options)
     }
 
     /// The log in a text; `path` is what errors call it.
@@ -77,7 +77,7 @@ impl RadioLog {
         options: &RadioLogOptions,
     ) -> Result<Self> {
         let path = path.as_ref();
-        let table = Table::parse(path, text)?;
+        let table = LogTable::parse(path, text)?;
         let (x, y) = (
             table.require("x_m", COLUMNS)?,
             table.require("y_m", COLUMNS)?,
@@ -214,7 +214,7 @@ impl RadioLog {
 /// A missing file, missing columns, cells that are no numbers, a name twice.
 pub fn read_anchors(path: impl AsRef<Path>) -> Result<Vec<Anchor>> {
     let path = path.as_ref();
-    let table = Table::parse(path, &read_text(path)?)?;
+    let table = LogTable::parse(path, &read_log_text(path)?)?;
     let hint = "a list of anchors has the columns id, x, y, z (metres)";
     let column = |name: &str| match table.column(&format!("{name}_m")) {
         Some(column) => Ok(column),

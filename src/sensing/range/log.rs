@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::model::ReadingUnit;
 use crate::error::{Error, Result};
-use crate::sensing::table::{Table, read_text};
+use crate::file::{LogTable, read_log_text};
 use crate::unit::{LengthUnit, counted};
 use crate::warning::{Code, Warning};
 
@@ -66,7 +66,7 @@ impl ReadingLog {
     /// A missing file, missing columns, distances that are not positive numbers, cells that are no numbers, no rows.
     pub fn read_with(path: impl AsRef<Path>, options: &LogOptions) -> Result<Self> {
         let path = path.as_ref();
-        Self::parse_with(path, &read_text(path)?, options)
+        Self::parse_with(path, &read_log_text(path)?, options)
     }
 
     /// The log in a text; `path` is what errors call it.
@@ -82,7 +82,7 @@ impl ReadingLog {
     /// # Errors
     /// As [`ReadingLog::read_with`].
     pub fn parse_with(path: &Path, text: &str, options: &LogOptions) -> Result<Self> {
-        let table = Table::parse(path, text)?;
+        let table = LogTable::parse(path, text)?;
         let (distance, distance_unit) = distance_column(&table, options.unit)?;
         let (reading, reading_unit) = reading_column(&table)?;
         let angle = |name: &str| -> Option<(usize, f64)> {
@@ -192,7 +192,7 @@ impl ReadingLog {
     }
 }
 
-fn length_column(table: &Table, name: &str) -> Option<(usize, LengthUnit)> {
+fn length_column(table: &LogTable, name: &str) -> Option<(usize, LengthUnit)> {
     [
         ("m", LengthUnit::Metre),
         ("cm", LengthUnit::Centimetre),
@@ -202,7 +202,7 @@ fn length_column(table: &Table, name: &str) -> Option<(usize, LengthUnit)> {
     .find_map(|(symbol, unit)| Some((table.column(&format!("{name}_{symbol}"))?, unit)))
 }
 
-fn distance_column(table: &Table, unit: LengthUnit) -> Result<(usize, LengthUnit)> {
+fn distance_column(table: &LogTable, unit: LengthUnit) -> Result<(usize, LengthUnit)> {
     if let Some(found) = length_column(table, "distance") {
         return Ok(found);
     }
@@ -210,7 +210,7 @@ fn distance_column(table: &Table, unit: LengthUnit) -> Result<(usize, LengthUnit
     Ok((table.require("distance", &hint)?, unit))
 }
 
-fn reading_column(table: &Table) -> Result<(usize, ReadingUnit)> {
+fn reading_column(table: &LogTable) -> Result<(usize, ReadingUnit)> {
     if let Some((column, unit)) = length_column(table, "reading") {
         return Ok((column, ReadingUnit::Length(unit)));
     }

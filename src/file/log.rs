@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use super::read_limited;
 use crate::error::{Error, Result};
-use crate::file::read_limited;
 use crate::text::shown;
 
 /// Largest log that is read, in bytes (256 MB).
@@ -12,7 +12,7 @@ const MAX_BYTES: u64 = 256_000_000;
 const MAX_ROWS: usize = 5_000_000;
 
 /// A log as it was read.
-pub(super) struct Table {
+pub(crate) struct LogTable {
     path: PathBuf,
     header: Vec<String>,
     rows: Vec<csv::StringRecord>,
@@ -22,7 +22,7 @@ pub(super) struct Table {
 ///
 /// # Errors
 /// A missing file, a folder, more than 256 MB, bytes that are not UTF-8.
-pub(super) fn read_text(path: &Path) -> Result<String> {
+pub(crate) fn read_log_text(path: &Path) -> Result<String> {
     let bytes = read_limited(path, MAX_BYTES, "log")?;
     if bytes.len() as u64 > MAX_BYTES {
         return Err(Error::invalid("cannot read the log: the file is too large")
@@ -36,8 +36,8 @@ pub(super) fn read_text(path: &Path) -> Result<String> {
     })
 }
 
-impl Table {
-    pub(super) fn parse(path: &Path, text: &str) -> Result<Self> {
+impl LogTable {
+    pub(crate) fn parse(path: &Path, text: &str) -> Result<Self> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
@@ -77,15 +77,15 @@ impl Table {
         })
     }
 
-    pub(super) fn header(&self) -> &[String] {
+    pub(crate) fn header(&self) -> &[String] {
         &self.header
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.rows.len()
     }
 
-    pub(super) fn column(&self, name: &str) -> Option<usize> {
+    pub(crate) fn column(&self, name: &str) -> Option<usize> {
         self.header.iter().position(|column| column == name)
     }
 
@@ -93,7 +93,7 @@ impl Table {
     ///
     /// # Errors
     /// No such column; `hint` says what the log should hold.
-    pub(super) fn require(&self, name: &str, hint: &str) -> Result<usize> {
+    pub(crate) fn require(&self, name: &str, hint: &str) -> Result<usize> {
         self.column(name).ok_or_else(|| {
             Error::invalid(format!("the log has no column `{name}`"))
                 .at_file(&self.path)
@@ -103,12 +103,12 @@ impl Table {
         })
     }
 
-    pub(super) fn text(&self, row: usize, column: usize) -> &str {
+    pub(crate) fn text(&self, row: usize, column: usize) -> &str {
         self.rows[row].get(column).unwrap_or_default()
     }
 
     /// The error with the file and the line of a row.
-    pub(super) fn at(&self, row: usize, error: Error) -> Error {
+    pub(crate) fn at(&self, row: usize, error: Error) -> Error {
         let line = self.rows[row].position().map_or(1, csv::Position::line);
         error.at_file(&self.path).at_line(line as usize, 1)
     }
@@ -117,7 +117,7 @@ impl Table {
     ///
     /// # Errors
     /// Anything else that is no number.
-    pub(super) fn optional(&self, row: usize, column: usize) -> Result<Option<f64>> {
+    pub(crate) fn optional(&self, row: usize, column: usize) -> Result<Option<f64>> {
         let text = self.text(row, column);
         if text.is_empty() {
             return Ok(None);
@@ -138,7 +138,7 @@ impl Table {
     ///
     /// # Errors
     /// An empty cell, or anything that is no finite number.
-    pub(super) fn number(&self, row: usize, column: usize) -> Result<f64> {
+    pub(crate) fn number(&self, row: usize, column: usize) -> Result<f64> {
         self.optional(row, column)?.ok_or_else(|| {
             self.at(
                 row,

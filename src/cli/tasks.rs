@@ -1,0 +1,163 @@
+//! `realgap tasks`: how long tasks take, real against simulated.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Subcommand};
+use realgap::plot::check_picture_path;
+use realgap::results::{draw_task_curves, draw_task_times};
+use realgap::task::{Goal, TaskComparison, TaskLog, time_to_reach};
+use realgap::unit::LengthUnit;
+use realgap::{Error, Result, trajectory};
+
+use super::option::Format as Print;
+use super::terminal;
+
+/// Compare how long tasks take in reality and in simulation (paper 002, section V)
+///
+/// A log is CSV, one row a trial: duration_s, where some were given up `finished` (1 or 0), and any columns that name conditions
+/// (robot, mode, difficulty …). Columns called trial, run, subject, participant, operator, id, repeat or session only number trials.
+#[derive(Debug, Args)]
+pub struct TasksCommand {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, Subcommand)]
+enum Action {
+    Compare(Compare),
+    Time(Time),
+}
+
+/// Medians, tests, effects and orders of conditions, real against simulated
+#[derive(Debug, Args)]
+struct Compare {
+    /// The real trials
+    real: PathBuf,
+    /// The simulated ones
+    simulated: PathBuf,
+    /// Draw medians and quartiles of every condition into this .png or .svg (as figure 13 of paper 002)
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Draw the share that is not finished over time into this .png or .svg (Kaplan and Meier)
+    #[arg(long, value_name = "FILE")]
+    curves: Option<PathBuf>,
+    /// Seed of the intervals
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Print,
+}
+
+/// Print when trajectories first reach a place, as a log of task times
+#[derive(Debug, Args)]
+struct Time {
+    /// Trajectories (.csv or .tum)
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// The place, metres
+    #[arg(
+        long,
+        value_name = "X,Y",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        required = true
+    )]
+    reach: Vec<f64>,
+    /// How near is there, metres
+    #[arg(long, value_name = "M", default_value_t = 0.1)]
+    within: f64,
+    /// A column for all rows: NAME=VALUE
+    #[arg(long, value_name = "NAME=VALUE")]
+    condition: Vec<String>,
+}
+
+impl TasksCommand {
+    pub fn run(self) -> Result<ExitCode> {
+        match self.action {
+            Action::Compare(compare) => compare.run(),
+            Action::Time(time) => time.run(),
+        }
+    }
+}
+
+impl Compare {
+    fn run(self) -> Result<ExitCode> {
+        for picture in self.plot.iter().chain(&self.curves) {
+            check_picture_path(picture)?;
+        }
+        let (real, simulated) = (TaskLog::read(&self.real)?, TaskLog::read(&self.simulated)?);
+        let found = TaskComparison::new(&real, &simulated, self.seed)?;
+        if let Some(plot) = &self.plot {
+            draw_task_times(&found, plot)?;
+        }
+        if let Some(plot) = &self.curves {
+            draw_task_curves(&found, plot)?;
+        }
+        terminal::print_warnings(&found.warnings);
+        match self.format {
+            Print::Json => terminal::print(terminal::json(&found)?),
+            Print::Table => terminal::print(found.to_string()),
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+impl Time {
+    fn run(self) -> Result<ExitCode> {
+        let [x, y] = self.reach[..] else {
+            return Err(Error::usage("not a place")
+                .field("--reach")
+                .found(format!("{:?}", self.reach))
+                .allowed("X,Y in metres"));
+        };
+        let goal = Goal {
+            position_world_m: [x, y],
+            within_m: self.within,
+        };
+        let columns = self
+            .condition
+            .iter()
+            .map(|text| {
+                text.split_once('=')
+                    .filter(|(name, value)| {
+                        ![*name, *value]
+                            .iter()
+                            .any(|s| s.is_empty() || s.contains([',', '"', '\n']))
+                    })
+                    .ok_or_else(|| {
+                        Error::usage("not a column and its value")
+                            .field("--condition")
+                            .found(text)
+                            .allowed("NAME=VALUE without commas and quotes")
+                    })
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let mut lines = vec![
+            columns
+                .iter()
+                .map(|(name, _)| *name)
+                .chain(["run", "duration_s", "finished"])
+                .collect::<Vec<_>>()
+                .join(","),
+        ];
+        for (number, file) in self.files.iter().enumerate() {
+            let motion = trajectory::read(file, LengthUnit::Metre)?;
+            let duration = time_to_reach(&motion.trajectory, &goal).map_err(|e| e.at_file(file))?;
+            let numbers = format!(
+                "{number},{},{}",
+                duration.time_s,
+                u8::from(duration.finished)
+            );
+            let values: Vec<&str> = columns
+                .iter()
+                .map(|(_, value)| *value)
+                .chain([numbers.as_str()])
+                .collect();
+            lines.push(values.join(","));
+        }
+        terminal::print(lines.join("\n"));
+        Ok(ExitCode::SUCCESS)
+    }
+}
