@@ -10,24 +10,15 @@ use super::bootstrap::{Interval, draws_of};
 use super::estimate::{FlightStart, Grounded, LengthReading};
 use super::flight::Body;
 use super::joint_flight::{JointFit, Left, Samples, fit, flown, slopes};
+use super::joint_prior::{Prior, priors, set};
 use super::linkage::Linkage;
 use super::start::LEAST_SAMPLES;
 use crate::error::{Error, Result};
-use crate::simulation::parameter::{Assignment, Parameter, ParameterSet, Scale, by_name};
 use crate::simulation::{Experiment, JointState};
 use crate::statistics::{mean, median, percentile_interval};
 use crate::trajectory::Recording;
 use crate::unit::counted;
 use crate::warning::{Code, Warning};
-
-/// What is known of a parameter before any flight: one standard deviation about the stated value. Weak, so that flights that
-/// say nothing leave it where it was.
-#[derive(Debug, Clone, Copy)]
-struct Prior {
-    parameter: &'static Parameter,
-    stated: f64,
-    deviation: f64,
-}
 
 /// A parameter whose deviation flights do not shrink below this share of the prior's is not determined by them.
 const DETERMINED: f64 = 0.5;
@@ -255,67 +246,6 @@ impl Model {
             length_scale: experiment.recording_length_scale,
         })
     }
-}
-
-/// What may be identified, and how far it may reasonably be from what is stated.
-fn priors(experiment: &Experiment, reading: LengthReading) -> Result<Vec<Prior>> {
-    let robot = experiment.adjusted_assembly();
-    let length_m = robot.body_length_m;
-    let mut named: Vec<(String, f64)> = Vec::new();
-    for (index, name) in robot.module_names.iter().enumerate() {
-        // Only ratios of masses act in flight.
-        if index > 0 {
-            named.push((format!("module.{name}.mass_scale"), 0.2));
-        }
-        for axis in ["x", "y", "z"] {
-            named.push((format!("module.{name}.com_offset_{axis}_m"), 0.1 * length_m));
-        }
-        for axis in ["x", "y", "z"] {
-            named.push((format!("module.{name}.inertia_{axis}_scale"), 0.3));
-        }
-    }
-    // Friction that would stop a part within a second.
-    let part = robot.parts[robot.hinges[0].child_part].mass(&nalgebra::Isometry3::identity());
-    let resists = part.inertia_kg_m2.trace() / 3.0 + 0.25 * part.mass_kg * length_m * length_m;
-    named.push(("hinge.viscous_nm_s_rad".to_owned(), resists));
-    named.push(("hinge.dry_nm".to_owned(), resists));
-    match reading {
-        LengthReading::LengthScale => named.push(("recording.length_scale".to_owned(), 0.05)),
-        LengthReading::Gravity => named.push(("gravity_m_s2".to_owned(), 0.5)),
-    }
-    named
-        .into_iter()
-        .map(|(name, deviation)| {
-            let parameter = by_name(&name)?;
-            Ok(Prior {
-                parameter,
-                stated: parameter.value(experiment).unwrap_or(0.0),
-                deviation,
-            })
-        })
-        .collect()
-}
-
-impl Prior {
-    /// The value so many deviations from the stated one, within the parameter's bounds.
-    fn value(&self, deviations: f64) -> f64 {
-        let moved = self.deviation * deviations;
-        let value = match self.parameter.scale {
-            Scale::Log => self.stated * moved.exp(),
-            Scale::Linear => self.stated + moved,
-        };
-        value.clamp(self.parameter.bounds.0, self.parameter.bounds.1)
-    }
-}
-
-fn set(priors: &[Prior], free: &[usize], deviations: &[f64]) -> Result<ParameterSet> {
-    free.iter()
-        .zip(deviations)
-        .map(|(index, deviations)| {
-            let prior = &priors[*index];
-            Assignment::new(prior.parameter.name, prior.value(*deviations))
-        })
-        .collect()
 }
 
 /// Where the parameters end up.

@@ -9,6 +9,7 @@ mod estimate;
 mod flight;
 mod joint_estimate;
 mod joint_flight;
+mod joint_prior;
 mod linkage;
 mod rest;
 mod solve;

@@ -27,6 +27,7 @@
 //! # Ok::<(), realgap::Error>(())
 //! ```
 
+mod check;
 mod covariance;
 mod evaluation;
 mod file;
