@@ -90,6 +90,7 @@ pub mod comparison;
 pub mod error;
 pub mod export;
 pub mod file;
+mod font;
 pub mod optimization;
 pub mod plot;
 pub mod prediction;
@@ -151,6 +152,7 @@ pub mod guide {
 [docs/fidelity/search.md]: crate::guide::fidelity::search
 [docs/fidelity/sensing.md]: crate::guide::fidelity::sensing
 [docs/fidelity/radio.md]: crate::guide::fidelity::radio
+[docs/fidelity/vision.md]: crate::guide::fidelity::vision
 [docs/upstream/contact_stiffness.md]: crate::guide::upstream::contact_stiffness
 [docs/upstream/friction_direction.md]: crate::guide::upstream::friction_direction
 [docs/upstream/multibody_root.md]: crate::guide::upstream::multibody_root
@@ -311,6 +313,10 @@ pub mod guide {
         #[doc = links!()]
         #[doc = include_str!("../docs/fidelity/radio.md")]
         pub mod radio {}
+
+        #[doc = links!()]
+        #[doc = include_str!("../docs/fidelity/vision.md")]
+        pub mod vision {}
     }
 
     #[doc = links!()]

@@ -63,11 +63,15 @@ pub enum Numbered {
     Shadowing,
     /// What happens to a message: fading, loss, latency.
     Message,
+    /// Photons and electrons of one row of a picture.
+    PictureNoise,
+    /// Where the camera of a picture really stands.
+    CameraPlace,
 }
 
 impl Numbered {
     /// Every stream.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 20] = [
         Self::Start,
         Self::StartMotion,
         Self::Camera,
@@ -86,6 +90,8 @@ impl Numbered {
         Self::Actuator,
         Self::Shadowing,
         Self::Message,
+        Self::PictureNoise,
+        Self::CameraPlace,
     ];
 
     fn number(self) -> u64 {
@@ -108,6 +114,8 @@ impl Numbered {
             Self::Actuator => 31,
             Self::Shadowing => 40,
             Self::Message => 41,
+            Self::PictureNoise => 50,
+            Self::CameraPlace => 51,
         }
     }
 

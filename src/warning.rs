@@ -43,6 +43,7 @@ codes! {
     CoarseGrid "coarse-grid" "Beliefs are narrower than the cells of their grid.";
     ColumnsIgnored "columns-ignored" "A recording has columns that nothing uses.";
     ComponentsMissDifference "components-miss-difference" "The kept principal components hardly see how two runs differ.";
+    ContourStuck "contour-stuck" "A contour came to rest where there is no edge, or did not come to rest.";
     DifferentDurations "different-durations" "Recordings of one comparison last differently long.";
     DifferentRobots "different-robots" "Recordings of one comparison name different robots.";
     Diverged "diverged" "Simulations blew up and are left out.";
@@ -93,6 +94,7 @@ codes! {
     OtherRobot "other-robot" "A recording names another robot.";
     OutsideArena "outside-arena" "Readings were taken outside of the arena.";
     Overfitted "overfitted" "Recordings that were held out are fitted worse.";
+    PicturesUnpaired "pictures-unpaired" "Pictures have no partner of the same name and are left out.";
     PlateBlocked "plate-blocked" "A plate hits its own robot.";
     QuaternionOrder "quaternion-order" "Orientations look as if their real part stood elsewhere.";
     QuaternionsRenormalised "quaternions-renormalised" "Orientations had lengths other than 1.";

@@ -15,6 +15,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
     ("table", &["text"]),
     ("quantity", &["error", "unit"]),
     ("random", &[]),
+    ("font", &["error"]),
     ("statistics", &["error", "random"]),
     ("file", &["error", "text"]),
     ("trajectory", &["error", "warning", "unit", "file"]),
@@ -71,6 +72,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "random",
             "table",
             "text",
+            "font",
             "statistics",
             "file",
             "trajectory",
@@ -249,7 +251,10 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "prediction",
         ],
     ),
-    ("plot", &["error", "warning", "unit", "table", "file"]),
+    (
+        "plot",
+        &["error", "warning", "unit", "table", "font", "file"],
+    ),
     (
         "results",
         &[
@@ -284,6 +289,10 @@ const OWNED: &[(&str, &str)] = &[
     ("rusqlite", "store"),
     ("parquet", "store"),
     ("comfy_table", "table"),
+    ("ab_glyph", "font"),
+    ("rustfft", "sensing"),
+    ("zune_jpeg", "sensing"),
+    ("jpeg_encoder", "sensing"),
     ("kodama", "prediction::ensemble"),
     ("indicatif", "cli"),
     ("clap", "cli"),

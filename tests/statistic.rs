@@ -148,3 +148,29 @@ fn normality_is_tested_as_statsmodels_does() {
     assert!(anderson_darling(&[1.0; 7]).is_err());
     assert_eq!(anderson_darling(&[1.0; 8]).unwrap().p_value, 0.0);
 }
+
+#[test]
+fn the_signed_rank_test_is_that_of_scipy_with_and_without_ties() {
+    let text = common::read(&common::project().join("tests/golden"), "wilcoxon.csv");
+    for line in text.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let differences: Vec<f64> = cells[1].split(' ').map(|v| v.parse().unwrap()).collect();
+        let test = realgap::statistics::wilcoxon_signed_rank(&differences).unwrap();
+        let (statistic, p): (f64, f64) = (cells[2].parse().unwrap(), cells[3].parse().unwrap());
+        let method = if cells[0] == "exact" {
+            PValueMethod::Exact
+        } else {
+            PValueMethod::Asymptotic
+        };
+        assert_eq!((test.statistic, test.method), (statistic, method), "{line}");
+        assert!(
+            (test.p_value - p).abs() < 1e-9,
+            "{} {p}: {line}",
+            test.p_value
+        );
+    }
+    let still = realgap::statistics::wilcoxon_signed_rank(&[0.0, 0.0]).unwrap();
+    assert_eq!((still.p_value, still.effect, still.pairs), (1.0, 0.0, 0));
+    assert!(realgap::statistics::wilcoxon_signed_rank(&[]).is_err());
+    assert!(realgap::statistics::wilcoxon_signed_rank(&[f64::NAN]).is_err());
+}

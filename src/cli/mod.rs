@@ -22,6 +22,7 @@ mod mujoco;
 mod odds;
 mod option;
 mod parameters;
+mod picture;
 mod predict;
 mod progress;
 mod radio;
@@ -38,6 +39,7 @@ mod tasks;
 mod terminal;
 mod tune;
 mod verify;
+mod vision;
 
 use std::process::ExitCode;
 
@@ -94,6 +96,8 @@ enum Command {
     Sensorgraph(sensorgraph::SensorgraphCommand),
     Radio(radio::RadioCommand),
     Tasks(tasks::TasksCommand),
+    Picture(picture::Picture),
+    Vision(vision::VisionCommand),
     Parameters(parameters::Parameters),
     Verify(verify::Verify),
     Completions(completions::Completions),
@@ -142,6 +146,8 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Sensorgraph(graph) => graph.run(),
         Command::Radio(radio) => radio.run(),
         Command::Tasks(tasks) => tasks.run(),
+        Command::Picture(picture) => picture.run(),
+        Command::Vision(vision) => vision.run(),
         Command::Parameters(parameters) => parameters.run(),
         Command::Verify(verify) => verify.run(),
         Command::Completions(completions) => completions.run(),

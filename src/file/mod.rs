@@ -28,6 +28,7 @@
 //! # Ok::<(), realgap::Error>(())
 //! ```
 
+mod bitmap;
 mod decode;
 mod hash;
 mod input;
@@ -39,6 +40,7 @@ mod source;
 mod suggestion;
 mod unique;
 
+pub(crate) use bitmap::png_bytes;
 pub use decode::{parse_ron, write_ron};
 pub use hash::sha256;
 pub(crate) use input::read_limited;

@@ -8,6 +8,7 @@
 //! | [`LinePlot`] | [`draw_lines`] | lines, dots and bands over time or number of simulations |
 //! | [`Cloud`] | [`plane()`], [`draw_lines`] | recordings and simulations in the first two principal components |
 //! | [`BarChart`] | [`draw_bars`] | what each of many causes changes |
+//! | [`ColumnChart`] | [`draw_columns`] | a few values for each of several things |
 //! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
 //! | [`EnsemblePlot`] | [`draw_ensemble`] | repeats by behaviour, their envelope over time, the real runs |
 //! | [`Gallery`] | [`draw_gallery`] | robots as shaded boxes |
@@ -22,6 +23,7 @@ mod bar;
 mod block;
 mod canvas;
 mod colour;
+mod column;
 mod curve;
 mod ensemble;
 mod font;
@@ -45,6 +47,7 @@ pub use crate::unit::{DisplayUnit, number, quantity};
 pub use axis::{AxisSpec, Truth};
 pub use bar::{Bar, BarChart, draw_bars};
 pub use block::{Block, BlockKind, DrivenFace, Motion};
+pub use column::{ColumnChart, ColumnSeries, draw_columns};
 pub use curve::{Curve, draw_curve};
 pub use ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
 pub use gallery::{Gallery, GalleryRobot, draw_gallery};

@@ -7,7 +7,7 @@ use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use super::canvas::{Canvas, Medium};
 use super::colour::WHITE;
 use super::font;
-use crate::file::{check_writable, write_atomic};
+use crate::file::{check_writable, png_bytes, write_atomic};
 use crate::{Error, Result};
 
 /// PNG pixels are averages of this many by this many: smooth lines, evenly spaced letters.
@@ -89,19 +89,7 @@ fn png(picture: &impl Picture) -> Result<Vec<u8>> {
     picture.draw(&mut canvas);
     canvas.finish()?;
     let pixels = average(&pixels, width as usize, height as usize);
-
-    let unexpected = |error: png::EncodingError| {
-        Error::invalid(format!("cannot encode the picture as PNG: {error}"))
-    };
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Balanced);
-    let mut writer = encoder.write_header().map_err(unexpected)?;
-    writer.write_image_data(&pixels).map_err(unexpected)?;
-    writer.finish().map_err(unexpected)?;
-    Ok(bytes)
+    png_bytes(width, height, &pixels)
 }
 
 /// The mean of each block of `PNG_OVERSAMPLING` × `PNG_OVERSAMPLING` pixels.

@@ -40,6 +40,7 @@ mod sensor;
 mod table;
 mod task;
 mod timing;
+mod vision;
 
 use std::path::Path;
 
@@ -55,6 +56,7 @@ pub use search::{BestRobot, SearchSummary, write_search};
 pub use sensor::{draw_arena, draw_belief, draw_histograms, draw_segment, draw_sensor};
 pub use task::{draw_task_curves, draw_task_times};
 pub use timing::{Timing, write_timing};
+pub use vision::draw_vision;
 
 /// Writes what an answer holds into `folder`, next to the store where there is one: tables, pictures, the report, the best
 /// values. They take the place of older results once all of them are written.

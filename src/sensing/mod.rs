@@ -9,6 +9,9 @@
 //!
 //! [`arena`] says what a beam meets, [`belief`] what a robot makes of readings (a discrete Bayes filter).
 //!
+//! [`vision`] holds pictures: what four extractors find in them, and whether they find the same in simulated and in real ones
+//! (paper 002).
+//!
 //! A log of readings at known distances becomes a model, with intervals; the model draws readings:
 //!
 //! ```
@@ -37,3 +40,4 @@ pub mod belief;
 pub mod graph;
 pub mod radio;
 pub mod range;
+pub mod vision;

@@ -10,6 +10,7 @@ mod forecast;
 mod jackknife;
 mod matern;
 mod normality;
+mod paired;
 mod proportion;
 mod rank;
 mod significance;
@@ -23,6 +24,7 @@ pub use forecast::{ReliabilityBin, brier, reliability};
 pub use jackknife::{Degree, jackknife_interval};
 pub use matern::matern_5_2;
 pub use normality::{LEAST_FOR_NORMALITY, anderson_darling};
+pub use paired::{PairedTest, wilcoxon_signed_rank};
 pub use proportion::{Proportion, normal_quantile};
 pub use significance::{
     PValueMethod, SampleTest, kolmogorov_smirnov, mann_whitney, spearman, spearman_worth,

@@ -1,0 +1,126 @@
+//! `realgap picture`: what a simulated camera sees in a room.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::sensing::vision::camera::{
+    ALPHABET_TEXT, Motif, Scene, alphabet_picture, known, take,
+};
+use realgap::sensing::vision::{AlphabetFile, PictureSource, ViewsFile};
+use realgap::unit::counted;
+use realgap::{Error, Result, Warning, warning};
+
+use super::terminal;
+
+/// Take pictures with a simulated camera: a scene's posters, boxes and lights, seen through a lens and a sensor
+///
+/// Writes NAME.png for every viewpoint of the scene, and beside them what `realgap vision` needs: views.ron (what is where),
+/// template.png and alphabet.png. The same seed gives the same bytes.
+#[derive(Debug, Args)]
+pub struct Picture {
+    /// The scene (scenes/*.ron)
+    scene: PathBuf,
+    /// Which of its cameras
+    #[arg(long, value_name = "NAME", default_value = "model")]
+    camera: String,
+    /// Which of its lights
+    #[arg(long, value_name = "NAME", default_value = "well")]
+    light: String,
+    /// Only this viewpoint; may be given several times
+    #[arg(long, value_name = "NAME")]
+    view: Vec<String>,
+    /// Pictures of every viewpoint, called NAME_1, NAME_2 and so on
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    repeats: Option<u16>,
+    /// Seed of the camera's noise and places
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// The folder to write into
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+/// Width of the template, pixels: about as the logo is seen from three metres.
+const TEMPLATE_PX: usize = 96;
+
+impl Picture {
+    pub fn run(self) -> Result<ExitCode> {
+        let scene = Scene::read(&self.scene)?;
+        let option = |name: &str, e: Error| e.field(name).into_usage();
+        let camera = scene
+            .camera(&self.camera)
+            .map_err(|e| option("--camera", e))?;
+        let light = scene.light(&self.light).map_err(|e| option("--light", e))?;
+        for name in &self.view {
+            realgap::file::look_up("view", name, &scene.views, |view| view.name.as_str())
+                .map_err(|e| option("--view", e))?;
+        }
+        let folder = &self.output;
+        std::fs::create_dir_all(folder).map_err(|e| Error::io("make the folder", folder, &e))?;
+        let mut file = ViewsFile {
+            source: if camera.is_stand_in {
+                PictureSource::StandIn
+            } else {
+                PictureSource::Simulated
+            },
+            description: format!(
+                "{}, camera {}, light {}, seed {}",
+                scene.name, camera.name, light.name, self.seed
+            ),
+            ..ViewsFile::default()
+        };
+        if scene.posters.iter().any(|p| p.motif == Motif::Logo) {
+            let logo = Motif::Logo.picture()?.resized(TEMPLATE_PX, TEMPLATE_PX);
+            logo.picture().write_png(folder.join("template.png"))?;
+            file.template = Some("template.png".to_owned());
+        }
+        if scene
+            .posters
+            .iter()
+            .any(|p| matches!(p.motif, Motif::Text(_)))
+        {
+            alphabet_picture()?
+                .picture()
+                .write_png(folder.join("alphabet.png"))?;
+            file.alphabet = Some(AlphabetFile {
+                picture: "alphabet.png".to_owned(),
+                text: ALPHABET_TEXT.to_owned(),
+            });
+        }
+        let mut taken = 0;
+        for (index, view) in scene.views.iter().enumerate() {
+            if !self.view.is_empty() && !self.view.contains(&view.name) {
+                continue;
+            }
+            for repeat in 1..=self.repeats.unwrap_or(1) {
+                let name = match self.repeats {
+                    None => view.name.clone(),
+                    Some(_) => format!("{}_{repeat}", view.name),
+                };
+                // A view's pictures do not depend on which others are taken.
+                let number = 1000 * index as u64 + u64::from(repeat);
+                let (picture, pose) = take(&scene, camera, view, light, self.seed, number)?;
+                picture.write_png(folder.join(format!("{name}.png")))?;
+                file.views.push(known(&scene, camera, &pose, &name));
+                taken += 1;
+            }
+        }
+        file.write(folder)?;
+        if camera.is_stand_in {
+            terminal::print_warnings(&[Warning::new(
+                warning::Code::StandIn,
+                format!(
+                    "pictures of the camera {} stand in for real ones",
+                    camera.name
+                ),
+            )]);
+        }
+        terminal::print(format!(
+            "{} in {}",
+            counted(taken, "picture"),
+            folder.display()
+        ));
+        Ok(ExitCode::SUCCESS)
+    }
+}

@@ -1,0 +1,153 @@
+//! `realgap vision`: what is found in pictures, and whether it is the same in simulated and in real ones.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Subcommand};
+use realgap::file::check_writable;
+use realgap::results::draw_vision;
+use realgap::sensing::vision::{
+    EXTRACTORS, Grey, Views, compare_folders, contact_sheet, extractor_by_name,
+};
+use realgap::{Error, Result};
+
+use super::option::Format as Print;
+use super::terminal;
+
+/// Compare simulated pictures with real ones by what image processing finds in them (paper 002)
+///
+/// Four extractors: edges (Canny), a template (correlation in the Fourier domain), a contour (a greedy snake), and text. What is to be
+/// found where is said by views.ron in the folder of simulated pictures; `realgap picture` writes it.
+#[derive(Debug, Args)]
+pub struct VisionCommand {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, Subcommand)]
+enum Action {
+    Compare(Compare),
+    Extract(Extract),
+}
+
+/// Is a simulated picture nearer to a real one than a badly lit real one is?
+///
+/// Pictures (.png, .jpg) are paired by name. Several real pictures of a view are called NAME_1, NAME_2 and so on; their distances to
+/// each other are the noise floor. Intervals (90 %) are by bootstrap over views, the answer by Wilcoxon's signed-rank test.
+#[derive(Debug, Args)]
+struct Compare {
+    /// Folder of simulated pictures, with views.ron
+    simulated: PathBuf,
+    /// Folder of real pictures of the same views, well lit
+    real: PathBuf,
+    /// Folder of real pictures of the same views, badly lit
+    #[arg(long, value_name = "DIR")]
+    badly_lit: Option<PathBuf>,
+    /// Draw edges.png, template.png, contour.png and text.png into this folder (as figures 5, 6, 8 and 11)
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Print every view, too
+    #[arg(long)]
+    views: bool,
+    /// Seed of the bootstrap
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Print,
+}
+
+/// Show what one extractor finds in one picture, step by step
+#[derive(Debug, Args)]
+struct Extract {
+    /// The picture; views.ron beside it says what is to be found
+    picture: PathBuf,
+    /// edges, template, contour or text
+    #[arg(long, value_name = "NAME", default_value = "edges")]
+    extractor: String,
+    /// The view of views.ron [default: the picture's name]
+    #[arg(long, value_name = "NAME")]
+    view: Option<String>,
+    /// Draw the steps side by side into this .png (as figures 2, 3, 4 and 9)
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+impl VisionCommand {
+    pub fn run(self) -> Result<ExitCode> {
+        match self.action {
+            Action::Compare(compare) => compare.run(),
+            Action::Extract(extract) => extract.run(),
+        }
+    }
+}
+
+impl Compare {
+    fn run(self) -> Result<ExitCode> {
+        if let Some(folder) = &self.output {
+            std::fs::create_dir_all(folder)
+                .map_err(|e| Error::io("make the folder", folder, &e))?;
+        }
+        let badly_lit = self.badly_lit.as_deref();
+        let report = compare_folders(&self.simulated, &self.real, badly_lit, self.seed)?;
+        if let Some(folder) = &self.output {
+            draw_vision(&report, folder)?;
+        }
+        terminal::print_warnings(&report.warnings);
+        match self.format {
+            Print::Json => terminal::print(terminal::json(&report)?),
+            Print::Table => {
+                terminal::print(report.to_string());
+                for extractor in report.extractors.iter().filter(|_| self.views) {
+                    terminal::print(extractor.to_string());
+                }
+            }
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+impl Extract {
+    fn run(self) -> Result<ExitCode> {
+        let extractor = extractor_by_name(&self.extractor).map_err(|e| {
+            let names: Vec<&str> = EXTRACTORS.iter().map(|e| e.name()).collect();
+            e.field("--extractor")
+                .allowed(names.join(", "))
+                .into_usage()
+        })?;
+        if let Some(output) = &self.output {
+            check_writable(output)?;
+        }
+        let picture = Grey::read(&self.picture)?;
+        let folder = self.picture.parent().filter(|p| !p.as_os_str().is_empty());
+        let views = Views::read(folder.unwrap_or(std::path::Path::new(".")))?;
+        let own = self
+            .picture
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy();
+        let sought = views.sought(self.view.as_deref().unwrap_or(&own));
+        let sought = sought.cloned().unwrap_or_default();
+        let found = extractor.extract(&picture, &sought).map_err(|e| {
+            e.at_file(&self.picture)
+                .or_hint("views.ron beside it says what to look for")
+        })?;
+        terminal::print_warnings(&found.warnings);
+        if let Some(output) = &self.output {
+            contact_sheet(&found.steps).picture().write_png(output)?;
+        }
+        for remark in &found.remarks {
+            terminal::print(remark);
+        }
+        if let Some(text) = &found.feature.text {
+            terminal::print(text);
+        }
+        if let (Some(error), Some(measure)) = (
+            extractor.error(&found.feature, &sought),
+            extractor.error_measure(),
+        ) {
+            terminal::print(format!("{}: {error:.3} {}", measure.name, measure.unit).trim_end());
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

@@ -1,0 +1,299 @@
+//! What a ray meets: the room's inside, boxes and posters, found through a tree of boxes around them.
+
+use super::scene::{Block, Poster, Scene, Vector, add, dot, less, times};
+
+/// What a ray meets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Thing {
+    /// One of the six sides of the room: axis, and whether it is the far one.
+    Side(usize, bool),
+    /// A box, and the axis and sign of the face.
+    Block(usize, usize, bool),
+    Poster(usize),
+}
+
+/// Where a ray ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Hit {
+    pub distance_m: f64,
+    pub thing: Thing,
+    pub normal: Vector,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Solid {
+    Block(usize),
+    Poster(usize),
+}
+
+/// A box around things: the children of an inner one are the next and `other`.
+#[derive(Debug, Clone)]
+struct Node {
+    low: Vector,
+    high: Vector,
+    other: usize,
+    things: std::ops::Range<usize>,
+}
+
+/// A scene that can be asked.
+pub(super) struct Caster<'a> {
+    scene: &'a Scene,
+    nodes: Vec<Node>,
+    solids: Vec<Solid>,
+}
+
+/// A leaf has at most this many things.
+const LEAF: usize = 3;
+/// Posters hang this far before what is behind them, metres.
+pub(super) const BEFORE_M: f64 = 1e-4;
+
+fn bounds(scene: &Scene, solid: Solid) -> (Vector, Vector) {
+    match solid {
+        Solid::Block(index) => {
+            let Block {
+                centre_m,
+                half_m,
+                turn: [cos, sin],
+                ..
+            } = &scene.blocks[index];
+            let reach = [
+                cos.abs() * half_m[0] + sin.abs() * half_m[1],
+                sin.abs() * half_m[0] + cos.abs() * half_m[1],
+                half_m[2],
+            ];
+            (less(*centre_m, reach), add(*centre_m, reach))
+        }
+        Solid::Poster(index) => {
+            let poster = &scene.posters[index];
+            let reach = [0, 1, 2].map(|i| poster.right_m[i].abs() + poster.down_m[i].abs() + 1e-6);
+            (less(poster.centre_m, reach), add(poster.centre_m, reach))
+        }
+    }
+}
+
+impl<'a> Caster<'a> {
+    pub(super) fn new(scene: &'a Scene) -> Self {
+        let blocks = (0..scene.blocks.len()).map(Solid::Block);
+        let mut solids: Vec<Solid> = blocks
+            .chain((0..scene.posters.len()).map(Solid::Poster))
+            .collect();
+        let mut nodes = Vec::new();
+        let count = solids.len();
+        if count > 0 {
+            split(scene, &mut solids, 0..count, &mut nodes);
+        }
+        Self {
+            scene,
+            nodes,
+            solids,
+        }
+    }
+
+    /// The first thing that a ray from inside of the room meets.
+    pub(super) fn first(&self, from: Vector, direction: Vector) -> Hit {
+        let mut best = self.side(from, direction);
+        self.visit(from, direction, best.distance_m, |solid, nearest| {
+            if let Some(hit) = self.meet(solid, from, direction)
+                && hit.distance_m < *nearest
+            {
+                *nearest = hit.distance_m;
+                best = hit;
+            }
+            true
+        });
+        best
+    }
+
+    /// Whether nothing stands between a point and another.
+    pub(super) fn sees(&self, from: Vector, to: Vector) -> bool {
+        let way = less(to, from);
+        let distance = dot(way, way).sqrt();
+        let direction = times(way, 1.0 / distance);
+        let mut is_free = true;
+        self.visit(from, direction, distance, |solid, _| {
+            let hit = self.meet(solid, from, direction);
+            is_free = hit.is_none_or(|h| h.distance_m >= distance);
+            is_free
+        });
+        is_free
+    }
+
+    /// Visits what may be met nearer than `nearest`; the visitor may lower that, and says whether to go on.
+    fn visit(
+        &self,
+        from: Vector,
+        direction: Vector,
+        nearest: f64,
+        mut visitor: impl FnMut(Solid, &mut f64) -> bool,
+    ) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let inverse = direction.map(|d| 1.0 / d);
+        let mut nearest = nearest;
+        // Deep enough for any number of things that a scene may have: every level halves them.
+        let mut open = [0_usize; 64];
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let index = open[count];
+            let node = &self.nodes[index];
+            let (mut enter, mut leave) = (0.0_f64, nearest);
+            for axis in 0..3 {
+                let a = (node.low[axis] - from[axis]) * inverse[axis];
+                let b = (node.high[axis] - from[axis]) * inverse[axis];
+                enter = enter.max(a.min(b));
+                leave = leave.min(a.max(b));
+            }
+            if enter > leave {
+                continue;
+            }
+            if node.other == 0 {
+                for solid in &self.solids[node.things.clone()] {
+                    if !visitor(*solid, &mut nearest) {
+                        return;
+                    }
+                }
+            } else if count + 2 <= open.len() {
+                open[count] = node.other;
+                open[count + 1] = index + 1;
+                count += 2;
+            }
+        }
+    }
+
+    /// Where a ray from inside leaves the room.
+    fn side(&self, from: Vector, direction: Vector) -> Hit {
+        let mut best = (f64::INFINITY, 0, false);
+        for axis in 0..3 {
+            let is_far = direction[axis] > 0.0;
+            let wall = if is_far { self.scene.room_m[axis] } else { 0.0 };
+            let distance = (wall - from[axis]) / direction[axis];
+            if direction[axis] != 0.0 && distance < best.0 {
+                best = (distance, axis, is_far);
+            }
+        }
+        let mut normal = [0.0; 3];
+        normal[best.1] = if best.2 { -1.0 } else { 1.0 };
+        Hit {
+            distance_m: best.0.max(0.0),
+            thing: Thing::Side(best.1, best.2),
+            normal,
+        }
+    }
+
+    fn meet(&self, solid: Solid, from: Vector, direction: Vector) -> Option<Hit> {
+        match solid {
+            Solid::Block(index) => meet_block(&self.scene.blocks[index], index, from, direction),
+            Solid::Poster(index) => {
+                let distance_m = meet_poster(&self.scene.posters[index], from, direction)?.0;
+                Some(Hit {
+                    distance_m,
+                    thing: Thing::Poster(index),
+                    normal: self.scene.posters[index].normal(),
+                })
+            }
+        }
+    }
+}
+
+/// Distance to a poster's front and where it is met, −1 to 1 to the right and down.
+pub(super) fn meet_poster(
+    poster: &Poster,
+    from: Vector,
+    direction: Vector,
+) -> Option<(f64, f64, f64)> {
+    let normal = poster.normal();
+    let against = dot(normal, direction);
+    // Its back is not seen.
+    if against >= 0.0 {
+        return None;
+    }
+    let distance = dot(less(poster.centre_m, from), normal) / against;
+    if distance <= BEFORE_M {
+        return None;
+    }
+    let at = less(add(from, times(direction, distance)), poster.centre_m);
+    let u = dot(at, poster.right_m) / dot(poster.right_m, poster.right_m);
+    let v = dot(at, poster.down_m) / dot(poster.down_m, poster.down_m);
+    (u.abs() <= 1.0 && v.abs() <= 1.0).then_some((distance, u, v))
+}
+
+fn meet_block(block: &Block, index: usize, from: Vector, direction: Vector) -> Option<Hit> {
+    let [cos, sin] = block.turn;
+    let local = |v: Vector| [cos * v[0] + sin * v[1], cos * v[1] - sin * v[0], v[2]];
+    let (from, towards) = (local(less(from, block.centre_m)), local(direction));
+    let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+    let mut face = (0, false);
+    for axis in 0..3 {
+        let inverse = 1.0 / towards[axis];
+        let a = (-block.half_m[axis] - from[axis]) * inverse;
+        let b = (block.half_m[axis] - from[axis]) * inverse;
+        if a.min(b) > enter {
+            enter = a.min(b);
+            face = (axis, towards[axis] < 0.0);
+        }
+        leave = leave.min(a.max(b));
+    }
+    if enter > leave || enter <= BEFORE_M {
+        return None;
+    }
+    let mut normal = [0.0; 3];
+    normal[face.0] = if face.1 { 1.0 } else { -1.0 };
+    let normal = [
+        cos * normal[0] - sin * normal[1],
+        sin * normal[0] + cos * normal[1],
+        normal[2],
+    ];
+    Some(Hit {
+        distance_m: enter,
+        thing: Thing::Block(index, face.0, face.1),
+        normal,
+    })
+}
+
+/// Adds the tree over some things; halves them along the axis on which their centres lie farthest apart.
+fn split(
+    scene: &Scene,
+    solids: &mut [Solid],
+    range: std::ops::Range<usize>,
+    nodes: &mut Vec<Node>,
+) {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let (mut near, mut far) = (low, high);
+    for solid in &solids[range.clone()] {
+        let (a, b) = bounds(scene, *solid);
+        for axis in 0..3 {
+            let middle = 0.5 * (a[axis] + b[axis]);
+            low[axis] = low[axis].min(a[axis]);
+            high[axis] = high[axis].max(b[axis]);
+            near[axis] = near[axis].min(middle);
+            far[axis] = far[axis].max(middle);
+        }
+    }
+    let index = nodes.len();
+    nodes.push(Node {
+        low,
+        high,
+        other: 0,
+        things: range.clone(),
+    });
+    if range.len() <= LEAF {
+        return;
+    }
+    let spread = less(far, near);
+    let axis = (0..3)
+        .max_by(|a, b| spread[*a].total_cmp(&spread[*b]))
+        .unwrap_or(0);
+    solids[range.clone()].sort_by(|a, b| {
+        let middle = |s: &Solid| {
+            let (low, high) = bounds(scene, *s);
+            low[axis] + high[axis]
+        };
+        middle(a).total_cmp(&middle(b))
+    });
+    let half = range.start + range.len() / 2;
+    split(scene, solids, range.start..half, nodes);
+    nodes[index].other = nodes.len();
+    split(scene, solids, half..range.end, nodes);
+}

@@ -1,0 +1,472 @@
+//! The RON form of a scene.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::exposure::Sensor;
+use super::lens::{Lens, Pose};
+use super::poster::{Motif, Texture};
+use super::scene::{Block, Camera, Lamp, Light, Poster, Scene, View};
+use crate::error::{Error, Result};
+use crate::file::{Source, check_name, look_up, parse_ron};
+
+type Three = (f64, f64, f64);
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Scene")]
+struct SceneFile {
+    name: String,
+    room_m: Three,
+    #[serde(default = "light_grey")]
+    wall: Three,
+    #[serde(default = "light_grey")]
+    floor: Three,
+    #[serde(default = "light_grey")]
+    ceiling: Three,
+    #[serde(default)]
+    tile_m: f64,
+    #[serde(default)]
+    blocks: Vec<BlockFile>,
+    #[serde(default)]
+    posters: Vec<PosterFile>,
+    lights: BTreeMap<String, LightFile>,
+    cameras: BTreeMap<String, CameraFile>,
+    views: Vec<ViewFile>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Block")]
+struct BlockFile {
+    centre_m: Three,
+    half_m: Three,
+    #[serde(default)]
+    turn_deg: f64,
+    #[serde(default = "light_grey")]
+    colour: Three,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Poster")]
+struct PosterFile {
+    centre_m: Three,
+    width_m: f64,
+    facing_deg: f64,
+    motif: MotifFile,
+}
+
+#[derive(Debug, Deserialize)]
+enum MotifFile {
+    Logo,
+    Disc,
+    Bottle,
+    Text(String),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Light")]
+struct LightFile {
+    ambient_lux: f64,
+    #[serde(default)]
+    lamps: Vec<LampFile>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Lamp")]
+struct LampFile {
+    place_m: Three,
+    intensity_cd: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Camera")]
+struct CameraFile {
+    #[serde(default)]
+    stand_in: bool,
+    #[serde(default = "resolution")]
+    resolution_px: (usize, usize),
+    #[serde(default = "field_of_view")]
+    field_of_view_deg: f64,
+    #[serde(default)]
+    distortion: (f64, f64),
+    #[serde(default)]
+    blur_px: f64,
+    exposure_s: f64,
+    electrons_per_cd_s: f64,
+    #[serde(default = "full_well")]
+    full_well_e: f64,
+    #[serde(default)]
+    read_noise_e: f64,
+    #[serde(default = "one")]
+    gain: f64,
+    #[serde(default = "one")]
+    most_gain: f64,
+    #[serde(default)]
+    jpeg_quality: Option<u8>,
+    #[serde(default)]
+    place_sd_m: f64,
+    #[serde(default)]
+    angle_sd_deg: f64,
+    #[serde(default)]
+    turning_deg_s: (f64, f64),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "View")]
+struct ViewFile {
+    name: String,
+    place_m: Three,
+    look_at_m: Three,
+}
+
+fn light_grey() -> Three {
+    (0.7, 0.7, 0.7)
+}
+
+fn resolution() -> (usize, usize) {
+    (640, 480)
+}
+
+fn field_of_view() -> f64 {
+    60.0
+}
+
+fn full_well() -> f64 {
+    10_000.0
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// Largest room, metres, most things in it, and largest picture, pixels.
+const LARGEST_M: f64 = 1000.0;
+const MOST: usize = 10_000;
+const MOST_PIXELS: usize = 16_000_000;
+
+fn three(v: Three) -> [f64; 3] {
+    [v.0, v.1, v.2]
+}
+
+/// A text with the error of one of its values.
+struct Reader<'a>(&'a Source);
+
+impl Reader<'_> {
+    fn wrong(
+        &self,
+        field: &str,
+        message: &str,
+        found: impl std::fmt::Display,
+        allowed: &str,
+    ) -> Error {
+        let error = Error::invalid(message.to_owned()).field(field);
+        self.0.at(field, error.found(found).allowed(allowed))
+    }
+
+    fn within(&self, field: &str, value: f64, low: f64, high: f64, unit: &str) -> Result<f64> {
+        if (low..=high).contains(&value) {
+            return Ok(value);
+        }
+        Err(self.wrong(
+            field,
+            "out of range",
+            value,
+            format!("{low} to {high} {unit}").trim_end(),
+        ))
+    }
+
+    fn colour(&self, field: &str, colour: Three) -> Result<[f64; 3]> {
+        let colour = three(colour);
+        if colour.iter().all(|share| (0.0..=1.0).contains(share)) {
+            return Ok(colour);
+        }
+        Err(self.wrong(
+            field,
+            "not a colour",
+            format!("{colour:?}"),
+            "three shares, 0 to 1",
+        ))
+    }
+
+    fn inside(&self, field: &str, place: Three, room_m: [f64; 3]) -> Result<[f64; 3]> {
+        let place = three(place);
+        if (0..3).all(|i| place[i] > 0.0 && place[i] < room_m[i]) {
+            return Ok(place);
+        }
+        Err(self.wrong(
+            field,
+            "not inside of the room",
+            format!("{place:?} m"),
+            &format!("between (0, 0, 0) and {room_m:?} m"),
+        ))
+    }
+
+    fn block(&self, field: &str, file: &BlockFile) -> Result<Block> {
+        let (centre_m, half_m) = (three(file.centre_m), three(file.half_m));
+        let is_sound = half_m.iter().all(|h| *h > 0.0 && *h <= LARGEST_M)
+            && centre_m.iter().all(|c| c.is_finite())
+            && file.turn_deg.is_finite();
+        if !is_sound {
+            let found = format!("half {half_m:?} m at {centre_m:?} m");
+            return Err(self.wrong(
+                field,
+                "not a box",
+                found,
+                "halves above 0 m at a finite place",
+            ));
+        }
+        let (sin, cos) = file.turn_deg.to_radians().sin_cos();
+        Ok(Block {
+            centre_m,
+            half_m,
+            turn: [cos, sin],
+            colour: self.colour(&format!("{field}.colour"), file.colour)?,
+        })
+    }
+
+    fn poster(&self, field: &str, file: PosterFile, room_m: [f64; 3]) -> Result<Poster> {
+        let motif = match file.motif {
+            MotifFile::Logo => Motif::Logo,
+            MotifFile::Disc => Motif::Disc,
+            MotifFile::Bottle => Motif::Bottle,
+            MotifFile::Text(text) => Motif::Text(text),
+        };
+        let width_m = self.within(&format!("{field}.width_m"), file.width_m, 0.01, 100.0, "m")?;
+        let facing = self.within(
+            &format!("{field}.facing_deg"),
+            file.facing_deg,
+            -360.0,
+            360.0,
+            "degrees",
+        )?;
+        let at = |e: Error| self.0.at(field, e);
+        let texture = Texture::new(&motif).map_err(at)?;
+        let height_m = width_m / texture.shape();
+        let (sin, cos) = facing.to_radians().sin_cos();
+        Ok(Poster {
+            centre_m: self.inside(&format!("{field}.centre_m"), file.centre_m, room_m)?,
+            // Who looks at it looks against where it faces, so right is to the left of that.
+            right_m: [-0.5 * width_m * sin, 0.5 * width_m * cos, 0.0],
+            down_m: [0.0, 0.0, -0.5 * height_m],
+            motif,
+            texture,
+        })
+    }
+
+    fn camera(&self, name: String, file: &CameraFile) -> Result<Camera> {
+        let at = |field: &str| format!("cameras.{name}.{field}");
+        let number = |field: &str, value: f64, low: f64, high: f64, unit: &str| {
+            self.within(&at(field), value, low, high, unit)
+        };
+        let (width_px, height_px) = file.resolution_px;
+        let pixels = width_px.saturating_mul(height_px);
+        if !(1..=MOST_PIXELS).contains(&pixels) {
+            let found = format!("{width_px} x {height_px}");
+            return Err(self.wrong(
+                &at("resolution_px"),
+                "not a resolution",
+                found,
+                "one pixel to 16 megapixels",
+            ));
+        }
+        if file.jpeg_quality.is_some_and(|q| !(1..=100).contains(&q)) {
+            let found = file.jpeg_quality.unwrap_or_default();
+            return Err(self.wrong(&at("jpeg_quality"), "not a quality", found, "1 to 100"));
+        }
+        let fov = number(
+            "field_of_view_deg",
+            file.field_of_view_deg,
+            1.0,
+            150.0,
+            "degrees",
+        )?;
+        let distortion = [file.distortion.0, file.distortion.1];
+        for value in distortion {
+            number("distortion", value, -0.5, 0.5, "")?;
+        }
+        let turning = [file.turning_deg_s.0, file.turning_deg_s.1];
+        for value in turning {
+            number("turning_deg_s", value, -720.0, 720.0, "degrees per second")?;
+        }
+        Ok(Camera {
+            is_stand_in: file.stand_in,
+            lens: Lens {
+                width_px,
+                height_px,
+                field_of_view_rad: fov.to_radians(),
+                distortion,
+                blur_px: number("blur_px", file.blur_px, 0.0, 20.0, "px")?,
+            },
+            sensor: Sensor {
+                exposure_s: number("exposure_s", file.exposure_s, 1e-6, 10.0, "s")?,
+                electrons_per_cd_s: number(
+                    "electrons_per_cd_s",
+                    file.electrons_per_cd_s,
+                    1e-3,
+                    1e9,
+                    "",
+                )?,
+                full_well_e: number("full_well_e", file.full_well_e, 1.0, 1e9, "electrons")?,
+                read_noise_e: number("read_noise_e", file.read_noise_e, 0.0, 1e6, "electrons")?,
+                gain: number("gain", file.gain, 1e-3, 1e4, "")?,
+                most_gain: number("most_gain", file.most_gain, 1e-3, 1e4, "")?,
+                jpeg_quality: file.jpeg_quality,
+            },
+            place_sd_m: number("place_sd_m", file.place_sd_m, 0.0, 1.0, "m")?,
+            angle_sd_rad: number("angle_sd_deg", file.angle_sd_deg, 0.0, 20.0, "degrees")?
+                .to_radians(),
+            turning_rad_s: turning.map(f64::to_radians),
+            name,
+        })
+    }
+}
+
+impl Scene {
+    /// Reads a scene.
+    ///
+    /// # Errors
+    /// A missing file, anything that is not a scene, values out of range, lamps or viewpoints outside of the room or in a box.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        Self::parse(&Source::read(path, "scene")?)
+    }
+
+    /// The scene in a text.
+    ///
+    /// # Errors
+    /// As [`Scene::read`].
+    pub fn parse(source: &Source) -> Result<Self> {
+        let file: SceneFile = parse_ron(source)?;
+        let reader = Reader(source);
+        let room_m = three(file.room_m);
+        for side in room_m {
+            reader.within("room_m", side, 0.1, LARGEST_M, "m")?;
+        }
+        reader.within("tile_m", file.tile_m, 0.0, LARGEST_M, "m")?;
+        let things = file.blocks.len() + file.posters.len();
+        if things > MOST {
+            return Err(reader.wrong("blocks", "too many things", things, "at most 10000"));
+        }
+        let mut scene = Self {
+            name: file.name,
+            room_m,
+            wall: reader.colour("wall", file.wall)?,
+            floor: reader.colour("floor", file.floor)?,
+            ceiling: reader.colour("ceiling", file.ceiling)?,
+            tile_m: file.tile_m,
+            blocks: Vec::new(),
+            posters: Vec::new(),
+            lights: Vec::new(),
+            cameras: Vec::new(),
+            views: Vec::new(),
+        };
+        for (index, block) in file.blocks.iter().enumerate() {
+            scene
+                .blocks
+                .push(reader.block(&format!("blocks[{index}]"), block)?);
+        }
+        for (index, poster) in file.posters.into_iter().enumerate() {
+            let poster = reader.poster(&format!("posters[{index}]"), poster, room_m)?;
+            scene.posters.push(poster);
+        }
+        for (name, light) in file.lights {
+            let at = |field: &str| format!("lights.{name}.{field}");
+            let mut lamps = Vec::new();
+            for (index, lamp) in light.lamps.iter().enumerate() {
+                let field = at(&format!("lamps[{index}]"));
+                lamps.push(Lamp {
+                    place_m: reader.inside(&field, lamp.place_m, room_m)?,
+                    intensity_cd: reader.within(&field, lamp.intensity_cd, 0.0, 1e7, "cd")?,
+                });
+            }
+            scene.lights.push(Light {
+                ambient_lux: reader.within(
+                    &at("ambient_lux"),
+                    light.ambient_lux,
+                    0.0,
+                    1e6,
+                    "lux",
+                )?,
+                lamps,
+                name,
+            });
+        }
+        for (name, camera) in file.cameras {
+            scene.cameras.push(reader.camera(name, &camera)?);
+        }
+        for (index, view) in file.views.into_iter().enumerate() {
+            let field = format!("views[{index}]");
+            check_name(&view.name, "a view").map_err(|e| source.at(&field, e.field(&field)))?;
+            let place = reader.inside(&field, view.place_m, room_m)?;
+            let in_block = |block: &&Block| block.holds(place);
+            if scene.blocks.iter().any(|block| in_block(&block)) {
+                return Err(reader.wrong(
+                    &field,
+                    "the camera stands in a box",
+                    format!("{place:?} m"),
+                    "a free place",
+                ));
+            }
+            let Some(pose) = Pose::towards(place, three(view.look_at_m)) else {
+                let found = format!("{:?} m", view.look_at_m);
+                return Err(reader.wrong(
+                    &field,
+                    "the camera looks nowhere",
+                    found,
+                    "a place that is not right above or below",
+                ));
+            };
+            if scene.views.iter().any(|v| v.name == view.name) {
+                return Err(reader.wrong(
+                    &field,
+                    "a view stands twice",
+                    view.name,
+                    "different names",
+                ));
+            }
+            scene.views.push(View {
+                name: view.name,
+                pose,
+            });
+        }
+        for (field, is_empty) in [
+            ("lights", scene.lights.is_empty()),
+            ("cameras", scene.cameras.is_empty()),
+            ("views", scene.views.is_empty()),
+        ] {
+            if is_empty {
+                return Err(reader.wrong(field, "a scene needs one", 0, "one or more"));
+            }
+        }
+        Ok(scene)
+    }
+
+    /// The camera of this name.
+    ///
+    /// # Errors
+    /// An unknown name; the error lists the known ones.
+    pub fn camera(&self, name: &str) -> Result<&Camera> {
+        look_up("camera", name, &self.cameras, |camera| camera.name.as_str())
+    }
+
+    /// The light of this name.
+    ///
+    /// # Errors
+    /// An unknown name; the error lists the known ones.
+    pub fn light(&self, name: &str) -> Result<&Light> {
+        look_up("light", name, &self.lights, |light| light.name.as_str())
+    }
+}
+
+impl Block {
+    fn holds(&self, point: [f64; 3]) -> bool {
+        let [cos, sin] = self.turn;
+        let off = [0, 1, 2].map(|i| point[i] - self.centre_m[i]);
+        let local = [
+            cos * off[0] + sin * off[1],
+            cos * off[1] - sin * off[0],
+            off[2],
+        ];
+        (0..3).all(|i| local[i].abs() < self.half_m[i])
+    }
+}

@@ -1,0 +1,24 @@
+//! A camera in a room: pictures by ray casting, with the errors of a real camera.
+//!
+//! A [`Scene`] is a closed room with boxes, posters, lights, cameras and viewpoints (`scenes/*.ron`). A [`Camera`] is a pinhole with
+//! a lens that distorts, an exposure during which it may turn, and a sensor that counts photons. What is to be found where in a
+//! picture is known, so that pictures come with a `views.ron`.
+//!
+//! Light is diffuse: every surface is lit by the ambient light and by the lamps that it sees, and looks as bright from everywhere
+//! (Lambert). There are no mirrors and no light off other surfaces; ambient light stands for that.
+
+mod cast;
+mod exposure;
+mod file;
+mod lens;
+mod poster;
+mod render;
+mod scene;
+mod truth;
+
+pub use exposure::Sensor;
+pub use lens::{Lens, Pose};
+pub use poster::Motif;
+pub use render::take;
+pub use scene::{Block, Camera, Lamp, Light, Poster, Scene, View};
+pub use truth::{ALPHABET_TEXT, alphabet_picture, known};

@@ -1,0 +1,153 @@
+//! What a scene holds.
+
+use super::exposure::Sensor;
+use super::lens::{Lens, Pose};
+use super::poster::{Motif, Texture};
+
+/// A point or direction of the world, z up.
+pub(super) type Vector = [f64; 3];
+
+pub(super) fn add(a: Vector, b: Vector) -> Vector {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+pub(super) fn less(a: Vector, b: Vector) -> Vector {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+pub(super) fn times(a: Vector, factor: f64) -> Vector {
+    [a[0] * factor, a[1] * factor, a[2] * factor]
+}
+
+pub(super) fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(super) fn cross(a: Vector, b: Vector) -> Vector {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+pub(super) fn unit(a: Vector) -> Vector {
+    times(a, 1.0 / dot(a, a).sqrt())
+}
+
+/// A room with what stands in it, its lights, and cameras.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Its name.
+    pub name: String,
+    /// From the corner (0, 0, 0) to here, metres.
+    pub room_m: [f64; 3],
+    /// Share of the light that comes back, for red, green and blue: walls, floor, ceiling.
+    pub wall: [f64; 3],
+    /// The floor.
+    pub floor: [f64; 3],
+    /// The ceiling.
+    pub ceiling: [f64; 3],
+    /// Side of the floor's tiles, of which every other is darker; 0 for none.
+    pub tile_m: f64,
+    /// Boxes and cubes.
+    pub blocks: Vec<Block>,
+    /// Posters.
+    pub posters: Vec<Poster>,
+    /// Lights by name.
+    pub lights: Vec<Light>,
+    /// Cameras by name.
+    pub cameras: Vec<Camera>,
+    /// Where pictures are taken.
+    pub views: Vec<View>,
+}
+
+/// A box turned about the vertical.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Block {
+    /// Centre, metres.
+    pub centre_m: [f64; 3],
+    /// Half of its sides, metres.
+    pub half_m: [f64; 3],
+    /// Cosine and sine of its turn.
+    pub turn: [f64; 2],
+    /// Share of the light that comes back, for red, green and blue.
+    pub colour: [f64; 3],
+}
+
+/// A rectangle with a picture, upright.
+#[derive(Debug, Clone)]
+pub struct Poster {
+    /// Centre, metres.
+    pub centre_m: [f64; 3],
+    /// Half of its width, along which its picture goes to the right, metres.
+    pub right_m: [f64; 3],
+    /// Half of its height, downwards, metres.
+    pub down_m: [f64; 3],
+    /// What it shows.
+    pub motif: Motif,
+    pub(super) texture: Texture,
+}
+
+impl Poster {
+    /// Where it faces.
+    pub(super) fn normal(&self) -> Vector {
+        unit(cross(self.down_m, self.right_m))
+    }
+
+    /// A point of it: −1 to 1 to the right and down.
+    pub(super) fn point_m(&self, u: f64, v: f64) -> Vector {
+        add(
+            self.centre_m,
+            add(times(self.right_m, u), times(self.down_m, v)),
+        )
+    }
+}
+
+/// A lamp that shines alike in all directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lamp {
+    /// Where it hangs, metres.
+    pub place_m: [f64; 3],
+    /// Luminous intensity, candela.
+    pub intensity_cd: f64,
+}
+
+/// A way the room is lit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Light {
+    /// Its name.
+    pub name: String,
+    /// Illuminance from everywhere, lux.
+    pub ambient_lux: f64,
+    /// Lamps.
+    pub lamps: Vec<Lamp>,
+}
+
+/// A camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Camera {
+    /// Its name.
+    pub name: String,
+    /// Whether it takes the place of a real one.
+    pub is_stand_in: bool,
+    /// Lens and resolution.
+    pub lens: Lens,
+    /// Sensor and exposure.
+    pub sensor: Sensor,
+    /// Standard deviation of where it stands, each axis, metres: nobody puts a camera down twice at the same place.
+    pub place_sd_m: f64,
+    /// Standard deviation of where it looks, each axis, radians.
+    pub angle_sd_rad: f64,
+    /// Speed at which it turns while exposing, to the right and down, radians per second.
+    pub turning_rad_s: [f64; 2],
+}
+
+/// A viewpoint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    /// Its name.
+    pub name: String,
+    /// From where, and where to.
+    pub pose: Pose,
+}

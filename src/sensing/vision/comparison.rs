@@ -1,0 +1,415 @@
+//! Simulated pictures against real ones: what the extractors find in both, and whether bad light changes more than simulation.
+
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::album::Album;
+use super::extractor::{Extractor, Feature, Measure, Sought};
+use super::picture::Grey;
+use super::registry::EXTRACTORS;
+use super::views::PictureSource;
+use crate::error::{Error, Result};
+use crate::statistics::{
+    PairedTest, mean, percentile_interval, smaller_resamples, wilcoxon_signed_rank,
+};
+use crate::warning::{Code, Warning};
+
+/// Resamples behind an interval, and the share of them below and above it.
+const RESAMPLES: usize = 2000;
+const TAIL: f64 = 0.05;
+/// A test says something below this probability.
+const SIGNIFICANT: f64 = 0.05;
+/// Fewer views cannot say anything at that level, whatever they show.
+const FEW_VIEWS: usize = 6;
+
+/// A mean over views with a 90 % interval (bootstrap over views; none for one view).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Mean {
+    /// The mean.
+    pub value: f64,
+    /// Its interval.
+    pub interval: Option<(f64, f64)>,
+    /// Views behind it.
+    pub views: usize,
+}
+
+impl Mean {
+    fn of(values: impl Iterator<Item = Option<f64>>, seed: u64) -> Option<Self> {
+        let values: Vec<f64> = values.flatten().collect();
+        if values.is_empty() {
+            return None;
+        }
+        let means: Vec<f64> = smaller_resamples(values.len(), RESAMPLES, seed)
+            .iter()
+            .map(|resample| resample.mean(&values))
+            .collect();
+        Some(Self {
+            value: mean(&values),
+            interval: percentile_interval(&means, TAIL),
+            views: values.len(),
+        })
+    }
+}
+
+/// One view in the eyes of one extractor. Errors are distances from what is known to be there; the others are distances
+/// between what was found in two pictures, means where there are several pictures of a view.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct ViewRow {
+    /// The view.
+    pub view: String,
+    /// Error in the simulated picture.
+    pub simulated_error: Option<f64>,
+    /// Error in the real one.
+    pub real_error: Option<f64>,
+    /// Error in the badly lit one.
+    pub badly_lit_error: Option<f64>,
+    /// Simulated to real: the gap.
+    pub simulated_real: Option<f64>,
+    /// Badly lit to real.
+    pub badly_lit_real: Option<f64>,
+    /// Simulated to badly lit.
+    pub simulated_badly_lit: Option<f64>,
+    /// Real to real of the same view: the noise floor.
+    pub floor: Option<f64>,
+}
+
+/// Whether a simulated picture is nearer to a real one than a badly lit one is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Answer {
+    /// It is.
+    Nearer,
+    /// It is farther away.
+    Farther,
+    /// These views do not tell.
+    Open,
+}
+
+/// The answer with its test.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Verdict {
+    /// In a word.
+    pub answer: Answer,
+    /// Views in which the simulated picture is nearer.
+    pub nearer: usize,
+    /// Views in which both are equally far.
+    pub equal: usize,
+    /// Views.
+    pub views: usize,
+    /// Wilcoxon's test of badly lit less simulated.
+    pub test: PairedTest,
+}
+
+/// What one extractor says.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ExtractorReport {
+    /// Its name.
+    pub extractor: &'static str,
+    /// The figure of paper 002 that shows the same.
+    pub figure: u8,
+    /// What errors measure.
+    pub error_measure: Option<Measure>,
+    /// What distances measure.
+    pub distance_measure: Measure,
+    /// Error in simulated pictures.
+    pub simulated_error: Option<Mean>,
+    /// Error in real ones.
+    pub real_error: Option<Mean>,
+    /// Error in badly lit ones.
+    pub badly_lit_error: Option<Mean>,
+    /// Simulated to real.
+    pub gap: Option<Mean>,
+    /// Badly lit to real.
+    pub badly_lit: Option<Mean>,
+    /// Real to real of the same view.
+    pub floor: Option<Mean>,
+    /// Gap over noise floor, where there is one above 0.
+    pub gap_ratio: Option<f64>,
+    /// The answer, where there are badly lit pictures.
+    pub verdict: Option<Verdict>,
+    /// View by view.
+    pub views: Vec<ViewRow>,
+}
+
+/// Simulated pictures against real ones.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VisionReport {
+    /// Where the "real" pictures come from.
+    pub real: PictureSource,
+    /// The views.
+    pub views: Vec<String>,
+    /// One entry an extractor that had something to look for.
+    pub extractors: Vec<ExtractorReport>,
+    /// What a reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// The pictures of one view, each with what is sought in it.
+struct View {
+    name: String,
+    /// Simulated, real, badly lit.
+    groups: [Vec<(PathBuf, Sought)>; 3],
+}
+
+/// What every extractor found in the pictures of a view: simulated, real, badly lit.
+type Found = [Vec<Option<Feature>>; 3];
+
+/// Compares the pictures of two folders, paired by name; with a third folder it also says whether a simulated picture is nearer to
+/// a real one than a badly lit one is. Several real pictures of a view are `NAME_1`, `NAME_2`, …
+///
+/// # Errors
+/// Folders without pictures, no name in common, pictures that cannot be read, pictures of one view with different sizes.
+pub fn compare_folders(
+    simulated: impl AsRef<Path>,
+    real: impl AsRef<Path>,
+    badly_lit: Option<&Path>,
+    seed: u64,
+) -> Result<VisionReport> {
+    let simulated = Album::read(simulated.as_ref())?;
+    let real = Album::read(real.as_ref())?;
+    let badly_lit = badly_lit.map(Album::read).transpose()?;
+    let mut warnings = Vec::new();
+    let views = paired(&simulated, &real, badly_lit.as_ref(), &mut warnings)?;
+    let found: Vec<(Vec<Found>, Vec<Warning>)> =
+        views.par_iter().map(look_at).collect::<Result<_>>()?;
+    let mut extractors = Vec::new();
+    for (index, extractor) in EXTRACTORS.iter().enumerate() {
+        let rows: Vec<ViewRow> = views
+            .iter()
+            .zip(&found)
+            .filter(|(view, _)| {
+                view.groups[0]
+                    .iter()
+                    .all(|(_, sought)| extractor.is_sought(sought))
+            })
+            .map(|(view, (found, _))| row(*extractor, view, &found[index]))
+            .collect();
+        if !rows.is_empty() {
+            extractors.push(report(*extractor, rows, seed)?);
+        }
+    }
+    for (_, its) in found {
+        warnings.extend(its);
+    }
+    if real.source() == PictureSource::StandIn {
+        warnings.push(Warning::new(
+            Code::StandIn,
+            "a simulated camera with other settings took the place of the real one",
+        ));
+    }
+    if views.len() < FEW_VIEWS {
+        warnings.push(Warning::new(
+            Code::FewRecordings,
+            format!(
+                "{} views: fewer than {FEW_VIEWS} cannot answer at 5 %, whatever they show",
+                views.len()
+            ),
+        ));
+    }
+    Ok(VisionReport {
+        real: real.source(),
+        views: views.into_iter().map(|view| view.name).collect(),
+        extractors,
+        warnings,
+    })
+}
+
+fn paired(
+    simulated: &Album,
+    real: &Album,
+    badly_lit: Option<&Album>,
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<View>> {
+    let mut views = Vec::new();
+    let mut alone = Vec::new();
+    for (name, path) in &simulated.pictures {
+        let model = simulated.views.sought(name).cloned().unwrap_or_default();
+        // What is known of a picture itself goes before what is known of the view, there and in the simulated one.
+        let of = |album: &Album| -> Vec<(PathBuf, Sought)> {
+            let its = album.of_view(name, &simulated.pictures);
+            its.into_iter()
+                .map(|path| {
+                    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+                    let own = album.views.sought(&stem).or(album.views.sought(name));
+                    let own = own.cloned().unwrap_or_default();
+                    (path.clone(), merged(own, &model))
+                })
+                .collect()
+        };
+        let (its_real, its_bad) = (of(real), badly_lit.map(of).unwrap_or_default());
+        if its_real.is_empty() || (badly_lit.is_some() && its_bad.is_empty()) {
+            alone.push(name.as_str());
+            continue;
+        }
+        views.push(View {
+            name: name.clone(),
+            groups: [vec![(path.clone(), model.clone())], its_real, its_bad],
+        });
+    }
+    if views.is_empty() {
+        let names = |album: &Album| {
+            let names: Vec<&str> = album.pictures.keys().take(5).map(String::as_str).collect();
+            names.join(", ")
+        };
+        return Err(Error::invalid("no pictures have the same name")
+            .at_file(&real.folder)
+            .found(names(real))
+            .allowed(format!(
+                "names of {}: {}",
+                simulated.folder.display(),
+                names(simulated)
+            ))
+            .hint("a real picture is NAME.png, several of one view are NAME_1.png, NAME_2.png"));
+    }
+    if !alone.is_empty() {
+        warnings.push(Warning::new(
+            Code::PicturesUnpaired,
+            format!("without a partner, left out: {}", alone.join(", ")),
+        ));
+    }
+    Ok(views)
+}
+
+fn merged(own: Sought, model: &Sought) -> Sought {
+    Sought {
+        template: own.template.or(model.template.clone()),
+        template_at_px: own.template_at_px.or(model.template_at_px),
+        start_px: if own.start_px.is_empty() {
+            model.start_px.clone()
+        } else {
+            own.start_px
+        },
+        outline_px: if own.outline_px.is_empty() {
+            model.outline_px.clone()
+        } else {
+            own.outline_px
+        },
+        text_region: own.text_region.or(model.text_region),
+        text: own.text.or(model.text.clone()),
+        alphabet: own.alphabet.or(model.alphabet.clone()),
+    }
+}
+
+/// Every extractor on every picture of a view.
+fn look_at(view: &View) -> Result<(Vec<Found>, Vec<Warning>)> {
+    let mut size = None;
+    let mut warnings = Vec::new();
+    let mut found: Vec<Found> = EXTRACTORS.iter().map(|_| Found::default()).collect();
+    for (group, pictures) in view.groups.iter().enumerate() {
+        for (path, sought) in pictures {
+            let picture = Grey::read(path)?;
+            let its = (picture.width(), picture.height());
+            let first = *size.get_or_insert(its);
+            if its != first {
+                return Err(
+                    Error::invalid("the pictures of a view have different sizes")
+                        .at_file(path)
+                        .field(&view.name)
+                        .found(format!("{} x {} px", its.0, its.1))
+                        .allowed(format!(
+                            "{} x {} px, as the simulated one",
+                            first.0, first.1
+                        ))
+                        .hint("scale or crop them to the same size"),
+                );
+            }
+            for (extractor, found) in EXTRACTORS.iter().zip(&mut found) {
+                if !extractor.is_sought(sought) {
+                    found[group].push(None);
+                    continue;
+                }
+                let extraction = extractor
+                    .extract(&picture, sought)
+                    .map_err(|e| e.at_file(path))?;
+                found[group].push(Some(extraction.feature));
+                warnings.extend(
+                    extraction.warnings.into_iter().map(|w| {
+                        Warning::new(w.code, format!("{}: {}", path.display(), w.message))
+                    }),
+                );
+            }
+        }
+    }
+    Ok((found, warnings))
+}
+
+fn row(extractor: &dyn Extractor, view: &View, found: &Found) -> ViewRow {
+    let some = |values: Vec<f64>| (!values.is_empty()).then(|| mean(&values));
+    let error = |group: usize| {
+        let errors = found[group].iter().zip(&view.groups[group]);
+        let errors = errors.filter_map(|(f, (_, sought))| extractor.error(f.as_ref()?, sought));
+        some(errors.collect())
+    };
+    let between = |a: usize, b: usize| {
+        let mut all = Vec::new();
+        for x in found[a].iter().flatten() {
+            let to = found[b].iter().flatten();
+            all.extend(to.filter_map(|y| extractor.distance(x, y)));
+        }
+        some(all)
+    };
+    let floor = {
+        let real: Vec<&Feature> = found[1].iter().flatten().collect();
+        let mut all = Vec::new();
+        for (index, x) in real.iter().enumerate() {
+            let others = real[index + 1..].iter();
+            all.extend(others.filter_map(|y| extractor.distance(x, y)));
+        }
+        some(all)
+    };
+    ViewRow {
+        view: view.name.clone(),
+        simulated_error: error(0),
+        real_error: error(1),
+        badly_lit_error: error(2),
+        simulated_real: between(0, 1),
+        badly_lit_real: between(2, 1),
+        simulated_badly_lit: between(0, 2),
+        floor,
+    }
+}
+
+fn report(extractor: &dyn Extractor, views: Vec<ViewRow>, seed: u64) -> Result<ExtractorReport> {
+    let of = |value: fn(&ViewRow) -> Option<f64>| Mean::of(views.iter().map(value), seed);
+    let (gap, floor) = (of(|v| v.simulated_real), of(|v| v.floor));
+    let differences: Vec<f64> = views
+        .iter()
+        .filter_map(|v| Some(v.badly_lit_real? - v.simulated_real?))
+        .collect();
+    let verdict = if differences.is_empty() {
+        None
+    } else {
+        let test = wilcoxon_signed_rank(&differences)?;
+        Some(Verdict {
+            answer: match test.p_value < SIGNIFICANT {
+                true if test.effect > 0.0 => Answer::Nearer,
+                true => Answer::Farther,
+                false => Answer::Open,
+            },
+            nearer: differences.iter().filter(|d| **d > 0.0).count(),
+            equal: differences.iter().filter(|d| **d == 0.0).count(),
+            views: differences.len(),
+            test,
+        })
+    };
+    Ok(ExtractorReport {
+        extractor: extractor.name(),
+        figure: extractor.figure(),
+        error_measure: extractor.error_measure(),
+        distance_measure: extractor.distance_measure(),
+        simulated_error: of(|v| v.simulated_error),
+        real_error: of(|v| v.real_error),
+        badly_lit_error: of(|v| v.badly_lit_error),
+        gap_ratio: match (gap, floor) {
+            (Some(gap), Some(floor)) if floor.value > 0.0 => Some(gap.value / floor.value),
+            _ => None,
+        },
+        gap,
+        badly_lit: of(|v| v.badly_lit_real),
+        floor,
+        verdict,
+        views,
+    })
+}

@@ -1,0 +1,102 @@
+//! Filters that several extractors share: Gauss, Sobel, thresholds.
+
+use super::picture::Grey;
+
+/// The Gaussian of a filter ends here, standard deviations.
+const TRUNCATED: f64 = 4.0;
+
+/// Gauss filter; beyond the border the nearest pixel goes on, as `scipy.ndimage.gaussian_filter(mode="nearest")`.
+pub fn gauss(picture: &Grey, sigma_px: f64) -> Grey {
+    let reach = (TRUNCATED * sigma_px + 0.5) as i64;
+    if reach <= 0 {
+        return picture.clone();
+    }
+    let mut weights: Vec<f64> = (-reach..=reach)
+        .map(|i| (-0.5 * (i as f64 / sigma_px).powi(2)).exp())
+        .collect();
+    let sum: f64 = weights.iter().sum();
+    weights.iter_mut().for_each(|w| *w /= sum);
+    let along = |from: &Grey, dx: i64, dy: i64| {
+        Grey::from_fn(from.width(), from.height(), |x, y| {
+            let (x, y) = (x as i64, y as i64);
+            weights
+                .iter()
+                .zip(-reach..)
+                .map(|(w, i)| w * f64::from(from.at(x + i * dx, y + i * dy)))
+                .sum::<f64>() as f32
+        })
+    };
+    along(&along(picture, 0, 1), 1, 0)
+}
+
+/// Sobel's differences to the right and down, per pixel (the kernel divided by 8).
+pub fn sobel(picture: &Grey) -> (Grey, Grey) {
+    let make = |along_x: bool| {
+        Grey::from_fn(picture.width(), picture.height(), |x, y| {
+            let (x, y) = (x as i64, y as i64);
+            let step = |i: i64| {
+                if along_x {
+                    picture.at(x + 1, y + i) - picture.at(x - 1, y + i)
+                } else {
+                    picture.at(x + i, y + 1) - picture.at(x + i, y - 1)
+                }
+            };
+            0.125 * (step(-1) + 2.0 * step(0) + step(1))
+        })
+    };
+    (make(true), make(false))
+}
+
+/// The steepness of every pixel: the length of Sobel's two differences.
+pub fn steepness(picture: &Grey) -> Grey {
+    let (dx, dy) = sobel(picture);
+    length(&dx, &dy)
+}
+
+pub(super) fn length(dx: &Grey, dy: &Grey) -> Grey {
+    let width = dx.width();
+    Grey::from_fn(width, dx.height(), |x, y| {
+        dx.values()[y * width + x].hypot(dy.values()[y * width + x])
+    })
+}
+
+/// Steps of the histogram behind [`otsu`].
+const BINS: usize = 256;
+
+/// The threshold that splits the values into two groups whose means are farthest apart (Otsu 1979).
+pub fn otsu(picture: &Grey) -> f32 {
+    let (low, high) = picture
+        .values()
+        .iter()
+        .fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| {
+            (l.min(*v), h.max(*v))
+        });
+    if high <= low {
+        return low;
+    }
+    let bin = |v: f32| (((v - low) / (high - low) * BINS as f32) as usize).min(BINS - 1);
+    let mut counts = [0.0_f64; BINS];
+    picture.values().iter().for_each(|v| counts[bin(*v)] += 1.0);
+    let total: f64 = counts.iter().sum();
+    let sum: f64 = counts.iter().enumerate().map(|(i, n)| i as f64 * n).sum();
+    let (mut below, mut sum_below) = (0.0, 0.0);
+    let mut best = (f64::NEG_INFINITY, 0, 0);
+    for (index, count) in counts.iter().enumerate() {
+        below += count;
+        sum_below += index as f64 * count;
+        let above = total - below;
+        if below == 0.0 || above == 0.0 {
+            continue;
+        }
+        let apart = sum_below / below - (sum - sum_below) / above;
+        let between = below * above * apart * apart;
+        // Empty bins between two groups are all as good: the middle one is taken.
+        if between > best.0 * (1.0 + 1e-12) {
+            best = (between, index, index);
+        } else if between >= best.0 * (1.0 - 1e-12) {
+            best.2 = index;
+        }
+    }
+    let middle = 0.5 * (best.1 + best.2) as f32 + 1.0;
+    low + (high - low) * middle / BINS as f32
+}
