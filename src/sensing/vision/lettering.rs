@@ -14,7 +14,7 @@ const MARGIN_EM: f64 = 0.6;
 /// ```
 /// use realgap::sensing::vision::print_text;
 ///
-/// let sign = print_text("EXIT\n42", 40.0, 0.05)?;
+/// let sign = print_text("EXIT LEFT\n42", 40.0, 0.05)?;
 /// assert!(sign.width() > sign.height());
 /// # Ok::<(), realgap::Error>(())
 /// ```

@@ -7,7 +7,7 @@
 //! ```
 //! use std::sync::Arc;
 //!
-//! use realgap::sensing::vision::{Alphabet, Sought, extractor_by_name, print_text};
+//! use realgap::sensing::vision::{Alphabet, Extractor, Sought, extractor_by_name, print_text};
 //!
 //! let letters = "ABCDEFGHIJKLM\nNOPQRSTUVWXYZ\n0123456789";
 //! let sought = Sought {

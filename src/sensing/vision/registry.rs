@@ -19,7 +19,7 @@ pub const EXTRACTORS: &[&dyn Extractor] = &[
 /// The extractor of this name.
 ///
 /// ```
-/// use realgap::sensing::vision::extractor_by_name;
+/// use realgap::sensing::vision::{Extractor, extractor_by_name};
 ///
 /// assert_eq!(extractor_by_name("template")?.figure(), 6);
 /// assert!(extractor_by_name("edge").is_err());
