@@ -96,6 +96,7 @@ pub mod plot;
 pub mod prediction;
 pub mod quantity;
 pub mod random;
+pub mod report;
 pub mod results;
 pub mod robot;
 pub mod search;

@@ -256,6 +256,22 @@ const PERMITTED: &[(&str, &[&str])] = &[
         &["error", "warning", "unit", "table", "font", "file"],
     ),
     (
+        "report",
+        &[
+            "error",
+            "warning",
+            "unit",
+            "text",
+            "file",
+            "statistics",
+            "trajectory",
+            "robot",
+            "simulation",
+            "store",
+            "plot",
+        ],
+    ),
+    (
         "results",
         &[
             "error",

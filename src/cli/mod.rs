@@ -28,6 +28,8 @@ mod progress;
 mod radio;
 mod reading;
 mod record;
+mod replay;
+mod report;
 mod results;
 mod search;
 mod sense;
@@ -61,8 +63,10 @@ const EXAMPLES: &str = "\
 The usual way through:
   realgap check morphologies/tripod.ron             what is in this file, and is it sound?
   realgap simulate morphologies/tripod.ron -o a.csv one run, written as a trajectory
+  realgap replay morphologies/tripod.ron            watch it move, in a browser
   realgap compare real.csv a.csv --plot gap.png     how far apart are the two?
   realgap sweep sweeps/tripod_floor.ron             which friction and restitution fit best?
+  realgap report results/tripod_floor               the same answer as one page for the browser
   realgap tune sweeps/tripod_floor.ron              the same question with a quarter of the simulations
   realgap gap sweeps/tripod_floor.ron               how many noise floors between the two?
   realgap predict morphologies/tripod.ron           how far will the robot go, how likely, in which ways?
@@ -75,10 +79,12 @@ Exit codes: 0 fine, 1 failed, 2 wrong usage, 130 interrupted (the work so far is
 enum Command {
     Check(check::Check),
     Simulate(simulate::Simulate),
+    Replay(replay::ReplayCommand),
     Compare(compare::Compare),
     Sweep(sweep::Sweep),
     Tune(tune::Tune),
     Results(results::Results),
+    Report(report::ReportCommand),
     Sensitivity(sensitivity::Sensitivity),
     Evaluate(evaluate::Evaluate),
     Ensemble(ensemble::Ensemble),
@@ -125,10 +131,12 @@ fn run(command: Command) -> Result<ExitCode> {
     match command {
         Command::Check(check) => check.run(),
         Command::Simulate(simulate) => simulate.run(),
+        Command::Replay(replay) => replay.run(),
         Command::Compare(compare) => compare.run(),
         Command::Sweep(sweep) => sweep.run(),
         Command::Tune(tune) => tune.run(),
         Command::Results(results) => results.run(),
+        Command::Report(report) => report.run(),
         Command::Sensitivity(sensitivity) => sensitivity.run(),
         Command::Evaluate(evaluate) => evaluate.run(),
         Command::Ensemble(ensemble) => ensemble.run(),

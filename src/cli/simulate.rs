@@ -6,19 +6,22 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::file::{Source, check_writable};
 use realgap::plot::quantity;
+use realgap::report::SIMULATION;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{
-    self, Divergence, EnergyBalance, Experiment, JointKind, Outcome, Run, Sampling, SceneBody,
+    self, Divergence, EnergyBalance, Experiment, Film, JointKind, Outcome, Run, Sampling,
+    SceneBody, film,
 };
 use realgap::trajectory;
 use realgap::unit::{Unit, decimals};
-use realgap::{Error, Result};
+use realgap::{Error, Result, Warning};
 use serde_json::json;
 
 use super::kind::read_morphology;
 use super::option::{
     Format, Joint, Values, joint_help, recording_unused, substeps_help, timestep_help,
 };
+use super::replay::{Shown, check_page, diverged};
 use super::terminal;
 
 /// Simulate one run of a robot from rest and print what it did
@@ -53,6 +56,12 @@ pub struct Simulate {
     /// Write the motion to this file
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Write the motion of every part and hinge to this .csv file
+    #[arg(long, value_name = "FILE")]
+    parts: Option<PathBuf>,
+    /// Write a page to this .html file that shows the run in space
+    #[arg(long, value_name = "FILE")]
+    replay: Option<PathBuf>,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -86,26 +95,70 @@ impl Simulate {
             trajectory::format_of(output)?;
             check_writable(output)?;
         }
+        if let Some(parts) = &self.parts {
+            trajectory::format_of(parts)?;
+            check_writable(parts)?;
+        }
+        if let Some(page) = &self.replay {
+            check_page(page)?;
+        }
         if self.energy {
             experiment.energy_from_s = Some(0.0);
         }
         experiment.check().map_err(Error::into_usage)?;
-        let run = simulation::run(&experiment)?;
+        let (run, film) = if self.parts.is_some() || self.replay.is_some() {
+            film(&experiment)?
+        } else {
+            (simulation::run(&experiment)?, None)
+        };
         terminal::print_warnings(&run.warnings);
         if let (Some(output), Some(motion)) = (&self.output, run.outcome.get()) {
             terminal::print_warnings(&trajectory::write(output, motion)?);
         }
+        if let Some(film) = &film {
+            self.write_film(&morphology, &experiment, film, &run.warnings)?;
+        }
         self.print(&morphology, &experiment, &run)?;
         match &run.outcome {
             Outcome::Completed(_) => Ok(ExitCode::SUCCESS),
-            Outcome::Diverged(divergence) => Err(Error::invalid(format!(
-                "the simulation diverged {divergence}"
-            ))
-            .at_file(&self.morphology)
-            .hint(
-                "try a shorter --timestep or more --substeps; check masses, sizes and servo limits",
-            )),
+            Outcome::Diverged(divergence) => Err(diverged(divergence, &self.morphology)),
         }
+    }
+
+    /// All parts into a file, and into a page.
+    fn write_film(
+        &self,
+        morphology: &Morphology,
+        experiment: &Experiment,
+        film: &Film,
+        warnings: &[Warning],
+    ) -> Result<()> {
+        if let Some(parts) = &self.parts {
+            trajectory::write_with_bodies(parts, &film.track, &film.bodies()?)?;
+        }
+        let Some(page) = &self.replay else {
+            return Ok(());
+        };
+        let mut files = vec![self.morphology.as_path()];
+        files.extend(self.arena.as_deref());
+        let all: Vec<Warning> = morphology
+            .warnings()
+            .iter()
+            .chain(warnings)
+            .cloned()
+            .collect();
+        Shown {
+            morphology: Some(morphology),
+            film,
+            name: SIMULATION,
+            experiment: Some(experiment),
+            recordings: &[],
+            align: true,
+            warnings: &all,
+            files: &files,
+        }
+        .write(page)?;
+        Ok(())
     }
 
     fn print(&self, morphology: &Morphology, experiment: &Experiment, run: &Run) -> Result<()> {
@@ -199,6 +252,9 @@ impl Simulate {
                 output.display(),
                 motion.len()
             ));
+        }
+        for file in [&self.parts, &self.replay].into_iter().flatten() {
+            lines.push(format!("  written           {}", file.display()));
         }
         terminal::print(lines.join("\n"));
         Ok(())

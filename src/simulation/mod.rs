@@ -16,6 +16,7 @@ mod distribution;
 mod energy;
 mod engine;
 mod experiment;
+mod film;
 mod friction;
 mod hook;
 mod kinematics;
@@ -45,6 +46,7 @@ pub use experiment::{
     Contact, Experiment, Floor, FrictionModel, JointKind, JointState, Perturbation, Sampling,
     Solver, Start,
 };
+pub use film::{Film, film, part_from_solid};
 pub use noise::Noise;
 pub use outcome::{Divergence, Outcome};
 pub use part_state::PartState;

@@ -88,6 +88,7 @@ pub fn watch(
     if experiment.vehicle.is_some() {
         return Err(Error::invalid("a vehicle has no parts to watch"));
     }
+    let started = thread_cpu_time();
     let assembly = experiment.adjusted_assembly();
     for push in pushes {
         push.check(&assembly)?;
@@ -96,7 +97,9 @@ pub fn watch(
     for push in pushes {
         rollout.world.push(push.part, &push.velocity_world_m_s);
     }
-    rollout.run(experiment, Some(observer))
+    let mut run = rollout.run(experiment, Some(observer))?;
+    run.cpu = thread_cpu_time().saturating_sub(started);
+    Ok(run)
 }
 
 /// CPU time of the calling thread; wall time where the platform has no such clock.

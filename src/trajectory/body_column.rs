@@ -47,14 +47,40 @@ pub(super) fn as_if_alone(text: &str, name: &str) -> String {
     alone
 }
 
-/// Whether every column belongs to one of these bodies, or is the time.
+/// The same table with the columns of one more body behind; `own` is that body's table, alone, with as many lines.
+pub(super) fn beside(text: &str, name: &str, own: &str) -> String {
+    let mut wide = String::with_capacity(text.len() + own.len());
+    for (index, (line, own)) in text.lines().zip(own.lines()).enumerate() {
+        wide.push_str(line);
+        // The first column is the time, which is there already.
+        for cell in own.split(',').skip(1) {
+            wide.push(',');
+            if index == 0 {
+                wide.push_str(name);
+                wide.push('_');
+            }
+            wide.push_str(cell);
+        }
+        wide.push('\n');
+    }
+    wide
+}
+
+/// Columns of the tracked body where it has no name, joints apart.
+const PLAIN: [&str; 14] = [
+    "t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz", "vx_m_s", "vy_m_s", "vz_m_s", "wx_rad_s",
+    "wy_rad_s", "wz_rad_s",
+];
+
+/// Whether every column belongs to one of these bodies, or to the tracked one, or is the time.
 pub(super) fn all_belong(columns: &[&str], bodies: &[String]) -> bool {
     columns.iter().all(|column| {
         let is_of = |name: &String| {
             let rest = column.strip_prefix(name.as_str());
             rest.is_some_and(|rest| rest.starts_with('_'))
         };
-        *column == "t_s" || bodies.iter().any(is_of)
+        let is_joint = column.ends_with("_rad") || column.ends_with("_rad_s");
+        PLAIN.contains(column) || is_joint || bodies.iter().any(is_of)
     })
 }
 
@@ -72,6 +98,9 @@ mod tests {
             as_if_alone(text, "b"),
             "t_s,a_x_m,a_y_m,x_m,y_m\n0,1,2,3,4\n"
         );
+        let plain = "t_s,x_m\n0,1\n1,2\n";
+        let wide = beside(plain, "b", "t_s,x_m,y_m\n0,5,6\n1,7,8\n");
+        assert_eq!(wide, "t_s,x_m,b_x_m,b_y_m\n0,1,5,6\n1,2,7,8\n");
         let mixed = "t_s,x_m,y_m,b_x_m,b_y_m\n0,1,2,3,4\n";
         assert_eq!(
             as_if_alone(mixed, "b"),

@@ -34,7 +34,7 @@ pub use reading::{Crop, Only, QuaternionOrder, Reading};
 pub use recording::{Meta, Recording, Source};
 pub use registry::{
     FORMATS, GROUP_COLUMNS, format_of, parse_all, read, read_all, read_bytes, read_groups,
-    read_sets, write,
+    read_sets, write, write_with_bodies,
 };
 pub use resample::{Interpolator, resample};
 pub use state::{JointTrack, State, Trajectory};

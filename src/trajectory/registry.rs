@@ -323,3 +323,29 @@ pub fn write(path: impl AsRef<Path>, trajectory: &Trajectory) -> Result<Vec<Warn
     write_atomic(path, rendered.text.as_bytes())?;
     Ok(rendered.warnings)
 }
+
+/// As [`write`], with the poses of other bodies beside it: columns `NAME_x_m,NAME_y_m,NAME_z_m,NAME_qw,…` as [`Recording::bodies`]
+/// holds them.
+///
+/// # Errors
+/// As [`write`]; a format that cannot hold bodies; a body with other times than the trajectory.
+pub fn write_with_bodies(
+    path: impl AsRef<Path>,
+    trajectory: &Trajectory,
+    bodies: &[(String, Trajectory)],
+) -> Result<()> {
+    let path = path.as_ref();
+    if format_of(path)?.name() != Csv.name() {
+        return Err(Error::usage("this format holds one body only")
+            .at_file(path)
+            .allowed("a .csv file"));
+    }
+    let mut text = Csv.render(trajectory).text;
+    for (name, motion) in bodies {
+        if motion.times_s() != trajectory.times_s() {
+            return Err(Error::invalid("bodies in one file share their times").field(name));
+        }
+        text = body_column::beside(&text, name, &Csv.render(motion).text);
+    }
+    write_atomic(path, text.as_bytes())
+}

@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
+pub mod browser;
+
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
@@ -125,7 +127,7 @@ pub fn python_with(package: &str) -> Option<String> {
 }
 
 /// Says that a test did nothing, also where it passes.
-fn skipped(reason: &str) {
+pub fn skipped(reason: &str) {
     use std::io::Write as _;
     // Not `eprintln!`, which the test harness hides where a test passes.
     let _ = writeln!(std::io::stderr(), "SKIPPED: {reason}");

@@ -1,0 +1,243 @@
+//! `realgap replay`: a robot in motion and its recorded runs, as one page.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::file::{check_writable, sha256, write_atomic};
+use realgap::report::{Replay, SIMULATION};
+use realgap::robot::morphology::Morphology;
+use realgap::simulation::{self, Divergence, Experiment, Film, Floor, Outcome, Sampling, film};
+use realgap::trajectory::{self, Reading, Recording};
+use realgap::{Error, Result, Warning};
+
+use super::kind::read_morphology;
+use super::option::{Values, recording_unused};
+use super::reading::ReadingOptions;
+use super::terminal;
+
+/// Show a run in space, over its recordings: one HTML file that needs no network
+///
+/// Of a robot's file the run is simulated from rest, as `simulate` does. Of a recorded or simulated run the motion is shown
+/// as it is: all parts where the file has them (`simulate --parts`), else what the tracked module's orientation and the joints
+/// tell, else a point.
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub struct ReplayCommand {
+    /// A robot (.ron), or a run (.csv or .tum)
+    #[arg(value_name = "RUN|MORPHOLOGY")]
+    run: PathBuf,
+    /// The robot that made the run; without it a point is shown
+    #[arg(long, value_name = "MORPHOLOGY")]
+    robot: Option<PathBuf>,
+    /// Recorded runs to be shown over it (repeatable)
+    #[arg(long, value_name = "RECORDING", num_args = 1..)]
+    against: Vec<PathBuf>,
+    /// Keep recordings where their files say, instead of moving and turning them onto the run's start and direction
+    #[arg(long)]
+    as_recorded: bool,
+    /// Length of a simulated run, seconds [default: that of the first recording, else 10]
+    #[arg(long, value_name = "S")]
+    duration: Option<f64>,
+    #[command(flatten)]
+    values: Values,
+    #[command(flatten)]
+    reading: ReadingOptions,
+    /// The page
+    #[arg(short, long, value_name = "FILE", default_value = "replay.html")]
+    output: PathBuf,
+}
+
+impl ReplayCommand {
+    pub fn run(self) -> Result<ExitCode> {
+        check_page(&self.output)?;
+        let recordings = read_recordings(&self.against, &self.reading.reading()?)?;
+        let mut files: Vec<&Path> = vec![&self.run];
+        files.extend(self.robot.as_deref());
+        files.extend(self.against.iter().map(PathBuf::as_path));
+        if self.run.extension().is_some_and(|ending| ending == "ron") {
+            if self.robot.is_some() {
+                return Err(Error::usage("this is a robot already")
+                    .field("robot")
+                    .found(self.run.display())
+                    .hint("leave --robot out"));
+            }
+            self.simulated(&recordings, &files)?;
+        } else {
+            self.recorded(&recordings, &files)?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// A run that is simulated now.
+    fn simulated(&self, recordings: &[Recording], files: &[&Path]) -> Result<()> {
+        let morphology = read_morphology(&self.run)?;
+        let values = self.values.parameter_set()?;
+        let mut experiment = values.apply(&Experiment::new(morphology.assemble()));
+        let longest_s = recordings.first().map(|r| r.trajectory.duration_s());
+        experiment.duration_s = self.duration.or(longest_s).unwrap_or(10.0);
+        experiment.sampling = Sampling::Rate(60.0);
+        let mut warnings = morphology.warnings();
+        warnings.extend(values.without_effect(&experiment));
+        warnings.extend(recording_unused(&values));
+        experiment.check().map_err(Error::into_usage)?;
+        let (run, film) = film(&experiment)?;
+        warnings.extend(run.warnings);
+        if let Outcome::Diverged(divergence) = run.outcome {
+            return Err(diverged(&divergence, &self.run));
+        }
+        let Some(film) = film else { return Ok(()) };
+        self.write(&Shown {
+            morphology: Some(&morphology),
+            film: &film,
+            name: SIMULATION,
+            experiment: Some(&experiment),
+            recordings,
+            align: !self.as_recorded,
+            warnings: &warnings,
+            files,
+        })
+    }
+
+    /// A run from a file.
+    fn recorded(&self, recordings: &[Recording], files: &[&Path]) -> Result<()> {
+        if self.duration.is_some() || self.values.parameter_set()?.iter().next().is_some() {
+            return Err(Error::usage("a run that is read is not simulated")
+                .at_file(&self.run)
+                .hint("leave --duration, --set and --parameters out, or name a robot's file"));
+        }
+        let morphology = self.robot.as_deref().map(read_morphology).transpose()?;
+        let run = trajectory::read(&self.run, self.reading.reading()?)?;
+        let assembly = morphology.as_ref().map(Morphology::assemble);
+        let film = match &assembly {
+            Some(assembly) => Film::of_recording(assembly, &run),
+            None => Film {
+                track: run.trajectory.clone(),
+                parts: Vec::new(),
+            },
+        };
+        self.write(&Shown {
+            morphology: morphology.as_ref(),
+            film: &film,
+            name: &run.name,
+            experiment: None,
+            recordings,
+            align: !self.as_recorded,
+            warnings: &run.warnings,
+            files,
+        })
+    }
+
+    fn write(&self, shown: &Shown<'_>) -> Result<()> {
+        terminal::print_warnings(shown.warnings);
+        terminal::print_warnings(shown.recordings.iter().flat_map(|r| &r.warnings));
+        let bytes = shown.write(&self.output)?;
+        terminal::print(format!(
+            "written {} ({} kB): open it in a browser",
+            self.output.display(),
+            bytes.div_ceil(1000)
+        ));
+        Ok(())
+    }
+}
+
+/// What a page is made of.
+pub struct Shown<'a> {
+    /// The robot.
+    pub morphology: Option<&'a Morphology>,
+    /// The run.
+    pub film: &'a Film,
+    /// What the run is called.
+    pub name: &'a str,
+    /// What was simulated.
+    pub experiment: Option<&'a Experiment>,
+    /// What it is shown against.
+    pub recordings: &'a [Recording],
+    /// Whether recordings are laid onto the run.
+    pub align: bool,
+    /// Of the run; those of the recordings are added.
+    pub warnings: &'a [Warning],
+    /// What was read.
+    pub files: &'a [&'a Path],
+}
+
+impl Shown<'_> {
+    /// Writes the page; its length in bytes.
+    pub fn write(&self, path: &Path) -> Result<usize> {
+        let mut warnings = self.warnings.to_vec();
+        warnings.extend(self.recordings.iter().flat_map(|r| r.warnings.clone()));
+        let page = Replay {
+            robot: self.morphology,
+            run: self.film,
+            run_name: self.name,
+            recordings: self.recordings,
+            align: self.align,
+            floor: self.experiment.map_or_else(Floor::default, |e| e.floor),
+            scene: self.experiment.map_or(&[], |e| &e.scene),
+            warnings: &warnings,
+            provenance: &self.provenance()?,
+        }
+        .page()?;
+        write_atomic(path, page.as_bytes())?;
+        Ok(page.len())
+    }
+
+    fn provenance(&self) -> Result<Vec<(String, String)>> {
+        let mut all = vec![("realgap", env!("CARGO_PKG_VERSION").to_owned())];
+        if let Some(experiment) = self.experiment {
+            all.push(("engine", simulation::ENGINE_VERSION.to_owned()));
+            let solver = &experiment.solver;
+            all.push(("timestep", format!("{} s", solver.timestep_s)));
+            all.push(("substeps", solver.substeps.to_string()));
+            all.push(("joints", format!("{:?}", experiment.joint_kind())));
+        }
+        let mut all: Vec<_> = all.into_iter().map(|(k, v)| (k.to_owned(), v)).collect();
+        for file in self.files {
+            let bytes = std::fs::read(file).map_err(|e| Error::io("read the file", file, &e))?;
+            let hash = sha256(bytes);
+            all.push((file.display().to_string(), format!("sha256 {hash}")));
+        }
+        all.push(("command".to_owned(), command_line()));
+        Ok(all)
+    }
+}
+
+/// The error of a run that has no result.
+pub fn diverged(divergence: &Divergence, file: &Path) -> Error {
+    Error::invalid(format!("the simulation diverged {divergence}"))
+        .at_file(file)
+        .hint("try a shorter --timestep or more --substeps; check masses, sizes and servo limits")
+}
+
+/// Checks before the work that a page can be written there.
+pub fn check_page(path: &Path) -> Result<()> {
+    if path.extension().is_none_or(|ending| ending != "html") {
+        return Err(Error::usage("a page is an HTML file")
+            .at_file(path)
+            .allowed("a name that ends in .html"));
+    }
+    check_writable(path)
+}
+
+fn read_recordings(paths: &[PathBuf], reading: &Reading) -> Result<Vec<Recording>> {
+    let mut all = Vec::new();
+    for path in paths {
+        all.extend(trajectory::read_all(path, reading.clone())?);
+    }
+    Ok(all)
+}
+
+/// The command that runs now, as it would be typed.
+pub fn command_line() -> String {
+    let is_simple = |c: char| c.is_alphanumeric() || "_-./=,:+%@".contains(c);
+    let quoted = |word: String| match word.chars().all(is_simple) && !word.is_empty() {
+        true => word,
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    };
+    let words = std::env::args_os().skip(1);
+    let words = words.map(|word| quoted(word.to_string_lossy().into_owned()));
+    std::iter::once("realgap".to_owned())
+        .chain(words)
+        .collect::<Vec<_>>()
+        .join(" ")
+}
