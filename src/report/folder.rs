@@ -279,7 +279,7 @@ fn heat_section(points: &Points, report: &Value, has_paths: bool) -> String {
         ""
     };
     format!(
-        "<section class=\"card\" id=\"map\"><h2>Score over both parameters</h2><div class=\"pair\"><figure>{map}<figcaption>Light is near to the recordings. Framed: cannot be told apart from the best, which has the red frame. More recordings, or finer numerics where the audit below says so, would make the framed set smaller.</figcaption></figure>{path}</div>{table}</section>"
+        "<section class=\"card\" id=\"map\"><h2>Score over both parameters</h2><div class=\"pair\"><figure>{map}<figcaption>Light is near to the recordings. Framed: cannot be told apart from the best, which has the thick frame. More recordings, or finer numerics where the audit below says so, would make the framed set smaller.</figcaption></figure>{path}</div>{table}</section>"
     )
 }
 
@@ -407,7 +407,7 @@ fn provenance_section(report: &Value, command: &str) -> String {
     items + &format!("<dt>this page</dt><dd>{}</dd>", html(command))
 }
 
-/// The pictures of the folder: of each the SVG where it is the smaller file, in an element that runs nothing.
+/// The pictures of the folder, in elements that run nothing: PNG where there is one, because an SVG needs its fonts.
 fn picture_section(folder: &Path, has_map: bool) -> Result<String> {
     let mut stems = Vec::new();
     let entries =
@@ -417,7 +417,10 @@ fn picture_section(folder: &Path, has_map: bool) -> Result<String> {
         let Some(stem) = name.strip_suffix(".png").or(name.strip_suffix(".svg")) else {
             continue;
         };
-        if !(has_map && stem == "heatmap") && !stems.iter().any(|s| s == stem) {
+        // The map of the page is that picture, with values to point at.
+        let is_drawn = has_map && stem == "heatmap";
+        let is_there = stems.iter().any(|s| s == stem);
+        if !is_drawn && !is_there {
             stems.push(stem.to_owned());
         }
     }
@@ -449,9 +452,8 @@ fn picture_section(folder: &Path, has_map: bool) -> Result<String> {
         };
         let (png, svg) = (size("png"), size("svg"));
         let chosen = match (png, svg) {
-            (Some(png), Some(svg)) if png.0 < svg.0 => Some((png, "image/png")),
-            (_, Some(svg)) => Some((svg, "image/svg+xml")),
-            (Some(png), None) => Some((png, "image/png")),
+            (Some(png), _) => Some((png, "image/png")),
+            (None, Some(svg)) => Some((svg, "image/svg+xml")),
             (None, None) => None,
         };
         let Some(((bytes, path), kind)) =
