@@ -89,7 +89,8 @@
   const frame = now => {
     asked = false;
     if (playing) {
-      const step = Math.min((now - last) / 1000, 0.1) * speed;
+      // A first frame may have begun before play was asked for.
+      const step = Math.min(Math.max((now - last) / 1000, 0), 0.1) * speed;
       last = now;
       time += step;
       if (time >= end) {
