@@ -440,7 +440,7 @@ fn speed_per_energy_can_be_searched_for_and_cards_say_what_going_costs() {
     let search = search(
         "strategy: Grid(genes: [(gene: \"frequency\", values: [0.3, 0.6])]),
          start: Morphology(\"../morphologies/tripod.ron\"), duration_s: 4.0, repeats: 2,
-         development: (amplitude_rad: (0.0, 1.0), frequency_hz: (0.5, 1.5), offset_rad: (-1.0, 1.0)),
+         development: (amplitude_rad: (0.0, 1.2), frequency_hz: (0.5, 1.5), offset_rad: (-1.0, 1.0)),
          objective: (measure: SpeedPerEnergy, from_s: 1.0), finalists: (count: 1, repeats: 3),",
     );
     let found = search.run(&RunOptions::default()).unwrap();
