@@ -324,11 +324,11 @@ pub fn write(path: impl AsRef<Path>, trajectory: &Trajectory) -> Result<Vec<Warn
     Ok(rendered.warnings)
 }
 
-/// As [`write`], with the poses of other bodies beside it: columns `NAME_x_m,NAME_y_m,NAME_z_m,NAME_qw,…` as [`Recording::bodies`]
+/// As [`write()`], with the poses of other bodies beside it: columns `NAME_x_m,NAME_y_m,NAME_z_m,NAME_qw,…` as [`Recording::bodies`]
 /// holds them.
 ///
 /// # Errors
-/// As [`write`]; a format that cannot hold bodies; a body with other times than the trajectory.
+/// As [`write()`]; a format that cannot hold bodies; a body with other times than the trajectory.
 pub fn write_with_bodies(
     path: impl AsRef<Path>,
     trajectory: &Trajectory,
