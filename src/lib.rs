@@ -127,6 +127,7 @@ pub mod guide {
 [docs/conventions.md]: crate::guide::conventions
 [docs/recordings.md]: crate::guide::recordings
 [docs/gallery.md]: crate::guide::gallery
+[docs/python.md]: crate::guide::python
 [docs/glossary.md]: crate::guide::glossary
 [docs/design.md]: crate::guide::design
 [docs/fidelity.md]: crate::guide::fidelity
@@ -195,6 +196,10 @@ pub mod guide {
     #[doc = links!()]
     #[doc = include_str!("../docs/conventions.md")]
     pub mod conventions {}
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/python.md")]
+    pub mod python {}
 
     #[doc = links!()]
     #[doc = include_str!("../docs/recordings.md")]

@@ -121,8 +121,16 @@ impl Definition {
     /// # Errors
     /// Any of the files missing or malformed, unknown parameters or metrics, empty ranges, no recordings.
     pub fn read(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
-        let path = path.as_ref();
-        let definition = Self::read_without_recordings(path, overrides)?;
+        Self::parse(&Source::read(path, "study")?, overrides)
+    }
+
+    /// As [`Definition::read`], of a text; what it names is relative to the folder of its path.
+    ///
+    /// # Errors
+    /// As [`Definition::read`].
+    pub fn parse(source: &Source, overrides: &Overrides) -> Result<Self> {
+        let path = source.path();
+        let definition = Self::parse_without_recordings(source, overrides)?;
         let mut found = recording::find(&definition, path, overrides)?;
         let moving = if definition.only_at_rest {
             found.keep_those_at_rest().map_err(|e| e.at_file(path))?
@@ -145,14 +153,21 @@ impl Definition {
     /// # Errors
     /// As [`Definition::read`], recordings apart.
     pub fn read_without_recordings(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
-        let path = path.as_ref();
-        let source = Source::read(path, "study")?;
-        let file: StudyFile = parse_ron(&source)?;
+        Self::parse_without_recordings(&Source::read(path, "study")?, overrides)
+    }
+
+    /// As [`Definition::read_without_recordings`], of a text.
+    ///
+    /// # Errors
+    /// As [`Definition::read_without_recordings`].
+    pub fn parse_without_recordings(source: &Source, overrides: &Overrides) -> Result<Self> {
+        let path = source.path();
+        let file: StudyFile = parse_ron(source)?;
 
         let folder = path.parent().unwrap_or(Path::new(""));
         let (morphology, morphology_sha256, vehicle) = match (&file.morphology, &file.vehicle) {
             (Some(named), None) => {
-                let robot = morphology_source(&source, &folder.join(named))?;
+                let robot = morphology_source(source, &folder.join(named))?;
                 (Morphology::parse(&robot)?, robot.sha256(), None)
             }
             (None, Some(named)) => {

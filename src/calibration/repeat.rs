@@ -6,6 +6,7 @@ use super::definition::{Definition, StartRule};
 use super::overrides::Overrides;
 use super::study::Study;
 use crate::error::{Error, Result};
+use crate::file::Source;
 use crate::simulation::parameter::ParameterSet;
 use crate::simulation::{Experiment, Noise, Sampling};
 use crate::trajectory::Prepared;
@@ -42,12 +43,19 @@ impl Repeatable {
     /// # Errors
     /// As [`Study::read`].
     pub fn read(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
-        let path = path.as_ref();
-        let alone = Definition::read_without_recordings(path, overrides)?;
+        Self::parse(&Source::read(path, "study")?, overrides)
+    }
+
+    /// As [`Repeatable::read`], of a text.
+    ///
+    /// # Errors
+    /// As [`Repeatable::read`].
+    pub fn parse(source: &Source, overrides: &Overrides) -> Result<Self> {
+        let alone = Definition::parse_without_recordings(source, overrides)?;
         if alone.recording_globs.is_empty() && overrides.recordings.is_empty() {
             Self::without_recordings(alone)
         } else {
-            Self::new(Study::read(path, overrides)?)
+            Self::new(Study::parse(source, overrides)?)
         }
     }
 

@@ -7,11 +7,13 @@ use rayon::prelude::*;
 use super::basis::basis;
 use super::case::{Case, cases};
 use super::definition::{Definition, ScoreRule, StartRule};
+use super::fitted::in_sample;
 use super::overrides::Overrides;
 use super::setting::Settings;
 use crate::calibration::identification::{StartState, refine_again};
 use crate::comparison::{Context, Pair, Spread};
 use crate::error::{Error, Result};
+use crate::file::Source;
 use crate::simulation::parameter::{Assignment, ParameterSet};
 use crate::simulation::{self, Experiment, Noise};
 use crate::store::{CaseOutcome, CaseResult, CaseRow, Trial};
@@ -40,6 +42,27 @@ impl Study {
     /// As [`Definition::read`] and [`Study::new`].
     pub fn read(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
         Self::new(Definition::read(path, overrides)?)
+    }
+
+    /// As [`Study::read`], of a text; what it names is relative to the folder of its path.
+    ///
+    /// # Errors
+    /// As [`Study::read`].
+    pub fn parse(source: &Source, overrides: &Overrides) -> Result<Self> {
+        Self::new(Definition::parse(source, overrides)?)
+    }
+
+    /// The same study with these values, after those that it fixes itself, for ensembles and gaps. `fitted_on` are the recordings that they were
+    /// fitted on, as in [`Overrides::fitted_on`].
+    ///
+    /// # Errors
+    /// As [`Study::new`].
+    pub fn at(&self, set: &ParameterSet, fitted_on: &[String]) -> Result<Self> {
+        let mut definition = self.definition.clone();
+        definition.set = definition.set.with_all(set);
+        let known = in_sample(&definition.recordings, fitted_on);
+        definition.warnings.extend(known);
+        Self::new(definition)
     }
 
     /// Builds the cases of a study.

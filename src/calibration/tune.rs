@@ -300,7 +300,17 @@ impl<'a> Tuning<'a> {
             .keeping
             .rows_within(offset..offset + candidates.len())?;
         let scores = Scores::with_basis(self.study, &trials, self.basis.clone())?;
-        for (point, scored) in candidates.iter().zip(&scores.runs) {
+        let grid = &self.study.definition().grid;
+        for ((point, scored), trial) in candidates.iter().zip(&scores.runs).zip(&trials) {
+            // An optimizer of somebody else may ask for other points when it is asked again.
+            if grid.values_at(point) != trial.values {
+                return Err(Error::conflict(
+                    "the stored points are not those that the optimizer asks for",
+                )
+                .found(format!("point {}", trial.index))
+                .hint("the same history must give the same proposal")
+                .advise(Advice::Restart));
+            }
             self.notice(scored);
             self.told.push(Told {
                 point: point.clone(),

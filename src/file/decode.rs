@@ -5,16 +5,19 @@ use ron::extensions::Extensions;
 use serde::de::DeserializeOwned;
 
 use super::outline::{Entry, Stop, check_depth};
-use super::source::{MAX_NESTING, Source};
+use super::source::{Form, MAX_NESTING, Source};
 use super::suggestion::{shorten, unknown_name};
 use crate::{Error, Result};
 
-/// Parses a RON text into `T`. Optional fields may be written without `Some(...)`.
+/// Parses a text, RON or (of [`Source::json`]) JSON, into `T`. Optional fields may be written without `Some(...)`.
 ///
 /// # Errors
 /// Anything that is not RON or does not fit `T`: the error names file, line, column, field, what
 /// was found and what is allowed. Texts nested deeper than [`MAX_NESTING`] are refused.
 pub fn parse_ron<T: DeserializeOwned>(source: &Source) -> Result<T> {
+    if source.form() == Form::Json {
+        return parse_json(source);
+    }
     if let Err(Stop::TooDeep(offset)) = check_depth(source.text(), MAX_NESTING) {
         let (line, column) = source.line_column(offset);
         return Err(too_deep().at_file(source.path()).at_line(line, column));
@@ -22,6 +25,17 @@ pub fn parse_ron<T: DeserializeOwned>(source: &Source) -> Result<T> {
     options()
         .from_str(source.text())
         .map_err(|error| translate(source, &error))
+}
+
+fn parse_json<T: DeserializeOwned>(source: &Source) -> Result<T> {
+    serde_json::from_str(source.text()).map_err(|error| {
+        // Where in a text that a program has made helps nobody.
+        let message = error.to_string();
+        let message = message
+            .rsplit_once(" at line ")
+            .map_or(&*message, |(message, _)| message);
+        Error::invalid(message).at_file(source.path())
+    })
 }
 
 /// Writes `value` as RON that people can read: one line per entry of a top-level list.

@@ -13,11 +13,21 @@ pub const MAX_FILE_BYTES: u64 = 1_000_000;
 /// Most brackets that may be open at once. Robots use six.
 pub const MAX_NESTING: usize = 32;
 
+/// How a text is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Form {
+    /// RON: what people write into files.
+    Ron,
+    /// JSON: what other programs make of their own objects, with the same fields.
+    Json,
+}
+
 /// The text of a file, with its path for error messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Source {
     path: PathBuf,
     text: String,
+    form: Form,
 }
 
 impl Source {
@@ -26,6 +36,26 @@ impl Source {
         Self {
             path: path.into(),
             text: text.into(),
+            form: Form::Ron,
+        }
+    }
+
+    /// The same fields as JSON, from a program that has them as objects: a variant with fields is an object with its name as the
+    /// only key, one without is its name as a text. Errors name no line in it, for nobody has written one.
+    ///
+    /// ```
+    /// use realgap::file::Source;
+    /// use realgap::robot::morphology::Morphology;
+    ///
+    /// let cube = r#"{"name": "cube", "defaults": {"side_m": 0.1, "mass_kg": 0.2},
+    ///     "modules": [{"name": "core", "kind": {"Passive": {}}}], "glue": []}"#;
+    /// assert_eq!(Morphology::parse(&Source::json("cube", cube))?.modules().len(), 1);
+    /// # Ok::<(), realgap::Error>(())
+    /// ```
+    pub fn json(path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
+        Self {
+            form: Form::Json,
+            ..Self::new(path, text)
         }
     }
 
@@ -56,13 +86,13 @@ impl Source {
         }
         match String::from_utf8(bytes) {
             // Some editors of Windows start every file with a byte order mark.
-            Ok(text) => Ok(Self {
+            Ok(text) => Ok(Self::new(
                 path,
-                text: match text.strip_prefix('\u{feff}') {
+                match text.strip_prefix('\u{feff}') {
                     Some(rest) => rest.to_owned(),
                     None => text,
                 },
-            }),
+            )),
             Err(error) => {
                 let good = error.utf8_error().valid_up_to();
                 let bytes = error.as_bytes();
@@ -116,8 +146,15 @@ impl Source {
         }
     }
 
+    pub(super) fn form(&self) -> Form {
+        self.form
+    }
+
     pub(super) fn find(&self, path: &str) -> Option<Entry> {
-        outline::find(&self.text, MAX_NESTING, path)
+        match self.form {
+            Form::Ron => outline::find(&self.text, MAX_NESTING, path),
+            Form::Json => None,
+        }
     }
 
     pub(super) fn entry_at(&self, offset: usize) -> Option<Entry> {

@@ -84,7 +84,12 @@ impl Overlay {
             width: 5.0,
             dash: None,
         };
-        let mut entries = vec![(reference, format!("{} (reference)", self.reference.name))];
+        let name = &self.reference.name;
+        let name = match self.others.as_slice() {
+            [] => name.clone(),
+            _ => format!("{name} (reference)"),
+        };
+        let mut entries = vec![(reference, name)];
         for (index, path) in self.others.iter().enumerate().take(LEGEND_ENTRIES) {
             let (colour, dash) = colour::line(index);
             let symbol = Symbol::Line {

@@ -1,7 +1,7 @@
 //! The search itself: proposals evaluated in parallel, in the strategy's order.
 
 use super::problem::Search;
-use super::robot::EvaluatedRobot;
+use super::robot::{EvaluatedRobot, Outcome, Performance};
 use super::strategy::{Evaluated, Strategy};
 use crate::optimization::{Batch, Ending, RunOptions, drive};
 use crate::robot::genome::Genome;
@@ -58,6 +58,28 @@ impl Search {
     pub fn run(&self, options: &RunOptions<'_>) -> Result<SearchResults> {
         follow(self.strategy(), &mut Memory::default(), options, |i, g| {
             self.evaluate(i, g)
+        })
+    }
+
+    /// As [`Search::run`], with a fitness of somebody else, larger is better, of what a robot did in its repeats.
+    ///
+    /// # Errors
+    /// As [`Search::run`]; those of `fitness`, and one that is not a finite number.
+    pub fn run_for(
+        &self,
+        fitness: impl Fn(&Performance) -> Result<f64> + Sync,
+        options: &RunOptions<'_>,
+    ) -> Result<SearchResults> {
+        follow(self.strategy(), &mut Memory::default(), options, |i, g| {
+            let mut robot = self.evaluate(i, g)?;
+            if let Outcome::Walked(performance) = &mut robot.outcome {
+                let value = fitness(performance)?;
+                if !value.is_finite() {
+                    return Err(Error::invalid("the fitness is not a finite number").found(value));
+                }
+                performance.fitness = value;
+            }
+            Ok(robot)
         })
     }
 
@@ -165,7 +187,7 @@ fn follow(
 mod tests {
     use super::*;
     use crate::robot::genome::{Gene, Locus};
-    use crate::search::{CmaEs, Outcome, Performance};
+    use crate::search::CmaEs;
 
     #[test]
     fn batches_are_those_that_the_strategy_proposed_also_after_a_restart_with_more_robots() {

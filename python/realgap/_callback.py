@@ -1,0 +1,132 @@
+"""Metrics and optimizers of your own, as Python functions and objects."""
+
+from __future__ import annotations
+
+import numbers
+from typing import Any, Callable, List, Optional, Protocol, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _native
+from ._array import Floats, got
+
+# What the driver shows an optimizer: points, and their scores where they have one.
+Told = List[Tuple[List[float], Optional[float]]]
+
+
+def number(value: Any, who: str) -> float:
+    """The finite number that a callback gave."""
+    is_number = isinstance(value, (numbers.Real, np.number)) and not isinstance(value, bool)
+    if not is_number and not (isinstance(value, np.ndarray) and value.ndim == 0):
+        raise TypeError(f"{who} must give a number, not {type(value).__name__} {value!r}")
+    made = float(value)
+    if not np.isfinite(made):
+        raise ValueError(f"{who} must give a finite number, not {made}")
+    return made
+
+
+class Metric:
+    """A distance between two motions, written in Python.
+
+    `distance(real, simulated)` gets the two prepared paths, 182 x 2 arrays (start at the origin, net displacement along +x), or,
+    with `whole=True`, the two `Trajectory` objects; it gives a number, 0 for equal motions and never negative. It may be called
+    from several threads, one at a time, and must give the same for the same. A results folder knows a metric by its name: change
+    the name with the function.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        distance: Callable[[Any, Any], float],
+        *,
+        unit: str = "m",
+        doc: str = "written in Python",
+        whole: bool = False,
+    ) -> None:
+        def of_paths(real: bytes, simulated: bytes) -> float:
+            return checked(distance(path(real), path(simulated)))
+
+        def of_trajectories(real: _native.Trajectory, simulated: _native.Trajectory) -> float:
+            from ._trajectory import Trajectory
+
+            return checked(distance(Trajectory._of(real), Trajectory._of(simulated)))
+
+        def checked(value: Any) -> float:
+            made = number(value, f"the metric {name!r}")
+            if made < 0.0:
+                raise ValueError(f"the metric {name!r} must not be negative: {made}")
+            return made
+
+        def path(data: bytes) -> Floats:
+            return got(data, len(data) // 16, 2)
+
+        self.name = name
+        self._native = _native.OwnMetric(
+            name, unit, doc, whole, of_trajectories if whole else of_paths
+        )
+
+    def __repr__(self) -> str:
+        return f"Metric {self.name}"
+
+
+def native_metric(metric: Union[str, Metric, None]) -> Union[str, _native.OwnMetric, None]:
+    """A metric as the library takes it."""
+    return metric._native if isinstance(metric, Metric) else metric
+
+
+class AskTell(Protocol):
+    """Who chooses points, in turns: it is asked for points and told their scores."""
+
+    def ask(self) -> Sequence[Sequence[float]]:
+        """The next points, a coordinate from 0 to 1 each parameter; none where it has no more."""
+
+    def tell(self, points: Sequence[Sequence[float]], scores: Sequence[Optional[float]]) -> None:
+        """Scores of points, small is good, `None` where a simulation diverged: first those of the first design, which were not its choice."""
+
+
+class Optimizer:
+    """An optimizer written in Python.
+
+    `make(dimensions, budget, seed)` makes an object with `ask` and `tell`. The same seed must give the same points, for an
+    interrupted tuning goes on by asking again; one that does not is told so. `design` is the number of space-filling points before
+    it begins (ten a parameter where nobody says), `batch` the most points of one `ask`.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        make: Callable[[int, int, int], AskTell],
+        *,
+        batch: int = 1,
+        design: Optional[int] = None,
+    ) -> None:
+        self.name = name
+        self.batch = batch
+        self.design = design
+        self._make = make
+
+    def _proposer(self) -> "_Proposer":
+        return _Proposer(self._make)
+
+    def __repr__(self) -> str:
+        return f"Optimizer {self.name}"
+
+
+class _Proposer:
+    """Turns the whole history, which the driver shows every time, into turns of ask and tell."""
+
+    def __init__(self, make: Callable[[int, int, int], AskTell]) -> None:
+        self._make = make
+        self._asked: Optional[AskTell] = None
+        self._known: Told = []
+
+    def __call__(self, brief: Tuple[int, int, int], design: Told, told: Told) -> List[List[float]]:
+        history = design + told
+        if self._asked is None or history[: len(self._known)] != self._known:
+            # Another search: that of a fold, or this one from its beginning.
+            self._asked, self._known = self._make(*brief), []
+        new = history[len(self._known) :]
+        if new:
+            self._asked.tell([point for point, _ in new], [score for _, score in new])
+        self._known = history
+        return [[float(x) for x in point] for point in self._asked.ask()]

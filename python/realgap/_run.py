@@ -1,0 +1,24 @@
+"""What everything that takes long has in common."""
+
+from __future__ import annotations
+
+import os
+from typing import Callable, Optional
+
+from ._error import usage
+from ._robot import Path
+
+# Called with: done, total, the best score so far, and what is finished at the end.
+Progress = Callable[[int, int, Optional[float], Optional[str]], object]
+
+
+def mode(resume: bool, restart: bool) -> str:
+    """What is to happen with results that are there already."""
+    if resume and restart:
+        raise usage("resume and restart exclude each other", field="resume")
+    return "resume" if resume else "restart" if restart else "start"
+
+
+def folder_name(folder: Optional[Path]) -> Optional[str]:
+    """A folder as the library takes it."""
+    return None if folder is None else os.fspath(folder)

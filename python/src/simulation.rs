@@ -1,0 +1,229 @@
+//! One run of one robot: everything that moved, as arrays.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use realgap::calibration::read_parameters;
+use realgap::file::Source;
+use realgap::simulation::parameter::{Assignment, ParameterSet};
+use realgap::simulation::{
+    self, CommandTrack, Experiment, Film, JointKind, Outcome, Run, Sampling, SceneBody, film,
+};
+use realgap::trajectory::write_with_bodies;
+use realgap::{Error, Result};
+use serde::Deserialize;
+use serde_json::json;
+
+use crate::array;
+use crate::error::Raise;
+use crate::robot::Robot;
+use crate::running::{self, Way};
+use crate::text::{of_text, to_text};
+use crate::trajectory::Trajectory;
+
+/// Times and angles of a hinge.
+type CommandBytes = (String, Vec<u8>, Vec<u8>);
+
+/// How a run is simulated; what is not said is as the command has it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Settings {
+    duration_s: f64,
+    rate_hz: f64,
+    set: BTreeMap<String, f64>,
+    parameters: Vec<PathBuf>,
+    timestep_s: Option<f64>,
+    substeps: Option<usize>,
+    joint: Option<String>,
+    arena: Option<PathBuf>,
+    energy: bool,
+}
+
+/// Values of parameters, from files first.
+pub fn values(files: &[PathBuf], set: &BTreeMap<String, f64>) -> Result<ParameterSet> {
+    let mut all = ParameterSet::new();
+    for file in files {
+        all = all.with_all(&read_parameters(file)?);
+    }
+    for (name, value) in set {
+        let assignment = Assignment::new(name, *value).map_err(Error::into_usage)?;
+        all = all.with(assignment);
+    }
+    Ok(all)
+}
+
+fn joint_kind(name: &str) -> Result<JointKind> {
+    match name {
+        "auto" => Ok(JointKind::Auto),
+        "multibody" => Ok(JointKind::Multibody),
+        "impulse" => Ok(JointKind::Impulse),
+        other => Err(Error::usage("not a kind of joint")
+            .field("joint")
+            .found(other)
+            .allowed("auto, multibody, impulse")),
+    }
+}
+
+/// What a run did.
+#[pyclass(frozen, module = "realgap._native")]
+pub struct Simulation {
+    robot: String,
+    run: Run,
+    film: Film,
+    info: String,
+}
+
+/// Simulates a robot from rest. `commands` are what its servos are told in place of their gaits, by hinge.
+#[pyfunction]
+pub fn simulate(
+    py: Python<'_>,
+    robot: &Robot,
+    settings: &str,
+    times_s: Option<&[u8]>,
+    commands: Vec<CommandBytes>,
+) -> PyResult<Simulation> {
+    let experiment = experiment(robot, settings, times_s, &commands).or_raise(py)?;
+    let way = Way {
+        jobs: Some(1),
+        progress: None,
+    };
+    let (run, film) = running::run(py, &way, |_| film(&experiment))?;
+    let simulated = || -> Result<Simulation> {
+        let Some(film) = film else {
+            let why = match &run.outcome {
+                Outcome::Diverged(divergence) => divergence.to_string(),
+                Outcome::Completed(_) => String::new(),
+            };
+            return Err(Error::invalid(format!("the simulation diverged {why}"))
+                .at_file(robot.morphology.name())
+                .hint("try a shorter timestep_s or more substeps; check masses, sizes and servo limits"));
+        };
+        let info = json!({
+            "robot": robot.morphology.name(),
+            "steps": run.steps,
+            "settle_steps": run.settle_steps,
+            "cpu_s": run.cpu.as_secs_f64(),
+            "servo_rms_rad": run.servo_rms_rad,
+            "energy": run.energy,
+            "timestep_s": experiment.solver.timestep_s,
+            "substeps": experiment.solver.substeps,
+            "engine": simulation::ENGINE_VERSION,
+            "records_joints": experiment.records_joints,
+            "warnings": run.warnings,
+        });
+        Ok(Simulation {
+            robot: robot.morphology.name().to_owned(),
+            info: to_text(&info)?,
+            run,
+            film,
+        })
+    };
+    simulated().or_raise(py)
+}
+
+fn experiment(
+    robot: &Robot,
+    settings: &str,
+    times_s: Option<&[u8]>,
+    commands: &[CommandBytes],
+) -> Result<Experiment> {
+    let settings: Settings = of_text("simulate", settings)?;
+    let mut experiment = Experiment::new(robot.morphology.assemble());
+    experiment.duration_s = settings.duration_s;
+    experiment.sampling = match times_s {
+        Some(bytes) => Sampling::Times(array::numbers(bytes).into()),
+        None => Sampling::Rate(settings.rate_hz),
+    };
+    if let Some(path) = &settings.arena {
+        let plan = Source::read(path, "arena")?;
+        experiment.scene.push(SceneBody::read_arena(&plan, true)?);
+    }
+    let values = values(&settings.parameters, &settings.set)?;
+    let mut experiment = values.apply(&experiment);
+    if let Some(timestep_s) = settings.timestep_s {
+        experiment.solver.timestep_s = timestep_s;
+    }
+    if let Some(substeps) = settings.substeps {
+        experiment.solver.substeps = substeps;
+    }
+    if let Some(joint) = &settings.joint {
+        experiment.solver.joint = joint_kind(joint)?;
+    }
+    if settings.energy {
+        experiment.energy_from_s = Some(0.0);
+    }
+    for (hinge, times_s, angles_rad) in commands {
+        let hinges = &experiment.assembly.hinges;
+        let driven = hinges.iter().filter(|known| known.actuator.is_some());
+        let driven: Vec<&str> = driven.map(|known| known.name.as_str()).collect();
+        if !driven.contains(&hinge.as_str()) {
+            return Err(Error::usage("no servo of this name")
+                .field("gait")
+                .found(hinge)
+                .allowed(driven.join(", ")));
+        }
+        let (times_s, angles_rad) = (array::numbers(times_s), array::numbers(angles_rad));
+        let track = CommandTrack::new(times_s, angles_rad, None)
+            .map_err(|error| error.field(format!("gait of {hinge}")))?;
+        experiment.commands.insert(hinge.clone(), Arc::new(track));
+    }
+    experiment.check().map_err(Error::into_usage)?;
+    Ok(experiment)
+}
+
+#[pymethods]
+impl Simulation {
+    fn info(&self) -> &str {
+        &self.info
+    }
+
+    /// The tracked module, as the command writes it: with joints where the robot's file states hinges.
+    fn trajectory(&self, py: Python<'_>, name: &str, with_joints: bool) -> PyResult<Trajectory> {
+        let mut motion = self.film.track.clone();
+        if !with_joints {
+            motion = motion.with_joints(Vec::new()).or_raise(py)?;
+        }
+        Ok(Trajectory::of(name, motion).stand_in_of(&self.robot))
+    }
+
+    /// Positions and orientations of the parts: time, part, coordinate.
+    fn parts<'py>(&self, py: Python<'py>) -> (Bound<'py, PyBytes>, Bound<'py, PyBytes>) {
+        let samples = 0..self.film.track.len();
+        let poses = samples.flat_map(|sample| {
+            let parts = self.film.parts.iter().flatten();
+            parts.map(move |poses| &poses[sample])
+        });
+        let places = array::vector_bytes(poses.clone().map(|pose| &pose.translation.vector));
+        let turns = array::quaternion_bytes(poses.map(|pose| &pose.rotation));
+        (PyBytes::new(py, &places), PyBytes::new(py, &turns))
+    }
+
+    /// Angles and speeds of the hinges: time, hinge.
+    fn joints<'py>(&self, py: Python<'py>) -> (Bound<'py, PyBytes>, Bound<'py, PyBytes>) {
+        let joints = self.film.track.joints();
+        let by_time = |of: &dyn Fn(usize, usize) -> f64| {
+            let samples = 0..self.film.track.len();
+            let all = samples.flat_map(|t| (0..joints.len()).map(move |joint| (t, joint)));
+            array::bytes(all.map(|(t, joint)| of(t, joint)).collect::<Vec<_>>())
+        };
+        let angles = by_time(&|t, joint| joints[joint].angles_rad[t]);
+        let speeds = by_time(&|t, joint| match &joints[joint].speeds_rad_s {
+            Some(speeds) => speeds[t],
+            None => f64::NAN,
+        });
+        (PyBytes::new(py, &angles), PyBytes::new(py, &speeds))
+    }
+
+    /// Writes all parts into a CSV file, as `realgap simulate --parts` does.
+    fn write_parts(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let write = || write_with_bodies(&path, &self.film.track, &self.film.bodies()?);
+        write().or_raise(py)
+    }
+
+    fn completed(&self) -> bool {
+        self.run.outcome.is_completed()
+    }
+}

@@ -1,0 +1,534 @@
+//! Studies and what answers them.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use pyo3::prelude::*;
+use realgap::calibration::identification::StartState;
+use realgap::calibration::{
+    self, BasisRule, Mode, Overrides, Part, Repeatable, ScoreRule, Split, TuneOptions, recording_id,
+};
+use realgap::comparison::Metric;
+use realgap::file::Source;
+use realgap::optimization::{Ending, RunOptions, optimizer_by_name};
+use realgap::results::{self, Kind, Timing, check_folder, write_timing};
+use realgap::simulation::Noise;
+use realgap::store::FolderLock;
+use realgap::trajectory::Reading;
+use realgap::{Error, Result};
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+
+use crate::callback::{self, PythonOptimizer};
+use crate::error::Raise;
+use crate::robot::Robot;
+use crate::running::{self, Way};
+use crate::simulation::values;
+use crate::text::{of_text, to_text};
+use crate::trajectory::Trajectory;
+
+/// What somebody wants different from a study's text.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Wishes {
+    recordings: Vec<String>,
+    every: Option<usize>,
+    offset: usize,
+    limit_recordings: Option<usize>,
+    points: Option<usize>,
+    seed: Option<u64>,
+    score: Option<String>,
+    basis: Option<String>,
+    set: BTreeMap<String, f64>,
+    parameters: Vec<PathBuf>,
+    folds: Option<usize>,
+    hold_out: Option<f64>,
+    reading: Reading,
+}
+
+/// What a study of objects says.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Said {
+    name: String,
+    vary: Vec<(String, f64, f64, usize)>,
+    set: BTreeMap<String, f64>,
+    duration_s: Option<f64>,
+    start: String,
+    score: Option<String>,
+    seed: u64,
+    folds: Option<usize>,
+    hold_out: Option<f64>,
+    noise: Option<Noise>,
+}
+
+/// Repeats of the rule `ensemble` where nobody says how many.
+const REPEATS: usize = 16;
+
+fn score_rule(text: &str) -> Result<ScoreRule> {
+    let unknown = || {
+        Error::usage("not a rule of what a score is the mean over")
+            .field("score")
+            .found(text)
+            .allowed("valid, ensemble, ensemble:N, single")
+    };
+    match text.split_once(':') {
+        None if text == "valid" => Ok(ScoreRule::Valid),
+        None if text == "single" => Ok(ScoreRule::Single),
+        None if text == "ensemble" => Ok(ScoreRule::Ensemble { repeats: REPEATS }),
+        Some(("ensemble", repeats)) => match repeats.parse() {
+            Ok(repeats) => Ok(ScoreRule::Ensemble { repeats }),
+            Err(_) => Err(unknown()),
+        },
+        _ => Err(unknown()),
+    }
+}
+
+fn split(folds: Option<usize>, hold_out: Option<f64>) -> Result<Option<Split>> {
+    match (folds, hold_out) {
+        (Some(_), Some(_)) => Err(Error::usage("folds and hold_out exclude each other")),
+        (Some(folds), None) => Ok(Some(Split::Folds(folds))),
+        (None, Some(share)) => Ok(Some(Split::HoldOut(share))),
+        (None, None) => Ok(None),
+    }
+}
+
+impl Wishes {
+    fn overrides(self, metric: Option<&'static dyn Metric>) -> Result<Overrides> {
+        Ok(Overrides {
+            recordings: self.recordings,
+            part: self
+                .every
+                .map(|every| Part::new(every, self.offset))
+                .transpose()?,
+            limit_recordings: self.limit_recordings,
+            metric,
+            basis: match self.basis.as_deref() {
+                None => None,
+                Some("recordings") => Some(BasisRule::Recordings),
+                Some(file) => Some(BasisRule::read(file)?),
+            },
+            score: self.score.as_deref().map(score_rule).transpose()?,
+            points: self.points,
+            seed: self.seed,
+            set: values(&self.parameters, &self.set)?,
+            fitted_on: fitted_on(&self.parameters)?,
+            reading: self.reading,
+            split: split(self.folds, self.hold_out)?,
+            ..Overrides::default()
+        })
+    }
+}
+
+fn fitted_on(files: &[PathBuf]) -> Result<Vec<String>> {
+    let mut all = Vec::new();
+    for file in files {
+        all.extend(calibration::read_best(file)?.1);
+    }
+    Ok(all)
+}
+
+/// A study, ready to run.
+#[pyclass(frozen, module = "realgap._native")]
+pub struct Study {
+    pub study: Arc<calibration::Study>,
+}
+
+#[pymethods]
+impl Study {
+    /// A text, RON or JSON, that lies at `path` or would.
+    #[staticmethod]
+    fn parse(
+        py: Python<'_>,
+        path: PathBuf,
+        text: Option<String>,
+        is_json: bool,
+        metric: Option<Bound<'_, PyAny>>,
+        wishes: &str,
+    ) -> PyResult<Self> {
+        let metric = metric.as_ref().map(callback::metric).transpose()?;
+        let way = Way {
+            jobs: None,
+            progress: None,
+        };
+        let study = running::run(py, &way, |options| {
+            let overrides = of_text::<Wishes>("a study", wishes)?.overrides(metric)?;
+            let source = source(path, text, is_json, "study")?;
+            options.install(|| calibration::Study::parse(&source, &overrides))?
+        })?;
+        Ok(Self {
+            study: Arc::new(study),
+        })
+    }
+
+    /// A study of objects.
+    #[staticmethod]
+    fn build(
+        py: Python<'_>,
+        robot: &Robot,
+        recordings: Vec<Bound<'_, Trajectory>>,
+        metric: Option<Bound<'_, PyAny>>,
+        said: &str,
+    ) -> PyResult<Self> {
+        let metric = metric.as_ref().map(callback::metric).transpose()?;
+        let recordings: Vec<_> = recordings
+            .iter()
+            .map(|r| (*r.get().recording).clone())
+            .collect();
+        let way = Way {
+            jobs: None,
+            progress: None,
+        };
+        let study = running::run(py, &way, |options| {
+            let said: Said = of_text("a study", said)?;
+            let mut builder =
+                calibration::Study::builder(said.name, robot.morphology.clone()).seed(said.seed);
+            for recording in recordings {
+                builder = builder.recording(recording);
+            }
+            for (name, from, to, points) in said.vary {
+                builder = builder.vary(name, from, to, points);
+            }
+            for (name, value) in said.set {
+                builder = builder.set(name, value);
+            }
+            if let Some(metric) = metric {
+                builder = builder.metric(metric);
+            }
+            if let Some(duration_s) = said.duration_s {
+                builder = builder.duration_s(duration_s);
+            }
+            if let Some(score) = &said.score {
+                builder = builder.score(score_rule(score)?);
+            }
+            if let Some(split) = split(said.folds, said.hold_out)? {
+                builder = builder.split(split);
+            }
+            if let Some(noise) = said.noise {
+                builder = builder.noise(noise);
+            }
+            builder = match said.start.as_str() {
+                "settled" => builder,
+                "first-sample" => builder.start_from_recordings(StartState::FirstSample),
+                "half-sample" => builder.start_from_recordings(StartState::HalfSampleCorrected),
+                "flight" => builder.start_from_recordings(StartState::Flight),
+                other => {
+                    return Err(Error::usage("not a way to start")
+                        .field("start")
+                        .found(other)
+                        .allowed("settled, first-sample, half-sample, flight"));
+                }
+            };
+            options.install(|| builder.build())?
+        })?;
+        Ok(Self {
+            study: Arc::new(study),
+        })
+    }
+
+    fn info(&self, py: Python<'_>) -> PyResult<String> {
+        let definition = self.study.definition();
+        let ranges = definition.grid.ranges().iter();
+        let ranges = ranges.map(|range| {
+            json!({"name": range.parameter.name, "from": range.from, "to": range.to, "points": range.points})
+        });
+        let recordings = definition.recordings.iter();
+        let set: BTreeMap<&str, f64> = definition
+            .set
+            .iter()
+            .map(|a| (a.parameter.name, a.value))
+            .collect();
+        let info = json!({
+            "name": definition.name,
+            "description": definition.description,
+            "robot": definition.morphology.name(),
+            "parameters": ranges.collect::<Vec<_>>(),
+            "set": set,
+            "metric": definition.metric.name(),
+            "unit": definition.metric.unit(),
+            "seed": definition.seed,
+            "points": definition.grid.len(),
+            "recordings": recordings.clone().map(|r| &r.name).collect::<Vec<_>>(),
+            "recording_ids": recordings.map(recording_id).collect::<Vec<_>>(),
+            "has_noise": definition.noise.is_some(),
+            "warnings": self.study.warnings(),
+        });
+        to_text(&info).or_raise(py)
+    }
+
+    fn recordings(&self) -> Vec<Trajectory> {
+        let recordings = self.study.definition().recordings.iter();
+        recordings
+            .map(|recording| Trajectory {
+                recording: Arc::new(recording.clone()),
+            })
+            .collect()
+    }
+
+    /// The same study with these values fixed.
+    fn at(&self, py: Python<'_>, set: BTreeMap<String, f64>) -> PyResult<Self> {
+        at(py, &self.study, &set, &[])
+    }
+
+    /// The values of parameters at a point of coordinates from 0 to 1.
+    fn values(&self, point: Vec<f64>) -> Vec<f64> {
+        self.study.definition().grid.values_at(&point)
+    }
+
+    #[pyo3(signature = (jobs, folder, mode, progress))]
+    fn sweep(
+        &self,
+        py: Python<'_>,
+        jobs: Option<i64>,
+        folder: Option<PathBuf>,
+        mode: &str,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Answer> {
+        let mode = mode_of(mode);
+        let way = Way { jobs, progress };
+        let study = &self.study;
+        let answer = running::run(py, &way, |run| match folder {
+            None => study.sweep(run),
+            Some(folder) => into_folder(&folder, Kind::Study, run, |lock| {
+                let answer = study.sweep_into(lock, mode, run)?;
+                lock.check()?;
+                results::write(lock.folder(), study, &answer)?;
+                Ok(answer)
+            }),
+        })?;
+        self.answer(py, answer)
+    }
+
+    /// `own` is the name, the size of the first design, that of a batch, and what proposes, of an optimizer in Python.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "the keyword arguments of one call"
+    )]
+    #[allow(
+        clippy::type_complexity,
+        reason = "what an optimizer in Python is made of"
+    )]
+    fn tune(
+        &self,
+        py: Python<'_>,
+        optimizer: &str,
+        own: Option<(Option<usize>, usize, Py<PyAny>)>,
+        budget: usize,
+        patience: Option<usize>,
+        jobs: Option<i64>,
+        folder: Option<PathBuf>,
+        mode: &str,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Answer> {
+        let mode = mode_of(mode);
+        let mut options = TuneOptions {
+            budget,
+            patience,
+            ..TuneOptions::default()
+        };
+        let mut kept = None;
+        match own {
+            None => {
+                options.optimizer = optimizer_by_name(optimizer)
+                    .map_err(Error::into_usage)
+                    .or_raise(py)?;
+            }
+            Some((design, batch, propose)) => {
+                let own = PythonOptimizer::keep(optimizer, design, batch, propose).or_raise(py)?;
+                options.optimizer = own;
+                kept = Some(own);
+            }
+        }
+        let way = Way { jobs, progress };
+        let study = &self.study;
+        let answer = running::run(py, &way, |run| match folder {
+            None => study.tune(&options, run),
+            Some(folder) => into_folder(&folder, Kind::Study, run, |lock| {
+                let answer = study.tune_into(lock, mode, &options, run)?;
+                lock.check()?;
+                results::write(lock.folder(), study, &answer)?;
+                Ok(answer)
+            }),
+        });
+        if let Some(own) = kept {
+            own.end();
+        }
+        self.answer(py, answer?)
+    }
+}
+
+fn at(
+    py: Python<'_>,
+    study: &calibration::Study,
+    set: &BTreeMap<String, f64>,
+    fitted_on: &[String],
+) -> PyResult<Study> {
+    let way = Way {
+        jobs: None,
+        progress: None,
+    };
+    let study = running::run(py, &way, |options| {
+        let set = values(&[], set)?;
+        options.install(|| study.at(&set, fitted_on))?
+    })?;
+    Ok(Study {
+        study: Arc::new(study),
+    })
+}
+
+/// A text of which not all is known: what was given, else what is in the file.
+pub fn source(path: PathBuf, text: Option<String>, is_json: bool, kind: &str) -> Result<Source> {
+    match text {
+        None => Source::read(path, kind),
+        Some(text) if is_json => Ok(Source::json(path, text)),
+        Some(text) => Ok(Source::new(path, text)),
+    }
+}
+
+/// What is to happen with results that are there already.
+pub fn mode_of(text: &str) -> Mode {
+    match text {
+        "resume" => Mode::Resume,
+        "restart" => Mode::Restart,
+        _ => Mode::Start,
+    }
+}
+
+/// Lets `work` write into a folder as the commands do: locked, nothing of others replaced, with what it took.
+pub fn into_folder<T>(
+    folder: &Path,
+    kind: Kind,
+    run: &RunOptions<'_>,
+    work: impl FnOnce(&FolderLock) -> Result<T>,
+) -> Result<T> {
+    check_folder(folder, kind)?;
+    let lock = FolderLock::make(folder)?;
+    let begun = Instant::now();
+    let value = work(&lock)?;
+    let timing = Timing {
+        wall_s: begun.elapsed().as_secs_f64(),
+        // That of the whole interpreter says nothing about this run.
+        cpu_s: None,
+        jobs: run.jobs,
+    };
+    write_timing(folder, &timing)?;
+    Ok(value)
+}
+
+impl Study {
+    fn answer(&self, py: Python<'_>, answer: calibration::Answer) -> PyResult<Answer> {
+        let answer = Answer {
+            study: Arc::clone(&self.study),
+            answer,
+        };
+        answer.check().or_raise(py)?;
+        Ok(answer)
+    }
+
+    /// The study with its repeats.
+    pub fn repeatable(&self) -> Result<Repeatable> {
+        Repeatable::new((*self.study).clone())
+    }
+}
+
+/// The answer of a sweep or a tuning.
+#[pyclass(frozen, module = "realgap._native")]
+pub struct Answer {
+    study: Arc<calibration::Study>,
+    answer: calibration::Answer,
+}
+
+impl Answer {
+    fn check(&self) -> Result<()> {
+        let report = &self.answer.report;
+        if self.answer.ending == Ending::Interrupted {
+            return Err(Error::interrupted(format!(
+                "interrupted after {} of {} points; those that a folder holds are saved",
+                report.points, report.points_total
+            ))
+            .hint("go on with the same call, folder and resume=True"));
+        }
+        if report.best.is_none() {
+            return Err(Error::invalid("every point diverged, so there is no best one").hint(
+                "check the robot with realgap.simulate, then a shorter timestep or more substeps",
+            ));
+        }
+        Ok(())
+    }
+}
+
+#[pymethods]
+impl Answer {
+    fn text(&self) -> String {
+        self.answer.to_string()
+    }
+
+    fn report(&self, py: Python<'_>) -> PyResult<String> {
+        to_text(&self.answer.report).or_raise(py)
+    }
+
+    /// A column a list: parameters, score, and so on, as in `points.csv`.
+    fn points(&self, py: Python<'_>) -> PyResult<String> {
+        let points = &self.answer.scores.points;
+        let ranges = self.study.definition().grid.ranges().iter().enumerate();
+        let mut columns = Map::new();
+        for (index, range) in ranges {
+            let column: Vec<f64> = points.iter().map(|point| point.values[index]).collect();
+            columns.insert(range.parameter.name.to_owned(), json!(column));
+        }
+        let mut put = |name: &str, column: Vec<Value>| {
+            columns.insert(name.to_owned(), Value::Array(column));
+        };
+        let uncertainty = self.answer.uncertainty.as_ref();
+        let inside = |index: usize| uncertainty.is_some_and(|u| u.indistinguishable[index]);
+        put(
+            "score",
+            points.iter().map(|point| json!(point.score)).collect(),
+        );
+        put(
+            "displacement_error_m",
+            points
+                .iter()
+                .map(|point| json!(point.displacement_error_m))
+                .collect(),
+        );
+        put(
+            "indistinguishable",
+            (0..points.len())
+                .map(|index| json!(inside(index)))
+                .collect(),
+        );
+        put(
+            "runs",
+            points.iter().map(|point| json!(point.runs)).collect(),
+        );
+        put(
+            "diverged",
+            points.iter().map(|point| json!(point.diverged)).collect(),
+        );
+        to_text(&columns).or_raise(py)
+    }
+
+    /// The study with the values of the best point fixed; it knows which of its recordings they were fitted on.
+    fn fitted(&self, py: Python<'_>) -> PyResult<Study> {
+        let best = self.answer.report.best.as_ref();
+        let best = best.map(|best| best.parameters.clone()).unwrap_or_default();
+        let recordings = self.study.definition().recordings.iter().enumerate();
+        let fitted_on: Vec<String> = recordings
+            .filter(|(index, _)| !self.study.is_held_out(*index))
+            .map(|(_, recording)| recording_id(recording))
+            .collect();
+        at(py, &self.study, &best, &fitted_on)
+    }
+
+    /// Writes tables and pictures into a folder.
+    fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+        py.detach(|| {
+            check_folder(&folder, Kind::Study)?;
+            results::write(&folder, &self.study, &self.answer)
+        })
+        .or_raise(py)
+    }
+}

@@ -1,0 +1,170 @@
+"""Whatever is wrong with what is given, the error says what was found and what is allowed."""
+
+import numpy as np
+import pytest
+
+import realgap
+from conftest import STAND_INS, TRIPOD
+
+TIMES = np.linspace(0.0, 1.0, 11)
+PLACES = np.column_stack([TIMES, np.sin(TIMES), np.zeros(11)])
+
+
+def refused(*words):
+    return pytest.raises(realgap.Error, match="(?s)" + ".*".join(words))
+
+
+def test_a_trajectory_keeps_the_bits_of_its_arrays_whatever_their_layout():
+    made = realgap.Trajectory(TIMES, np.asfortranarray(PLACES))
+    assert np.array_equal(made.times_s, TIMES) and np.array_equal(made.positions_m, PLACES)
+    assert not made.positions_m.flags.writeable
+    backwards = realgap.Trajectory(TIMES, PLACES[::-1])
+    assert np.array_equal(backwards.positions_m, PLACES[::-1])
+    narrow = realgap.Trajectory(TIMES.astype(">f4"), PLACES.astype(np.float32))
+    assert np.array_equal(narrow.positions_m, PLACES.astype(np.float32).astype(float))
+    flat = realgap.Trajectory([0, 1], [[0, 0], [1, 2]])
+    assert flat.is_planar and flat.positions_m.tolist() == [[0, 0, 0], [1, 2, 0]]
+
+
+@pytest.mark.parametrize(
+    "times, places, words",
+    [
+        (TIMES[:-1], PLACES, ("positions_m", "wrong shape", "11 x 3", "10 x 3")),
+        (TIMES, PLACES[:, 0], ("positions_m", "wrong shape", "found: +11", "11 x 3")),
+        (TIMES, PLACES.T, ("positions_m", "wrong shape", "3 x 11")),
+        (TIMES, PLACES.astype(complex), ("positions_m", "dtype complex128")),
+        (TIMES, PLACES.astype(str), ("positions_m", "dtype <U")),
+        (TIMES, PLACES.astype(object), ("positions_m", "dtype object")),
+        (TIMES > 0, PLACES, ("times_s", "dtype bool")),
+        ("0 1 2", PLACES, ("times_s", "text")),
+        (TIMES, [[0, 0, 0], [1]], ("positions_m", "not an array")),
+        (TIMES[::-1], PLACES, ("sample 1", "time does not increase")),
+        ([0.0], [[0.0, 0.0, 0.0]], ("sample",)),
+        ([], np.zeros((0, 3)), ("sample",)),
+    ],
+)
+def test_wrong_lengths_and_kinds_are_refused(times, places, words):
+    with refused(*words):
+        realgap.Trajectory(times, places)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_a_number_that_is_none_is_found(bad):
+    places = PLACES.copy()
+    places[4, 1] = bad
+    with refused(r"positions_m\[4, 1\]", "not a finite number", str(bad)):
+        realgap.Trajectory(TIMES, places)
+    with refused("duration_s", "finite"):
+        realgap.simulate(realgap.Robot.read(TRIPOD), duration_s=bad)
+    with refused("set", "finite"):
+        realgap.Study.from_text("", set={"floor.friction": bad})
+
+
+def test_quaternions_are_checked():
+    turned = np.tile([1.0, 0.0, 0.0, 0.0], (11, 1))
+    assert np.array_equal(realgap.Trajectory(TIMES, PLACES, turned).quaternions, turned)
+    turned[3] *= 1.5
+    with refused(r"orientations\[3\]", "length 1.5"):
+        realgap.Trajectory(TIMES, PLACES, turned)
+    with refused("quaternions", "wrong shape", "11 x 3"):
+        realgap.Trajectory(TIMES, PLACES, turned[:, :3])
+    with refused("velocity alone"):
+        realgap.Trajectory(TIMES, PLACES, velocities_m_s=PLACES)
+
+
+def test_joints_and_velocities_come_back():
+    made = realgap.Trajectory(
+        TIMES, PLACES, velocities_m_s=PLACES, angular_velocities_body_rad_s=2 * PLACES,
+        joints={"knee": TIMES},
+    )  # fmt: skip
+    assert np.array_equal(made.joints["knee"].angles_rad, TIMES)
+    assert np.array_equal(made.angular_velocities_body_rad_s, 2 * PLACES)
+    with refused("knee", "wrong shape"):
+        realgap.Trajectory(TIMES, PLACES, joints={"knee": TIMES[1:]})
+
+
+def test_a_robot_is_the_same_from_file_text_and_dict(tripod):
+    text = realgap.Robot.from_text(TRIPOD.read_text())
+    assert text.to_ron() == tripod.to_ron()
+    cube = {
+        "name": "pair",
+        "defaults": {"side_m": 0.06, "mass_kg": 0.1},
+        "modules": [
+            {
+                "name": "tail",
+                "kind": {
+                    "Active": {
+                        "face": "PosX",
+                        "axis": {"Tangent": {"axis": "PosY"}},
+                        "servo": {"law": {"Velocity": {"gain_1_s": 20.0}}, "max_torque_nm": 0.5},
+                        "gait": {"amplitude_rad": 0.6, "frequency_hz": np.float64(1.0)},
+                    }
+                },
+            },
+            {"name": "head", "kind": {"Passive": {}}},
+        ],
+        "glue": [{"parent": "tail", "face": "PosX", "child": "head"}],
+    }
+    pair = realgap.Robot.from_dict(cube)
+    assert pair.modules == ["tail", "head"] and pair.hinges == ["tail"]
+    assert realgap.Robot.from_text(pair.to_ron()).to_ron() == pair.to_ron()
+    with refused("unknown field `colour`"):
+        realgap.Robot.from_dict({**cube, "colour": "red"})
+    with refused("head"):
+        realgap.Robot.from_dict({**cube, "glue": [{**cube["glue"][0], "child": "hand"}]})
+    with refused("numbers, texts"):
+        realgap.Robot.from_dict({**cube, "glue": [object()]})
+
+
+def test_wrong_options_say_what_is_allowed(tripod, recordings):
+    with refused("floor.frictoin", "floor.friction"):
+        realgap.simulate(tripod, parameters={"floor.frictoin": 0.4})
+    with refused("joint", "rubber", "multibody"):
+        realgap.simulate(tripod, joint="rubber")
+    with refused("metric", "pcaa"):
+        realgap.compare(*recordings, metric="pcaa")
+    vary = {"floor.friction": (0.2, 0.8, 3)}
+    study = realgap.Study.of(tripod, recordings, vary, metric="rms", duration_s=0.5)
+    for jobs in (0, -1, 10**6):
+        with refused("jobs", str(jobs), "1 to"):
+            study.sweep(jobs=jobs)
+    with refused("resume", "exclude"):
+        study.sweep(resume=True, restart=True)
+    with refused("optimizer", "simplex", "nelder-mead"):
+        study.tune(optimizer="simplex")
+    with refused("budget", "at least"):
+        study.tune(budget=1)
+    with refused("repeats", "0"):
+        study.ensemble(repeats=0, noise={"start_heading_rad": {"Normal": 0.02}})
+    with refused("unknown field `wind`"):
+        study.gap(repeats=3, noise={"wind": 1.0})
+    with pytest.raises(TypeError, match="pionts"):
+        realgap.Study.from_text("", pionts=3)
+    with refused("unknown kind of trajectory file", "meta.ron|.csv"):
+        realgap.Trajectory.read(STAND_INS / "meta.ron")
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path):
+    for read in (realgap.Robot.read, realgap.Study.read, realgap.Search.read, realgap.Trajectory.read):
+        with pytest.raises(realgap.FileError, match="nothing.csv"):
+            read(tmp_path / "nothing.csv")
+
+
+def test_a_folder_of_other_results_is_left_alone(study_file, tmp_path):
+    study = realgap.Study.read(study_file)
+    folder = tmp_path / "results"
+    folder.mkdir()
+    (folder / "points.csv").write_text("mine")
+    with pytest.raises(realgap.ConflictError, match="points.csv"):
+        study.sweep(folder=folder)
+    assert (folder / "points.csv").read_text() == "mine"
+    first = tmp_path / "first"
+    study.sweep(folder=first)
+    # Complete results of the same study are used as they are; those of another are not touched.
+    assert study.sweep(folder=first).report == study.sweep().report
+    other = realgap.Study.read(study_file, points=4)
+    for how in ({}, {"resume": True}):
+        with pytest.raises(realgap.ConflictError, match="folder=") as caught:
+            other.sweep(folder=first, **how)
+        assert "--" not in str(caught.value)
+    assert other.sweep(folder=first, restart=True).report == other.sweep().report
