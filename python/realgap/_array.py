@@ -56,7 +56,7 @@ def got(data: bytes, *shape: int) -> Floats:
     return np.frombuffer(data, dtype="<f8").reshape(shape)
 
 
-def asked(what: str, **options: Any) -> str:
+def asked(what: str, /, **options: Any) -> str:
     """Keyword arguments as JSON, with all the bits of their numbers."""
     try:
         return json.dumps(options, allow_nan=False, default=_plain)

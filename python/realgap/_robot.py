@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, Dict, List, Mapping, Union
+from typing import Any, Dict, List, Mapping, Tuple, Union
 
 from . import _native
 from ._array import asked
@@ -84,6 +84,9 @@ class Robot:
     def picture(self) -> bytes:
         """A PNG."""
         return one(self._native.draw)
+
+    def __reduce__(self) -> Tuple[Any, Tuple[str, str]]:
+        return (Robot.from_text, (self.to_ron(), self.name))
 
     def __repr__(self) -> str:
         count = len(self.modules)

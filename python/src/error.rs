@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 use realgap::{Advice, Error, ErrorKind};
@@ -31,6 +32,12 @@ pub fn exception(py: Python<'_>, error: Error) -> PyErr {
         .lock()
         .unwrap_or_else(PoisonError::into_inner)
         .remove(error.message());
+    if let Some(cause) = &cause
+        && cause.is_instance_of::<PyKeyboardInterrupt>(py)
+    {
+        // Whoever presses Ctrl-C in a function of theirs means the whole.
+        return cause.clone_ref(py);
+    }
     let name = match (error.kind(), &cause) {
         (_, Some(_)) => "CallbackError",
         (ErrorKind::Io, _) => "FileError",

@@ -1,9 +1,11 @@
 //! The half of the Python package that is written in Rust: objects of the library, arrays as bytes, everything else as JSON. What
 //! people see is the other half, in `realgap/`.
 
+mod answer;
 mod array;
 mod callback;
 mod error;
+mod folder;
 mod prediction;
 mod robot;
 mod running;
@@ -29,6 +31,8 @@ mod _native {
     use crate::text::to_text;
 
     #[pymodule_export]
+    use crate::answer::Answer;
+    #[pymodule_export]
     use crate::callback::OwnMetric;
     #[pymodule_export]
     use crate::prediction::{Ensemble, Gap, Prediction, predict, repeat_study, study_gap};
@@ -39,7 +43,7 @@ mod _native {
     #[pymodule_export]
     use crate::simulation::{Simulation, simulate};
     #[pymodule_export]
-    use crate::study::{Answer, Study};
+    use crate::study::Study;
     #[pymodule_export]
     use crate::trajectory::{Trajectory, compare};
 

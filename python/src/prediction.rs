@@ -22,10 +22,11 @@ use serde_json::{Map, Value, json};
 
 use crate::callback;
 use crate::error::Raise;
+use crate::folder::into_folder;
 use crate::robot::Robot;
 use crate::running::{self, Way};
 use crate::simulation::values;
-use crate::study::{Study, into_folder};
+use crate::study::Study;
 use crate::text::{of_text, to_text};
 
 /// Most repeats: the distances of all pairs are held in memory.

@@ -54,10 +54,9 @@ enum Said {
 }
 
 /// Does `work` and gives back what it gave; the options that it gets are stopped by Ctrl-C and by a progress callback that raises.
-/// Work that was stopped and still has something to give (what was done so far) gives that.
 ///
 /// # Errors
-/// The error of the work, the exception of the callback.
+/// The error of the work, which says how far it came where it was interrupted; the exception of the callback.
 pub fn run<T: Send>(
     py: Python<'_>,
     way: &Way<'_>,
@@ -112,11 +111,12 @@ pub fn run<T: Send>(
         ))
     });
     match (stopped, value) {
-        (Some(exception), Ok(value)) if exception.is_instance_of::<PyKeyboardInterrupt>(py) => {
-            Ok(value)
-        }
-        (Some(exception), Err(error)) if exception.is_instance_of::<PyKeyboardInterrupt>(py) => {
-            let raised = error::exception(py, error);
+        (Some(exception), value) if exception.is_instance_of::<PyKeyboardInterrupt>(py) => {
+            let whole = || {
+                Error::interrupted("interrupted when the work was done")
+                    .hint("run it again; the same numbers come out")
+            };
+            let raised = error::exception(py, value.err().unwrap_or_else(whole));
             raised.set_cause(py, Some(exception));
             Err(raised)
         }

@@ -13,10 +13,10 @@ use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use crate::error::{Raise, raised};
+use crate::folder::{into_folder, mode_of, source};
 use crate::robot::Robot;
 use crate::running::{self, Way};
 use crate::simulation::values;
-use crate::study::{into_folder, mode_of, source};
 use crate::text::{of_text, to_text};
 
 /// What somebody wants different from a search's text.

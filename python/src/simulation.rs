@@ -13,7 +13,7 @@ use realgap::simulation::{
     self, CommandTrack, Experiment, Film, JointKind, Outcome, Run, Sampling, SceneBody, film,
 };
 use realgap::trajectory::write_with_bodies;
-use realgap::{Error, Result};
+use realgap::{Error, Result, Warning};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -85,12 +85,14 @@ pub fn simulate(
     times_s: Option<&[u8]>,
     commands: Vec<CommandBytes>,
 ) -> PyResult<Simulation> {
-    let experiment = experiment(robot, settings, times_s, &commands).or_raise(py)?;
+    let (experiment, mut warnings) =
+        experiment(robot, settings, times_s, &commands).or_raise(py)?;
     let way = Way {
         jobs: Some(1),
         progress: None,
     };
     let (run, film) = running::run(py, &way, |_| film(&experiment))?;
+    warnings.extend(run.warnings.iter().cloned());
     let simulated = || -> Result<Simulation> {
         let Some(film) = film else {
             let why = match &run.outcome {
@@ -112,7 +114,7 @@ pub fn simulate(
             "substeps": experiment.solver.substeps,
             "engine": simulation::ENGINE_VERSION,
             "records_joints": experiment.records_joints,
-            "warnings": run.warnings,
+            "warnings": warnings,
         });
         Ok(Simulation {
             robot: robot.morphology.name().to_owned(),
@@ -129,7 +131,7 @@ fn experiment(
     settings: &str,
     times_s: Option<&[u8]>,
     commands: &[CommandBytes],
-) -> Result<Experiment> {
+) -> Result<(Experiment, Vec<Warning>)> {
     let settings: Settings = of_text("simulate", settings)?;
     let mut experiment = Experiment::new(robot.morphology.assemble());
     experiment.duration_s = settings.duration_s;
@@ -142,6 +144,8 @@ fn experiment(
         experiment.scene.push(SceneBody::read_arena(&plan, true)?);
     }
     let values = values(&settings.parameters, &settings.set)?;
+    let mut warnings = robot.morphology.warnings();
+    warnings.extend(values.without_effect(&experiment));
     let mut experiment = values.apply(&experiment);
     if let Some(timestep_s) = settings.timestep_s {
         experiment.solver.timestep_s = timestep_s;
@@ -171,7 +175,7 @@ fn experiment(
         experiment.commands.insert(hinge.clone(), Arc::new(track));
     }
     experiment.check().map_err(Error::into_usage)?;
-    Ok(experiment)
+    Ok((experiment, warnings))
 }
 
 #[pymethods]

@@ -1,28 +1,27 @@
 //! Studies and what answers them.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
 
 use pyo3::prelude::*;
 use realgap::calibration::identification::StartState;
 use realgap::calibration::{
-    self, BasisRule, Mode, Overrides, Part, Repeatable, ScoreRule, Split, TuneOptions, recording_id,
+    self, BasisRule, Overrides, Part, Repeatable, ScoreRule, Split, TuneOptions, recording_id,
 };
 use realgap::comparison::Metric;
-use realgap::file::Source;
-use realgap::optimization::{Ending, RunOptions, optimizer_by_name};
-use realgap::results::{self, Kind, Timing, check_folder, write_timing};
+use realgap::optimization::optimizer_by_name;
+use realgap::results::{self, Kind};
 use realgap::simulation::Noise;
-use realgap::store::FolderLock;
 use realgap::trajectory::Reading;
 use realgap::{Error, Result};
 use serde::Deserialize;
-use serde_json::{Map, Value, json};
+use serde_json::json;
 
+use crate::answer::Answer;
 use crate::callback::{self, PythonOptimizer};
 use crate::error::Raise;
+use crate::folder::{into_folder, mode_of, source};
 use crate::robot::Robot;
 use crate::running::{self, Way};
 use crate::simulation::values;
@@ -289,16 +288,18 @@ impl Study {
         let mode = mode_of(mode);
         let way = Way { jobs, progress };
         let study = &self.study;
-        let answer = running::run(py, &way, |run| match folder {
-            None => study.sweep(run),
-            Some(folder) => into_folder(&folder, Kind::Study, run, |lock| {
-                let answer = study.sweep_into(lock, mode, run)?;
-                lock.check()?;
-                results::write(lock.folder(), study, &answer)?;
-                Ok(answer)
-            }),
-        })?;
-        self.answer(py, answer)
+        running::run(py, &way, |run| {
+            let answer = match folder {
+                None => study.sweep(run),
+                Some(folder) => into_folder(&folder, Kind::Study, run, |lock| {
+                    let answer = study.sweep_into(lock, mode, run)?;
+                    lock.check()?;
+                    results::write(lock.folder(), study, &answer)?;
+                    Ok(answer)
+                }),
+            };
+            Answer::new(study, answer?)
+        })
     }
 
     /// `own` is the name, the size of the first design, that of a batch, and what proposes, of an optimizer in Python.
@@ -343,23 +344,27 @@ impl Study {
         }
         let way = Way { jobs, progress };
         let study = &self.study;
-        let answer = running::run(py, &way, |run| match folder {
-            None => study.tune(&options, run),
-            Some(folder) => into_folder(&folder, Kind::Study, run, |lock| {
-                let answer = study.tune_into(lock, mode, &options, run)?;
-                lock.check()?;
-                results::write(lock.folder(), study, &answer)?;
-                Ok(answer)
-            }),
+        let answer = running::run(py, &way, |run| {
+            let answer = match folder {
+                None => study.tune(&options, run),
+                Some(folder) => into_folder(&folder, Kind::Study, run, |lock| {
+                    let answer = study.tune_into(lock, mode, &options, run)?;
+                    lock.check()?;
+                    results::write(lock.folder(), study, &answer)?;
+                    Ok(answer)
+                }),
+            };
+            Answer::new(study, answer?)
         });
         if let Some(own) = kept {
             own.end();
         }
-        self.answer(py, answer?)
+        answer
     }
 }
 
-fn at(
+/// A study with values fixed.
+pub fn at(
     py: Python<'_>,
     study: &calibration::Study,
     set: &BTreeMap<String, f64>,
@@ -378,157 +383,9 @@ fn at(
     })
 }
 
-/// A text of which not all is known: what was given, else what is in the file.
-pub fn source(path: PathBuf, text: Option<String>, is_json: bool, kind: &str) -> Result<Source> {
-    match text {
-        None => Source::read(path, kind),
-        Some(text) if is_json => Ok(Source::json(path, text)),
-        Some(text) => Ok(Source::new(path, text)),
-    }
-}
-
-/// What is to happen with results that are there already.
-pub fn mode_of(text: &str) -> Mode {
-    match text {
-        "resume" => Mode::Resume,
-        "restart" => Mode::Restart,
-        _ => Mode::Start,
-    }
-}
-
-/// Lets `work` write into a folder as the commands do: locked, nothing of others replaced, with what it took.
-pub fn into_folder<T>(
-    folder: &Path,
-    kind: Kind,
-    run: &RunOptions<'_>,
-    work: impl FnOnce(&FolderLock) -> Result<T>,
-) -> Result<T> {
-    check_folder(folder, kind)?;
-    let lock = FolderLock::make(folder)?;
-    let begun = Instant::now();
-    let value = work(&lock)?;
-    let timing = Timing {
-        wall_s: begun.elapsed().as_secs_f64(),
-        // That of the whole interpreter says nothing about this run.
-        cpu_s: None,
-        jobs: run.jobs,
-    };
-    write_timing(folder, &timing)?;
-    Ok(value)
-}
-
 impl Study {
-    fn answer(&self, py: Python<'_>, answer: calibration::Answer) -> PyResult<Answer> {
-        let answer = Answer {
-            study: Arc::clone(&self.study),
-            answer,
-        };
-        answer.check().or_raise(py)?;
-        Ok(answer)
-    }
-
     /// The study with its repeats.
     pub fn repeatable(&self) -> Result<Repeatable> {
         Repeatable::new((*self.study).clone())
-    }
-}
-
-/// The answer of a sweep or a tuning.
-#[pyclass(frozen, module = "realgap._native")]
-pub struct Answer {
-    study: Arc<calibration::Study>,
-    answer: calibration::Answer,
-}
-
-impl Answer {
-    fn check(&self) -> Result<()> {
-        let report = &self.answer.report;
-        if self.answer.ending == Ending::Interrupted {
-            return Err(Error::interrupted(format!(
-                "interrupted after {} of {} points; those that a folder holds are saved",
-                report.points, report.points_total
-            ))
-            .hint("go on with the same call, folder and resume=True"));
-        }
-        if report.best.is_none() {
-            return Err(Error::invalid("every point diverged, so there is no best one").hint(
-                "check the robot with realgap.simulate, then a shorter timestep or more substeps",
-            ));
-        }
-        Ok(())
-    }
-}
-
-#[pymethods]
-impl Answer {
-    fn text(&self) -> String {
-        self.answer.to_string()
-    }
-
-    fn report(&self, py: Python<'_>) -> PyResult<String> {
-        to_text(&self.answer.report).or_raise(py)
-    }
-
-    /// A column a list: parameters, score, and so on, as in `points.csv`.
-    fn points(&self, py: Python<'_>) -> PyResult<String> {
-        let points = &self.answer.scores.points;
-        let ranges = self.study.definition().grid.ranges().iter().enumerate();
-        let mut columns = Map::new();
-        for (index, range) in ranges {
-            let column: Vec<f64> = points.iter().map(|point| point.values[index]).collect();
-            columns.insert(range.parameter.name.to_owned(), json!(column));
-        }
-        let mut put = |name: &str, column: Vec<Value>| {
-            columns.insert(name.to_owned(), Value::Array(column));
-        };
-        let uncertainty = self.answer.uncertainty.as_ref();
-        let inside = |index: usize| uncertainty.is_some_and(|u| u.indistinguishable[index]);
-        put(
-            "score",
-            points.iter().map(|point| json!(point.score)).collect(),
-        );
-        put(
-            "displacement_error_m",
-            points
-                .iter()
-                .map(|point| json!(point.displacement_error_m))
-                .collect(),
-        );
-        put(
-            "indistinguishable",
-            (0..points.len())
-                .map(|index| json!(inside(index)))
-                .collect(),
-        );
-        put(
-            "runs",
-            points.iter().map(|point| json!(point.runs)).collect(),
-        );
-        put(
-            "diverged",
-            points.iter().map(|point| json!(point.diverged)).collect(),
-        );
-        to_text(&columns).or_raise(py)
-    }
-
-    /// The study with the values of the best point fixed; it knows which of its recordings they were fitted on.
-    fn fitted(&self, py: Python<'_>) -> PyResult<Study> {
-        let best = self.answer.report.best.as_ref();
-        let best = best.map(|best| best.parameters.clone()).unwrap_or_default();
-        let recordings = self.study.definition().recordings.iter().enumerate();
-        let fitted_on: Vec<String> = recordings
-            .filter(|(index, _)| !self.study.is_held_out(*index))
-            .map(|(_, recording)| recording_id(recording))
-            .collect();
-        at(py, &self.study, &best, &fitted_on)
-    }
-
-    /// Writes tables and pictures into a folder.
-    fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
-        py.detach(|| {
-            check_folder(&folder, Kind::Study)?;
-            results::write(&folder, &self.study, &self.answer)
-        })
-        .or_raise(py)
     }
 }

@@ -148,15 +148,16 @@ def test_a_spawned_pool_works(tmp_path):
 
             import realgap
 
-            def net(friction):
-                robot = realgap.Robot.read(sys.argv[1])
+            def net(job):
+                robot, friction = job
                 values = {"floor.friction": friction}
                 return realgap.simulate(robot, duration_s=0.3, parameters=values).net_displacement_m
 
             if __name__ == "__main__":
-                frictions = [0.2, 0.5]
+                robot = realgap.Robot.read(sys.argv[1])
+                jobs = [(robot, 0.2), (robot, 0.5)]
                 with get_context("spawn").Pool(2) as pool:
-                    assert pool.map(net, frictions) == [net(f) for f in frictions]
+                    assert pool.map(net, jobs) == [net(job) for job in jobs]
                 print("equal")
             """
         )

@@ -1,0 +1,122 @@
+//! Answers of sweeps and tunings.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use realgap::calibration::{self, recording_id};
+use realgap::optimization::Ending;
+use realgap::results::{self, Kind, check_folder};
+use realgap::{Error, Result};
+use serde_json::{Map, Value, json};
+
+use crate::error::Raise;
+use crate::study::{Study, at};
+use crate::text::to_text;
+
+/// The answer of a sweep or a tuning.
+#[pyclass(frozen, module = "realgap._native")]
+pub struct Answer {
+    study: Arc<calibration::Study>,
+    answer: calibration::Answer,
+}
+
+impl Answer {
+    /// What Python gets of an answer.
+    ///
+    /// # Errors
+    /// One that was interrupted, or without a best point.
+    pub fn new(study: &Arc<calibration::Study>, answer: calibration::Answer) -> Result<Self> {
+        let report = &answer.report;
+        if answer.ending == Ending::Interrupted {
+            return Err(Error::interrupted(format!(
+                "interrupted after {} of {} points; those that a folder holds are saved",
+                report.points, report.points_total
+            ))
+            .hint("go on with the same call, folder and resume=True"));
+        }
+        if report.best.is_none() {
+            return Err(Error::invalid("every point diverged, so there is no best one").hint(
+                "check the robot with realgap.simulate, then a shorter timestep or more substeps",
+            ));
+        }
+        Ok(Self {
+            study: Arc::clone(study),
+            answer,
+        })
+    }
+}
+
+#[pymethods]
+impl Answer {
+    fn text(&self) -> String {
+        self.answer.to_string()
+    }
+
+    fn report(&self, py: Python<'_>) -> PyResult<String> {
+        to_text(&self.answer.report).or_raise(py)
+    }
+
+    /// A column a list: parameters, score, and so on, as in `points.csv`.
+    fn points(&self, py: Python<'_>) -> PyResult<String> {
+        let points = &self.answer.scores.points;
+        let ranges = self.study.definition().grid.ranges().iter().enumerate();
+        let mut columns = Map::new();
+        for (index, range) in ranges {
+            let column: Vec<f64> = points.iter().map(|point| point.values[index]).collect();
+            columns.insert(range.parameter.name.to_owned(), json!(column));
+        }
+        let mut put = |name: &str, column: Vec<Value>| {
+            columns.insert(name.to_owned(), Value::Array(column));
+        };
+        let uncertainty = self.answer.uncertainty.as_ref();
+        let inside = |index: usize| uncertainty.is_some_and(|u| u.indistinguishable[index]);
+        put(
+            "score",
+            points.iter().map(|point| json!(point.score)).collect(),
+        );
+        put(
+            "displacement_error_m",
+            points
+                .iter()
+                .map(|point| json!(point.displacement_error_m))
+                .collect(),
+        );
+        put(
+            "indistinguishable",
+            (0..points.len())
+                .map(|index| json!(inside(index)))
+                .collect(),
+        );
+        put(
+            "runs",
+            points.iter().map(|point| json!(point.runs)).collect(),
+        );
+        put(
+            "diverged",
+            points.iter().map(|point| json!(point.diverged)).collect(),
+        );
+        to_text(&columns).or_raise(py)
+    }
+
+    /// The study with the values of the best point fixed; it knows which of its recordings they were fitted on.
+    fn fitted(&self, py: Python<'_>) -> PyResult<Study> {
+        let best = self.answer.report.best.as_ref();
+        let best = best.map(|best| best.parameters.clone()).unwrap_or_default();
+        let recordings = self.study.definition().recordings.iter().enumerate();
+        let fitted_on: Vec<String> = recordings
+            .filter(|(index, _)| !self.study.is_held_out(*index))
+            .map(|(_, recording)| recording_id(recording))
+            .collect();
+        at(py, &self.study, &best, &fitted_on)
+    }
+
+    /// Writes tables and pictures into a folder.
+    fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+        py.detach(|| {
+            check_folder(&folder, Kind::Study)?;
+            results::write(&folder, &self.study, &self.answer)
+        })
+        .or_raise(py)
+    }
+}
