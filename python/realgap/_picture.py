@@ -29,7 +29,7 @@ def page(text: str, pictures: Sequence[bytes], warnings: Sequence[Dict[str, str]
     parts: List[str] = []
     if text:
         # Notebooks give `pre` a proportional font, which breaks tables of text.
-        style = "font-family:monospace;white-space:pre;overflow-x:auto"
+        style = "font-family:monospace;font-size:0.8em;white-space:pre;overflow-x:auto"
         parts.append(f'<pre style="{style}">{html.escape(text)}</pre>')
     for warning in warnings:
         note = f"{warning['message']} [{warning['code']}]"
