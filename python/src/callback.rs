@@ -123,7 +123,7 @@ impl comparison::Metric for PythonMetric {
                 self.call.call1(py, (points(real), points(simulated)))
             };
             value
-                .and_then(|value| value.extract::<f64>(py).map_err(PyErr::from))
+                .and_then(|value| value.extract::<f64>(py))
                 .map_err(|cause| raised(py, &format!("the metric `{}`", self.name), cause))
         })?;
         Ok(Measurement::new(value, real.len()))
@@ -219,7 +219,7 @@ impl optimization::Optimizer for PythonOptimizer {
             let brief = (brief.dimensions(), brief.budget, brief.seed);
             propose
                 .call1(py, (brief, design, told))
-                .and_then(|points| points.extract::<Vec<Vec<f64>>>(py).map_err(PyErr::from))
+                .and_then(|points| points.extract::<Vec<Vec<f64>>>(py))
                 .map_err(|cause| raised(py, &format!("the optimizer `{}`", self.name), cause))
         })?;
         if points.is_empty() {

@@ -133,7 +133,7 @@ impl Search {
             Python::attach(|py| {
                 let value = fitness.call1(py, (repeats,));
                 value
-                    .and_then(|value| value.extract::<f64>(py).map_err(PyErr::from))
+                    .and_then(|value| value.extract::<f64>(py))
                     .map_err(|cause| raised(py, "the objective", cause))
             })
         };
