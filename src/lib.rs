@@ -92,6 +92,7 @@ pub mod export;
 pub mod file;
 mod font;
 pub mod optimization;
+pub mod plan;
 pub mod plot;
 pub mod prediction;
 pub mod quantity;

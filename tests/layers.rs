@@ -252,6 +252,17 @@ const PERMITTED: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "plan",
+        &[
+            "error",
+            "file",
+            "store",
+            "optimization",
+            "calibration",
+            "search",
+        ],
+    ),
+    (
         "plot",
         &["error", "warning", "unit", "table", "font", "file"],
     ),

@@ -7,7 +7,7 @@ use super::score::PointScore;
 use super::study::Study;
 use crate::error::Result;
 use crate::optimization::Ending;
-use crate::store::{Fingerprint, Memory, Mode, Place, Storage, Store, Trial, TrialScore};
+use crate::store::{Fingerprint, Memory, Mode, Part, Place, Storage, Store, Trial, TrialScore};
 
 /// What a run that keeps its results needs to know of itself.
 pub(super) struct Kept<'a> {
@@ -20,12 +20,14 @@ pub(super) struct Kept<'a> {
 }
 
 /// Where trials go.
-pub(super) enum Keeping {
+pub(super) enum Keeping<'a> {
     Memory(Memory<Trial>),
     Folder(Box<Store>),
+    /// A worker's part of a run that others work on, too.
+    Part(&'a mut Part),
 }
 
-impl Keeping {
+impl Keeping<'_> {
     /// Memory, or the store of a folder as the mode asks, described.
     pub fn open(kept: &Kept<'_>, place: Option<(Place<'_>, Mode)>) -> Result<Self> {
         let Some((place, mode)) = place else {
@@ -69,11 +71,12 @@ impl Keeping {
     }
 }
 
-impl Storage<Trial> for Keeping {
+impl Storage<Trial> for Keeping<'_> {
     fn finished(&self) -> Result<BTreeSet<usize>> {
         match self {
             Self::Memory(memory) => memory.finished(),
             Self::Folder(store) => store.finished(),
+            Self::Part(part) => part.finished(),
         }
     }
 
@@ -81,6 +84,7 @@ impl Storage<Trial> for Keeping {
         match self {
             Self::Memory(memory) => memory.insert(rows),
             Self::Folder(store) => store.insert(rows),
+            Self::Part(part) => part.insert(rows),
         }
     }
 
@@ -88,6 +92,20 @@ impl Storage<Trial> for Keeping {
         match self {
             Self::Memory(memory) => memory.rows_within(range),
             Self::Folder(store) => store.rows_within(range),
+            Self::Part(part) => part.rows_within(range),
+        }
+    }
+
+    fn begin(&mut self, rows: usize) {
+        if let Self::Part(part) = self {
+            part.begin(rows);
+        }
+    }
+
+    fn takes(&self, index: usize) -> bool {
+        match self {
+            Self::Part(part) => part.takes(index),
+            _ => true,
         }
     }
 }

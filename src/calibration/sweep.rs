@@ -8,7 +8,7 @@ use super::score::Scores;
 use super::study::Study;
 use crate::error::Result;
 use crate::optimization::{Batch, Ending, RunOptions, drive};
-use crate::store::{Mode, Place, Storage as _};
+use crate::store::{Mode, Part, Place, Storage as _};
 
 impl Study {
     /// Simulates every point of the study's grid, each with one of the equally valid settings, then those that may be the best
@@ -35,23 +35,51 @@ impl Study {
     ) -> Result<Answer> {
         sweep(self, Some((place.into(), mode)), run)
     }
+
+    /// Simulates one worker's share of the batch of a sweep that is under way, and ends there: interrupted, unless everything is
+    /// merged. What is to be simulated in the next batch depends on all of this one, so the parts are merged first.
+    ///
+    /// # Errors
+    /// As [`Study::sweep_into`].
+    pub fn sweep_part(&self, part: &mut Part, run: &RunOptions<'_>) -> Result<Ending> {
+        Ok(simulate(self, &mut Keeping::Part(part), run)?.0)
+    }
 }
 
 /// What follows the last trial.
 pub(super) const WEIGHING: &str = "weighing what cannot be told apart, auditing the numerics";
 
 fn sweep(study: &Study, place: Option<(Place<'_>, Mode)>, run: &RunOptions<'_>) -> Result<Answer> {
-    let grid = &study.definition().grid;
-    grid.check_size()
-        .map_err(|e| study.definition().at_file(e))?;
-    let points = grid.len();
     let kept = Kept {
         study,
         fingerprint: study.fingerprint(),
         kind: "sweep",
-        expected: points,
+        expected: points(study)?,
     };
     let mut keeping = Keeping::open(&kept, place)?;
+    let (ending, done) = simulate(study, &mut keeping, run)?;
+    run.tell_finishing(WEIGHING, done);
+    let scores = Scores::new(study, &keeping.trials()?)?;
+    keeping.score(&scores.runs)?;
+    keeping.end(ending)?;
+    run.install(|| Answer::new(study, Method::Sweep, ending, scores, None))?
+}
+
+/// Points of the grid.
+fn points(study: &Study) -> Result<usize> {
+    let grid = &study.definition().grid;
+    grid.check_size()
+        .map_err(|e| study.definition().at_file(e))?;
+    Ok(grid.len())
+}
+
+/// Simulates the grid and what may be the best; how many points were asked for in the end.
+fn simulate(
+    study: &Study,
+    keeping: &mut Keeping<'_>,
+    run: &RunOptions<'_>,
+) -> Result<(Ending, usize)> {
+    let points = points(study)?;
     let again = runs_a_round(study);
     let total = points + ROUNDS * again;
     let mut ending = drive(
@@ -60,7 +88,7 @@ fn sweep(study: &Study, place: Option<(Place<'_>, Mode)>, run: &RunOptions<'_>) 
             jobs: run.jobs,
             stop: run.stop_flag(),
         },
-        &mut keeping,
+        keeping,
         |index| study.simulate(index),
         |done| run.tell(done, total, None),
     )?;
@@ -78,15 +106,11 @@ fn sweep(study: &Study, place: Option<(Place<'_>, Mode)>, run: &RunOptions<'_>) 
                 jobs: run.jobs,
                 stop: run.stop_flag(),
             },
-            &mut keeping,
+            keeping,
             |index| study.simulate_values(index, chosen[index - from].clone()),
             |done| run.tell(done, total, best),
         )?;
         from += chosen.len();
     }
-    run.tell_finishing(WEIGHING, from);
-    let scores = Scores::new(study, &keeping.trials()?)?;
-    keeping.score(&scores.runs)?;
-    keeping.end(ending)?;
-    run.install(|| Answer::new(study, Method::Sweep, ending, scores, None))?
+    Ok((ending, from))
 }

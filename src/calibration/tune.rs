@@ -14,7 +14,7 @@ use crate::optimization::{
     Batch, Brief, Ending, History, Optimizer, Proposal, RunOptions, Told, UnitPoint,
     default_optimizer, drive, space_filling,
 };
-use crate::store::{Mode, Place, Storage, Trial};
+use crate::store::{Fingerprint, Mode, Part, Place, Storage, Trial};
 
 /// How to tune.
 #[derive(Debug, Clone, Copy)]
@@ -70,6 +70,50 @@ impl Study {
     ) -> Result<Answer> {
         tune(self, Some((place.into(), mode)), options, run)
     }
+
+    /// What decides the results of a tuning.
+    pub fn tune_fingerprint(&self, options: &TuneOptions) -> Fingerprint {
+        let fingerprint = self
+            .fingerprint()
+            .with("optimizer", options.optimizer.name())
+            .with("first design", first_design(self, options));
+        if options.optimizer.depends_on_budget() {
+            fingerprint.with("budget", options.budget)
+        } else {
+            fingerprint
+        }
+    }
+
+    /// Simulates one worker's share of the batch of a tuning that is under way, and ends there: interrupted, unless everything is
+    /// merged.
+    ///
+    /// # Errors
+    /// As [`Study::tune_into`].
+    pub fn tune_part(
+        &self,
+        part: &mut Part,
+        options: &TuneOptions,
+        run: &RunOptions<'_>,
+    ) -> Result<Ending> {
+        let mut tuning = Tuning::with(self, Keeping::Part(part), options, run)?;
+        Ok(match tuning.search()? {
+            Termination::Interrupted => Ending::Interrupted,
+            _ => Ending::Complete,
+        })
+    }
+}
+
+/// Whether the metric wants a basis that nobody has given.
+fn needs_basis(study: &Study) -> bool {
+    let definition = study.definition();
+    definition.metric.needs().basis && !definition.basis.is_known()
+}
+
+/// Points before the optimizer begins.
+fn first_design(study: &Study, options: &TuneOptions) -> usize {
+    let dimensions = study.definition().grid.ranges().len();
+    let basis = if needs_basis(study) { BASIS_DESIGN } else { 0 };
+    options.optimizer.design(dimensions).max(basis)
 }
 
 fn tune(
@@ -140,6 +184,43 @@ fn refits(
     Ok(Some(best))
 }
 
+/// What the optimizer is told of the study.
+///
+/// # Errors
+/// A budget that does not hold the first design and one batch, or that is too large.
+fn brief(study: &Study, options: &TuneOptions) -> Result<Brief> {
+    let definition = study.definition();
+    let ranges = definition.grid.ranges().iter();
+    let design = first_design(study, options);
+    let brief = Brief {
+        points: ranges.map(|range| range.points).collect(),
+        budget: options.budget.saturating_sub(design),
+        seed: definition.seed,
+    };
+    let batch = options.optimizer.batch(&brief).max(1);
+    if options.budget > MOST_POINTS {
+        return Err(Error::usage("the budget is too large")
+            .field("budget")
+            .found(options.budget)
+            .allowed(format!("at most {MOST_POINTS}")));
+    }
+    if brief.budget < batch {
+        let error = Error::usage("the budget is too small")
+            .field("budget")
+            .found(options.budget)
+            .allowed(format!(
+                "at least {}: a first design of {design} and one batch of {batch}",
+                design + batch
+            ));
+        return Err(if needs_basis(study) {
+            error.advise(Advice::MetricWithoutBasis)
+        } else {
+            error
+        });
+    }
+    Ok(brief)
+}
+
 struct Tuning<'a> {
     study: &'a Study,
     /// Most points: as many as are asked for, or as are stored already.
@@ -147,7 +228,7 @@ struct Tuning<'a> {
     options: &'a TuneOptions,
     brief: Brief,
     run: &'a RunOptions<'a>,
-    keeping: Keeping,
+    keeping: Keeping<'a>,
     design: Vec<UnitPoint>,
     basis: Option<Basis>,
     told: Vec<Told>,
@@ -166,59 +247,24 @@ impl<'a> Tuning<'a> {
         options: &'a TuneOptions,
         run: &'a RunOptions<'a>,
     ) -> Result<Self> {
-        let definition = study.definition();
-        let points: Vec<usize> = definition
-            .grid
-            .ranges()
-            .iter()
-            .map(|range| range.points)
-            .collect();
-        let needs_basis = definition.metric.needs().basis && !definition.basis.is_known();
-        let design =
-            options
-                .optimizer
-                .design(points.len())
-                .max(if needs_basis { BASIS_DESIGN } else { 0 });
-        let brief = Brief {
-            points,
-            budget: options.budget.saturating_sub(design),
-            seed: definition.seed,
-        };
-        let batch = options.optimizer.batch(&brief).max(1);
-        if options.budget > MOST_POINTS {
-            return Err(Error::usage("the budget is too large")
-                .field("budget")
-                .found(options.budget)
-                .allowed(format!("at most {MOST_POINTS}")));
-        }
-        if brief.budget < batch {
-            let error = Error::usage("the budget is too small")
-                .field("budget")
-                .found(options.budget)
-                .allowed(format!(
-                    "at least {}: a first design of {design} and one batch of {batch}",
-                    design + batch
-                ));
-            return Err(if needs_basis {
-                error.advise(Advice::MetricWithoutBasis)
-            } else {
-                error
-            });
-        }
-        let mut fingerprint = study
-            .fingerprint()
-            .with("optimizer", options.optimizer.name())
-            .with("first design", design);
-        if options.optimizer.depends_on_budget() {
-            fingerprint = fingerprint.with("budget", options.budget);
-        }
+        brief(study, options)?;
         let kept = Kept {
             study,
-            fingerprint,
+            fingerprint: study.tune_fingerprint(options),
             kind: "tune",
             expected: options.budget,
         };
-        let keeping = Keeping::open(&kept, place)?;
+        Self::with(study, Keeping::open(&kept, place)?, options, run)
+    }
+
+    fn with(
+        study: &'a Study,
+        keeping: Keeping<'a>,
+        options: &'a TuneOptions,
+        run: &'a RunOptions<'a>,
+    ) -> Result<Self> {
+        let brief = brief(study, options)?;
+        let design = first_design(study, options);
         Ok(Self {
             study,
             budget: options.budget.max(keeping.finished()?.len()),

@@ -119,6 +119,12 @@ pub fn read_repeatable(path: &Path, overrides: &Overrides) -> Result<Repeatable>
     Repeatable::read(path, overrides).map_err(|error| explain(path, Kind::Study, error))
 }
 
+/// Whether a file looks like a search.
+pub fn is_search(path: &Path) -> bool {
+    let source = Source::read(path, "file").ok();
+    source.and_then(|source| Kind::of_ron(&source)) == Some(Kind::Search)
+}
+
 /// Reads a search.
 pub fn read_search(path: &Path, overrides: &search::Overrides) -> Result<Search> {
     Search::read(path, overrides).map_err(|error| explain(path, Kind::Search, error))

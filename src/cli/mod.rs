@@ -18,11 +18,13 @@ mod genome;
 mod identify;
 mod interrupt;
 mod kind;
+mod merge;
 mod mujoco;
 mod odds;
 mod option;
 mod parameters;
 mod picture;
+mod plan;
 mod predict;
 mod progress;
 mod radio;
@@ -31,17 +33,21 @@ mod record;
 mod replay;
 mod report;
 mod results;
+mod run;
 mod search;
 mod sense;
 mod sensitivity;
 mod sensorgraph;
 mod simulate;
+mod status;
+mod submit;
 mod sweep;
 mod tasks;
 mod terminal;
 mod tune;
 mod verify;
 mod vision;
+mod work;
 
 use std::process::ExitCode;
 
@@ -85,6 +91,11 @@ enum Command {
     Tune(tune::Tune),
     Results(results::Results),
     Report(report::ReportCommand),
+    Plan(plan::PlanCommand),
+    Run(run::Run),
+    Merge(merge::Merge),
+    Status(status::StatusCommand),
+    Submit(submit::Submit),
     Sensitivity(sensitivity::Sensitivity),
     Evaluate(evaluate::Evaluate),
     Ensemble(ensemble::Ensemble),
@@ -137,6 +148,11 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Tune(tune) => tune.run(),
         Command::Results(results) => results.run(),
         Command::Report(report) => report.run(),
+        Command::Plan(plan) => plan.run(),
+        Command::Run(run) => run.run(),
+        Command::Merge(merge) => merge.run(),
+        Command::Status(status) => status.run(),
+        Command::Submit(submit) => submit.run(),
         Command::Sensitivity(sensitivity) => sensitivity.run(),
         Command::Evaluate(evaluate) => evaluate.run(),
         Command::Ensemble(ensemble) => ensemble.run(),

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use clap::Args;
 use realgap::optimization::{Ending, Progress, RunOptions};
+use realgap::plan::Work;
 use realgap::plot::{Side, TextTable, quantity};
 use realgap::results::{Kind, SearchSummary, write_search};
 use realgap::search::{self, Finalist, Mode, Overrides, SearchResults};
@@ -58,7 +59,7 @@ pub struct Search {
 }
 
 impl Search {
-    pub fn run(self) -> Result<ExitCode> {
+    fn read(&self) -> Result<search::Search> {
         let set = self.values.parameter_set()?;
         terminal::print_warnings(&recording_unused(&set));
         let overrides = Overrides {
@@ -66,7 +67,16 @@ impl Search {
             indistinguishable: self.indistinguishable.clone(),
             seed: self.seed,
         };
-        let search = read_search(&self.search, &overrides)?;
+        read_search(&self.search, &overrides)
+    }
+
+    /// What shards can share.
+    pub fn work(&self) -> Result<Work> {
+        Ok(Work::Search(Box::new(self.read()?)))
+    }
+
+    pub fn run(self) -> Result<ExitCode> {
+        let search = self.read()?;
         let folder = match &self.output {
             Some(folder) => folder.clone(),
             None => PathBuf::from("results").join(search.name()),

@@ -6,6 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use realgap::Result;
 use realgap::optimization::RunOptions;
+use realgap::plan::Work;
 
 use super::answer::StudyOptions;
 use super::{interrupt, progress};
@@ -25,6 +26,11 @@ pub struct Sweep {
 }
 
 impl Sweep {
+    /// What shards can share.
+    pub fn work(&self) -> Result<Work> {
+        Ok(Work::Sweep(Box::new(self.options.study(self.points)?)))
+    }
+
     pub fn run(self) -> Result<ExitCode> {
         let options = &self.options;
         let study = options.study(self.points)?;

@@ -6,6 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use realgap::calibration::TuneOptions;
 use realgap::optimization::{OPTIMIZERS, Progress, RunOptions, optimizer_by_name};
+use realgap::plan::Work;
 use realgap::plot::quantity;
 use realgap::{Error, Result};
 
@@ -44,12 +45,22 @@ fn optimizers() -> String {
 }
 
 impl Tune {
-    pub fn run(self) -> Result<ExitCode> {
-        let tuning = TuneOptions {
+    fn tuning(&self) -> Result<TuneOptions> {
+        Ok(TuneOptions {
             optimizer: optimizer_by_name(&self.optimizer).map_err(Error::into_usage)?,
             budget: self.budget,
             patience: self.patience,
-        };
+        })
+    }
+
+    /// What shards can share.
+    pub fn work(&self) -> Result<Work> {
+        let study = Box::new(self.options.study(None)?);
+        Ok(Work::Tune(study, self.tuning()?))
+    }
+
+    pub fn run(self) -> Result<ExitCode> {
+        let tuning = self.tuning()?;
         let options = &self.options;
         let study = options.study(None)?;
         let folder = options.folder(&study, &format!("_{}", tuning.optimizer.name()))?;

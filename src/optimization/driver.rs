@@ -40,7 +40,8 @@ pub fn pool(jobs: usize) -> Result<rayon::ThreadPool> {
         })
 }
 
-/// Evaluates all points that the storage does not have yet, in parallel, and keeps each as it comes.
+/// Evaluates all points that the storage does not have yet and takes, in parallel, and keeps each as it comes. Where others
+/// are missing that it does not take, the drive ends as interrupted.
 ///
 /// Which thread evaluates which point has no influence on any result. `progress` is called on the
 /// calling thread with the number of points finished so far, stored ones included.
@@ -54,10 +55,12 @@ pub fn drive<R: Send>(
     mut progress: impl FnMut(usize),
 ) -> Result<Ending> {
     let finished: BTreeSet<usize> = store.finished()?;
-    let todo: Vec<usize> = (0..batch.points)
+    let mut todo: Vec<usize> = (0..batch.points)
         .filter(|index| !finished.contains(index))
         .collect();
     let mut done = batch.points - todo.len();
+    store.begin(batch.points);
+    todo.retain(|index| store.takes(*index));
     progress(done);
     // A thread without a point of its own helps with the cases of the others.
     let pool = pool(batch.jobs)?;

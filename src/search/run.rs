@@ -5,7 +5,7 @@ use super::robot::{EvaluatedRobot, Outcome, Performance};
 use super::strategy::{Evaluated, Strategy};
 use crate::optimization::{Batch, Ending, RunOptions, drive};
 use crate::robot::genome::Genome;
-use crate::store::{Memory, Mode, Place, RobotRow, Storage, Store};
+use crate::store::{Memory, Mode, Part, Place, RobotRow, Storage, Store};
 use crate::{Error, Result};
 
 /// The robots of a search.
@@ -107,6 +107,20 @@ impl Search {
             store.complete()?;
         }
         Ok(results)
+    }
+
+    /// Simulates one worker's share of the batch of robots that is under way, and ends there: interrupted, unless everything is
+    /// merged.
+    ///
+    /// # Errors
+    /// As [`Search::run_in`].
+    pub fn run_part(
+        &self,
+        part: &mut Part<RobotRow>,
+        options: &RunOptions<'_>,
+    ) -> Result<Ending> {
+        let results = follow(self.strategy(), part, options, |i, g| self.evaluate(i, g))?;
+        Ok(results.ending)
     }
 
     fn open(&self, place: Place<'_>, mode: Mode) -> Result<Store<RobotRow>> {

@@ -39,7 +39,7 @@ const VERIFIED_AT_ONCE: i64 = 256;
 pub struct Store<R = Trial> {
     pub(super) connection: Connection,
     pub(super) path: PathBuf,
-    tally: Tally,
+    pub(super) tally: Tally,
     is_marked_complete: bool,
     lock: Option<FolderLock>,
     rows: PhantomData<R>,
@@ -47,7 +47,7 @@ pub struct Store<R = Trial> {
 
 impl<R> Store<R> {
     /// The description and fingerprint entries with their checksums, and everything below them, must be what was written.
-    fn common_checksums(&self) -> rusqlite::Result<Tally> {
+    pub(super) fn common_checksums(&self) -> rusqlite::Result<Tally> {
         let mut tally = Tally::default();
         for (name, value) in entries(&self.connection, "SELECT name, value FROM description")? {
             tally.add(entry_checksum("description", &name, &value));
@@ -333,6 +333,15 @@ impl<R: Table> Store<R> {
                 _ => return Err(self.damaged("a score that has changed")),
             }
         }
+        self.must_tally(&snapshot, tally)?;
+        drop(snapshot);
+        self.tally = tally;
+        self.is_marked_complete = self.is_complete()?;
+        Ok(())
+    }
+
+    /// What the store says of its rows together must be what was read.
+    pub(super) fn must_tally(&self, snapshot: &Transaction<'_>, read: Tally) -> Result<()> {
         let stored: Vec<Tally> = snapshot
             .prepare("SELECT rows, checksum FROM tally")
             .and_then(|mut statement| {
@@ -344,17 +353,14 @@ impl<R: Table> Store<R> {
                 })?;
                 rows.collect()
             })
-            .map_err(fail)?;
-        if stored != [tally] {
+            .map_err(|e| sql(&self.path, "read the results", &e))?;
+        if stored != [read] {
             return Err(self.damaged("rows that are gone, or that nobody wrote"));
         }
-        drop(snapshot);
-        self.tally = tally;
-        self.is_marked_complete = self.is_complete()?;
         Ok(())
     }
 
-    fn checked(&self, from: i64, to: i64) -> Result<Vec<(R, i64)>> {
+    pub(super) fn checked(&self, from: i64, to: i64) -> Result<Vec<(R, i64)>> {
         let rows = R::read(&self.connection, from, to)
             .map_err(|e| sql(&self.path, "read the results", &e))?;
         rows.into_iter()

@@ -131,7 +131,7 @@ impl FolderLock {
     }
 
     /// Whether anybody is writing into this folder now.
-    pub(super) fn is_held(folder: &Path) -> bool {
+    pub fn is_held(folder: &Path) -> bool {
         let file = File::open(folder.join(LOCK_FILE));
         file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
     }

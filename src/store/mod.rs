@@ -32,12 +32,15 @@ mod fingerprint;
 mod listing;
 mod lock;
 mod log;
+mod merge;
 mod opening;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod part;
 mod robot;
 mod row;
 mod score;
+mod share;
 mod storage;
 #[cfg(test)]
 mod tests;
@@ -47,10 +50,14 @@ pub use database::{STORE_FILE, Store};
 pub use fingerprint::Fingerprint;
 pub use listing::{Cell, Column, ColumnKind, Listing};
 pub use lock::{FolderLock, Place};
+pub use merge::{Absorbed, Merger};
 pub use opening::Mode;
 #[cfg(feature = "parquet")]
 pub use parquet::to_parquet;
+pub use part::Part;
 pub use robot::{RobotOutcome, RobotRow, TravelRow};
 pub use row::Row;
+pub(crate) use row::Table;
+pub use share::{MOST_SHARES, Share};
 pub use storage::{Memory, Storage};
 pub use trial::{CaseOutcome, CaseResult, CaseRow, Trial, TrialScore};

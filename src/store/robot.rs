@@ -151,6 +151,15 @@ impl Columns {
     }
 }
 
+impl RobotRow {
+    /// About how many bytes it takes in a store.
+    pub fn stored_bytes(&self) -> usize {
+        let columns = Columns::of(self);
+        let lists: usize = columns.lists.iter().map(Vec::len).sum();
+        40 + columns.genome.len() + columns.status.len() + columns.seen.len() + lists
+    }
+}
+
 impl Row for RobotRow {
     fn index(&self) -> usize {
         self.index

@@ -26,6 +26,17 @@ pub trait Storage<R> {
     /// # Errors
     /// A store that cannot be read.
     fn rows_within(&self, range: Range<usize>) -> Result<Vec<R>>;
+
+    /// Hears how many rows a run wants in the end of the batch that begins, those before it included.
+    fn begin(&mut self, rows: usize) {
+        let _ = rows;
+    }
+
+    /// Whether a row that is missing is to be made for this storage: one of several workers takes its share alone.
+    fn takes(&self, index: usize) -> bool {
+        let _ = index;
+        true
+    }
 }
 
 /// Rows in memory.

@@ -1,0 +1,143 @@
+//! `realgap merge`: put the shards of a plan together, and answer.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::optimization::RunOptions;
+use realgap::plan::{Merged, Plan, Round};
+use realgap::unit::counted;
+use realgap::{Error, Result};
+
+use super::option::{Format, Jobs};
+use super::{interrupt, terminal, work};
+
+/// Put together what the shards of a plan have made; in the end, write the answer
+///
+/// Every row is compared with its checksum. Shards that are missing, damaged or of another plan are named, and the others are
+/// merged all the same; merging twice changes nothing. Where a round is whole, the next one is found out, and the shards are
+/// run again. After the last, PLAN/results is what the command itself would have written.
+#[derive(Debug, Args)]
+pub struct Merge {
+    /// Folder of the plan
+    plan: PathBuf,
+    /// Remove the stores of the shards whose rows are merged
+    #[arg(long)]
+    tidy: bool,
+    #[command(flatten)]
+    jobs: Jobs,
+    /// How to print the answer
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Merge {
+    pub fn run(self) -> Result<ExitCode> {
+        let (plan, work) = work::open(&self.plan)?;
+        let run = RunOptions {
+            jobs: self.jobs.count(),
+            stop: Some(interrupt::stop_flag()?),
+            progress: None,
+        };
+        let (merged, before, next) = work.merge(&plan, &run)?;
+        drop(work);
+        // Of a machine only the answer is wanted.
+        let say = |text: String| match self.format {
+            Format::Table => terminal::print(text),
+            Format::Json => terminal::note(&text),
+        };
+        if merged.new + merged.known > 0 {
+            let known = match merged.known {
+                0 => String::new(),
+                known => format!(", {known} were known to the bit"),
+            };
+            say(format!(
+                "{} of {}: {} merged{known}",
+                plan.draft().command[0],
+                plan.draft().name,
+                counted(merged.new, "new row"),
+            ));
+        }
+        if self.tidy {
+            plan.tidy(&next)?;
+        }
+        if next.complete {
+            return self.answer(&plan);
+        }
+        if next.number == before.number {
+            return Err(self.missing(&plan, &merged, &next)?);
+        }
+        say(format!(
+            "round {} is whole; {} more asked for: run the shards again\n  realgap run {} --shard {}",
+            next.number - 1,
+            match next.to - next.from {
+                1 => "1 row is".to_owned(),
+                rows => format!("{rows} rows are"),
+            },
+            self.plan.display(),
+            plan.status()?.pending(),
+        ));
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// A round that is not whole: which shards are to be looked after, and how.
+    fn missing(&self, plan: &Plan, merged: &Merged, round: &Round) -> Result<Error> {
+        let status = plan.status()?;
+        let mut found = Vec::new();
+        if !merged.running.is_empty() {
+            found.push(format!("at work: {}", numbers(&merged.running)));
+        }
+        found.extend(
+            merged
+                .refused
+                .iter()
+                .map(|refused| format!("{}: {}", refused.shard, refused.why)),
+        );
+        let left = round.to - round.from - round.merged;
+        let damaged = !merged.refused.is_empty();
+        Ok(Error::conflict(format!(
+            "round {} is not whole: {left} of {} rows are missing",
+            round.number,
+            round.to - round.from
+        ))
+        .at_file(&self.plan)
+        .found(match found.is_empty() {
+            true => "shards that have not been run to their end".to_owned(),
+            false => found.join("\n           "),
+        })
+        .hint(format!(
+            "{}run: realgap run {} --shard {}; then merge again",
+            match damaged {
+                true => "remove the folders of damaged shards (what they did is made again), then ",
+                false => "",
+            },
+            self.plan.display(),
+            status.pending()
+        )))
+    }
+
+    /// Runs the command itself in the folder of the results, where every row is there already.
+    fn answer(&self, plan: &Plan) -> Result<ExitCode> {
+        let mut words = plan.draft().command.clone();
+        let results = plan.results();
+        words.extend([
+            "--resume".to_owned(),
+            "--output".to_owned(),
+            results.to_string_lossy().into_owned(),
+            "--jobs".to_owned(),
+            self.jobs.count().to_string(),
+            "--format".to_owned(),
+            match self.format {
+                Format::Table => "table",
+                Format::Json => "json",
+            }
+            .to_owned(),
+        ]);
+        super::run(work::parse(&words)?)
+    }
+}
+
+fn numbers(all: &[usize]) -> String {
+    let all: Vec<String> = all.iter().map(usize::to_string).collect();
+    all.join(", ")
+}

@@ -1,0 +1,142 @@
+//! `realgap plan`: cut a long run into shards.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, ValueEnum};
+use realgap::optimization::RunOptions;
+use realgap::plan::{Plan, PlanDraft};
+use realgap::unit::counted;
+use realgap::{Error, Result};
+
+use super::option::{Format, Jobs};
+use super::work::{absolute, check_arguments, parse, work_of};
+use super::{interrupt, kind, terminal};
+
+/// Cut a sweep, a tuning or a search into shards that many machines can run
+///
+/// The plan is a folder that all machines see. `realgap run PLAN --shard I` makes a part of the rows, `realgap merge PLAN` puts the
+/// parts together, says what is to be made next, and in the end writes PLAN/results: byte for byte what one machine would
+/// have written. `realgap submit slurm PLAN` lets Slurm do all of that. Options of the command itself follow after --, e.g.
+///
+///   realgap plan sweeps/tripod_floor.ron --shards 20 -o plan -- --points 41
+///
+/// A few runs are measured first, so that the plan says what it will cost.
+#[derive(Debug, Args)]
+pub struct PlanCommand {
+    /// The study or search, e.g. sweeps/tripod_floor.ron
+    study: PathBuf,
+    /// Folder for the plan, on a disk that all machines see
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// In how many shards every round is cut
+    #[arg(long, value_name = "N", required_unless_present = "shard_minutes")]
+    shards: Option<usize>,
+    /// In so many that each takes about so many minutes of one core
+    #[arg(long, value_name = "MINUTES", conflicts_with = "shards")]
+    shard_minutes: Option<f64>,
+    /// What to do with a study [default: sweep]
+    #[arg(long = "as", value_name = "COMMAND", value_enum)]
+    command: Option<Planned>,
+    /// Do not measure what it will cost
+    #[arg(long, conflicts_with = "shard_minutes")]
+    no_measure: bool,
+    #[command(flatten)]
+    jobs: Jobs,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    /// Options of the command itself
+    #[arg(last = true, value_name = "OPTIONS")]
+    arguments: Vec<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Planned {
+    Sweep,
+    Tune,
+    Search,
+}
+
+impl PlanCommand {
+    pub fn run(self) -> Result<ExitCode> {
+        check_arguments(&self.arguments)?;
+        let command = match self.command {
+            Some(Planned::Sweep) => "sweep",
+            Some(Planned::Tune) => "tune",
+            Some(Planned::Search) => "search",
+            None if kind::is_search(&self.study) => "search",
+            None => "sweep",
+        };
+        let directory =
+            std::env::current_dir().map_err(|e| Error::io("find the current folder", ".", &e))?;
+        let study = absolute(&self.study)?;
+        let Some(study) = study.to_str() else {
+            return Err(Error::usage("a plan cannot hold this path")
+                .found(study.display())
+                .allowed("text in UTF-8"));
+        };
+        let mut words = vec![command.to_owned(), study.to_owned()];
+        words.extend(self.arguments.iter().cloned());
+        let work = work_of(&parse(&words)?)?;
+        let cost = match self.no_measure {
+            true => None,
+            false => Some(work.measure()?),
+        };
+        let shards = match (self.shards, self.shard_minutes, cost) {
+            (Some(shards), ..) => shards,
+            (None, Some(minutes), Some(cost)) if minutes > 0.0 => cost.shards_of(60.0 * minutes),
+            _ => {
+                return Err(Error::usage("a shard takes some time")
+                    .field("--shard-minutes")
+                    .allowed("more than 0"));
+            }
+        };
+        let draft = PlanDraft {
+            command: words,
+            directory,
+            name: work.name().to_owned(),
+            shards,
+            fingerprint: work.fingerprint().entries().to_vec(),
+            cost,
+        };
+        let run = RunOptions {
+            jobs: self.jobs.count(),
+            stop: Some(interrupt::stop_flag()?),
+            progress: None,
+        };
+        let plan = Plan::create(&self.output, draft)?;
+        let round = work.begin(&plan, &run)?;
+        if self.format == Format::Json {
+            terminal::print(terminal::json(&plan.status()?)?);
+            return Ok(ExitCode::SUCCESS);
+        }
+        let folder = self.output.display();
+        let mut lines = vec![format!(
+            "{command} of {} in {}, at first {}",
+            work.name(),
+            counted(shards, "shard"),
+            counted(round.to, "row"),
+        )];
+        if round.to < shards {
+            lines.push(format!(
+                "  {} of the shards have nothing to do in this round: rows are not divided",
+                shards - round.to
+            ));
+        }
+        if let Some(cost) = cost {
+            lines.push(format!("  {cost}"));
+            let all = cost.cpu_s() / shards.min(round.to.max(1)) as f64;
+            lines.push(format!(
+                "  with all of them at once, on a core each: {:.1} h and what the merges take",
+                all / 3600.0
+            ));
+        }
+        lines.push(format!("  a shard:        realgap run {folder} --shard 0"));
+        lines.push(format!("  after a round:  realgap merge {folder}"));
+        lines.push(format!("  how far it is:  realgap status {folder}"));
+        lines.push(format!("  or all of it:   realgap submit slurm {folder} --go"));
+        terminal::print(lines.join("\n"));
+        Ok(ExitCode::SUCCESS)
+    }
+}

@@ -1,0 +1,105 @@
+//! `realgap run`: make the rows of some shards.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::optimization::RunOptions;
+use realgap::store::Share;
+use realgap::unit::counted;
+use realgap::{Error, Result};
+
+use super::option::Jobs;
+use super::{interrupt, progress, terminal, work};
+
+/// Make the rows of one shard of a plan, or of several, one after the other
+///
+/// A shard that was stopped or killed goes on where it was; one that is done has nothing to do. It writes into a store of its own,
+/// so any number of shards can run at the same time, on any machine that sees the plan's folder.
+#[derive(Debug, Args)]
+pub struct Run {
+    /// Folder of the plan
+    plan: PathBuf,
+    /// Which shards: 3, or 0-7, or 0-3,9
+    #[arg(long = "shard", value_name = "NUMBERS", value_parser = parse_numbers, allow_hyphen_values = true)]
+    shards: Numbers,
+    #[command(flatten)]
+    jobs: Jobs,
+}
+
+/// Numbers of shards, in the order in which they were named.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Numbers(Vec<(usize, usize)>);
+
+fn parse_numbers(text: &str) -> std::result::Result<Numbers, String> {
+    let refused = || "allowed: whole numbers from 0, and ranges of them: 0-3,9".to_owned();
+    let number = |text: &str| text.parse::<usize>().map_err(|_| refused());
+    let parts = text.split(',').map(|part| match part.split_once('-') {
+        None => Ok((number(part)?, number(part)?)),
+        Some((first, last)) => match (number(first)?, number(last)?) {
+            (first, last) if first <= last => Ok((first, last)),
+            _ => Err(refused()),
+        },
+    });
+    Ok(Numbers(parts.collect::<std::result::Result<_, _>>()?))
+}
+
+impl Run {
+    pub fn run(self) -> Result<ExitCode> {
+        let (plan, work) = work::open(&self.plan)?;
+        let of = plan.draft().shards;
+        let highest = self.shards.0.iter().map(|(_, last)| *last).max();
+        // Before any work: one slip of the pen, one answer.
+        Share::new(highest.unwrap_or(0), of)?;
+        let round = plan.round()?;
+        if round.complete {
+            terminal::print(format!(
+                "nothing is left to be made; what is left is: realgap merge {}",
+                self.plan.display()
+            ));
+            return Ok(ExitCode::SUCCESS);
+        }
+        for number in self.shards.0.iter().flat_map(|(first, last)| *first..=*last) {
+            let share = Share::new(number, of)?;
+            let rows = round.rows_of(number, of);
+            let bar = progress::bar(rows, &format!("shard {number}"));
+            let run = RunOptions {
+                jobs: self.jobs.count(),
+                stop: Some(interrupt::stop_flag()?),
+                progress: None,
+            };
+            let left = work.run_shard(&plan, share, &run);
+            bar.finish_and_clear();
+            let left = left?;
+            if left > 0 {
+                return Err(Error::interrupted(format!(
+                    "shard {number} was interrupted with {} of {} left; the others are saved",
+                    left, rows
+                ))
+                .at_file(plan.shard_folder(round.number, number))
+                .hint("run the shard again: it goes on where it was"));
+            }
+            terminal::print(format!(
+                "shard {number} of {of}, round {}: {} made",
+                round.number,
+                counted(rows, "row")
+            ));
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_are_numbers_and_ranges() {
+        let numbers = |text| parse_numbers(text).map(|numbers| numbers.0);
+        assert_eq!(numbers("3").unwrap(), [(3, 3)]);
+        assert_eq!(numbers("0-2,7").unwrap(), [(0, 2), (7, 7)]);
+        for wrong in ["-1", "", "a", "3-1", "1,,2", "1-"] {
+            assert!(numbers(wrong).is_err(), "{wrong}");
+        }
+    }
+}

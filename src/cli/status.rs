@@ -1,0 +1,134 @@
+//! `realgap status`: how far a plan is.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::Result;
+use realgap::plan::{Plan, ShardState, Status};
+use realgap::plot::{Side, TextTable};
+
+use super::option::Format;
+use super::terminal;
+
+/// How far the shards of a plan are
+#[derive(Debug, Args)]
+pub struct StatusCommand {
+    /// Folder of the plan
+    plan: PathBuf,
+    /// Print nothing but the shards that are still to be run, as Slurm writes arrays (0-3,7); nothing where there are none
+    #[arg(long, conflicts_with_all = ["round", "answered", "format"])]
+    pending: bool,
+    /// Print nothing but the number of the round under way, or `complete`
+    #[arg(long, conflicts_with_all = ["answered", "format"])]
+    round: bool,
+    /// Print nothing but the folder of the results, once they are written
+    #[arg(long, conflicts_with = "format")]
+    answered: bool,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Shards are listed one by one up to so many.
+const LISTED: usize = 40;
+
+impl StatusCommand {
+    pub fn run(self) -> Result<ExitCode> {
+        let plan = Plan::read(&self.plan)?;
+        let status = plan.status()?;
+        if self.pending {
+            print_if_any(status.pending());
+        } else if self.round {
+            print_if_any(match status.round.complete {
+                true => "complete".to_owned(),
+                false => status.round.number.to_string(),
+            });
+        } else if self.answered {
+            if status.answered {
+                terminal::print(plan.results().display().to_string());
+            }
+        } else {
+            match self.format {
+                Format::Json => terminal::print(terminal::json(&status)?),
+                Format::Table => terminal::print(self.table(&plan, &status)),
+            }
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn table(&self, plan: &Plan, status: &Status) -> String {
+        let round = &status.round;
+        let mut lines = vec![format!(
+            "{}: {}",
+            status.name,
+            if status.answered {
+                format!("complete, {} rows in {}", status.merged, plan.results().display())
+            } else if round.complete {
+                format!(
+                    "all {} rows are merged; the answer is written by: realgap merge {}",
+                    status.merged,
+                    self.plan.display()
+                )
+            } else {
+                format!(
+                    "round {}, rows {} to {}: {} merged",
+                    round.number,
+                    round.from,
+                    round.to.saturating_sub(1),
+                    round.merged
+                )
+            }
+        )];
+        if let Some(cost) = status.cost {
+            lines.push(format!("  {cost}"));
+        }
+        let states = [
+            ShardState::Merged,
+            ShardState::Done,
+            ShardState::Running,
+            ShardState::Stopped,
+            ShardState::Waiting,
+            ShardState::Damaged,
+            ShardState::Idle,
+        ];
+        let counts: Vec<String> = states
+            .into_iter()
+            .filter_map(|state| {
+                let count = status.shards.iter().filter(|s| s.state == state).count();
+                (count > 0).then(|| format!("{count} {}", state.name()))
+            })
+            .collect();
+        lines.push(format!("  shards: {}", counts.join(", ")));
+        if status.shards.len() <= LISTED && !round.complete {
+            let mut table = TextTable::new([
+                ("shard", Side::Right),
+                ("state", Side::Left),
+                ("rows", Side::Right),
+                ("of", Side::Right),
+            ]);
+            for shard in &status.shards {
+                table.push(vec![
+                    shard.shard.to_string(),
+                    shard.state.name().to_owned(),
+                    shard.done.to_string(),
+                    shard.rows.to_string(),
+                ]);
+            }
+            let rendered = table.render(terminal::stdout_wants_colour());
+            lines.push(rendered.trim_end().to_owned());
+        }
+        let pending = status.pending();
+        if !round.complete && !pending.is_empty() {
+            let folder = self.plan.display();
+            lines.push(format!("  to be run: realgap run {folder} --shard {pending}"));
+        }
+        lines.join("\n")
+    }
+}
+
+fn print_if_any(text: String) {
+    if !text.is_empty() {
+        terminal::print(text);
+    }
+}

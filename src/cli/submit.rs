@@ -1,0 +1,89 @@
+//! `realgap submit`: let an engine that people have run a plan.
+
+use std::path::PathBuf;
+use std::process::{Command, ExitCode};
+
+use clap::{Args, Subcommand};
+use realgap::plan::{Plan, Slurm, scripts};
+use realgap::{Error, Result};
+
+use super::terminal;
+
+/// Let Slurm run a plan: arrays of shards, a merge after each, retries, and the answer
+#[derive(Debug, Args)]
+pub struct Submit {
+    #[command(subcommand)]
+    engine: Engine,
+}
+
+#[derive(Debug, Subcommand)]
+enum Engine {
+    Slurm(SlurmOptions),
+}
+
+/// Write job scripts for Slurm into PLAN/slurm, and with --go submit them
+///
+/// A round is an array of jobs, one a shard; a merge follows whatever became of them, and submits the shards that are still
+/// missing, or the next round, until PLAN/results is written. Jobs that are requeued go on where they were.
+#[derive(Debug, Args)]
+struct SlurmOptions {
+    /// Folder of the plan
+    plan: PathBuf,
+    /// Partition
+    #[arg(long, value_name = "NAME")]
+    partition: Option<String>,
+    /// Account
+    #[arg(long, value_name = "NAME")]
+    account: Option<String>,
+    /// Longest time of one job, as Slurm writes it
+    #[arg(long, value_name = "HH:MM:SS")]
+    time: Option<String>,
+    /// Memory of one job, as Slurm writes it
+    #[arg(long, value_name = "SIZE")]
+    mem: Option<String>,
+    /// Processors of one job, and so threads
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    cpus: u16,
+    /// How often what failed in a round is begun again
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    retries: usize,
+    /// Any other option of sbatch, e.g. --sbatch=--nodelist=n1 (repeatable)
+    #[arg(long = "sbatch", value_name = "OPTION", allow_hyphen_values = true)]
+    options: Vec<String>,
+    /// Submit, too
+    #[arg(long)]
+    go: bool,
+}
+
+impl Submit {
+    pub fn run(self) -> Result<ExitCode> {
+        let Engine::Slurm(options) = self.engine;
+        let plan = Plan::read(&options.plan)?;
+        let program = std::env::current_exe()
+            .map_err(|e| Error::io("find this program", "realgap", &e))?;
+        let slurm = Slurm {
+            program,
+            partition: options.partition,
+            account: options.account,
+            time: options.time,
+            memory: options.mem,
+            cpus: usize::from(options.cpus),
+            retries: options.retries,
+            options: options.options,
+        };
+        let script = scripts(&plan, &slurm)?;
+        if !options.go {
+            terminal::print(format!("submit it with: bash {}", script.display()));
+            return Ok(ExitCode::SUCCESS);
+        }
+        let done = Command::new("bash").arg(&script).status();
+        let done = done.map_err(|e| Error::io("start bash for", &script, &e))?;
+        if !done.success() {
+            return Err(Error::invalid("Slurm did not take the jobs")
+                .at_file(&script)
+                .found(done)
+                .hint("what it said stands above; try `sinfo`"));
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}

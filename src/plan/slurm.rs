@@ -1,0 +1,155 @@
+//! Scripts for Slurm: an array of shards, a merge that depends on it, and the next array.
+
+use std::path::{Path, PathBuf};
+
+use super::file::Plan;
+use crate::error::{Error, Result};
+use crate::file::write_atomic;
+
+/// What Slurm is asked for.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Slurm {
+    /// This program, as the nodes find it.
+    pub program: PathBuf,
+    /// Partition; Slurm's own default where there is none.
+    pub partition: Option<String>,
+    /// Account.
+    pub account: Option<String>,
+    /// Longest time of a shard, as Slurm writes it (`02:00:00`).
+    pub time: Option<String>,
+    /// Memory of a shard, as Slurm writes it (`2G`).
+    pub memory: Option<String>,
+    /// Processors of a shard.
+    pub cpus: usize,
+    /// How often the shards of a round that have failed are begun again.
+    pub retries: usize,
+    /// Any other option of `sbatch`, as it is written there.
+    pub options: Vec<String>,
+}
+
+const CHAIN: &str = r#"# The shards that a round still needs, and a merge after them, whatever became of them.
+submit_round() { # RETRY ROUND
+    local pending job
+    pending=$("$realgap" status "$plan" --pending) || exit 1
+    if [ -z "$pending" ]; then
+        # Everything is made: what is left is to merge and to answer.
+        sbatch --parsable "${options[@]}" --job-name="merge-$name" --output="$logs/merge_%j.txt" \
+            "$here/merge.sh" "$1" "$2"
+        return
+    fi
+    job=$(sbatch --parsable "${options[@]}" --job-name="$name" --array="$pending" --requeue --open-mode=append \
+        --output="$logs/%A_%a.txt" "$here/shard.sh") || exit 1
+    echo "round $2: shards $pending are job ${job%%;*}"
+    job=$(sbatch --parsable "${options[@]}" --job-name="merge-$name" --output="$logs/merge_%j.txt" \
+        --dependency=afterany:"${job%%;*}" "$here/merge.sh" "$1" "$2") || exit 1
+    echo "its merge is job ${job%%;*}"
+}
+"#;
+
+const SHARD: &str = r#"exec "$realgap" run "$plan" --shard "$SLURM_ARRAY_TASK_ID" --jobs "${SLURM_CPUS_PER_TASK:-1}"
+"#;
+
+const MERGE: &str = r#"retry=$1
+before=$2
+"$realgap" merge "$plan" --jobs "${SLURM_CPUS_PER_TASK:-1}"
+code=$?
+round=$("$realgap" status "$plan" --round) || exit 1
+if [ "$round" = complete ]; then
+    exit $code
+fi
+if [ "$round" = "$before" ]; then
+    retry=$((retry + 1))
+    if [ "$retry" -gt "$retries" ]; then
+        echo "round $round failed $retry times; see $logs, then: bash $here/submit.sh" >&2
+        exit 1
+    fi
+else
+    retry=0
+fi
+submit_round "$retry" "$round"
+"#;
+
+const SUBMIT: &str = r#"round=$("$realgap" status "$plan" --round) || exit 1
+if [ "$round" = complete ] && [ -n "$("$realgap" status "$plan" --answered)" ]; then
+    echo "the plan is complete: see $plan/results"
+    exit 0
+fi
+submit_round 0 "$round"
+"#;
+
+/// Writes `slurm/` into the plan's folder: `submit.sh` begins, `shard.sh` and `merge.sh` are jobs. The path of `submit.sh`.
+///
+/// # Errors
+/// Paths or options with characters that no script should hold; an unwritable folder.
+pub fn scripts(plan: &Plan, slurm: &Slurm) -> Result<PathBuf> {
+    let absolute = |path: &Path| {
+        std::path::absolute(path).map_err(|e| Error::io("find the absolute path", path, &e))
+    };
+    let folder = absolute(plan.folder())?;
+    let here = folder.join("slurm");
+    let logs = here.join("logs");
+    std::fs::create_dir_all(&logs).map_err(|e| Error::io("make the folder of logs", &logs, &e))?;
+    let mut options = vec![format!("--cpus-per-task={}", slurm.cpus.max(1))];
+    let named = [
+        ("partition", &slurm.partition),
+        ("account", &slurm.account),
+        ("time", &slurm.time),
+        ("mem", &slurm.memory),
+    ];
+    for (name, value) in named {
+        options.extend(value.iter().map(|value| format!("--{name}={value}")));
+    }
+    options.extend(slurm.options.iter().cloned());
+    let options: Result<Vec<String>> = options.iter().map(|option| quoted(option)).collect();
+    let text = |path: &Path| quoted(&path.to_string_lossy());
+    let head = format!(
+        "#!/bin/bash\n\
+         # Written by realgap submit slurm.\n\
+         set -u\n\
+         realgap={}\n\
+         plan={}\n\
+         here={}\n\
+         logs={}\n\
+         name={}\n\
+         retries={}\n\
+         options=({})\n",
+        text(&slurm.program)?,
+        text(&folder)?,
+        text(&here)?,
+        text(&logs)?,
+        quoted(&plan.draft().name)?,
+        slurm.retries,
+        options?.join(" "),
+    );
+    let submit = here.join("submit.sh");
+    for (file, body) in [
+        (here.join("shard.sh"), SHARD.to_owned()),
+        (here.join("merge.sh"), format!("{CHAIN}{MERGE}")),
+        (submit.clone(), format!("{CHAIN}{SUBMIT}")),
+    ] {
+        write_atomic(file, format!("{head}{body}").as_bytes())?;
+    }
+    Ok(submit)
+}
+
+/// A text as one word of a shell, whatever is in it.
+fn quoted(text: &str) -> Result<String> {
+    if text.chars().any(char::is_control) {
+        return Err(Error::usage("a script cannot hold this")
+            .found(text.escape_debug())
+            .allowed("text without control characters"));
+    }
+    Ok(format!("'{}'", text.replace('\'', r"'\''")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whatever_a_path_holds_is_one_word() {
+        assert_eq!(quoted("a b").unwrap(), "'a b'");
+        assert_eq!(quoted("it's $(rm)").unwrap(), r"'it'\''s $(rm)'");
+        assert!(quoted("a\nb").is_err());
+    }
+}

@@ -1,0 +1,211 @@
+//! What can be shared among shards.
+
+use std::time::Instant;
+
+use super::cost::Cost;
+use super::file::Plan;
+use super::merge::Merged;
+use super::round::Round;
+use crate::calibration::{Study, TuneOptions};
+use crate::error::{Error, Result};
+use crate::optimization::RunOptions;
+use crate::search::Search;
+use crate::store::{Fingerprint, FolderLock, Part, RobotRow, Share, Table, Trial};
+
+/// Something long whose rows can be made by several workers.
+pub enum Work {
+    /// All points of a study's grid, and what may be the best of them again.
+    Sweep(Box<Study>),
+    /// The points that an optimizer asks for.
+    Tune(Box<Study>, TuneOptions),
+    /// The robots that a strategy proposes.
+    Search(Box<Search>),
+}
+
+/// Runs are measured until they have taken so long together,
+const MEASURED_S: f64 = 2.0;
+/// or are so many.
+const MOST_MEASURED: usize = 12;
+
+impl Work {
+    /// Name of the study or search.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Sweep(study) | Self::Tune(study, _) => &study.definition().name,
+            Self::Search(search) => search.name(),
+        }
+    }
+
+    /// Everything that decides the results.
+    pub fn fingerprint(&self) -> Fingerprint {
+        match self {
+            Self::Sweep(study) => study.fingerprint(),
+            Self::Tune(study, options) => study.tune_fingerprint(options),
+            Self::Search(search) => search.fingerprint(),
+        }
+    }
+
+    /// Rows of the whole run: of a tuning or search the most there may be.
+    pub fn rows(&self) -> usize {
+        match self {
+            Self::Sweep(study) => study.sweep_runs(),
+            Self::Tune(_, options) => options.budget,
+            Self::Search(search) => search.strategy().budget(),
+        }
+    }
+
+    /// Makes the rows of one shard in the round under way. How many of them are left: none, unless it was stopped.
+    ///
+    /// # Errors
+    /// A shard that somebody else is at work at, that is damaged or of another plan; a full disk; whatever a simulation refuses.
+    pub fn run_shard(&self, plan: &Plan, share: Share, run: &RunOptions<'_>) -> Result<usize> {
+        let round = plan.round()?;
+        plan.must_be_of(&self.fingerprint())?;
+        if round.complete || round.rows_of(share.number(), share.of()) == 0 {
+            return Ok(0);
+        }
+        let folder = plan.shard_folder(round.number, share.number());
+        let lock = FolderLock::make(&folder)?;
+        // The store of this round is wanted, whatever happened since the plan was looked at.
+        let same_round = || match plan.round()? == round {
+            true => Ok(()),
+            false => Err(Error::conflict("the round was merged meanwhile")
+                .at_file(plan.folder())
+                .hint("run the shard again: the next round is under way")),
+        };
+        match self {
+            Self::Sweep(study) => {
+                let mut part = self.part::<Trial>(plan, &lock, share)?;
+                same_round()?;
+                study.sweep_part(&mut part, run)?;
+                part.close()
+            }
+            Self::Tune(study, options) => {
+                let mut part = self.part::<Trial>(plan, &lock, share)?;
+                same_round()?;
+                study.tune_part(&mut part, options, run)?;
+                part.close()
+            }
+            Self::Search(search) => {
+                let mut part = self.part::<RobotRow>(plan, &lock, share)?;
+                same_round()?;
+                search.run_part(&mut part, run)?;
+                part.close()
+            }
+        }
+    }
+
+    fn part<R: Table>(&self, plan: &Plan, lock: &FolderLock, share: Share) -> Result<Part<R>> {
+        Part::open(&plan.results(), lock, share, &self.fingerprint())
+    }
+
+    /// Takes over what the shards have made, and finds out what is to be made next: what was merged, the round that was under
+    /// way, and the one that is now.
+    ///
+    /// # Errors
+    /// As [`Work::run_shard`]; results that cannot be written.
+    pub fn merge(&self, plan: &Plan, run: &RunOptions<'_>) -> Result<(Merged, Round, Round)> {
+        plan.must_be_of(&self.fingerprint())?;
+        let round = if plan.has_round() {
+            plan.round()?
+        } else {
+            let (asked, missing) = self.missing(plan, run)?;
+            Round::found_again(plan.last_round(), asked, &missing)
+        };
+        if round.complete {
+            return Ok((Merged::default(), round, round));
+        }
+        let merged = match self {
+            Self::Sweep(_) | Self::Tune(..) => plan.absorb::<Trial>(&round)?,
+            Self::Search(_) => plan.absorb::<RobotRow>(&round)?,
+        };
+        let (asked, missing) = self.missing(plan, run)?;
+        let next = round.after(asked, &missing);
+        plan.write_round(&next)?;
+        Ok((merged, round, next))
+    }
+
+    /// The first round of a plan.
+    ///
+    /// # Errors
+    /// As [`Work::run_shard`].
+    pub fn begin(&self, plan: &Plan, run: &RunOptions<'_>) -> Result<Round> {
+        let (asked, _) = self.missing(plan, run)?;
+        let round = Round::first(asked);
+        plan.write_round(&round)?;
+        Ok(round)
+    }
+
+    /// How many rows are asked for in the round under way and those before it, and which are not merged.
+    fn missing(&self, plan: &Plan, run: &RunOptions<'_>) -> Result<(usize, Vec<usize>)> {
+        let (results, fingerprint) = (plan.results(), self.fingerprint());
+        let looked = match self {
+            Self::Sweep(study) => {
+                let mut part = Part::look(&results, &fingerprint)?;
+                study.sweep_part(&mut part, run)?;
+                (part.asked(), part.missing()?)
+            }
+            Self::Tune(study, options) => {
+                let mut part = Part::look(&results, &fingerprint)?;
+                study.tune_part(&mut part, options, run)?;
+                (part.asked(), part.missing()?)
+            }
+            Self::Search(search) => {
+                let mut part = Part::look(&results, &fingerprint)?;
+                search.run_part(&mut part, run)?;
+                (part.asked(), part.missing()?)
+            }
+        };
+        Ok(looked)
+    }
+
+    /// Measures a few runs on one thread.
+    ///
+    /// # Errors
+    /// As [`Work::run_shard`].
+    pub fn measure(&self) -> Result<Cost> {
+        let run = RunOptions {
+            jobs: 1,
+            ..RunOptions::default()
+        };
+        run.install(|| match self {
+            Self::Sweep(study) => {
+                let points = study.definition().grid.len();
+                self.cost(points, |n| Ok(study.simulate(n)?.stored_bytes()))
+            }
+            Self::Tune(study, _) => {
+                let points = study.definition().grid.len();
+                self.cost(points, |n| Ok(study.simulate(n)?.stored_bytes()))
+            }
+            Self::Search(search) => {
+                let genomes = search.strategy().propose(&[])?;
+                self.cost(genomes.len(), |n| {
+                    let robot = search.evaluate(n, &genomes[n])?;
+                    Ok(RobotRow::from(&robot).stored_bytes())
+                })
+            }
+        })?
+    }
+
+    /// The mean over some of so many rows, spread over all of them; `make` makes one and says how large it is.
+    fn cost(&self, rows: usize, make: impl Fn(usize) -> Result<usize>) -> Result<Cost> {
+        let count = MOST_MEASURED.min(rows.max(1));
+        let begun = Instant::now();
+        let (mut measured, mut bytes) = (0, 0);
+        for step in 0..count {
+            // The middle of each of so many equal parts, the outermost of them in turn.
+            let place = if step % 2 == 0 { step / 2 } else { count - 1 - step / 2 };
+            bytes += make((2 * place + 1) * rows / (2 * count))?;
+            measured += 1;
+            if begun.elapsed().as_secs_f64() > MEASURED_S {
+                break;
+            }
+        }
+        Ok(Cost {
+            measured,
+            run_cpu_s: begun.elapsed().as_secs_f64() / measured as f64,
+            run_bytes: bytes as f64 / measured as f64,
+            runs: self.rows(),
+        })
+    }
+}
