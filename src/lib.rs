@@ -129,6 +129,7 @@ pub mod guide {
 [docs/recordings.md]: crate::guide::recordings
 [docs/gallery.md]: crate::guide::gallery
 [docs/python.md]: crate::guide::python
+[docs/scale.md]: crate::guide::scale
 [docs/glossary.md]: crate::guide::glossary
 [docs/design.md]: crate::guide::design
 [docs/fidelity.md]: crate::guide::fidelity
@@ -205,6 +206,10 @@ pub mod guide {
     #[doc = links!()]
     #[doc = include_str!("../docs/recordings.md")]
     pub mod recordings {}
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/scale.md")]
+    pub mod scale {}
 
     #[doc = links!()]
     #[doc = include_str!("../docs/glossary.md")]

@@ -3,28 +3,9 @@
 
 mod common;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use common::{quick_study, realgap};
-
-/// Every file below a folder but `timing.json`.
-fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut all = BTreeMap::new();
-    let mut folders = vec![folder.to_path_buf()];
-    while let Some(some) = folders.pop() {
-        for entry in std::fs::read_dir(&some).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.file_name().is_some_and(|name| name != "timing.json") {
-                let name = path.strip_prefix(folder).unwrap().to_path_buf();
-                all.insert(name, std::fs::read(path).unwrap());
-            }
-        }
-    }
-    all
-}
+use common::{files, quick_study, realgap};
 
 #[test]
 fn commands_that_write_one_file_write_the_same_bytes_again() {

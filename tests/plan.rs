@@ -6,26 +6,8 @@ mod common;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use common::{SMALL_SEARCH, quick_study, realgap, search_file, text};
+use common::{SMALL_SEARCH, files, quick_study, realgap, search_file, text};
 use realgap::store::{Fingerprint, Store, Trial};
-
-/// Every file below a folder but `timing.json`.
-fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut all = BTreeMap::new();
-    let mut folders = vec![folder.to_path_buf()];
-    while let Some(some) = folders.pop() {
-        for entry in std::fs::read_dir(&some).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.file_name().is_some_and(|name| name != "timing.json") {
-                let name = path.strip_prefix(folder).unwrap().to_path_buf();
-                all.insert(name, std::fs::read(path).unwrap());
-            }
-        }
-    }
-    all
-}
 
 fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
@@ -74,7 +56,15 @@ fn same_bytes(folder: &Path, command: &str, file: &Path, options: &[&str]) -> us
     let mut words = vec![command, file, "-o", whole.to_str().unwrap()];
     words.extend(options);
     fine(&words);
-    let mut words = vec!["plan", file, "--as", command, "--shards", "3", "--no-measure"];
+    let mut words = vec![
+        "plan",
+        file,
+        "--as",
+        command,
+        "--shards",
+        "3",
+        "--no-measure",
+    ];
     words.extend(["-o", plan_name, "--"]);
     words.extend(options);
     fine(&words);
@@ -83,7 +73,11 @@ fn same_bytes(folder: &Path, command: &str, file: &Path, options: &[&str]) -> us
     let names = |files: &BTreeMap<PathBuf, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
     assert_eq!(names(&whole), names(&merged));
     for (name, bytes) in &whole {
-        assert!(merged[name] == *bytes, "{command}: {} differs", name.display());
+        assert!(
+            merged[name] == *bytes,
+            "{command}: {} differs",
+            name.display()
+        );
     }
     rounds
 }
@@ -100,7 +94,7 @@ fn a_sweep_in_shards_leaves_the_bytes_of_one_machine() {
 fn a_tuning_in_shards_leaves_the_bytes_of_one_machine() {
     let folder = tempfile::tempdir().unwrap();
     let study = quick_study(folder.path(), 5);
-    let options = ["--metric", "rms", "--budget", "14", "--score", "single"];
+    let options = ["--metric", "rms", "--budget", "32", "--score", "single"];
     let rounds = same_bytes(folder.path(), "tune", &study, &options);
     assert!(rounds > 1, "one batch only");
 }
@@ -113,14 +107,37 @@ fn a_search_in_shards_leaves_the_bytes_of_one_machine() {
     assert_eq!(same_bytes(folder.path(), "search", &search, &[]), 3);
 }
 
+#[test]
+fn repeats_in_shards_leave_the_bytes_of_one_machine() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = quick_study(folder.path(), 2);
+    let noise = folder.path().join("noise.ron");
+    std::fs::write(&noise, "Noise(servo_phase_rad: Normal(0.1), start_tilt_rad: Normal(0.0175))").unwrap();
+    let noise = noise.to_str().unwrap();
+    for command in ["ensemble", "gap"] {
+        let options = ["--repeats", "7", "--noise", noise];
+        assert_eq!(same_bytes(folder.path(), command, &study, &options), 1);
+    }
+}
+
 /// A plan of nine points in three shards, one run a point, with shards 0 and 1 run.
 fn two_of_three(folder: &Path) -> (PathBuf, String) {
     let study = quick_study(folder, 3);
     let plan = folder.join("plan");
     let name = plan.to_str().unwrap().to_owned();
-    let words = ["plan", study.to_str().unwrap(), "--shards", "3", "-o", &name];
+    let words = [
+        "plan",
+        study.to_str().unwrap(),
+        "--shards",
+        "3",
+        "-o",
+        &name,
+    ];
     let said = fine(&[&words[..], &["--", "--score", "single", "--metric", "rms"]].concat());
-    assert!(said.contains("runs of") && said.contains("CPU each"), "{said}");
+    assert!(
+        said.contains("runs of") && said.contains("CPU each"),
+        "{said}"
+    );
     fine(&["run", &name, "--shard", "0-1"]);
     (plan, name)
 }
@@ -134,7 +151,10 @@ fn what_is_missing_twice_there_damaged_or_of_others_is_named_and_the_rest_is_mer
     let (code, said) = say(&["merge", &name]);
     assert_eq!(code, 1, "{said}");
     assert!(said.contains("3 of 9 rows are missing"), "{said}");
-    assert!(said.contains(&format!("realgap run {name} --shard 2")), "{said}");
+    assert!(
+        said.contains(&format!("realgap run {name} --shard 2")),
+        "{said}"
+    );
     assert_eq!(fine(&["status", &name, "--pending"]).trim(), "2");
 
     // Twice there: shard 1 under another name. Nothing changes.
@@ -155,7 +175,10 @@ fn what_is_missing_twice_there_damaged_or_of_others_is_named_and_the_rest_is_mer
     std::fs::write(&store, damaged).unwrap();
     let (code, said) = say(&["merge", &name]);
     assert!(code == 1 && said.contains("shard_00002"), "{said}");
-    assert!(said.contains("damaged") || said.contains("malformed"), "{said}");
+    assert!(
+        said.contains("damaged") || said.contains("malformed"),
+        "{said}"
+    );
 
     // Of another version of the program.
     std::fs::remove_dir_all(round.join("shard_00002")).unwrap();
@@ -185,11 +208,16 @@ fn a_study_that_changes_under_its_plan_is_noticed_by_the_shard() {
     let folder = tempfile::tempdir().unwrap();
     let (_, name) = two_of_three(folder.path());
     let study = folder.path().join("study.ron");
-    let changed = std::fs::read_to_string(&study).unwrap().replace("to: 0.9", "to: 0.8");
+    let changed = std::fs::read_to_string(&study)
+        .unwrap()
+        .replace("to: 0.9", "to: 0.8");
     std::fs::write(&study, changed).unwrap();
     let (code, said) = say(&["run", &name, "--shard", "2"]);
     assert_eq!(code, 1);
-    assert!(said.contains("parameter floor.friction") && said.contains("plan.json"), "{said}");
+    assert!(
+        said.contains("parameter floor.friction") && said.contains("plan.json"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -201,9 +229,27 @@ fn wrong_numbers_and_options_are_wrong_usage() {
     for (words, said) in [
         (vec!["run", &name, "--shard", "3"], "0 to 2"),
         (vec!["run", &name, "--shard", "-1"], "whole numbers from 0"),
-        (vec!["plan", study, "--shards", "0", "-o", "x"], "1 to 100000"),
-        (vec!["plan", study, "--shards", "2", "-o", "x", "--", "--resume"], "decides this itself"),
-        (vec!["plan", study, "--shards", "2", "-o", "x", "--", "--polits=3"], "--polits"),
+        (
+            vec!["plan", study, "--shards", "0", "-o", "x"],
+            "1 to 100000",
+        ),
+        (
+            vec!["plan", study, "--shards", "2", "-o", "x", "--", "--resume"],
+            "decides this itself",
+        ),
+        (
+            vec![
+                "plan",
+                study,
+                "--shards",
+                "2",
+                "-o",
+                "x",
+                "--",
+                "--polits=3",
+            ],
+            "--polits",
+        ),
         (vec!["plan", study, "-o", "x"], "--shards"),
     ] {
         let (code, all) = say(&words);
@@ -212,6 +258,11 @@ fn wrong_numbers_and_options_are_wrong_usage() {
     assert!(!common::project().join("x").exists());
     let (code, said) = say(&["merge", study]);
     assert!(code == 1, "{said}");
-    let (code, said) = say(&["run", plan.parent().unwrap().to_str().unwrap(), "--shard", "0"]);
+    let (code, said) = say(&[
+        "run",
+        plan.parent().unwrap().to_str().unwrap(),
+        "--shard",
+        "0",
+    ]);
     assert!(code == 1 && said.contains("no plan here"), "{said}");
 }

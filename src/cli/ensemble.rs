@@ -8,6 +8,7 @@ use realgap::calibration::{Overrides, Repeatable, read_noise};
 use realgap::comparison;
 use realgap::file::check_writable;
 use realgap::optimization::RunOptions;
+use realgap::plan::Work;
 use realgap::prediction::{EnsembleOptions, EnsembleReport, ensemble};
 use realgap::results::{Kind, write_ensemble};
 use realgap::simulation::Outcome;
@@ -61,6 +62,19 @@ pub struct Ensemble {
 
 impl Ensemble {
     pub fn run(self) -> Result<ExitCode> {
+        self.of_store(None)
+    }
+
+    /// What shards can share.
+    pub fn work(&self) -> Result<Work> {
+        if self.only.is_some() {
+            return Err(Error::usage("one repeat alone is nothing to be shared").field("--only"));
+        }
+        let (study, options) = self.read()?;
+        Ok(Work::Ensemble(Box::new(study), options))
+    }
+
+    fn read(&self) -> Result<(Repeatable, EnsembleOptions)> {
         let overrides = Overrides {
             set: self.values.parameter_set()?,
             fitted_on: self.values.fitted_on()?,
@@ -80,6 +94,12 @@ impl Ensemble {
             seed: self.seed.unwrap_or(study.definition.seed),
             model: self.model.points()?,
         };
+        Ok((study, options))
+    }
+
+    /// As [`Ensemble::run`], of the repeats in a store.
+    pub fn of_store(self, store: Option<&Path>) -> Result<ExitCode> {
+        let (study, options) = self.read()?;
         terminal::print_warnings(&study.warnings);
         if let (Some(number), Some(file)) = (self.only, &self.output) {
             return replay(&study, &options, number, file);
@@ -96,7 +116,10 @@ impl Ensemble {
             stop: Some(interrupt::stop_flag()?),
             progress: Some(&follow),
         };
-        let report = EnsembleReport::new(&study, &options, &run);
+        let report = match store {
+            None => EnsembleReport::new(&study, &options, &run),
+            Some(store) => EnsembleReport::of_store(&study, &options, store, &run),
+        };
         bar.finish_and_clear();
         let report = report?;
         folder.check()?;

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::calibration::{Overrides, read_noise};
+use realgap::calibration::{Overrides, Study, read_noise};
 use realgap::comparison::{Components, DEFAULT_METRIC, Metric, by_name};
 use realgap::optimization::RunOptions;
+use realgap::plan::Work;
 use realgap::prediction::gap::{FloorReport, GapOptions, Scoring, StudyGap, read_sets};
 use realgap::results::{Kind, write_floor, write_gap};
 use realgap::{Error, Result, Warning};
@@ -62,10 +63,26 @@ pub struct Gap {
 
 impl Gap {
     pub fn run(self) -> Result<ExitCode> {
+        self.of_store(None)
+    }
+
+    /// As [`Gap::run`], of the runs in a store.
+    pub fn of_store(self, store: Option<&Path>) -> Result<ExitCode> {
         match &self.study {
-            Some(study) => self.with_study(study),
+            Some(study) => self.with_study(study, store),
             None => self.recordings_alone(),
         }
+    }
+
+    /// What shards can share.
+    pub fn work(&self) -> Result<Work> {
+        let Some(study) = &self.study else {
+            return Err(Error::usage(
+                "without a study nothing is simulated, so nothing can be shared",
+            ));
+        };
+        let (study, options) = self.read(study)?;
+        Ok(Work::Gap(Box::new(study), options))
     }
 
     /// The metrics asked for, or `first` and two that everybody understands.
@@ -85,7 +102,7 @@ impl Gap {
         Ok(metrics)
     }
 
-    fn with_study(&self, path: &Path) -> Result<ExitCode> {
+    fn read(&self, path: &Path) -> Result<(Study, GapOptions)> {
         let overrides = Overrides {
             set: self.values.parameter_set()?,
             fitted_on: self.values.fitted_on()?,
@@ -105,6 +122,12 @@ impl Gap {
             repeats: self.repeats as usize,
             seed: self.seed.unwrap_or(definition.seed),
         };
+        Ok((study, options))
+    }
+
+    fn with_study(&self, path: &Path, store: Option<&Path>) -> Result<ExitCode> {
+        let (study, options) = self.read(path)?;
+        let definition = study.definition();
         let folder = self
             .output
             .clone()
@@ -118,7 +141,10 @@ impl Gap {
             stop: Some(stop),
             progress: Some(&follow),
         };
-        let found = StudyGap::new(&study, &options, &run);
+        let found = match store {
+            None => StudyGap::new(&study, &options, &run),
+            Some(store) => StudyGap::of_store(&study, &options, store, &run),
+        };
         bar.finish_and_clear();
         let found = found?;
         folder.check()?;

@@ -10,7 +10,7 @@ use realgap::unit::counted;
 use realgap::{Error, Result};
 
 use super::option::{Format, Jobs};
-use super::{interrupt, terminal, work};
+use super::{Command, interrupt, terminal, work};
 
 /// Put together what the shards of a plan have made; in the end, write the answer
 ///
@@ -68,7 +68,7 @@ impl Merge {
             return Err(self.missing(&plan, &merged, &next)?);
         }
         say(format!(
-            "round {} is whole; {} more asked for: run the shards again\n  realgap run {} --shard {}",
+            "round {} is whole; {} to be made in the next: run the shards again\n  realgap run {} --shard {}",
             next.number - 1,
             match next.to - next.from {
                 1 => "1 row is".to_owned(),
@@ -121,7 +121,6 @@ impl Merge {
         let mut words = plan.draft().command.clone();
         let results = plan.results();
         words.extend([
-            "--resume".to_owned(),
             "--output".to_owned(),
             results.to_string_lossy().into_owned(),
             "--jobs".to_owned(),
@@ -133,7 +132,14 @@ impl Merge {
             }
             .to_owned(),
         ]);
-        super::run(work::parse(&words)?)
+        match work::parse(&words)? {
+            Command::Ensemble(ensemble) => ensemble.of_store(Some(&plan.store())),
+            Command::Gap(gap) => gap.of_store(Some(&plan.store())),
+            _ => {
+                words.push("--resume".to_owned());
+                super::run(work::parse(&words)?)
+            }
+        }
     }
 }
 

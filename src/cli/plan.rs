@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use realgap::optimization::RunOptions;
-use realgap::plan::{Plan, PlanDraft};
+use realgap::plan::{Plan, PlanDraft, time};
 use realgap::unit::counted;
 use realgap::{Error, Result};
 
@@ -13,7 +13,7 @@ use super::option::{Format, Jobs};
 use super::work::{absolute, check_arguments, parse, work_of};
 use super::{interrupt, kind, terminal};
 
-/// Cut a sweep, a tuning or a search into shards that many machines can run
+/// Cut a sweep, a tuning, a search, an ensemble or a gap into shards that many machines can run
 ///
 /// The plan is a folder that all machines see. `realgap run PLAN --shard I` makes a part of the rows, `realgap merge PLAN` puts the
 /// parts together, says what is to be made next, and in the end writes PLAN/results: byte for byte what one machine would
@@ -56,6 +56,8 @@ enum Planned {
     Sweep,
     Tune,
     Search,
+    Ensemble,
+    Gap,
 }
 
 impl PlanCommand {
@@ -65,6 +67,8 @@ impl PlanCommand {
             Some(Planned::Sweep) => "sweep",
             Some(Planned::Tune) => "tune",
             Some(Planned::Search) => "search",
+            Some(Planned::Ensemble) => "ensemble",
+            Some(Planned::Gap) => "gap",
             None if kind::is_search(&self.study) => "search",
             None => "sweep",
         };
@@ -128,14 +132,16 @@ impl PlanCommand {
             lines.push(format!("  {cost}"));
             let all = cost.cpu_s() / shards.min(round.to.max(1)) as f64;
             lines.push(format!(
-                "  with all of them at once, on a core each: {:.1} h and what the merges take",
-                all / 3600.0
+                "  with all of them at once, on a core each: {}, and what the merges take",
+                time(all)
             ));
         }
         lines.push(format!("  a shard:        realgap run {folder} --shard 0"));
         lines.push(format!("  after a round:  realgap merge {folder}"));
         lines.push(format!("  how far it is:  realgap status {folder}"));
-        lines.push(format!("  or all of it:   realgap submit slurm {folder} --go"));
+        lines.push(format!(
+            "  or all of it:   realgap submit slurm {folder} --go"
+        ));
         terminal::print(lines.join("\n"));
         Ok(ExitCode::SUCCESS)
     }

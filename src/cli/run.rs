@@ -59,9 +59,14 @@ impl Run {
             ));
             return Ok(ExitCode::SUCCESS);
         }
-        for number in self.shards.0.iter().flat_map(|(first, last)| *first..=*last) {
+        for number in self
+            .shards
+            .0
+            .iter()
+            .flat_map(|(first, last)| *first..=*last)
+        {
             let share = Share::new(number, of)?;
-            let rows = round.rows_of(number, of);
+            let rows = round.rows_of(share);
             let bar = progress::bar(rows, &format!("shard {number}"));
             let run = RunOptions {
                 jobs: self.jobs.count(),

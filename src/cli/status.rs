@@ -63,7 +63,11 @@ impl StatusCommand {
             "{}: {}",
             status.name,
             if status.answered {
-                format!("complete, {} rows in {}", status.merged, plan.results().display())
+                format!(
+                    "complete, {} rows in {}",
+                    status.merged,
+                    plan.results().display()
+                )
             } else if round.complete {
                 format!(
                     "all {} rows are merged; the answer is written by: realgap merge {}",
@@ -121,7 +125,9 @@ impl StatusCommand {
         let pending = status.pending();
         if !round.complete && !pending.is_empty() {
             let folder = self.plan.display();
-            lines.push(format!("  to be run: realgap run {folder} --shard {pending}"));
+            lines.push(format!(
+                "  to be run: realgap run {folder} --shard {pending}"
+            ));
         }
         lines.join("\n")
     }

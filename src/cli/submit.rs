@@ -59,8 +59,8 @@ impl Submit {
     pub fn run(self) -> Result<ExitCode> {
         let Engine::Slurm(options) = self.engine;
         let plan = Plan::read(&options.plan)?;
-        let program = std::env::current_exe()
-            .map_err(|e| Error::io("find this program", "realgap", &e))?;
+        let program =
+            std::env::current_exe().map_err(|e| Error::io("find this program", "realgap", &e))?;
         let slurm = Slurm {
             program,
             partition: options.partition,

@@ -65,8 +65,10 @@ pub fn work_of(command: &Command) -> Result<Work> {
         Command::Sweep(sweep) => sweep.work(),
         Command::Tune(tune) => tune.work(),
         Command::Search(search) => search.work(),
+        Command::Ensemble(ensemble) => ensemble.work(),
+        Command::Gap(gap) => gap.work(),
         _ => Err(Error::usage("this command cannot be cut into shards")
-            .allowed("sweep, tune, search")),
+            .allowed("sweep, tune, search, ensemble, gap")),
     }
 }
 
@@ -79,8 +81,9 @@ pub fn open(folder: &Path) -> Result<(Plan, Work)> {
     let plan = Plan::read(&absolute(folder)?)?;
     let place = &plan.draft().directory;
     std::env::set_current_dir(place).map_err(|e| {
-        Error::io("go to where the plan was made", place, &e)
-            .hint("a plan runs where its files are at the same paths as on the machine that made it")
+        Error::io("go to where the plan was made", place, &e).hint(
+            "a plan runs where its files are at the same paths as on the machine that made it",
+        )
     })?;
     let work = work_of(&parse(&plan.draft().command)?)?;
     Ok((plan, work))

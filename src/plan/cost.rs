@@ -50,7 +50,7 @@ impl fmt::Display for Cost {
 }
 
 /// A duration with two digits, in the unit that people would choose.
-pub(super) fn time(seconds: f64) -> String {
+pub fn time(seconds: f64) -> String {
     let (value, unit) = match seconds {
         s if s < 1.0 => (1e3 * s, "ms"),
         s if s < 120.0 => (s, "s"),

@@ -92,13 +92,17 @@ impl Plan {
                 .hint("plans are not written by hand: make one with realgap plan")
         };
         let value: serde_json::Value = serde_json::from_str(source.text()).map_err(refused)?;
-        let version = value.get("schema_version").and_then(serde_json::Value::as_u64);
+        let version = value
+            .get("schema_version")
+            .and_then(serde_json::Value::as_u64);
         if let Some(version) = version.filter(|version| *version != u64::from(SCHEMA_VERSION)) {
-            return Err(Error::conflict("another version of this program made this plan")
-                .at_file(&file)
-                .found(format!("schema_version {version}"))
-                .allowed(format!("schema_version {SCHEMA_VERSION}"))
-                .hint("use that version, or make the plan again"));
+            return Err(
+                Error::conflict("another version of this program made this plan")
+                    .at_file(&file)
+                    .found(format!("schema_version {version}"))
+                    .allowed(format!("schema_version {SCHEMA_VERSION}"))
+                    .hint("use that version, or make the plan again"),
+            );
         }
         let saved: Saved = serde_json::from_value(value).map_err(refused)?;
         if checksum(&saved.plan)? != saved.sha256 {
@@ -127,6 +131,23 @@ impl Plan {
     /// The folder that everything is merged into.
     pub fn results(&self) -> PathBuf {
         self.folder.join("results")
+    }
+
+    /// The folder of the store that the shards are merged into: that of the results where those have one.
+    pub fn store(&self) -> PathBuf {
+        match self.answer_file() {
+            None => self.results(),
+            Some(_) => self.folder.join("merged"),
+        }
+    }
+
+    /// The file that is there once the answer is written, of a command whose results hold no store.
+    pub(super) fn answer_file(&self) -> Option<&'static str> {
+        match self.draft.command.first().map(String::as_str) {
+            Some("ensemble") => Some("ensemble.json"),
+            Some("gap") => Some("gap.json"),
+            _ => None,
+        }
     }
 
     /// The folder of the shards of a round, counted from 0.
@@ -192,10 +213,22 @@ mod tests {
         let file = folder.path().join(PLAN_FILE);
         let text = std::fs::read_to_string(&file).unwrap();
         for (from, to, said) in [
-            ("\"shards\": 3", "\"shards\": 4", "changed after it was made"),
+            (
+                "\"shards\": 3",
+                "\"shards\": 4",
+                "changed after it was made",
+            ),
             ("\"shards\": 3", "\"shards\": -3", "not a plan"),
-            ("\"shards\": 3", "\"shards\": 3, \"x\": 1", "unknown field `x`"),
-            ("\"schema_version\": 1", "\"schema_version\": 2", "schema_version 2"),
+            (
+                "\"shards\": 3",
+                "\"shards\": 3, \"x\": 1",
+                "unknown field `x`",
+            ),
+            (
+                "\"schema_version\": 1",
+                "\"schema_version\": 2",
+                "schema_version 2",
+            ),
             ("{", "", "not a plan"),
         ] {
             assert!(text.contains(from));

@@ -36,7 +36,7 @@ impl Plan {
     /// Results that cannot be written, or that are not this plan's.
     pub(super) fn absorb<R: Table>(&self, round: &Round) -> Result<Merged> {
         let fingerprint = self.draft().fingerprint.iter().cloned().collect();
-        let lock = FolderLock::make(&self.results())?;
+        let lock = FolderLock::make(&self.store())?;
         if lock.folder().join(STORE_FILE).exists() {
             let store = Store::<R>::look(lock.folder())?;
             self.must_be_of(&store.fingerprint()?)?;
@@ -61,7 +61,11 @@ impl Plan {
                     merged.known += absorbed.known;
                 }
                 // What cannot be written concerns all of them.
-                Err(error) if error.file().is_some_and(|file| file.starts_with(lock.folder())) => {
+                Err(error)
+                    if error
+                        .file()
+                        .is_some_and(|file| file.starts_with(lock.folder())) =>
+                {
                     return Err(error);
                 }
                 Err(error) => merged.refused.push(Refused {

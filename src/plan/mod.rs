@@ -3,8 +3,8 @@
 //! A [`Plan`] is a folder. Its `plan.json` says which command is run and how many shards there are; `round.json` which rows are
 //! being made; `shards/ROUND/SHARD/` are the stores of the workers; `results/` is the results folder that everything is
 //! merged into. A run is a sequence of rounds: a sweep has its grid and two rounds of what may be the best, a tuning and a search
-//! have one a batch, since what is proposed next depends on everything before. In a round, shard *i* of *N* makes the rows whose
-//! index leaves *i* when divided by *N*. Rows depend on their index alone, never on who made them.
+//! have one a batch, since what is proposed next depends on everything before. In a round, every shard makes
+//! its [`Share`](crate::store::Share) of the rows. Rows depend on their index alone, never on who made them.
 //!
 //! Nothing here starts a program: engines that people have (Slurm, `HyperQueue`, Ray) call the same three commands
 //! ([`scripts`] writes those for Slurm).
@@ -17,7 +17,7 @@ mod shard;
 mod slurm;
 mod work;
 
-pub use cost::Cost;
+pub use cost::{Cost, time};
 pub use file::{PLAN_FILE, Plan, PlanDraft};
 pub use merge::{Merged, Refused};
 pub use round::Round;

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::file::Plan;
 use crate::error::{Error, Result};
 use crate::file::{Source, write_atomic};
+use crate::store::Share;
 
 /// Name of the file.
 const FILE: &str = "round.json";
@@ -75,10 +76,17 @@ impl Round {
     }
 
     /// Rows of it that a shard makes, merged ones included.
-    pub fn rows_of(&self, shard: usize, shards: usize) -> usize {
-        (self.from..self.to)
-            .filter(|row| row % shards == shard)
-            .count()
+    pub fn rows_of(&self, share: Share) -> usize {
+        (self.from..self.to).filter(|row| share.has(*row)).count()
+    }
+
+    /// As [`Round::rows_of`], for each of so many shards.
+    pub fn rows_of_each(&self, shards: usize) -> Vec<usize> {
+        let mut rows = vec![0; shards];
+        for row in self.from..self.to {
+            rows[Share::owner(row, shards)] += 1;
+        }
+        rows
     }
 }
 
@@ -138,8 +146,10 @@ mod tests {
             (second.number, second.from, second.to, second.merged),
             (1, 10, 14, 0)
         );
-        assert_eq!(second.rows_of(0, 3), 1);
-        assert_eq!(second.rows_of(1, 3), 2);
+        let rows = [0, 1, 2].map(|n| second.rows_of(Share::new(n, 3).unwrap()));
+        assert_eq!(second.rows_of_each(3), rows);
+        assert_eq!(rows.iter().sum::<usize>(), 4);
+        assert!(rows.iter().all(|count| (1..=2).contains(count)), "{rows:?}");
         let end = second.after(14, &[]);
         assert!(end.complete && end.merged == 4, "{end:?}");
     }

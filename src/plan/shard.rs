@@ -1,12 +1,14 @@
 //! How far the shards of a round are.
 
+use std::path::Path;
+
 use serde::Serialize;
 
 use super::cost::Cost;
 use super::file::Plan;
 use super::round::Round;
 use crate::error::Result;
-use crate::store::{FolderLock, RobotRow, STORE_FILE, Store, Trial};
+use crate::store::{FolderLock, RobotRow, RunRow, STORE_FILE, Store, Table, Trial};
 
 /// How far a shard is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -117,6 +119,12 @@ pub(super) fn ranges(numbers: &[usize]) -> String {
     parts.join(",")
 }
 
+/// Rows of a store, and whether its run came to its end.
+fn rows_in<R: Table>(folder: &Path) -> Result<(usize, bool)> {
+    let store = Store::<R>::look(folder)?;
+    Ok((store.finished()?.len(), store.is_complete()?))
+}
+
 impl Plan {
     /// How far the shards of the round under way are; nothing is verified, so it is quick.
     ///
@@ -124,21 +132,28 @@ impl Plan {
     /// A plan whose round cannot be read.
     pub fn status(&self) -> Result<Status> {
         let round = self.round()?;
-        let results = self.results();
-        let count = |folder: &std::path::Path| -> Result<(usize, bool)> {
+        let results = self.store();
+        let count = |folder: &Path| -> Result<(usize, bool)> {
             if Store::<RobotRow>::is_in(folder)? {
-                let store = Store::<RobotRow>::look(folder)?;
-                return Ok((store.finished()?.len(), store.is_complete()?));
+                return rows_in::<RobotRow>(folder);
             }
-            let store = Store::<Trial>::look(folder)?;
-            Ok((store.finished()?.len(), store.is_complete()?))
+            if Store::<RunRow>::is_in(folder)? {
+                return rows_in::<RunRow>(folder);
+            }
+            rows_in::<Trial>(folder)
         };
         let there = results.join(STORE_FILE).exists();
-        let (merged, answered) = if there { count(&results)? } else { (0, false) };
+        let (merged, is_complete) = if there { count(&results)? } else { (0, false) };
+        let answered = match self.answer_file() {
+            None => is_complete,
+            Some(file) => round.complete && self.results().join(file).exists(),
+        };
         let whole = round.complete || round.merged == round.to - round.from;
-        let shards = (0..self.draft().shards)
-            .map(|shard| {
-                let rows = round.rows_of(shard, self.draft().shards);
+        let shards = round
+            .rows_of_each(self.draft().shards)
+            .into_iter()
+            .enumerate()
+            .map(|(shard, rows)| {
                 let folder = self.shard_folder(round.number, shard);
                 let is_begun = folder.join(STORE_FILE).exists();
                 let counted = is_begun.then(|| count(&folder));

@@ -6,11 +6,13 @@ use super::cost::Cost;
 use super::file::Plan;
 use super::merge::Merged;
 use super::round::Round;
-use crate::calibration::{Study, TuneOptions};
+use crate::calibration::{Repeatable, Study, TuneOptions};
 use crate::error::{Error, Result};
-use crate::optimization::RunOptions;
+use crate::optimization::{Ending, RunOptions};
+use crate::prediction::gap::{GapOptions, StudyGap};
+use crate::prediction::{EnsembleOptions, EnsembleReport};
 use crate::search::Search;
-use crate::store::{Fingerprint, FolderLock, Part, RobotRow, Share, Table, Trial};
+use crate::store::{Fingerprint, FolderLock, Part, RobotRow, Share, Table};
 
 /// Something long whose rows can be made by several workers.
 pub enum Work {
@@ -20,6 +22,10 @@ pub enum Work {
     Tune(Box<Study>, TuneOptions),
     /// The robots that a strategy proposes.
     Search(Box<Search>),
+    /// Repeats of a study under its noise.
+    Ensemble(Box<Repeatable>, EnsembleOptions),
+    /// Runs of a study, without noise and under it, for its gap.
+    Gap(Box<Study>, GapOptions),
 }
 
 /// Runs are measured until they have taken so long together,
@@ -33,6 +39,8 @@ impl Work {
         match self {
             Self::Sweep(study) | Self::Tune(study, _) => &study.definition().name,
             Self::Search(search) => search.name(),
+            Self::Ensemble(study, _) => &study.definition.name,
+            Self::Gap(study, _) => &study.definition().name,
         }
     }
 
@@ -42,6 +50,8 @@ impl Work {
             Self::Sweep(study) => study.fingerprint(),
             Self::Tune(study, options) => study.tune_fingerprint(options),
             Self::Search(search) => search.fingerprint(),
+            Self::Ensemble(study, options) => EnsembleReport::fingerprint(study, options),
+            Self::Gap(study, options) => StudyGap::fingerprint(study, options),
         }
     }
 
@@ -51,6 +61,25 @@ impl Work {
             Self::Sweep(study) => study.sweep_runs(),
             Self::Tune(_, options) => options.budget,
             Self::Search(search) => search.strategy().budget(),
+            Self::Ensemble(study, options) => study.cases.len() * options.repeats,
+            Self::Gap(study, options) => StudyGap::runs(study, options),
+        }
+    }
+
+    /// One batch of it, with what it keeps in a worker's part.
+    fn follow<V: Visitor>(&self, visitor: V) -> Result<V::Output> {
+        match self {
+            Self::Sweep(study) => visitor.visit(|part, run| study.sweep_part(part, run)),
+            Self::Tune(study, options) => {
+                visitor.visit(|part, run| study.tune_part(part, options, run))
+            }
+            Self::Search(search) => visitor.visit(|part, run| search.run_part(part, run)),
+            Self::Ensemble(study, options) => {
+                visitor.visit(|part, run| EnsembleReport::part(study, options, part, run))
+            }
+            Self::Gap(study, options) => {
+                visitor.visit(|part, run| StudyGap::part(study, options, part, run))
+            }
         }
     }
 
@@ -61,42 +90,19 @@ impl Work {
     pub fn run_shard(&self, plan: &Plan, share: Share, run: &RunOptions<'_>) -> Result<usize> {
         let round = plan.round()?;
         plan.must_be_of(&self.fingerprint())?;
-        if round.complete || round.rows_of(share.number(), share.of()) == 0 {
+        if round.complete || round.rows_of(share) == 0 {
             return Ok(0);
         }
         let folder = plan.shard_folder(round.number, share.number());
         let lock = FolderLock::make(&folder)?;
-        // The store of this round is wanted, whatever happened since the plan was looked at.
-        let same_round = || match plan.round()? == round {
-            true => Ok(()),
-            false => Err(Error::conflict("the round was merged meanwhile")
-                .at_file(plan.folder())
-                .hint("run the shard again: the next round is under way")),
-        };
-        match self {
-            Self::Sweep(study) => {
-                let mut part = self.part::<Trial>(plan, &lock, share)?;
-                same_round()?;
-                study.sweep_part(&mut part, run)?;
-                part.close()
-            }
-            Self::Tune(study, options) => {
-                let mut part = self.part::<Trial>(plan, &lock, share)?;
-                same_round()?;
-                study.tune_part(&mut part, options, run)?;
-                part.close()
-            }
-            Self::Search(search) => {
-                let mut part = self.part::<RobotRow>(plan, &lock, share)?;
-                same_round()?;
-                search.run_part(&mut part, run)?;
-                part.close()
-            }
-        }
-    }
-
-    fn part<R: Table>(&self, plan: &Plan, lock: &FolderLock, share: Share) -> Result<Part<R>> {
-        Part::open(&plan.results(), lock, share, &self.fingerprint())
+        self.follow(OneShard {
+            plan,
+            round,
+            lock: &lock,
+            share,
+            fingerprint: self.fingerprint(),
+            run,
+        })
     }
 
     /// Takes over what the shards have made, and finds out what is to be made next: what was merged, the round that was under
@@ -115,10 +121,7 @@ impl Work {
         if round.complete {
             return Ok((Merged::default(), round, round));
         }
-        let merged = match self {
-            Self::Sweep(_) | Self::Tune(..) => plan.absorb::<Trial>(&round)?,
-            Self::Search(_) => plan.absorb::<RobotRow>(&round)?,
-        };
+        let merged = self.follow(Absorbing { plan, round })?;
         let (asked, missing) = self.missing(plan, run)?;
         let next = round.after(asked, &missing);
         plan.write_round(&next)?;
@@ -138,25 +141,11 @@ impl Work {
 
     /// How many rows are asked for in the round under way and those before it, and which are not merged.
     fn missing(&self, plan: &Plan, run: &RunOptions<'_>) -> Result<(usize, Vec<usize>)> {
-        let (results, fingerprint) = (plan.results(), self.fingerprint());
-        let looked = match self {
-            Self::Sweep(study) => {
-                let mut part = Part::look(&results, &fingerprint)?;
-                study.sweep_part(&mut part, run)?;
-                (part.asked(), part.missing()?)
-            }
-            Self::Tune(study, options) => {
-                let mut part = Part::look(&results, &fingerprint)?;
-                study.tune_part(&mut part, options, run)?;
-                (part.asked(), part.missing()?)
-            }
-            Self::Search(search) => {
-                let mut part = Part::look(&results, &fingerprint)?;
-                search.run_part(&mut part, run)?;
-                (part.asked(), part.missing()?)
-            }
-        };
-        Ok(looked)
+        self.follow(Looking {
+            plan,
+            fingerprint: self.fingerprint(),
+            run,
+        })
     }
 
     /// Measures a few runs on one thread.
@@ -184,6 +173,12 @@ impl Work {
                     Ok(RobotRow::from(&robot).stored_bytes())
                 })
             }
+            Self::Ensemble(study, options) => self.cost(self.rows(), |n| {
+                Ok(EnsembleReport::repeat(study, options, n)?.stored_bytes())
+            }),
+            Self::Gap(study, options) => self.cost(self.rows(), |n| {
+                Ok(StudyGap::simulate(study, options, n)?.stored_bytes())
+            }),
         })?
     }
 
@@ -194,7 +189,11 @@ impl Work {
         let (mut measured, mut bytes) = (0, 0);
         for step in 0..count {
             // The middle of each of so many equal parts, the outermost of them in turn.
-            let place = if step % 2 == 0 { step / 2 } else { count - 1 - step / 2 };
+            let place = if step % 2 == 0 {
+                step / 2
+            } else {
+                count - 1 - step / 2
+            };
             bytes += make((2 * place + 1) * rows / (2 * count))?;
             measured += 1;
             if begun.elapsed().as_secs_f64() > MEASURED_S {
@@ -207,5 +206,83 @@ impl Work {
             run_bytes: bytes as f64 / measured as f64,
             runs: self.rows(),
         })
+    }
+}
+
+/// Something that is done with every kind of work, whatever its rows are.
+trait Visitor {
+    type Output;
+
+    /// `follow` makes what a part takes of the batch under way.
+    fn visit<R: Table>(
+        self,
+        follow: impl Fn(&mut Part<R>, &RunOptions<'_>) -> Result<Ending>,
+    ) -> Result<Self::Output>;
+}
+
+/// Makes a shard's rows, and says how many are left.
+struct OneShard<'a> {
+    plan: &'a Plan,
+    round: Round,
+    lock: &'a FolderLock,
+    share: Share,
+    fingerprint: Fingerprint,
+    run: &'a RunOptions<'a>,
+}
+
+impl Visitor for OneShard<'_> {
+    type Output = usize;
+
+    fn visit<R: Table>(
+        self,
+        follow: impl Fn(&mut Part<R>, &RunOptions<'_>) -> Result<Ending>,
+    ) -> Result<usize> {
+        let merged = self.plan.store();
+        let mut part = Part::<R>::open(&merged, self.lock, self.share, &self.fingerprint)?;
+        // Rows of this round are wanted, whatever happened since the plan was looked at.
+        if self.plan.round()? != self.round {
+            return Err(Error::conflict("the round was merged meanwhile")
+                .at_file(self.plan.folder())
+                .hint("run the shard again: the next round is under way"));
+        }
+        follow(&mut part, self.run)?;
+        part.close()
+    }
+}
+
+/// Finds out how many rows are asked for, and which are not merged.
+struct Looking<'a> {
+    plan: &'a Plan,
+    fingerprint: Fingerprint,
+    run: &'a RunOptions<'a>,
+}
+
+impl Visitor for Looking<'_> {
+    type Output = (usize, Vec<usize>);
+
+    fn visit<R: Table>(
+        self,
+        follow: impl Fn(&mut Part<R>, &RunOptions<'_>) -> Result<Ending>,
+    ) -> Result<(usize, Vec<usize>)> {
+        let mut part = Part::<R>::look(&self.plan.store(), &self.fingerprint)?;
+        follow(&mut part, self.run)?;
+        Ok((part.asked(), part.missing()?))
+    }
+}
+
+/// Takes over what the shards have made.
+struct Absorbing<'a> {
+    plan: &'a Plan,
+    round: Round,
+}
+
+impl Visitor for Absorbing<'_> {
+    type Output = Merged;
+
+    fn visit<R: Table>(
+        self,
+        _: impl Fn(&mut Part<R>, &RunOptions<'_>) -> Result<Ending>,
+    ) -> Result<Merged> {
+        self.plan.absorb::<R>(&self.round)
     }
 }

@@ -29,6 +29,7 @@ mod economy;
 pub mod ensemble;
 pub mod gap;
 mod growth;
+mod kept;
 mod model;
 mod odds;
 mod report;

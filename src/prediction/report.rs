@@ -2,17 +2,21 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::path::Path;
 
 use serde::Serialize;
 
-use super::ensemble::{self, Ensemble, Forecast, Reality};
+use super::ensemble::{self, Ensemble, Forecast, Reality, Recall};
+use super::kept::{row_of, runs_in};
 use super::model::ModelError;
 use crate::calibration::{RepeatCase, Repeatable, few_recordings};
 use crate::error::Result;
-use crate::optimization::{Progress, RunOptions};
+use crate::file::sha256;
+use crate::optimization::{Batch, Ending, Progress, RunOptions, drive};
 use crate::simulation::parameter::ParameterSet;
 use crate::simulation::{ENGINE_VERSION, Noise};
 use crate::statistics::Proportion;
+use crate::store::{Fingerprint, RunRow, Storage};
 use crate::trajectory::{Prepared, Source};
 use crate::warning::Warning;
 
@@ -95,6 +99,88 @@ impl EnsembleReport {
         options: &EnsembleOptions,
         run: &RunOptions<'_>,
     ) -> Result<Self> {
+        Self::recalling(study, options, &|_| Ok(None), run)
+    }
+
+    /// As [`EnsembleReport::new`], of repeats that several workers have made ([`EnsembleReport::part`]); what the store does not
+    /// have is simulated.
+    ///
+    /// # Errors
+    /// As [`EnsembleReport::new`]; a store that cannot be read, or of other repeats.
+    pub fn of_store(
+        study: &Repeatable,
+        options: &EnsembleOptions,
+        folder: &Path,
+        run: &RunOptions<'_>,
+    ) -> Result<Self> {
+        let known = runs_in(folder, &Self::fingerprint(study, options))?;
+        Self::recalling(study, options, &known, run)
+    }
+
+    /// Everything that decides the repeats.
+    pub fn fingerprint(study: &Repeatable, options: &EnsembleOptions) -> Fingerprint {
+        let definition = &study.definition;
+        let experiments = study
+            .cases
+            .iter()
+            .map(|case| format!("{:?}", case.experiment));
+        let experiments: String = experiments.collect();
+        let recordings = definition
+            .recordings
+            .iter()
+            .zip(&definition.recordings_sha256);
+        let fingerprint = Fingerprint::new()
+            .with("realgap", env!("CARGO_PKG_VERSION"))
+            .with("engine", ENGINE_VERSION)
+            .with("study", &definition.name)
+            .with("experiments sha256", sha256(experiments.as_bytes()))
+            .with("noise", format!("{:?}", options.noise))
+            .with("repeats", options.repeats)
+            .with("seed", options.seed);
+        recordings
+            .enumerate()
+            .fold(fingerprint, |print, (index, (recording, sha256))| {
+                print.with(format!("recording {index} {}", recording.name), sha256)
+            })
+    }
+
+    /// Simulates one worker's share of the repeats.
+    ///
+    /// # Errors
+    /// As [`EnsembleReport::new`]; a full disk.
+    pub fn part(
+        study: &Repeatable,
+        options: &EnsembleOptions,
+        part: &mut impl Storage<RunRow>,
+        run: &RunOptions<'_>,
+    ) -> Result<Ending> {
+        let total = study.cases.len() * options.repeats;
+        let batch = Batch {
+            points: total,
+            jobs: run.jobs,
+            stop: run.stop_flag(),
+        };
+        let make = |index| Self::repeat(study, options, index);
+        drive(&batch, part, make, |done| run.tell(done, total, None))
+    }
+
+    /// One repeat, counted over all starts.
+    ///
+    /// # Errors
+    /// As [`EnsembleReport::new`].
+    pub fn repeat(study: &Repeatable, options: &EnsembleOptions, index: usize) -> Result<RunRow> {
+        let (case, number) = (index / options.repeats, index % options.repeats);
+        let experiment = &study.cases[case].experiment;
+        let run = ensemble::repeat(experiment, &options.noise, options.seed, number as u64)?;
+        row_of(index, &run)
+    }
+
+    fn recalling(
+        study: &Repeatable,
+        options: &EnsembleOptions,
+        recall: Recall<'_>,
+        run: &RunOptions<'_>,
+    ) -> Result<Self> {
         let total = study.cases.len() * options.repeats;
         let mut ensembles: Vec<(&RepeatCase, Ensemble)> = Vec::new();
         for case in &study.cases {
@@ -108,11 +194,12 @@ impl EnsembleReport {
                 progress: Some(&tell),
                 ..*run
             };
-            let repeats = ensemble::run(
+            let repeats = ensemble::run_recalling(
                 &case.experiment,
                 &options.noise,
                 options.seed,
                 options.repeats,
+                &|number| recall(before + number),
                 &run,
             )?;
             ensembles.push((case, repeats));

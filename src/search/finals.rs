@@ -245,6 +245,7 @@ impl Search {
         let mut ensemble = ensemble::run_each(
             &base,
             |number| drawn[number as usize].apply(&base),
+            &|_| Ok(None),
             // What the robot does counts here, not what somebody sees of it.
             &self.noise.without_camera(),
             seed,

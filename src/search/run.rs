@@ -114,11 +114,7 @@ impl Search {
     ///
     /// # Errors
     /// As [`Search::run_in`].
-    pub fn run_part(
-        &self,
-        part: &mut Part<RobotRow>,
-        options: &RunOptions<'_>,
-    ) -> Result<Ending> {
+    pub fn run_part(&self, part: &mut Part<RobotRow>, options: &RunOptions<'_>) -> Result<Ending> {
         let results = follow(self.strategy(), part, options, |i, g| self.evaluate(i, g))?;
         Ok(results.ending)
     }

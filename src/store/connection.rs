@@ -1,5 +1,7 @@
 //! Opening the SQLite file, and what its refusals mean.
 
+use std::fs::OpenOptions;
+use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, ErrorCode, OpenFlags, OptionalExtension as _};
@@ -27,6 +29,35 @@ pub(super) fn connect(path: &Path) -> Result<Connection> {
 /// cannot be written. Best effort: with a reader at work the log stays, and is merged later.
 pub(super) fn settle(connection: &Connection) {
     let _refused = connection.pragma_update(None, "journal_mode", "DELETE");
+}
+
+/// Where SQLite counts the changes of a file, and where it says which count its other fields are of.
+/// Format: <https://www.sqlite.org/fileformat2.html#the_database_header>.
+const COUNTERS: [u64; 2] = [24, 92];
+const MAGIC: &[u8; 16] = b"SQLite format 3\0";
+
+/// Gives a settled file, which nobody has open, a count of changes that follows from what is in it: how often it was opened on
+/// the way is no result. Best effort.
+pub(super) fn stamp(path: &Path, number: u32) {
+    let _refused = try_stamp(path, number);
+}
+
+fn try_stamp(path: &Path, number: u32) -> std::io::Result<()> {
+    if with_suffix(path, "-wal").exists() || with_suffix(path, "-journal").exists() {
+        return Ok(());
+    }
+    let mut file = OpenOptions::new().read(true).write(true).open(path)?;
+    let mut magic = [0; 16];
+    file.read_exact(&mut magic)?;
+    if magic == *MAGIC {
+        // Between the two SQLite takes the length of the file for what the header would say: the same.
+        for at in COUNTERS {
+            file.seek(SeekFrom::Start(at))?;
+            file.write_all(&number.to_be_bytes())?;
+        }
+        file.sync_all()?;
+    }
+    Ok(())
 }
 
 /// Opens for reading: also beside a writer, and from media that cannot be written.

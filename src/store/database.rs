@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use rusqlite::{Connection, Transaction, params};
 
 use super::checksum::Tally;
-use super::connection::{DAMAGED_HINT, connect, connect_to_read, settle, sql, with_suffix};
+use super::connection::{DAMAGED_HINT, connect, connect_to_read, settle, sql, stamp, with_suffix};
 use super::content::{Content, LAYOUT, content};
 use super::description::{entries, entry_checksum, put_description};
 use super::fingerprint::Fingerprint;
@@ -449,8 +449,15 @@ impl<R: Table> Storage<R> for Store<R> {
 
 impl<R> Drop for Store<R> {
     fn drop(&mut self) {
-        if self.lock.is_some() {
-            settle(&self.connection);
+        if self.lock.is_none() {
+            return;
+        }
+        settle(&self.connection);
+        if self.is_marked_complete
+            && let Ok(nothing) = Connection::open_in_memory()
+        {
+            drop(std::mem::replace(&mut self.connection, nothing));
+            stamp(&self.path, self.tally.checksum as u32);
         }
     }
 }

@@ -5,14 +5,15 @@ use crate::error::{Error, Result};
 /// Most workers that one run is shared among.
 pub const MOST_SHARES: usize = 100_000;
 
-/// The rows of a run that one worker of several does: those whose index leaves its number when divided by their count, so
-/// that the rows of every batch are spread evenly, whoever has done some of them already.
+/// The rows of a run that one worker of several does: of every block of as many rows as there are workers each does one, and
+/// in the next block the next, so that neither a short batch nor what repeats along the rows (settings that cost more) falls on
+/// some of them alone.
 ///
 /// ```
 /// use realgap::store::Share;
 ///
 /// let share = Share::new(1, 3)?;
-/// assert_eq!((0..9).filter(|index| share.has(*index)).collect::<Vec<_>>(), [1, 4, 7]);
+/// assert_eq!((0..9).filter(|index| share.has(*index)).collect::<Vec<_>>(), [1, 3, 8]);
 /// assert!(Share::new(3, 3).is_err());
 /// # Ok::<(), realgap::Error>(())
 /// ```
@@ -55,6 +56,39 @@ impl Share {
 
     /// Whether the row with this index is its.
     pub fn has(self, index: usize) -> bool {
-        index % self.of == self.number
+        Self::owner(index, self.of) == self.number
+    }
+
+    /// The number of the share that the row with this index is in.
+    pub fn owner(index: usize, of: usize) -> usize {
+        (index + index / of) % of
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_of_one_share_and_settings_that_repeat_are_spread_over_all() {
+        for of in [1, 2, 3, 8, 16, 32] {
+            let shares: Vec<Share> = (0..of).map(|n| Share::new(n, of).unwrap()).collect();
+            let mut settings = vec![std::collections::BTreeSet::new(); of];
+            let mut rows = vec![0; of];
+            for index in 0..1024 {
+                let owners: Vec<usize> = (0..of).filter(|n| shares[*n].has(index)).collect();
+                assert_eq!(owners.len(), 1);
+                settings[owners[0]].insert(index % 16);
+                rows[owners[0]] += 1;
+            }
+            assert!(
+                rows.iter().all(|count| *count == 1024 / of || of == 3),
+                "{rows:?}"
+            );
+            assert!(
+                settings.iter().all(|kinds| kinds.len() == 16),
+                "{of}: {settings:?}"
+            );
+        }
     }
 }

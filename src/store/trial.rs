@@ -67,8 +67,9 @@ impl Trial {
     /// About how many bytes it takes in a store.
     pub fn stored_bytes(&self) -> usize {
         let numbers = |case: &CaseRow| {
-            case.completed()
-                .map_or(0, |result| 1 + result.scores.len() + 2 * result.path_xy_m.len())
+            case.completed().map_or(0, |result| {
+                1 + result.scores.len() + 2 * result.path_xy_m.len()
+            })
         };
         let cases: usize = self.cases.iter().map(|c| 16 + 8 * numbers(c)).sum();
         24 + 8 * self.values.len() + cases

@@ -4,6 +4,7 @@
 
 pub mod browser;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
@@ -131,6 +132,24 @@ pub fn skipped(reason: &str) {
     use std::io::Write as _;
     // Not `eprintln!`, which the test harness hides where a test passes.
     let _ = writeln!(std::io::stderr(), "SKIPPED: {reason}");
+}
+
+/// Every file below a folder but `timing.json`, which alone may differ between equal runs.
+pub fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(some) = folders.pop() {
+        for entry in std::fs::read_dir(&some).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.file_name().is_some_and(|name| name != "timing.json") {
+                let name = path.strip_prefix(folder).unwrap().to_path_buf();
+                all.insert(name, std::fs::read(path).unwrap());
+            }
+        }
+    }
+    all
 }
 
 /// A text file of a results folder.

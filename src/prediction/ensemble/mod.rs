@@ -37,5 +37,5 @@ pub use forecast::Forecast;
 pub use quantiles::{QUANTILES, Quantiles};
 pub use reality::{Coverage, RealRun, Reality};
 pub use run::{Ensemble, Motion, Repeat, repeat, run};
-pub(crate) use run::{no_camera, run_each};
+pub(crate) use run::{Recall, no_camera, run_each, run_recalling};
 pub(crate) use words::percent;

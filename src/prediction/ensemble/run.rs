@@ -11,6 +11,9 @@ use crate::simulation::{self, EnergyBalance, Experiment, Noise, Outcome, Perturb
 use crate::trajectory::{Prepared, prepare};
 use crate::warning::{Code, Warning};
 
+/// A run that is known already, by its number.
+pub(crate) type Recall<'a> = &'a (dyn Fn(usize) -> Result<Option<Run>> + Sync);
+
 /// Below this many repeats, tails and rare behaviours are guesses.
 const FEW_REPEATS: usize = 20;
 
@@ -97,19 +100,25 @@ pub fn run(
     repeats: usize,
     run: &RunOptions<'_>,
 ) -> Result<Ensemble> {
+    run_recalling(experiment, noise, seed, repeats, &|_| Ok(None), run)
+}
+
+/// As [`run`]; a repeat that `recall` knows is not simulated again.
+///
+/// # Errors
+/// As [`run`], and those of `recall`.
+pub(crate) fn run_recalling(
+    experiment: &Experiment,
+    noise: &Noise,
+    seed: u64,
+    repeats: usize,
+    recall: Recall<'_>,
+    run: &RunOptions<'_>,
+) -> Result<Ensemble> {
     let same = |_| experiment.clone();
     let tell = |done| run.tell(done, repeats, None);
-    run.install(|| {
-        run_each(
-            experiment,
-            same,
-            noise,
-            seed,
-            repeats,
-            run.stop_flag(),
-            tell,
-        )
-    })?
+    let stop = run.stop_flag();
+    run.install(|| run_each(experiment, same, recall, noise, seed, repeats, stop, tell))?
 }
 
 /// As [`run`] on the current rayon pool, with an experiment of its own for every repeat: `vary` gives that of a repeat by its number, e.g. with another draw of
@@ -117,9 +126,14 @@ pub fn run(
 ///
 /// # Errors
 /// As [`run`].
+#[expect(
+    clippy::too_many_arguments,
+    reason = "two callers, both here and in the search's finals"
+)]
 pub(crate) fn run_each(
     experiment: &Experiment,
     vary: impl Fn(u64) -> Experiment + Sync,
+    recall: Recall<'_>,
     noise: &Noise,
     seed: u64,
     repeats: usize,
@@ -148,8 +162,11 @@ pub(crate) fn run_each(
                 return Ok(None);
             }
             let drawn = noise.perturb(&vary(number), seed, number);
-            let run = simulation::run(&drawn)?;
-            let (outcome, cpu) = outcome(recorded(run, noise, seed, number)?)?;
+            let run = match recall(number as usize)? {
+                Some(run) => run,
+                None => recorded(simulation::run(&drawn)?, noise, seed, number)?,
+            };
+            let (outcome, cpu) = outcome(run)?;
             progress(done.fetch_add(1, Ordering::Relaxed) + 1);
             let repeat = Repeat {
                 number,

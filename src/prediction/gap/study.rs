@@ -1,6 +1,7 @@
 //! The gap of a study: its simulations, with and without noise, against its recordings.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
@@ -14,10 +15,12 @@ use super::sample::{CaseRuns, Sample, Scoring};
 use crate::calibration::Study;
 use crate::comparison::{self, Metric};
 use crate::error::{Error, Result};
-use crate::optimization::RunOptions;
-use crate::prediction::ensemble;
+use crate::optimization::{Batch, Ending, RunOptions, drive};
+use crate::prediction::ensemble::{self, Recall};
+use crate::prediction::kept::{row_of, runs_in};
 use crate::simulation::parameter::ParameterSet;
-use crate::simulation::{self, ENGINE_VERSION, Noise, Run};
+use crate::simulation::{self, ENGINE_VERSION, Experiment, Noise, Run};
+use crate::store::{Fingerprint, RunRow, Storage};
 use crate::trajectory::Source;
 use crate::warning::{Code, Warning};
 
@@ -104,11 +107,95 @@ impl StudyGap {
     /// # Errors
     /// Every run diverged, a metric that cannot compare, or no repeats asked for.
     pub fn new(study: &Study, options: &GapOptions, run: &RunOptions<'_>) -> Result<Self> {
-        run.install(|| study_gap(study, options, run))?
+        run.install(|| study_gap(study, options, &|_| Ok(None), run))?
+    }
+
+    /// As [`StudyGap::new`], of runs that several workers have made ([`StudyGap::part`]); what the store does not have is
+    /// simulated.
+    ///
+    /// # Errors
+    /// As [`StudyGap::new`]; a store that cannot be read, or of other runs.
+    pub fn of_store(
+        study: &Study,
+        options: &GapOptions,
+        folder: &Path,
+        run: &RunOptions<'_>,
+    ) -> Result<Self> {
+        let known = runs_in(folder, &Self::fingerprint(study, options))?;
+        run.install(|| study_gap(study, options, &known, run))?
+    }
+
+    /// Everything that decides the runs.
+    pub fn fingerprint(study: &Study, options: &GapOptions) -> Fingerprint {
+        study
+            .fingerprint()
+            .with("noise", format!("{:?}", options.noise))
+            .with("repeats", options.repeats)
+            .with("seed of the noise", options.seed)
+    }
+
+    /// Runs that are asked for: without noise and under it, of every start.
+    pub fn runs(study: &Study, options: &GapOptions) -> usize {
+        study.cases().len() * runs_a_start(options)
+    }
+
+    /// Simulates one worker's share of the runs.
+    ///
+    /// # Errors
+    /// As [`StudyGap::new`]; a full disk.
+    pub fn part(
+        study: &Study,
+        options: &GapOptions,
+        part: &mut impl Storage<RunRow>,
+        run: &RunOptions<'_>,
+    ) -> Result<Ending> {
+        let total = Self::runs(study, options);
+        let batch = Batch {
+            points: total,
+            jobs: run.jobs,
+            stop: run.stop_flag(),
+        };
+        let make = |index| Self::simulate(study, options, index);
+        drive(&batch, part, make, |done| run.tell(done, total, None))
+    }
+
+    /// One run, counted over all starts.
+    ///
+    /// # Errors
+    /// As [`StudyGap::new`].
+    pub fn simulate(study: &Study, options: &GapOptions, index: usize) -> Result<RunRow> {
+        let runs = runs_a_start(options);
+        let experiment = study.experiment_with(index / runs, &ParameterSet::new())?;
+        let noise = usable_noise(options.noise, &mut Vec::new())?;
+        row_of(
+            index,
+            &one(&experiment, noise, options.seed, (index % runs) as u64)?,
+        )
     }
 }
 
-fn study_gap(study: &Study, options: &GapOptions, run: &RunOptions<'_>) -> Result<StudyGap> {
+/// Runs of every start: number 0 is the one without noise.
+fn runs_a_start(options: &GapOptions) -> usize {
+    match options.noise {
+        Some(noise) if !noise.is_zero() => options.repeats + 1,
+        _ => 1,
+    }
+}
+
+/// Run number `number` of a start.
+fn one(experiment: &Experiment, noise: Option<Noise>, seed: u64, number: u64) -> Result<Run> {
+    match (number.checked_sub(1), &noise) {
+        (Some(repeat), Some(noise)) => ensemble::repeat(experiment, noise, seed, repeat),
+        _ => simulation::run(experiment),
+    }
+}
+
+fn study_gap(
+    study: &Study,
+    options: &GapOptions,
+    recall: Recall<'_>,
+    run: &RunOptions<'_>,
+) -> Result<StudyGap> {
     let definition = study.definition();
     if options.repeats == 0 {
         return Err(Error::invalid("an ensemble needs repeats")
@@ -141,11 +228,9 @@ fn study_gap(study: &Study, options: &GapOptions, run: &RunOptions<'_>) -> Resul
                 if run.is_stopped() && (index, number) != (0, 0) {
                     return Ok(None);
                 }
-                let simulated = match (number.checked_sub(1), &noise) {
-                    (Some(repeat), Some(noise)) => {
-                        ensemble::repeat(&experiment, noise, options.seed, repeat)?
-                    }
-                    _ => simulation::run(&experiment)?,
+                let simulated = match recall(index * (repeats + 1) + number as usize)? {
+                    Some(run) => run,
+                    None => one(&experiment, noise, options.seed, number)?,
                 };
                 run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
                 completed(simulated, number).map(Some)
