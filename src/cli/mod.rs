@@ -11,6 +11,8 @@ mod develop;
 mod ensemble;
 mod estimate;
 mod evaluate;
+mod example_file;
+mod examples;
 mod export;
 mod folder;
 mod gap;
@@ -20,6 +22,7 @@ mod interrupt;
 mod kind;
 mod merge;
 mod mujoco;
+mod new;
 mod odds;
 mod option;
 mod parameters;
@@ -115,6 +118,8 @@ enum Command {
     Tasks(tasks::TasksCommand),
     Picture(picture::Picture),
     Vision(vision::VisionCommand),
+    New(new::New),
+    Examples(examples::Examples),
     Parameters(parameters::Parameters),
     Verify(verify::Verify),
     Completions(completions::Completions),
@@ -172,6 +177,8 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Tasks(tasks) => tasks.run(),
         Command::Picture(picture) => picture.run(),
         Command::Vision(vision) => vision.run(),
+        Command::New(new) => new.run(),
+        Command::Examples(examples) => examples.run(),
         Command::Parameters(parameters) => parameters.run(),
         Command::Verify(verify) => verify.run(),
         Command::Completions(completions) => completions.run(),

@@ -1,0 +1,75 @@
+//! The shipped examples, inside of the program: who has installed it needs no copy of the repository.
+
+/// A file by its path, with what is in it.
+pub type ExampleFile = (&'static str, &'static [u8]);
+
+macro_rules! files {
+    ($($path:literal,)*) => {
+        &[$(($path, include_bytes!(concat!("../../", $path)).as_slice()),)*]
+    };
+}
+
+/// By path; a test holds the list to what is there. Recordings that no shipped study reads stay in the repository.
+pub const FILES: &[ExampleFile] = files![
+    "arenas/cartons.ron",
+    "arenas/flat.ron",
+    "arenas/paper000.ron",
+    "arenas/pen.ron",
+    "morphologies/chain3.ron",
+    "morphologies/chain30.ron",
+    "morphologies/chain5.ron",
+    "morphologies/cube.ron",
+    "morphologies/elbow.ron",
+    "morphologies/push_cube.ron",
+    "morphologies/servo_pendulum.ron",
+    "morphologies/spider8.ron",
+    "morphologies/tripod.ron",
+    "morphologies/two_module.ron",
+    "real_trajectories/tripod_mujoco/README.md",
+    "real_trajectories/tripod_mujoco/meta.ron",
+    "real_trajectories/tripod_mujoco/run_00.csv",
+    "real_trajectories/tripod_mujoco/run_01.csv",
+    "real_trajectories/tripod_mujoco/run_02.csv",
+    "real_trajectories/tripod_mujoco/run_03.csv",
+    "real_trajectories/tripod_mujoco/run_04.csv",
+    "real_trajectories/tripod_mujoco/run_05.csv",
+    "real_trajectories/tripod_mujoco/run_06.csv",
+    "real_trajectories/tripod_mujoco/run_07.csv",
+    "real_trajectories/tripod_mujoco/run_08.csv",
+    "real_trajectories/tripod_mujoco/run_09.csv",
+    "real_trajectories/tripod_standin/README.md",
+    "real_trajectories/tripod_standin/meta.ron",
+    "real_trajectories/tripod_standin/run_00.csv",
+    "real_trajectories/tripod_standin/run_01.csv",
+    "real_trajectories/tripod_standin/run_02.csv",
+    "real_trajectories/tripod_standin/run_03.csv",
+    "real_trajectories/tripod_standin/run_04.csv",
+    "real_trajectories/tripod_standin/run_05.csv",
+    "real_trajectories/tripod_standin/run_06.csv",
+    "real_trajectories/tripod_standin/run_07.csv",
+    "real_trajectories/tripod_standin/run_08.csv",
+    "real_trajectories/tripod_standin/run_09.csv",
+    "scenes/room.ron",
+    "sensors/infrared.ron",
+    "sensors/laser.ron",
+    "sensors/ultrasonic.ron",
+    "sweeps/best_robot.ron",
+    "sweeps/best_tripod_gait.ron",
+    "sweeps/cube_push_best.ron",
+    "sweeps/cube_push_fit.ron",
+    "sweeps/cube_toss.ron",
+    "sweeps/cube_toss_best.ron",
+    "sweeps/cube_toss_fit.ron",
+    "sweeps/elbow_toss_best.ron",
+    "sweeps/elbow_toss_fit.ron",
+    "sweeps/servo_xl330_best.ron",
+    "sweeps/servo_xl330_fit.ron",
+    "sweeps/tripod_floor.ron",
+    "sweeps/tripod_self.ron",
+    "sweeps/two_wheel_ir.ron",
+    "sweeps/two_wheel_ir_bayesian.ron",
+    "sweeps/two_wheel_sensor.ron",
+    "sweeps/two_wheel_us1.ron",
+    "sweeps/two_wheel_us_bayesian.ron",
+    "vehicles/two_wheel.ron",
+];
