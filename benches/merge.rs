@@ -63,7 +63,9 @@ fn main() {
         let begun = Instant::now();
         let mut merger: Merger = Merger::open(&folder.path().join("whole"), &print).unwrap();
         for shard in 0..SHARDS {
-            merger.absorb(&folder.path().join(shard.to_string())).unwrap();
+            merger
+                .absorb(&folder.path().join(shard.to_string()))
+                .unwrap();
         }
         assert_eq!(merger.rows(), rows);
         drop(merger);

@@ -37,7 +37,11 @@ fn every_template_is_sound_as_it_is_written() {
         assert!(said.status.success(), "{kind}: {}", text(&said.stderr));
         // A file that is there stays.
         let before = std::fs::read(&file).unwrap();
-        let said = realgap().args(["new", kind, "-o"]).arg(&file).output().unwrap();
+        let said = realgap()
+            .args(["new", kind, "-o"])
+            .arg(&file)
+            .output()
+            .unwrap();
         assert_eq!(said.status.code(), Some(1));
         assert_eq!(std::fs::read(&file).unwrap(), before);
     }

@@ -112,7 +112,11 @@ fn repeats_in_shards_leave_the_bytes_of_one_machine() {
     let folder = tempfile::tempdir().unwrap();
     let study = quick_study(folder.path(), 2);
     let noise = folder.path().join("noise.ron");
-    std::fs::write(&noise, "Noise(servo_phase_rad: Normal(0.1), start_tilt_rad: Normal(0.0175))").unwrap();
+    std::fs::write(
+        &noise,
+        "Noise(servo_phase_rad: Normal(0.1), start_tilt_rad: Normal(0.0175))",
+    )
+    .unwrap();
     let noise = noise.to_str().unwrap();
     for command in ["ensemble", "gap"] {
         let options = ["--repeats", "7", "--noise", noise];

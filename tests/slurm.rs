@@ -75,9 +75,21 @@ impl Cluster {
             controller,
             node,
         };
-        cluster.wait("the node is idle", || {
-            cluster.slurm(&["sinfo", "-h", "-o", "%T"]).contains("idle")
-        });
+        let begun = Instant::now();
+        while !cluster.slurm(&["sinfo", "-h", "-o", "%T"]).contains("idle") {
+            if begun.elapsed() > Duration::from_secs(60) {
+                let log = std::fs::read_to_string(cluster.folder.join("controller.log"));
+                let last = log
+                    .unwrap_or_default()
+                    .lines()
+                    .last()
+                    .unwrap_or("")
+                    .to_owned();
+                skipped(&format!("Slurm does not start here: {last}"));
+                return None;
+            }
+            std::thread::sleep(Duration::from_millis(300));
+        }
         Some(cluster)
     }
 

@@ -42,6 +42,7 @@ mod sense;
 mod sensitivity;
 mod sensorgraph;
 mod simulate;
+mod slurm;
 mod status;
 mod submit;
 mod sweep;

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 
 use clap::{Args, Subcommand};
-use realgap::plan::{Plan, Slurm, scripts};
+use realgap::plan::Plan;
 use realgap::{Error, Result};
 
+use super::slurm::{Slurm, scripts};
 use super::terminal;
 
 /// Let Slurm run a plan: arrays of shards, a merge after each, retries, and the answer

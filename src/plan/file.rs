@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::cost::Cost;
-use crate::error::{Error, Result};
+use crate::error::{Advice, Error, Result};
 use crate::file::{Source, sha256, write_atomic};
 use crate::store::{Fingerprint, Share};
 
@@ -59,7 +59,8 @@ impl Plan {
         if file.exists() {
             return Err(Error::conflict("there is a plan already")
                 .at_file(file)
-                .hint("choose another folder with -o, or remove this one with everything that its shards have done"));
+                .hint("remove this one with everything that its shards have done")
+                .advise(Advice::OtherFolder));
         }
         std::fs::create_dir_all(folder)
             .map_err(|e| Error::io("make the folder of the plan", folder, &e))?;
@@ -83,13 +84,13 @@ impl Plan {
         if folder.is_dir() && !file.exists() {
             return Err(Error::invalid("no plan here")
                 .at_file(folder)
-                .hint("make one: realgap plan STUDY --shards N -o FOLDER"));
+                .hint("name the folder of a plan, or make one"));
         }
         let source = Source::read(&file, "plan")?;
         let refused = |e: serde_json::Error| {
             Error::invalid(format!("not a plan: {e}"))
                 .at_file(&file)
-                .hint("plans are not written by hand: make one with realgap plan")
+                .hint("plans are not written by hand: make another")
         };
         let value: serde_json::Value = serde_json::from_str(source.text()).map_err(refused)?;
         let version = value

@@ -6,15 +6,14 @@
 //! have one a batch, since what is proposed next depends on everything before. In a round, every shard makes
 //! its [`Share`](crate::store::Share) of the rows. Rows depend on their index alone, never on who made them.
 //!
-//! Nothing here starts a program: engines that people have (Slurm, `HyperQueue`, Ray) call the same three commands
-//! ([`scripts`] writes those for Slurm).
+//! Nothing here starts a program: engines that people have (Slurm, `HyperQueue`, Ray) call [`Work::run_shard`] and [`Work::merge`]
+//! through the same two commands.
 
 mod cost;
 mod file;
 mod merge;
 mod round;
 mod shard;
-mod slurm;
 mod work;
 
 pub use cost::{Cost, time};
@@ -22,5 +21,4 @@ pub use file::{PLAN_FILE, Plan, PlanDraft};
 pub use merge::{Merged, Refused};
 pub use round::Round;
 pub use shard::{Shard, ShardState, Status};
-pub use slurm::{Slurm, scripts};
 pub use work::Work;

@@ -102,7 +102,7 @@ impl Plan {
             Error::invalid("not a round of a plan")
                 .at_file(&file)
                 .found(found)
-                .hint("remove this file: the next realgap merge writes it anew from what is merged")
+                .hint("remove this file: the next merge writes it anew from what is merged")
         };
         let round: Round =
             serde_json::from_str(source.text()).map_err(|e| refused(e.to_string()))?;

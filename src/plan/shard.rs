@@ -143,7 +143,14 @@ impl Plan {
             rows_in::<Trial>(folder)
         };
         let there = results.join(STORE_FILE).exists();
-        let (merged, is_complete) = if there { count(&results)? } else { (0, false) };
+        let (merged, is_complete) = match there {
+            false => (0, false),
+            // A merge that has just begun has no tables yet.
+            true => match count(&results) {
+                Err(_) if FolderLock::is_held(&results) => (0, false),
+                counted => counted?,
+            },
+        };
         let answered = match self.answer_file() {
             None => is_complete,
             Some(file) => round.complete && self.results().join(file).exists(),

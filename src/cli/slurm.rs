@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::file::Plan;
-use crate::error::{Error, Result};
-use crate::file::write_atomic;
+use realgap::file::write_atomic;
+use realgap::plan::Plan;
+use realgap::{Error, Result};
 
 /// What Slurm is asked for.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
