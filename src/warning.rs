@@ -80,6 +80,7 @@ codes! {
     NoFlight "no-flight" "No free flight was found.";
     NoInterval "no-interval" "A model states no interval, so that its coverage says nothing.";
     NoNoise "no-noise" "Repeats that differ by nothing.";
+    NoOwnPlaces "no-own-places" "Nobody said where things are in real pictures, so that where the camera stood counts.";
     NoRecordings "no-recordings" "Nothing real to compare with.";
     NoRepeats "no-repeats" "No repeat of a simulation ended well.";
     NoSimulatedOdds "no-simulated-odds" "The simulated resting faces could not be counted.";

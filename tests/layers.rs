@@ -119,6 +119,18 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "simulation",
         ],
     ),
+    (
+        "calibration::camera",
+        &[
+            "error",
+            "warning",
+            "unit",
+            "table",
+            "statistics",
+            "sensing",
+            "optimization",
+        ],
+    ),
     // A study is where everything meets but pictures.
     (
         "calibration",

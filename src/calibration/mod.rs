@@ -23,6 +23,7 @@
 //! # Ok::<(), realgap::Error>(())
 //! ```
 
+pub mod camera;
 pub mod identification;
 
 mod answer;

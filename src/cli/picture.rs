@@ -1,11 +1,11 @@
 //! `realgap picture`: what a simulated camera sees in a room.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
 use realgap::sensing::vision::camera::{
-    ALPHABET_TEXT, Motif, Scene, alphabet_picture, known, take,
+    ALPHABET_TEXT, Camera, Motif, Scene, alphabet_picture, known, take,
 };
 use realgap::sensing::vision::{AlphabetFile, PictureSource, ViewsFile};
 use realgap::unit::counted;
@@ -21,7 +21,7 @@ use super::terminal;
 pub struct Picture {
     /// The scene (scenes/*.ron)
     scene: PathBuf,
-    /// Which of its cameras
+    /// Which of its cameras, or a .ron file with one (`realgap vision tune` writes it)
     #[arg(long, value_name = "NAME", default_value = "model")]
     camera: String,
     /// Which of its lights
@@ -41,6 +41,17 @@ pub struct Picture {
     output: PathBuf,
 }
 
+/// A camera of the scene, or of a file of its own.
+pub(super) fn camera_named(scene: &Scene, name: &str) -> Result<Camera> {
+    if Path::new(name).extension().is_some_and(|e| e == "ron") {
+        return Camera::read(name);
+    }
+    scene
+        .camera(name)
+        .cloned()
+        .map_err(|e| e.field("--camera").into_usage())
+}
+
 /// Width of the template, pixels: about as the logo is seen from three metres.
 const TEMPLATE_PX: usize = 96;
 
@@ -48,9 +59,7 @@ impl Picture {
     pub fn run(self) -> Result<ExitCode> {
         let scene = Scene::read(&self.scene)?;
         let option = |name: &str, e: Error| e.field(name).into_usage();
-        let camera = scene
-            .camera(&self.camera)
-            .map_err(|e| option("--camera", e))?;
+        let camera = &camera_named(&scene, &self.camera)?;
         let light = scene.light(&self.light).map_err(|e| option("--light", e))?;
         for name in &self.view {
             realgap::file::look_up("view", name, &scene.views, |view| view.name.as_str())

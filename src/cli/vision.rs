@@ -3,15 +3,18 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Subcommand};
-use realgap::file::check_writable;
+use clap::{Args, Subcommand, ValueEnum};
+use realgap::calibration::camera::{CameraOptions, tune_camera};
+use realgap::file::{check_writable, write_atomic};
 use realgap::results::draw_vision;
+use realgap::sensing::vision::camera::Scene;
 use realgap::sensing::vision::{
-    EXTRACTORS, Grey, Views, compare_folders, contact_sheet, extractor_by_name,
+    EXTRACTORS, Grey, RelativeTo, Views, compare_folders, contact_sheet, extractor_by_name,
 };
 use realgap::{Error, Result};
 
 use super::option::Format as Print;
+use super::picture::camera_named;
 use super::terminal;
 
 /// Compare simulated pictures with real ones by what image processing finds in them (paper 002)
@@ -28,6 +31,7 @@ pub struct VisionCommand {
 enum Action {
     Compare(Compare),
     Extract(Extract),
+    Tune(Tune),
 }
 
 /// Is a simulated picture nearer to a real one than a badly lit real one is?
@@ -46,6 +50,9 @@ struct Compare {
     /// Draw edges.png, template.png, contour.png and text.png into this folder (as figures 5, 6, 8 and 11)
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// Whether where each camera stood counts (view) or is taken out by what views.ron says of each picture (own)
+    #[arg(long, value_enum, default_value = "own")]
+    relative_to: Relative,
     /// Print every view, too
     #[arg(long)]
     views: bool,
@@ -55,6 +62,12 @@ struct Compare {
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Print,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Relative {
+    Own,
+    View,
 }
 
 /// Show what one extractor finds in one picture, step by step
@@ -73,11 +86,48 @@ struct Extract {
     output: Option<PathBuf>,
 }
 
+/// Find the settings of the camera that took real pictures of a known room
+///
+/// First where each picture was really taken and through which lens, from corners of the room; then exposure, gain, noise, blur and
+/// JPEG quality, from what the pictures look like. Intervals (90 %) are by how much views differ; views that are held out judge.
+#[derive(Debug, Args)]
+struct Tune {
+    /// The scene (scenes/*.ron) that the pictures show
+    scene: PathBuf,
+    /// Folder of real pictures, named after the scene's views
+    real: PathBuf,
+    /// The camera to begin with: one of the scene, or a .ron file
+    #[arg(long, value_name = "NAME", default_value = "model")]
+    camera: String,
+    /// Which of the scene's lights
+    #[arg(long, value_name = "NAME", default_value = "well")]
+    light: String,
+    /// A view that only judges; may be given several times [default: every third of six or more]
+    #[arg(long, value_name = "NAME")]
+    hold_out: Vec<String>,
+    /// Standard deviation of where the camera was put down, each axis, centimetres
+    #[arg(long, value_name = "CM", default_value_t = 2.0)]
+    place_sd: f64,
+    /// How often all pictures are simulated in the search
+    #[arg(long, value_name = "N", default_value_t = 150, value_parser = clap::value_parser!(u32).range(20..=100_000))]
+    budget: u32,
+    /// Seed of the simulated noise and of the search
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Write the camera into this .ron file, for `realgap picture --camera FILE`
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Print,
+}
+
 impl VisionCommand {
     pub fn run(self) -> Result<ExitCode> {
         match self.action {
             Action::Compare(compare) => compare.run(),
             Action::Extract(extract) => extract.run(),
+            Action::Tune(tune) => tune.run(),
         }
     }
 }
@@ -89,7 +139,17 @@ impl Compare {
                 .map_err(|e| Error::io("make the folder", folder, &e))?;
         }
         let badly_lit = self.badly_lit.as_deref();
-        let report = compare_folders(&self.simulated, &self.real, badly_lit, self.seed)?;
+        let relative_to = match self.relative_to {
+            Relative::Own => RelativeTo::Own,
+            Relative::View => RelativeTo::View,
+        };
+        let report = compare_folders(
+            &self.simulated,
+            &self.real,
+            badly_lit,
+            relative_to,
+            self.seed,
+        )?;
         if let Some(folder) = &self.output {
             draw_vision(&report, folder)?;
         }
@@ -102,6 +162,42 @@ impl Compare {
                     terminal::print(extractor.to_string());
                 }
             }
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+impl Tune {
+    fn run(self) -> Result<ExitCode> {
+        if let Some(output) = &self.output {
+            check_writable(output)?;
+        }
+        if !(self.place_sd > 0.0 && self.place_sd <= 1000.0) {
+            return Err(Error::invalid("not a deviation of places")
+                .field("--place-sd")
+                .found(self.place_sd)
+                .allowed("above 0 to 1000 cm")
+                .into_usage());
+        }
+        let scene = Scene::read(&self.scene)?;
+        let camera = camera_named(&scene, &self.camera)?;
+        let light = scene
+            .light(&self.light)
+            .map_err(|e| e.field("--light").into_usage())?;
+        let options = CameraOptions {
+            held_out: (!self.hold_out.is_empty()).then_some(self.hold_out),
+            place_sd_m: 0.01 * self.place_sd,
+            budget: self.budget as usize,
+            seed: self.seed,
+        };
+        let tuned = tune_camera(&scene, &camera, light, &self.real, &options)?;
+        if let Some(output) = &self.output {
+            write_atomic(output, tuned.camera.to_ron()?.as_bytes())?;
+        }
+        terminal::print_warnings(&tuned.warnings);
+        match self.format {
+            Print::Json => terminal::print(terminal::json(&tuned)?),
+            Print::Table => terminal::print(tuned.to_string()),
         }
         Ok(ExitCode::SUCCESS)
     }

@@ -11,7 +11,7 @@ use super::frame::{BELOW_TICKS, Frame, TICK_SIZE, left_of_label, tick_letter};
 use super::heading::{Caption, Heading};
 use super::legend::{Legend, Symbol};
 use super::picture::{self, Picture};
-use super::scale::Scale;
+use super::scale::{AXIS_DECADES, Scale, ScoreScale, with_room};
 use crate::{Error, Result};
 
 const WIDTH: f64 = 1200.0;
@@ -40,6 +40,8 @@ pub struct ColumnChart {
     pub groups: Vec<String>,
     /// The columns of every group.
     pub series: Vec<ColumnSeries>,
+    /// How values are spread over heights; linear from 0 where some are negative.
+    pub scale: ScoreScale,
 }
 
 /// Draws the columns into a PNG or SVG file.
@@ -82,7 +84,11 @@ impl Picture for ColumnChart {
             .values()
             .fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
         let room = 0.05 * (high - low);
-        let y = Scale::linear(if low < 0.0 { low - room } else { 0.0 }, high + room);
+        let values: Vec<f64> = self.values().collect();
+        let y = match Scale::for_scores(&values, self.scale, AXIS_DECADES) {
+            scale if scale.is_log => with_room(scale),
+            _ => Scale::linear(if low < 0.0 { low - room } else { 0.0 }, high + room),
+        };
         let ticks = y.ticks(6);
         let frame = Frame {
             left: MARGIN + left_of_label(&ticks),
@@ -95,7 +101,11 @@ impl Picture for ColumnChart {
         frame.draw_grid(canvas, &[], &ticks);
         let group = (frame.right - frame.left) / self.groups.len() as f64;
         let column = group * (1.0 - BETWEEN) / self.series.len().max(1) as f64;
-        let zero = frame.at_y(0.0);
+        let zero = if y.is_log {
+            frame.bottom
+        } else {
+            frame.at_y(0.0)
+        };
         for (index, name) in self.groups.iter().enumerate() {
             let left = frame.left + group * (index as f64 + 0.5 * BETWEEN);
             for (place, series) in self.series.iter().enumerate() {
@@ -123,7 +133,8 @@ impl Picture for ColumnChart {
             canvas.text(&name, anchor, Align::Centre, tick_letter());
         }
         canvas.fill((frame.left, zero - 1.0), (frame.right, zero + 1.0), INK);
-        frame.draw_y_axis(canvas, &ticks, &self.label);
+        let label = format!("{}{}", self.label, y.remark());
+        frame.draw_y_axis(canvas, &ticks, &label);
         frame.draw_outline(canvas);
     }
 }

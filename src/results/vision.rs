@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Result;
-use crate::plot::{Caption, ColumnChart, ColumnSeries, draw_columns};
+use crate::plot::{Caption, ColumnChart, ColumnSeries, ScoreScale, draw_columns};
 use crate::sensing::vision::{ExtractorReport, PictureSource, ViewRow, VisionReport};
 
 fn series(
@@ -67,6 +67,11 @@ fn chart(report: &ExtractorReport, source: PictureSource) -> ColumnChart {
         label,
         groups: report.views.iter().map(|v| v.view.clone()).collect(),
         series: columns,
+        // A template that is lost is hundreds of pixels away, one that is found less than one.
+        scale: match report.error_measure {
+            Some(measure) if measure.unit == "px" => ScoreScale::Auto,
+            _ => ScoreScale::Linear,
+        },
     }
 }
 

@@ -46,11 +46,14 @@ pub fn jackknife_interval(
     if degree == Degree::Pairs {
         variance *= (n - 2.0) / (n - 1.0);
     }
-    let t = StudentsT::new(0.0, 1.0, n - 1.0)
-        .ok()?
-        .inverse_cdf(0.5 + 0.5 * level);
+    let t = student_quantile(0.5 + 0.5 * level, n - 1.0);
     let factor = libm::exp(t * variance.sqrt());
     Some((value / factor, value * factor))
+}
+
+/// Quantile of Student's t distribution; infinite without degrees of freedom.
+pub fn student_quantile(level: f64, degrees: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees).map_or(f64::INFINITY, |t| t.inverse_cdf(level))
 }
 
 #[cfg(test)]

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use rand::RngExt;
 use realgap::random::Numbered;
-use realgap::sensing::vision::{Answer, Grey, PictureSource, ViewFile, ViewsFile, compare_folders};
+use realgap::sensing::vision::{
+    Answer, Grey, PictureSource, RelativeTo, ViewFile, ViewsFile, compare_folders,
+};
 
 use crate::{around, common, ellipse, grey};
 
@@ -66,7 +68,7 @@ fn folders(root: &Path) -> [std::path::PathBuf; 3] {
 fn a_simulated_picture_is_nearer_than_a_badly_lit_one_where_it_is_made_so() {
     let root = tempfile::tempdir().unwrap();
     let [simulated, real, bad] = folders(root.path());
-    let report = compare_folders(&simulated, &real, Some(&bad), 1).unwrap();
+    let report = compare_folders(&simulated, &real, Some(&bad), RelativeTo::Own, 1).unwrap();
     println!("{report}");
     assert_eq!(report.views.len(), VIEWS);
     let names: Vec<&str> = report.extractors.iter().map(|e| e.extractor).collect();
@@ -82,7 +84,7 @@ fn a_simulated_picture_is_nearer_than_a_badly_lit_one_where_it_is_made_so() {
         assert!(extractor.gap_ratio.unwrap() > 0.0);
     }
     // The same folders the other way round: what is badly lit is no nearer.
-    let other = compare_folders(&bad, &real, Some(&simulated), 1).unwrap();
+    let other = compare_folders(&bad, &real, Some(&simulated), RelativeTo::Own, 1).unwrap();
     assert_eq!(other.extractors[0].verdict.unwrap().answer, Answer::Farther);
 }
 
@@ -90,7 +92,8 @@ fn a_simulated_picture_is_nearer_than_a_badly_lit_one_where_it_is_made_so() {
 fn the_same_pictures_have_no_gap_and_leave_the_question_open() {
     let root = tempfile::tempdir().unwrap();
     let [simulated, ..] = folders(root.path());
-    let report = compare_folders(&simulated, &simulated, Some(&simulated), 1).unwrap();
+    let report =
+        compare_folders(&simulated, &simulated, Some(&simulated), RelativeTo::Own, 1).unwrap();
     for extractor in &report.extractors {
         assert_eq!(extractor.gap.unwrap().value, 0.0);
         let verdict = extractor.verdict.unwrap();
@@ -104,7 +107,7 @@ fn pictures_without_a_partner_are_named_and_none_at_all_is_an_error() {
     let root = tempfile::tempdir().unwrap();
     let [simulated, real, bad] = folders(root.path());
     std::fs::remove_file(bad.join("view3.png")).unwrap();
-    let report = compare_folders(&simulated, &real, Some(&bad), 1).unwrap();
+    let report = compare_folders(&simulated, &real, Some(&bad), RelativeTo::Own, 1).unwrap();
     assert_eq!(report.views.len(), VIEWS - 1);
     let warned = report
         .warnings
@@ -113,7 +116,7 @@ fn pictures_without_a_partner_are_named_and_none_at_all_is_an_error() {
     assert!(warned, "{:?}", report.warnings);
     let other = root.path().join("other");
     write(&other, "kitchen", &grey(150, 110, |_, _| 0.5));
-    let error = compare_folders(&simulated, &other, None, 1)
+    let error = compare_folders(&simulated, &other, None, RelativeTo::Own, 1)
         .unwrap_err()
         .to_string();
     assert!(
@@ -122,7 +125,7 @@ fn pictures_without_a_partner_are_named_and_none_at_all_is_an_error() {
     );
     let empty = root.path().join("empty");
     std::fs::create_dir(&empty).unwrap();
-    let error = compare_folders(&simulated, &empty, None, 1)
+    let error = compare_folders(&simulated, &empty, None, RelativeTo::Own, 1)
         .unwrap_err()
         .to_string();
     assert!(error.contains("there are no pictures"), "{error}");
@@ -133,7 +136,7 @@ fn pictures_of_one_view_with_different_sizes_are_refused() {
     let root = tempfile::tempdir().unwrap();
     let [simulated, real, _] = folders(root.path());
     write(&real, "view2_1", &grey(80, 60, |_, _| 0.5));
-    let error = compare_folders(&simulated, &real, None, 1)
+    let error = compare_folders(&simulated, &real, None, RelativeTo::Own, 1)
         .unwrap_err()
         .to_string();
     assert!(
@@ -148,7 +151,7 @@ fn a_list_of_views_that_is_wrong_says_where() {
     let [simulated, real, _] = folders(root.path());
     let refused = |text: &str| {
         std::fs::write(simulated.join("views.ron"), text).unwrap();
-        compare_folders(&simulated, &real, None, 1)
+        compare_folders(&simulated, &real, None, RelativeTo::Own, 1)
             .unwrap_err()
             .to_string()
     };

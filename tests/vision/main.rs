@@ -13,6 +13,7 @@ mod contract;
 mod golden;
 mod outline;
 mod reading;
+mod tuning;
 mod unreadable;
 
 use realgap::sensing::vision::Grey;

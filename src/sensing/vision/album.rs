@@ -9,6 +9,43 @@ use crate::error::{Error, Result};
 /// Endings of pictures.
 const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
+/// Pictures of a folder that show some views.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shots {
+    /// Where the pictures come from.
+    pub source: PictureSource,
+    /// For each view in the order asked for its pictures: `NAME`, or `NAME_1`, `NAME_2`, …
+    pub of_view: Vec<Vec<PathBuf>>,
+}
+
+impl Shots {
+    /// The pictures of a folder that show these views.
+    ///
+    /// # Errors
+    /// A folder that cannot be listed, without pictures, or with none of these views; a bad `views.ron`.
+    pub fn read(folder: impl AsRef<Path>, views: &[&str]) -> Result<Self> {
+        let album = Album::read(folder.as_ref())?;
+        let named = views
+            .iter()
+            .map(|view| ((*view).to_owned(), PathBuf::new()))
+            .collect();
+        let of = |view: &&str| album.of_view(view, &named).into_iter().cloned().collect();
+        let of_view: Vec<Vec<PathBuf>> = views.iter().map(of).collect();
+        if of_view.iter().all(Vec::is_empty) {
+            let names: Vec<&str> = album.pictures.keys().take(5).map(String::as_str).collect();
+            return Err(Error::invalid("no picture has the name of a view")
+                .at_file(&album.folder)
+                .found(names.join(", "))
+                .allowed(views.join(", "))
+                .hint("a picture is VIEW.png, several of one view are VIEW_1.png, VIEW_2.png"));
+        }
+        Ok(Self {
+            source: album.source(),
+            of_view,
+        })
+    }
+}
+
 /// The pictures of a folder and what is known of them.
 #[derive(Debug, Clone)]
 pub(super) struct Album {

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::album::Album;
+use super::alignment::{Motion, RelativeTo};
 use super::extractor::{Extractor, Feature, Measure, Sought};
 use super::picture::Grey;
 use super::registry::EXTRACTORS;
@@ -138,6 +139,8 @@ pub struct ExtractorReport {
 pub struct VisionReport {
     /// Where the "real" pictures come from.
     pub real: PictureSource,
+    /// What distances are relative to.
+    pub relative_to: RelativeTo,
     /// The views.
     pub views: Vec<String>,
     /// One entry an extractor that had something to look for.
@@ -151,13 +154,16 @@ struct View {
     name: String,
     /// Simulated, real, badly lit.
     groups: [Vec<(PathBuf, Sought)>; 3],
+    /// Whether a place is known of a real picture itself.
+    is_known: bool,
 }
 
 /// What every extractor found in the pictures of a view: simulated, real, badly lit.
 type Found = [Vec<Option<Feature>>; 3];
 
 /// Compares the pictures of two folders, paired by name; with a third folder it also says whether a simulated picture is nearer to
-/// a real one than a badly lit one is. Several real pictures of a view are `NAME_1`, `NAME_2`, …
+/// a real one than a badly lit one is. Several real pictures of a view are `NAME_1`, `NAME_2`, … Between a real picture and a simulated
+/// one the camera was misplaced once, between two real ones twice: so pictures are laid over each other by what is known of each.
 ///
 /// # Errors
 /// Folders without pictures, no name in common, pictures that cannot be read, pictures of one view with different sizes.
@@ -165,6 +171,7 @@ pub fn compare_folders(
     simulated: impl AsRef<Path>,
     real: impl AsRef<Path>,
     badly_lit: Option<&Path>,
+    relative_to: RelativeTo,
     seed: u64,
 ) -> Result<VisionReport> {
     let simulated = Album::read(simulated.as_ref())?;
@@ -184,7 +191,7 @@ pub fn compare_folders(
                     .iter()
                     .all(|(_, sought)| extractor.is_sought(sought))
             })
-            .map(|(view, (found, _))| row(*extractor, view, &found[index]))
+            .map(|(view, (found, _))| row(*extractor, view, &found[index], relative_to))
             .collect();
         if !rows.is_empty() {
             extractors.push(report(*extractor, rows, seed)?);
@@ -199,6 +206,12 @@ pub fn compare_folders(
             "a simulated camera with other settings took the place of the real one",
         ));
     }
+    if relative_to == RelativeTo::Own && !views.iter().any(|view| view.is_known) {
+        warnings.push(Warning::new(
+            Code::NoOwnPlaces,
+            "views.ron of the real pictures does not say where things are in them, so that distances include where the camera stood",
+        ));
+    }
     if views.len() < FEW_VIEWS {
         warnings.push(Warning::new(
             Code::FewRecordings,
@@ -210,6 +223,7 @@ pub fn compare_folders(
     }
     Ok(VisionReport {
         real: real.source(),
+        relative_to,
         views: views.into_iter().map(|view| view.name).collect(),
         extractors,
         warnings,
@@ -243,7 +257,18 @@ fn paired(
             alone.push(name.as_str());
             continue;
         }
+        let stem = |path: &PathBuf| {
+            path.file_stem()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned()
+        };
+        let places =
+            |sought: &Sought| sought.template_at_px.is_some() || !sought.outline_px.is_empty();
+        let of_itself =
+            |(path, _): &(PathBuf, Sought)| real.views.sought(&stem(path)).is_some_and(places);
         views.push(View {
+            is_known: its_real.iter().any(of_itself),
             name: name.clone(),
             groups: [vec![(path.clone(), model.clone())], its_real, its_bad],
         });
@@ -335,27 +360,37 @@ fn look_at(view: &View) -> Result<(Vec<Found>, Vec<Warning>)> {
     Ok((found, warnings))
 }
 
-fn row(extractor: &dyn Extractor, view: &View, found: &Found) -> ViewRow {
+fn row(extractor: &dyn Extractor, view: &View, found: &Found, relative_to: RelativeTo) -> ViewRow {
     let some = |values: Vec<f64>| (!values.is_empty()).then(|| mean(&values));
     let error = |group: usize| {
         let errors = found[group].iter().zip(&view.groups[group]);
         let errors = errors.filter_map(|(f, (_, sought))| extractor.error(f.as_ref()?, sought));
         some(errors.collect())
     };
+    let each = |group: usize| {
+        let known = view.groups[group].iter().map(|(_, sought)| sought);
+        let both = found[group].iter().zip(known);
+        both.filter_map(|(f, sought)| Some((f.as_ref()?, sought)))
+            .collect::<Vec<_>>()
+    };
+    let distance =
+        |(x, at_x): (&Feature, &Sought), (y, at_y): (&Feature, &Sought)| match relative_to {
+            RelativeTo::View => extractor.distance(x, y),
+            RelativeTo::Own => extractor.distance(x, &Motion::between(at_y, at_x).moved(y)),
+        };
     let between = |a: usize, b: usize| {
         let mut all = Vec::new();
-        for x in found[a].iter().flatten() {
-            let to = found[b].iter().flatten();
-            all.extend(to.filter_map(|y| extractor.distance(x, y)));
+        for x in each(a) {
+            all.extend(each(b).into_iter().filter_map(|y| distance(x, y)));
         }
         some(all)
     };
     let floor = {
-        let real: Vec<&Feature> = found[1].iter().flatten().collect();
+        let real = each(1);
         let mut all = Vec::new();
         for (index, x) in real.iter().enumerate() {
             let others = real[index + 1..].iter();
-            all.extend(others.filter_map(|y| extractor.distance(x, y)));
+            all.extend(others.filter_map(|y| distance(*x, *y)));
         }
         some(all)
     };

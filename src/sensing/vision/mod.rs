@@ -23,6 +23,7 @@
 //! ```
 
 mod album;
+mod alignment;
 mod alphabet;
 pub mod camera;
 mod codec;
@@ -43,6 +44,8 @@ mod template;
 mod views;
 mod words;
 
+pub use album::Shots;
+pub use alignment::RelativeTo;
 pub use alphabet::Alphabet;
 pub use comparison::{
     Answer, ExtractorReport, Mean, Verdict, ViewRow, VisionReport, compare_folders,

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::alignment::RelativeTo;
 use super::comparison::{Answer, ExtractorReport, Mean, Verdict, VisionReport};
 use super::views::PictureSource;
 use crate::table::{Side, TextTable};
@@ -146,6 +147,15 @@ impl fmt::Display for VisionReport {
             writeln!(f, "\n{}", errors(self).render(false))?;
         }
         writeln!(f, "\n{}", distances(self).render(false))?;
+        writeln!(
+            f,
+            "{}",
+            match self.relative_to {
+                RelativeTo::Own =>
+                    "distances after each picture is turned and shifted to where the other's known places are",
+                RelativeTo::View => "distances as the pictures are: where each camera stood counts",
+            }
+        )?;
         let answered: Vec<_> = self
             .extractors
             .iter()

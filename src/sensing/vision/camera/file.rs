@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::exposure::Sensor;
-use super::lens::{Lens, Pose};
+use super::form::CameraFile;
+use super::lens::Pose;
 use super::poster::{Motif, Texture};
 use super::scene::{Block, Camera, Lamp, Light, Poster, Scene, View};
 use crate::error::{Error, Result};
@@ -80,39 +80,6 @@ struct LampFile {
 }
 
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename = "Camera")]
-struct CameraFile {
-    #[serde(default)]
-    stand_in: bool,
-    #[serde(default = "resolution")]
-    resolution_px: (usize, usize),
-    #[serde(default = "field_of_view")]
-    field_of_view_deg: f64,
-    #[serde(default)]
-    distortion: (f64, f64),
-    #[serde(default)]
-    blur_px: f64,
-    exposure_s: f64,
-    electrons_per_cd_s: f64,
-    #[serde(default = "full_well")]
-    full_well_e: f64,
-    #[serde(default)]
-    read_noise_e: f64,
-    #[serde(default = "one")]
-    gain: f64,
-    #[serde(default = "one")]
-    most_gain: f64,
-    #[serde(default)]
-    jpeg_quality: Option<u8>,
-    #[serde(default)]
-    place_sd_m: f64,
-    #[serde(default)]
-    angle_sd_deg: f64,
-    #[serde(default)]
-    turning_deg_s: (f64, f64),
-}
-
-#[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename = "View")]
 struct ViewFile {
     name: String,
@@ -124,36 +91,19 @@ fn light_grey() -> Three {
     (0.7, 0.7, 0.7)
 }
 
-fn resolution() -> (usize, usize) {
-    (640, 480)
-}
-
-fn field_of_view() -> f64 {
-    60.0
-}
-
-fn full_well() -> f64 {
-    10_000.0
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-/// Largest room, metres, most things in it, and largest picture, pixels.
+/// Largest room, metres, and most things in it.
 const LARGEST_M: f64 = 1000.0;
 const MOST: usize = 10_000;
-const MOST_PIXELS: usize = 16_000_000;
 
 fn three(v: Three) -> [f64; 3] {
     [v.0, v.1, v.2]
 }
 
 /// A text with the error of one of its values.
-struct Reader<'a>(&'a Source);
+pub(super) struct Reader<'a>(pub &'a Source);
 
 impl Reader<'_> {
-    fn wrong(
+    pub(super) fn wrong(
         &self,
         field: &str,
         message: &str,
@@ -164,7 +114,14 @@ impl Reader<'_> {
         self.0.at(field, error.found(found).allowed(allowed))
     }
 
-    fn within(&self, field: &str, value: f64, low: f64, high: f64, unit: &str) -> Result<f64> {
+    pub(super) fn within(
+        &self,
+        field: &str,
+        value: f64,
+        low: f64,
+        high: f64,
+        unit: &str,
+    ) -> Result<f64> {
         if (low..=high).contains(&value) {
             return Ok(value);
         }
@@ -253,73 +210,6 @@ impl Reader<'_> {
             texture,
         })
     }
-
-    fn camera(&self, name: String, file: &CameraFile) -> Result<Camera> {
-        let at = |field: &str| format!("cameras.{name}.{field}");
-        let number = |field: &str, value: f64, low: f64, high: f64, unit: &str| {
-            self.within(&at(field), value, low, high, unit)
-        };
-        let (width_px, height_px) = file.resolution_px;
-        let pixels = width_px.saturating_mul(height_px);
-        if !(1..=MOST_PIXELS).contains(&pixels) {
-            let found = format!("{width_px} x {height_px}");
-            return Err(self.wrong(
-                &at("resolution_px"),
-                "not a resolution",
-                found,
-                "one pixel to 16 megapixels",
-            ));
-        }
-        if file.jpeg_quality.is_some_and(|q| !(1..=100).contains(&q)) {
-            let found = file.jpeg_quality.unwrap_or_default();
-            return Err(self.wrong(&at("jpeg_quality"), "not a quality", found, "1 to 100"));
-        }
-        let fov = number(
-            "field_of_view_deg",
-            file.field_of_view_deg,
-            1.0,
-            150.0,
-            "degrees",
-        )?;
-        let distortion = [file.distortion.0, file.distortion.1];
-        for value in distortion {
-            number("distortion", value, -0.5, 0.5, "")?;
-        }
-        let turning = [file.turning_deg_s.0, file.turning_deg_s.1];
-        for value in turning {
-            number("turning_deg_s", value, -720.0, 720.0, "degrees per second")?;
-        }
-        Ok(Camera {
-            is_stand_in: file.stand_in,
-            lens: Lens {
-                width_px,
-                height_px,
-                field_of_view_rad: fov.to_radians(),
-                distortion,
-                blur_px: number("blur_px", file.blur_px, 0.0, 20.0, "px")?,
-            },
-            sensor: Sensor {
-                exposure_s: number("exposure_s", file.exposure_s, 1e-6, 10.0, "s")?,
-                electrons_per_cd_s: number(
-                    "electrons_per_cd_s",
-                    file.electrons_per_cd_s,
-                    1e-3,
-                    1e9,
-                    "",
-                )?,
-                full_well_e: number("full_well_e", file.full_well_e, 1.0, 1e9, "electrons")?,
-                read_noise_e: number("read_noise_e", file.read_noise_e, 0.0, 1e6, "electrons")?,
-                gain: number("gain", file.gain, 1e-3, 1e4, "")?,
-                most_gain: number("most_gain", file.most_gain, 1e-3, 1e4, "")?,
-                jpeg_quality: file.jpeg_quality,
-            },
-            place_sd_m: number("place_sd_m", file.place_sd_m, 0.0, 1.0, "m")?,
-            angle_sd_rad: number("angle_sd_deg", file.angle_sd_deg, 0.0, 20.0, "degrees")?
-                .to_radians(),
-            turning_rad_s: turning.map(f64::to_radians),
-            name,
-        })
-    }
 }
 
 impl Scene {
@@ -392,7 +282,8 @@ impl Scene {
             });
         }
         for (name, camera) in file.cameras {
-            scene.cameras.push(reader.camera(name, &camera)?);
+            let at = format!("cameras.{name}.");
+            scene.cameras.push(camera.camera(&reader, &at, name)?);
         }
         for (index, view) in file.views.into_iter().enumerate() {
             let field = format!("views[{index}]");

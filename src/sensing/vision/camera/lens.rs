@@ -106,8 +106,8 @@ impl Pose {
         ))
     }
 
-    /// Moved, and turned by small angles: to the right, down, and clockwise about the line of sight.
-    pub(super) fn moved(&self, by_m: Vector, turn_rad: Vector) -> Self {
+    /// Moved (metres, in the room), and turned by angles (radians): to the right, down, and clockwise about the line of sight.
+    pub fn moved(&self, by_m: Vector, turn_rad: Vector) -> Self {
         let turned = |a: Vector, b: Vector, angle: f64| {
             let (sin, cos) = angle.sin_cos();
             let one = add(times(a, cos), times(b, sin));

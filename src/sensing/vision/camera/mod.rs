@@ -10,6 +10,7 @@
 mod cast;
 mod exposure;
 mod file;
+mod form;
 mod lens;
 mod poster;
 mod render;
@@ -19,6 +20,6 @@ mod truth;
 pub use exposure::Sensor;
 pub use lens::{Lens, Pose};
 pub use poster::Motif;
-pub use render::take;
+pub use render::{expose, luminance, met_m, take};
 pub use scene::{Block, Camera, Lamp, Light, Poster, Scene, View};
 pub use truth::{ALPHABET_TEXT, alphabet_picture, known};

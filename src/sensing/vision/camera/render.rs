@@ -55,19 +55,43 @@ pub fn take(
     number: u64,
 ) -> Result<(Picture, Pose)> {
     let pose = placed(scene, camera, view, seed, number);
+    let planes = luminance(scene, camera, &pose, light);
+    Ok((expose(camera, &planes, seed, number)?, pose))
+}
+
+/// The light that reaches every pixel from a place, candela per square metre: red, green, blue. Neither blurred nor smeared.
+pub fn luminance(scene: &Scene, camera: &Camera, pose: &Pose, light: &Light) -> [Grey; 3] {
     let eye = Eye {
         scene,
         caster: Caster::new(scene),
         light,
         camera,
-        pose,
+        pose: *pose,
     };
-    let planes = eye.light();
+    eye.light()
+}
+
+/// What a camera makes of light: blur, smear, photons, electrons, bytes. `number` is that of the picture, as in [`take`].
+///
+/// # Errors
+/// None for planes of one size.
+pub fn expose(camera: &Camera, light: &[Grey; 3], seed: u64, number: u64) -> Result<Picture> {
     let shift = camera
         .turning_rad_s
         .map(|speed| speed * camera.sensor.exposure_s * camera.lens.focal_px());
-    let planes = planes.map(|plane| moved(&gauss(&plane, camera.lens.blur_px), shift));
-    Ok((camera.sensor.picture(&planes, seed, number)?, pose))
+    let seen = [0, 1, 2].map(|i| moved(&gauss(&light[i], camera.lens.blur_px), shift));
+    camera.sensor.picture(&seen, seed, number)
+}
+
+/// What the rays through some places of a picture end at, metres.
+pub fn met_m(scene: &Scene, camera: &Camera, pose: &Pose, places_px: &[[f64; 2]]) -> Vec<Vector> {
+    let caster = Caster::new(scene);
+    let met = |[x, y]: &[f64; 2]| {
+        let direction = pose.direction(camera.lens.slope(*x, *y));
+        let hit = caster.first(pose.place_m, direction);
+        add(pose.place_m, times(direction, hit.distance_m))
+    };
+    places_px.iter().map(met).collect()
 }
 
 /// Where the camera really stands.

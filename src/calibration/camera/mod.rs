@@ -1,0 +1,388 @@
+//! A camera's settings from its pictures of a known room: lens, exposure, gain, noise, blur and compression.
+//!
+//! First where each picture was really taken and through which lens, from corners of the scene found in it; then the sensor, from what
+//! pictures look like where they were taken. Views that were left out judge the result.
+
+mod compression;
+mod look;
+mod placing;
+mod sensor;
+mod shot;
+mod sighting;
+mod words;
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::error::Result;
+use crate::sensing::vision::camera::{Camera, Light, Scene};
+use crate::sensing::vision::{PictureSource, Shots};
+use crate::statistics::{mean, student_quantile};
+use crate::warning::{Code, Warning};
+
+use placing::{Before, Placed, miss_px, place};
+use sensor::{Search, apart, mismatch, settings};
+use shot::{Shot, placed_of, read, reals_of, split};
+
+/// How a camera is tuned.
+#[derive(Debug, Clone)]
+pub struct CameraOptions {
+    /// Views that only judge; `None` for every third where there are six or more.
+    pub held_out: Option<Vec<String>>,
+    /// Standard deviation of where the camera was put down, each axis, metres.
+    pub place_sd_m: f64,
+    /// How often all pictures are simulated in the search, the steps after it not counted.
+    pub budget: usize,
+    /// Seed of simulated noise and of the search.
+    pub seed: u64,
+}
+
+impl Default for CameraOptions {
+    fn default() -> Self {
+        Self {
+            held_out: None,
+            place_sd_m: 0.02,
+            budget: 150,
+            seed: 1,
+        }
+    }
+}
+
+/// What pictures say of a setting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Known {
+    /// Its interval lies within what was searched.
+    Determined,
+    /// Nothing below a value is excluded.
+    AtMost,
+    /// Nothing above a value is excluded.
+    AtLeast,
+    /// Its interval is (nearly) all that was searched.
+    Undetermined,
+}
+
+/// A setting that was found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TunedSetting {
+    /// Its name, as in a scene's camera.
+    pub name: &'static str,
+    /// Its unit, empty for none.
+    pub unit: &'static str,
+    /// What it was before,
+    pub start: f64,
+    /// what it is now,
+    pub value: f64,
+    /// from here, 90 %,
+    pub low: f64,
+    /// to here.
+    pub high: f64,
+    /// What was searched.
+    pub searched: (f64, f64),
+    /// Whether the pictures say what it is.
+    pub known: Known,
+}
+
+/// How far simulated pictures are from real ones, before and after.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Mismatch {
+    /// What pictures look like: 1 is as far as views differ from each other after the fit.
+    pub look_start: f64,
+    /// After.
+    pub look_tuned: f64,
+    /// Where corners of the scene are seen, root mean square without outliers, pixels.
+    pub corners_start_px: f64,
+    /// After.
+    pub corners_tuned_px: f64,
+}
+
+/// A camera that was tuned.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TunedCamera {
+    /// The camera.
+    #[serde(skip)]
+    pub camera: Camera,
+    /// The one it began with.
+    pub start: String,
+    /// Where the "real" pictures come from.
+    pub real: PictureSource,
+    /// The settings.
+    pub settings: Vec<TunedSetting>,
+    /// Views that it was fitted to,
+    pub fitted_views: Vec<String>,
+    /// how far they are,
+    pub fitted: Mismatch,
+    /// views that only judged,
+    pub held_out_views: Vec<String>,
+    /// and how far those are.
+    pub held_out: Option<Mismatch>,
+    /// How far cameras stood from where they should, mean, metres,
+    pub misplaced_m: f64,
+    /// and how far they were turned, mean, radians.
+    pub turned_rad: f64,
+    /// What a reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// What is searched of the lens: field of view (radians either way) and distortion, and its standard deviation before.
+const FIELD_RAD: f64 = 0.26;
+const DISTORTION: f64 = 0.5;
+const DISTORTION_SD: f64 = 0.2;
+/// Standard deviation of where cameras look, before anything is seen, radians.
+const ANGLE_SD_RAD: f64 = 0.1;
+/// Level of all intervals.
+const LEVEL: f64 = 0.9;
+/// An interval of this share of what was searched says nothing.
+const WIDE: f64 = 0.8;
+
+/// Finds the settings of the camera that took the pictures of a folder, starting from a camera of the scene. Pictures are paired with
+/// the scene's views by name.
+///
+/// # Errors
+/// No pictures of the scene's views, pictures of different sizes or that are too small, fewer than three views to fit, a held-out view
+/// that does not exist, pictures in which the scene is not to be found.
+pub fn tune_camera(
+    scene: &Scene,
+    start: &Camera,
+    light: &Light,
+    folder: impl AsRef<Path>,
+    options: &CameraOptions,
+) -> Result<TunedCamera> {
+    let names: Vec<&str> = scene.views.iter().map(|v| v.name.as_str()).collect();
+    let shots = Shots::read(folder.as_ref(), &names)?;
+    let pictures = read(&shots)?;
+    let mut warnings = Vec::new();
+    let (fitted_views, held_views) = split(&names, &shots, options, &mut warnings)?;
+    let mut start = start.clone();
+    start.lens.width_px = pictures[0].grey.width();
+    start.lens.height_px = pictures[0].grey.height();
+    let of = |views: &[usize]| -> Vec<&Shot> {
+        pictures
+            .iter()
+            .filter(|p| views.contains(&p.view))
+            .collect()
+    };
+    let (fitted, held) = (of(&fitted_views), of(&held_views));
+
+    let before = Before {
+        place_sd_m: options.place_sd_m,
+        angle_sd_rad: ANGLE_SD_RAD,
+        distortion_sd: DISTORTION_SD,
+        lens: true,
+    };
+    let (camera, placed) = placed_of(scene, &start, light, &fitted, &before)?;
+    let lens = lens_settings(&start, &camera, &fitted, &placed, &before);
+
+    let (compression, quality) = compression(&start, &fitted)?;
+    let mut camera = camera;
+    camera.sensor.jpeg_quality = quality;
+    let reals = reals_of(scene, &camera, light, &fitted, &placed)?;
+    let search = Search {
+        settings: settings(&start),
+        camera: camera.clone(),
+        pictures: &reals,
+        seed: options.seed,
+        budget: options.budget.max(20),
+    };
+    let found = search.run()?;
+    let camera = Camera {
+        name: "tuned".to_owned(),
+        is_stand_in: false,
+        ..search.camera_at(&found.shares)
+    };
+    let mut all = lens;
+    all.extend(sensor_settings(&search, &found, fitted_views.len()));
+    all.push(compression);
+    let judge = |own: &[&Shot]| -> Result<Mismatch> {
+        let fixed = Before {
+            lens: false,
+            ..before
+        };
+        let of = |camera: &Camera| -> Result<(f64, f64)> {
+            let (camera, placed) = placed_of(scene, camera, light, own, &fixed)?;
+            let reals = reals_of(scene, &camera, light, own, &placed)?;
+            let rows = apart(&camera, &reals, options.seed)?;
+            Ok((
+                mismatch(&rows, &found.scale),
+                miss_px(&camera.lens, &placed),
+            ))
+        };
+        let ((look_start, corners_start_px), (look_tuned, corners_tuned_px)) =
+            (of(&start)?, of(&camera)?);
+        Ok(Mismatch {
+            look_start,
+            look_tuned,
+            corners_start_px,
+            corners_tuned_px,
+        })
+    };
+    let named = |views: &[usize]| views.iter().map(|v| names[*v].to_owned()).collect();
+    if shots.source == PictureSource::StandIn {
+        warnings.push(Warning::new(
+            Code::StandIn,
+            "a simulated camera with other settings took the place of the real one",
+        ));
+    }
+    warnings.push(Warning::new(
+        Code::KnownLimit,
+        "exposure, gain and read noise are told apart worse than their intervals say (their product and all other settings are not concerned)",
+    ));
+    let length = |off: &[f64]| off.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let offs = |from: usize| {
+        mean(
+            &placed
+                .iter()
+                .map(|p| length(&p.off[from..from + 3]))
+                .collect::<Vec<_>>(),
+        )
+    };
+    Ok(TunedCamera {
+        start: start.name.clone(),
+        real: shots.source,
+        settings: all,
+        fitted: judge(&fitted)?,
+        held_out: if held.is_empty() {
+            None
+        } else {
+            Some(judge(&held)?)
+        },
+        fitted_views: named(&fitted_views),
+        held_out_views: named(&held_views),
+        misplaced_m: offs(0),
+        turned_rad: offs(3),
+        warnings,
+        camera,
+    })
+}
+
+/// The verdict on an interval in shares of what was searched.
+fn known(low: f64, high: f64) -> Known {
+    let (low, high) = (low.max(0.0), high.min(1.0));
+    match (low <= 0.0, high >= 1.0) {
+        _ if high - low > WIDE => Known::Undetermined,
+        (true, false) => Known::AtMost,
+        (false, true) => Known::AtLeast,
+        (true, true) => Known::Undetermined,
+        (false, false) => Known::Determined,
+    }
+}
+
+/// Field of view and distortion; intervals from leaving out one view after the other.
+fn lens_settings(
+    start: &Camera,
+    camera: &Camera,
+    shots: &[&Shot],
+    placed: &[Placed],
+    before: &Before,
+) -> Vec<TunedSetting> {
+    let numbers = |camera: &Camera| {
+        let lens = &camera.lens;
+        [
+            lens.field_of_view_rad.to_degrees(),
+            lens.distortion[0],
+            lens.distortion[1],
+        ]
+    };
+    let mut views: Vec<usize> = shots.iter().map(|shot| shot.view).collect();
+    views.dedup();
+    let without: Vec<[f64; 3]> = views
+        .par_iter()
+        .map(|view| {
+            let others = shots
+                .iter()
+                .zip(placed)
+                .filter(|(shot, _)| shot.view != *view);
+            let mut others: Vec<Placed> = others.map(|(_, its)| its.clone()).collect();
+            let lens = place(&camera.lens, &mut others, before);
+            numbers(&Camera {
+                lens,
+                ..camera.clone()
+            })
+        })
+        .collect();
+    let count = views.len() as f64;
+    let t = student_quantile(0.5 + 0.5 * LEVEL, count - 1.0);
+    let (first, found) = (numbers(start), numbers(camera));
+    let field = FIELD_RAD.to_degrees();
+    let setting = |k: usize, name, unit, searched: (f64, f64)| {
+        let own: Vec<f64> = without.iter().map(|w| w[k]).collect();
+        let middle = mean(&own);
+        let squares: f64 = own.iter().map(|v| (v - middle).powi(2)).sum();
+        let half = t * (squares * (count - 1.0) / count).sqrt();
+        let (low, high) = (found[k] - half, found[k] + half);
+        let share = |value: f64| (value - searched.0) / (searched.1 - searched.0);
+        TunedSetting {
+            name,
+            unit,
+            start: first[k],
+            value: found[k],
+            low: low.max(searched.0),
+            high: high.min(searched.1),
+            searched,
+            known: known(share(low), share(high)),
+        }
+    };
+    vec![
+        setting(
+            0,
+            "field_of_view_deg",
+            "degrees",
+            (first[0] - field, first[0] + field),
+        ),
+        setting(1, "distortion.0", "", (-DISTORTION, DISTORTION)),
+        setting(2, "distortion.1", "", (-DISTORTION, DISTORTION)),
+    ]
+}
+
+fn sensor_settings(search: &Search<'_>, found: &sensor::Found, views: usize) -> Vec<TunedSetting> {
+    let t = student_quantile(0.5 + 0.5 * LEVEL, (views - 1) as f64);
+    let of = |(k, setting): (usize, &sensor::Setting)| {
+        let (share, half) = (found.shares[k], t * found.sd[k]);
+        let (low, high) = (share - half, share + half);
+        TunedSetting {
+            name: setting.name,
+            unit: setting.unit,
+            start: setting.value(found.start[k]),
+            value: setting.value(share),
+            low: setting.value(low),
+            high: setting.value(high),
+            searched: setting.range,
+            known: known(low, high),
+        }
+    };
+    search.settings.iter().enumerate().map(of).collect()
+}
+
+/// The quality of compression, picture by picture: from the lowest to the highest that was found.
+fn compression(start: &Camera, shots: &[&Shot]) -> Result<(TunedSetting, Option<u8>)> {
+    let found: Vec<Option<u8>> = shots
+        .par_iter()
+        .map(|shot| compression::quality(&shot.picture))
+        .collect::<Result<_>>()?;
+    let count = found.len();
+    let mut found: Vec<u8> = found.into_iter().flatten().collect();
+    found.sort_unstable();
+    let before = start.sensor.jpeg_quality;
+    let mut setting = TunedSetting {
+        name: "jpeg_quality",
+        unit: "",
+        start: before.map_or(100.0, f64::from),
+        value: before.map_or(100.0, f64::from),
+        low: 1.0,
+        high: 100.0,
+        searched: (1.0, 100.0),
+        known: Known::Undetermined,
+    };
+    // A few pictures without anything fine in them do not tell.
+    if 2 * found.len() <= count {
+        return Ok((setting, before));
+    }
+    let middle = found[found.len() / 2];
+    let tail = |share: f64| f64::from(found[(share * (found.len() - 1) as f64).round() as usize]);
+    setting.value = f64::from(middle);
+    (setting.low, setting.high) = (tail(0.05) - 0.5, tail(0.95) + 0.5);
+    setting.known = Known::Determined;
+    Ok((setting, Some(middle)))
+}
