@@ -227,7 +227,7 @@ pub fn tune_camera(
     }
     warnings.push(Warning::new(
         Code::KnownLimit,
-        "exposure, gain and read noise are told apart worse than their intervals say (their product and all other settings are not concerned)",
+        "intervals are too narrow, those of exposure, gain, read noise and field of view by most; those of blur and JPEG quality are not (docs/fidelity/vision.md)",
     ));
     let length = |off: &[f64]| off.iter().map(|v| v * v).sum::<f64>().sqrt();
     let offs = |from: usize| {
