@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _native
 from ._array import asked
@@ -17,6 +17,10 @@ from ._run import Progress, folder_name, mode
 from ._simulation import Parameters, _parameters
 from ._table import Table
 from ._trajectory import Trajectory
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
 
 # From, to, and how many points in between and at the ends.
 Range = Union[Tuple[float, float], Tuple[float, float, int]]
@@ -67,11 +71,11 @@ class Answer:
         """A row a point: parameters, score, whether it can be told from the best."""
         return Table(json.loads(self._native.points()))
 
-    def to_pandas(self) -> Any:
+    def to_pandas(self) -> "pandas.DataFrame":
         """The points as a pandas frame."""
         return self.points.to_pandas()
 
-    def to_polars(self) -> Any:
+    def to_polars(self) -> "polars.DataFrame":
         """The points as a polars frame."""
         return self.points.to_polars()
 

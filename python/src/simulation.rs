@@ -10,7 +10,7 @@ use realgap::calibration::read_parameters;
 use realgap::file::Source;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{
-    self, CommandTrack, Experiment, Film, JointKind, Outcome, Run, Sampling, SceneBody, film,
+    self, CommandTrack, Experiment, Film, JointKind, Outcome, Sampling, SceneBody, film,
 };
 use realgap::trajectory::write_with_bodies;
 use realgap::{Error, Result, Warning};
@@ -71,7 +71,6 @@ fn joint_kind(name: &str) -> Result<JointKind> {
 #[pyclass(frozen, module = "realgap._native")]
 pub struct Simulation {
     robot: String,
-    run: Run,
     film: Film,
     info: String,
 }
@@ -119,7 +118,6 @@ pub fn simulate(
         Ok(Simulation {
             robot: robot.morphology.name().to_owned(),
             info: to_text(&info)?,
-            run,
             film,
         })
     };
@@ -225,9 +223,5 @@ impl Simulation {
     fn write_parts(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let write = || write_with_bodies(&path, &self.film.track, &self.film.bodies()?);
         write().or_raise(py)
-    }
-
-    fn completed(&self) -> bool {
-        self.run.outcome.is_completed()
     }
 }

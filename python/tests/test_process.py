@@ -75,6 +75,30 @@ def test_an_interrupted_sweep_goes_on_with_the_same_bits(tmp_path, study_file):
         assert ours.read_bytes() == theirs.read_bytes(), name
 
 
+def test_an_interrupted_search_goes_on_with_the_same_robots(tmp_path):
+    search = realgap.Search.from_dict(
+        {
+            "strategy": {"Evolution": {"population": 4, "generations": 3}},
+            "duration_s": 0.5,
+            "repeats": 2,
+            "finalists": {"count": 1, "repeats": 3},
+        }
+    )
+
+    def once(done, total, best, finishing):
+        if done >= 3:
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(realgap.Interrupted, match="resume=True"):
+        search.run(folder=tmp_path / "cut", progress=once, jobs=1)
+    with pytest.raises(realgap.ConflictError, match="resume=True"):
+        search.run(folder=tmp_path / "cut")
+    resumed = search.run(folder=tmp_path / "cut", resume=True)
+    whole = search.run()
+    assert resumed.robots.to_dict() == whole.robots.to_dict()
+    assert [f.card for f in resumed.finalists] == [f.card for f in whole.finalists]
+
+
 def test_ctrl_c_reaches_everything_that_takes_long(tripod, study_file):
     study = realgap.Study.read(study_file, set={"floor.friction": 0.4})
     for run in (
@@ -92,6 +116,24 @@ def test_ctrl_c_reaches_everything_that_takes_long(tripod, study_file):
             run()
         timer.join()
         assert time.monotonic() - begun < 30.0
+
+
+def test_ctrl_c_in_a_function_of_ones_own_is_none_of_its_errors(recordings):
+    def pressed(real, simulated):
+        signal.raise_signal(signal.SIGINT)
+        time.sleep(1.0)
+        return 0.0
+
+    with pytest.raises(KeyboardInterrupt):
+        realgap.compare(recordings[0], recordings[1], metric=realgap.Metric("pressed", pressed))
+
+
+def test_ctrl_c_in_a_single_run_is_not_lost(tripod):
+    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    with pytest.raises(realgap.Interrupted):
+        realgap.simulate(tripod, duration_s=120.0)
+    timer.join()
 
 
 def test_two_threads_get_what_one_gets(tripod, study_file):

@@ -75,6 +75,38 @@ def test_a_sweep_leaves_the_folder_of_the_command(command, study_file, tmp_path)
     assert again.points.to_dict() == answer.points.to_dict()
 
 
+def test_a_study_of_dicts_and_one_of_objects_give_the_scores_of_its_file(
+    study_file, tripod, recordings
+):
+    expected = realgap.Study.read(study_file).sweep().points.to_dict()
+    fields = {
+        "morphology": str(TRIPOD),
+        "recordings": [str(STAND_INS / "run_0[01].csv")],
+        "start": "Settled",
+        "duration_s": 0.5,
+        "parameters": [{"name": "floor.friction", "from": 0.2, "to": 0.8, "points": 3}],
+        "metric": "rms",
+        "noise": {"start_heading_rad": {"Normal": 0.02}},
+    }
+    of_dict = realgap.Study.from_dict(fields, name="friction")
+    assert of_dict.sweep().points.to_dict() == expected
+    vary = {"floor.friction": (0.2, 0.8, 3)}
+    made = realgap.Study.of(
+        tripod, recordings, vary, name="friction", metric="rms", duration_s=0.5
+    )
+    assert made.sweep().points.to_dict() == expected
+
+
+def test_what_was_fitted_is_called_in_sample(study_file):
+    answer = realgap.Study.read(study_file).sweep()
+    fitted = answer.fitted
+    assert fitted.info["set"] == answer.best
+    assert "in-sample" in [warning["code"] for warning in fitted.warnings]
+    again = realgap.Study.read(study_file).at(answer.best)
+    assert "in-sample" not in [warning["code"] for warning in again.warnings]
+    assert fitted.gap(repeats=4).metrics == again.gap(repeats=4).metrics
+
+
 def test_a_tuning_leaves_the_folder_of_the_command(command, study_file, tmp_path):
     how = ("--optimizer", "nelder-mead", "--budget", 14)
     command("tune", study_file, *how, "-o", tmp_path / "c")

@@ -33,6 +33,12 @@ def test_the_package_itself_is_sound():
     assert done.returncode == 0, done.stdout
 
 
+def test_the_stubs_are_those_of_the_compiled_half():
+    words = [sys.executable, "-m", "mypy.stubtest", "--ignore-disjoint-bases", "realgap._native"]
+    done = subprocess.run(words, capture_output=True, text=True, cwd=PACKAGE)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_a_program_that_uses_it_is_checked(tmp_path):
     good = tmp_path / "good.py"
     good.write_text(PROGRAM)
