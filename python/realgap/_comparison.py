@@ -10,7 +10,7 @@ from ._array import asked
 from ._callback import Metric, native_metric
 from ._picture import one, page
 from ._table import Table
-from ._trajectory import Trajectories, Trajectory
+from ._trajectory import Trajectories, Trajectory, native_trajectory
 
 AnyMetric = Union[str, Metric]
 
@@ -32,10 +32,9 @@ class Comparison:
         self._rows: List[Dict[str, Any]] = json.loads(self._ask(None))
 
     def _ask(self, picture: Optional[str]) -> str:
-        others = [other._native for other in self._others]
-        return _native.compare(
-            self._reference._native, others, self._metrics, self._how, picture
-        )
+        others = [native_trajectory(other) for other in self._others]
+        reference = native_trajectory(self._reference)
+        return _native.compare(reference, others, self._metrics, self._how, picture)
 
     @property
     def rows(self) -> List[Dict[str, Any]]:
@@ -98,7 +97,7 @@ def compare(
     equal_times: bool = False,
 ) -> Comparison:
     """Compares motions with a reference, prepared as `prepare` does it; without a metric, by all that need positions only."""
-    many = [others] if isinstance(others, Trajectory) else list(others)
+    many = list(others) if isinstance(others, (list, tuple)) else [others]
     metrics: Optional[List[AnyMetric]] = None
     if metric is not None:
         metrics = [metric] if isinstance(metric, (str, Metric)) else list(metric)

@@ -2,7 +2,30 @@
 
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union, final
 
-__all__: List[str]
+__all__ = [
+    "Answer",
+    "Ensemble",
+    "Found",
+    "Gap",
+    "OwnMetric",
+    "Prediction",
+    "Robot",
+    "Search",
+    "Simulation",
+    "Study",
+    "Trajectory",
+    "compare",
+    "folder_page",
+    "metrics",
+    "optimizers",
+    "parameters",
+    "predict",
+    "read_parameters",
+    "repeat_study",
+    "simulate",
+    "study_gap",
+    "versions",
+]
 
 def versions() -> Tuple[str, str]: ...
 def parameters() -> str: ...

@@ -9,7 +9,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 from . import _native
 from ._array import asked
 from ._picture import drawn, page
-from ._robot import Path, Robot
+from ._robot import Path, Robot, native_robot
 from ._run import Progress, folder_name
 from ._simulation import Parameters, _parameters
 from ._table import Table
@@ -161,5 +161,5 @@ def predict(
     )
     drawing = _drawing("predict", repeats, noise, seed, model_error, indistinguishable)
     return Prediction(
-        _native.predict(robot._native, question, drawing, jobs, folder_name(folder), progress)
+        _native.predict(native_robot(robot), question, drawing, jobs, folder_name(folder), progress)
     )

@@ -8,9 +8,23 @@ from typing import Any, Dict, List, Mapping, Tuple, Union
 
 from . import _native
 from ._array import asked
+from ._error import usage
 from ._picture import one, page
 
 Path = Union[str, "os.PathLike[str]"]
+
+
+def native_robot(robot: Any) -> _native.Robot:
+    """A robot as the library takes it."""
+    if isinstance(robot, Robot):
+        return robot._native
+    raise usage(
+        "not a robot",
+        field="robot",
+        found=type(robot).__name__,
+        allowed="a realgap.Robot",
+        hint="Robot.read(path) reads one",
+    )
 
 
 class Robot:

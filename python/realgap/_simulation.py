@@ -14,7 +14,7 @@ from ._array import Floats, asked, given, got, sent
 from ._callback import number
 from ._error import CallbackError, Error, usage
 from ._picture import page
-from ._robot import Path, Robot
+from ._robot import Path, Robot, native_robot
 from ._trajectory import Trajectory
 
 # A gait: angles by hinge at a time, seconds from the start of the run.
@@ -146,7 +146,7 @@ def simulate(
     )
     times = None if times_s is None else sent(given(times_s, "times_s", (None,)))
     commands = [] if gait is None else _commands(gait, float(duration_s), float(gait_rate_hz))
-    run = _native.simulate(robot._native, settings, times, commands)
+    run = _native.simulate(native_robot(robot), settings, times, commands)
     return Simulation(run, robot, robot.name if name is None else name)
 
 

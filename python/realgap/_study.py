@@ -12,11 +12,11 @@ from ._callback import Metric, Optimizer, native_metric
 from ._comparison import AnyMetric
 from ._picture import drawn, page
 from ._prediction import Ensemble, Gap, Noise, ensemble_of, gap_of
-from ._robot import Path, Robot
+from ._robot import Path, Robot, native_robot
 from ._run import Progress, folder_name, mode
 from ._simulation import Parameters, _parameters
 from ._table import Table
-from ._trajectory import Trajectory
+from ._trajectory import Trajectory, native_trajectory
 
 if TYPE_CHECKING:
     import pandas
@@ -179,8 +179,8 @@ class Study:
             hold_out=hold_out,
             noise=None if noise is None else dict(noise),
         )
-        given = [recording._native for recording in many]
-        return cls(_native.Study.build(robot._native, given, native_metric(metric), said))
+        given = [native_trajectory(recording) for recording in many]
+        return cls(_native.Study.build(native_robot(robot), given, native_metric(metric), said))
 
     @property
     def name(self) -> str:

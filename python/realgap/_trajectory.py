@@ -38,6 +38,18 @@ class Prepared:
     warnings: List[Dict[str, str]]
 
 
+def native_trajectory(motion: Any) -> _native.Trajectory:
+    """A motion as the library takes it."""
+    if isinstance(motion, Trajectory):
+        return motion._native
+    raise usage(
+        "not a trajectory",
+        found=type(motion).__name__,
+        allowed="a realgap.Trajectory",
+        hint="Trajectory.read(path) reads one, Trajectory(times_s, positions_m) makes one",
+    )
+
+
 class Trajectory:
     """Times, positions, and what else is known of a motion. It never changes; its arrays are read-only."""
 
@@ -226,7 +238,7 @@ def _width(rows: npt.ArrayLike) -> int:
 
 def prepare(trajectory: Trajectory) -> Prepared:
     """Brings a path into the form in which paths are compared."""
-    xy, z, turned, info = trajectory._native.prepare()
+    xy, z, turned, info = native_trajectory(trajectory).prepare()
     count = len(xy) // 16
     rest: Dict[str, Any] = json.loads(info)
     return Prepared(

@@ -144,6 +144,25 @@ def test_wrong_options_say_what_is_allowed(tripod, recordings):
         realgap.Trajectory.read(STAND_INS / "meta.ron")
 
 
+def test_a_path_in_place_of_an_object_says_how_it_is_read(tripod, recordings):
+    vary = {"floor.friction": (0.2, 0.8, 3)}
+    for call in (
+        lambda: realgap.simulate(TRIPOD),
+        lambda: realgap.predict("tripod.ron"),
+        lambda: realgap.Study.of(str(TRIPOD), recordings, vary),
+    ):
+        with refused("robot: not a robot", "Robot.read"):
+            call()
+    for call in (
+        lambda: realgap.compare(recordings[0], "run.csv"),
+        lambda: realgap.compare("run.csv", recordings[0]),
+        lambda: realgap.prepare(recordings[0].positions_m),
+        lambda: realgap.Study.of(tripod, ["run.csv"], vary),
+    ):
+        with refused("not a trajectory", "Trajectory.read"):
+            call()
+
+
 def test_a_file_that_is_not_there_is_named(tmp_path):
     for read in (realgap.Robot.read, realgap.Study.read, realgap.Search.read, realgap.Trajectory.read):
         with pytest.raises(realgap.FileError, match="nothing.csv"):
