@@ -91,6 +91,7 @@ pub mod error;
 pub mod export;
 pub mod file;
 mod font;
+pub mod import;
 pub mod optimization;
 pub mod plan;
 pub mod plot;

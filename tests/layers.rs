@@ -102,6 +102,7 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "simulation",
         ],
     ),
+    ("import", &["error", "file", "robot::morphology"]),
     ("store", &["error", "file"]),
     (
         "optimization",
@@ -337,6 +338,7 @@ const OWNED: &[(&str, &str)] = &[
     ("plotters", "plot"),
     ("rusqlite", "store"),
     ("parquet", "store"),
+    ("roxmltree", "import"),
     ("comfy_table", "table"),
     ("ab_glyph", "font"),
     ("rustfft", "sensing"),

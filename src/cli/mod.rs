@@ -18,6 +18,7 @@ mod folder;
 mod gap;
 mod genome;
 mod identify;
+mod import;
 mod interrupt;
 mod kind;
 mod merge;
@@ -111,6 +112,7 @@ enum Command {
     Develop(develop::Develop),
     Genome(genome::GenomeCommand),
     Export(export::Export),
+    Import(import::Import),
     Characterise(characterise::Characterise),
     Sense(sense::Sense),
     Belief(belief::Belief),
@@ -170,6 +172,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Develop(develop) => develop.run(),
         Command::Genome(genome) => genome.run(),
         Command::Export(export) => export.run(),
+        Command::Import(import) => import.run(),
         Command::Characterise(characterise) => characterise.run(),
         Command::Sense(sense) => sense.run(),
         Command::Belief(belief) => belief.run(),
