@@ -131,6 +131,7 @@ pub mod guide {
 [docs/gallery.md]: crate::guide::gallery
 [docs/python.md]: crate::guide::python
 [docs/scale.md]: crate::guide::scale
+[docs/pages.md]: crate::guide::pages
 [docs/glossary.md]: crate::guide::glossary
 [docs/design.md]: crate::guide::design
 [docs/fidelity.md]: crate::guide::fidelity
@@ -220,6 +221,10 @@ pub mod guide {
     #[doc = pictures!()]
     #[doc = include_str!("../docs/gallery.md")]
     pub mod gallery {}
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/pages.md")]
+    pub mod pages {}
 
     #[doc = links!()]
     #[doc = include_str!("../docs/design.md")]

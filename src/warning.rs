@@ -7,9 +7,9 @@ use crate::text::shown;
 /// Most characters of a message that are shown.
 const SHOWN: usize = 1000;
 
-/// Writes the enum of codes, their stable names and the list of all.
+/// Writes the enum of codes, their stable names, what to do about each, and the list of all.
 macro_rules! codes {
-    ($($variant:ident $name:literal $doc:literal;)*) => {
+    ($($variant:ident $name:literal $doc:literal $remedy:literal;)*) => {
         /// What a [`Warning`] is about; its name (`undefined-heading`) is stable and stands in every output.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[non_exhaustive]
@@ -27,104 +27,116 @@ macro_rules! codes {
                     $(Self::$variant => $name,)*
                 }
             }
+
+            /// What to do about it.
+            pub fn remedy(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $remedy,)*
+                }
+            }
+
+            /// The code of that name.
+            pub fn by_name(name: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|code| code.name() == name)
+            }
         }
     };
 }
 
 codes! {
-    AnchorInWall "anchor-in-wall" "A radio anchor stands in a wall, which does not count for it.";
-    AtypicalPrediction "atypical-prediction" "The run without noise is unlike its own repeats.";
-    BaselineNotBeaten "baseline-not-beaten" "A search found nothing better than what it started from.";
-    BeliefRestarted "belief-restarted" "Readings were impossible at every distance, and a belief began again.";
-    BentTooFar "bent-too-far" "A gait bends a face into its own cube.";
-    BodyContradicted "body-contradicted" "Flight says otherwise than the robot's file about masses, inertias or hinges.";
-    CentreOfMassContradicted "centre-of-mass-contradicted" "Flight puts the centre of mass elsewhere than the robot's file.";
-    CentreOfMassOutside "centre-of-mass-outside" "A centre of mass lies outside of its cube.";
-    CoarseGrid "coarse-grid" "Beliefs are narrower than the cells of their grid.";
-    ColumnsIgnored "columns-ignored" "A recording has columns that nothing uses.";
-    ComponentsMissDifference "components-miss-difference" "The kept principal components hardly see how two runs differ.";
-    ContourStuck "contour-stuck" "A contour came to rest where there is no edge, or did not come to rest.";
-    DifferentDurations "different-durations" "Recordings of one comparison last differently long.";
-    DifferentRobots "different-robots" "Recordings of one comparison name different robots.";
-    Diverged "diverged" "Simulations blew up and are left out.";
-    DuplicateSamples "duplicate-samples" "Samples that repeat the one before are left out.";
-    EmptyHeadings "empty-headings" "A log never looked into some directions.";
-    EnergyOpen "energy-open" "A balance of energy does not close.";
-    EstimatedNoise "estimated-noise" "Nobody stated the noise; an estimate is used.";
-    EstimatedVelocity "estimated-velocity" "Velocities are differences of positions.";
-    ExclusionNotExported "exclusion-not-exported" "A format cannot say which parts never touch.";
-    Extrapolated "extrapolated" "A model is asked beyond what it was fitted to.";
-    FewDistances "few-distances" "Too few distances to choose a form by what it predicts.";
-    FewPlaces "few-places" "Too few places to say how wrong a model is elsewhere.";
-    FewRecordings "few-recordings" "Too few recordings for what is asked of them.";
-    FewRepeats "few-repeats" "Too few repeats for what is asked of them.";
-    FewerTerms "fewer-terms" "Polynomials have fewer terms than asked for: the log has too few samples.";
-    FloorNotExported "floor-not-exported" "A format has no floor.";
-    FreeParameter "free-parameter" "A free parameter was given no value.";
-    GaitNeedsProgram "gait-needs-program" "A format holds servos, but not what commands them.";
-    GaitNotExported "gait-not-exported" "A format has no gait.";
-    GaitTooFast "gait-too-fast" "A gait is faster than the steps can follow.";
-    GravityContradicted "gravity-contradicted" "Flight falls otherwise than gravity says.";
-    Hole "hole" "A recording has a hole that is interpolated.";
-    ImpossibleReadings "impossible-readings" "Readings that cannot be were counted as missing.";
-    InSample "in-sample" "The values were fitted on the same recordings.";
-    Incomplete "incomplete" "The work was interrupted; this is what there is.";
-    InsideWall "inside-wall" "Scans were taken where an arena has a wall.";
-    KnownLimit "known-limit" "A result depends on something that the engine is known to do wrongly.";
-    LackOfFit "lack-of-fit" "A fitted form misses the data by more than chance.";
-    LostSamples "lost-samples" "Samples without numbers are left out.";
-    MassRatio "mass-ratio" "A joint holds a very light and a very heavy part.";
-    MovingAtEnd "moving-at-end" "Recordings that end while moving are left out, as the study asks.";
-    NoCamera "no-camera" "The noise has no camera, and recordings have one.";
-    NoEffect "no-effect" "Something that was set changes nothing.";
-    NoFlight "no-flight" "No free flight was found.";
-    NoInterval "no-interval" "A model states no interval, so that its coverage says nothing.";
-    NoNoise "no-noise" "Repeats that differ by nothing.";
-    NoOwnPlaces "no-own-places" "Nobody said where things are in real pictures, so that where the camera stood counts.";
-    NoRecordings "no-recordings" "Nothing real to compare with.";
-    NoRepeats "no-repeats" "No repeat of a simulation ended well.";
-    NoSimulatedOdds "no-simulated-odds" "The simulated resting faces could not be counted.";
-    NoSuccessRule "no-success-rule" "Nobody said what success is.";
-    NoSurvivor "no-survivor" "No finalist holds under other numerics.";
-    NoWalls "no-walls" "No link of a log crosses a wall.";
-    NotNormal "not-normal" "Readings are not spread normally.";
-    NotSettled "not-settled" "A robot did not come to rest before its run.";
-    NotWritten "not-written" "A result could not be written.";
-    OneRecording "one-recording" "One recording does not know its own spread.";
-    OnlyDistributions "only-distributions" "Small differences grow so fast that single runs do not compare.";
-    OtherRobot "other-robot" "A recording names another robot.";
-    OutsideArena "outside-arena" "Readings were taken outside of the arena.";
-    Overfitted "overfitted" "Recordings that were held out are fitted worse.";
-    PicturesUnpaired "pictures-unpaired" "Pictures have no partner of the same name and are left out.";
-    PlateBlocked "plate-blocked" "A plate hits its own robot.";
-    QuaternionOrder "quaternion-order" "Orientations look as if their real part stood elsewhere.";
-    QuaternionsRenormalised "quaternions-renormalised" "Orientations had lengths other than 1.";
-    ReadAs "read-as" "Recordings are read otherwise than as they stand.";
-    RefinedStart "refined-start" "Start states have seen more than the first sample.";
-    RestitutionNotExported "restitution-not-exported" "A format has no restitution.";
-    SamplesSorted "samples-sorted" "Samples are sorted by time.";
-    ScansWithoutPose "scans-without-pose" "Scans outside of the times of the poses are left out.";
-    ServoTooSlow "servo-too-slow" "A gait asks for more speed than its servo has.";
-    SeveralMaterials "several-materials" "Readings off different materials are fitted as one sensor.";
-    SeveralRobots "several-robots" "A recording looks like the paths of several robots.";
-    SeveralSessions "several-sessions" "Sessions of a log are taken together.";
-    ShortRecording "short-recording" "A recording ends before the study.";
-    ShorterSimulation "shorter-simulation" "A simulation ends before its recording.";
-    SolverNotExported "solver-not-exported" "A format does not hold the solver's settings.";
-    SpeedLimitInvented "speed-limit-invented" "A format asks for a speed limit that the robot does not have.";
-    StandIn "stand-in" "A simulator made the recordings.";
-    Standstill "standstill" "A recording begins before the robot moves.";
-    TiedPlate "tied-plate" "A plate carries as much as its cube, and chance decides which of them slips.";
-    Toppled "toppled" "A robot fell over before its run.";
-    TrackNotExported "track-not-exported" "A format cannot say which module is tracked.";
-    UncertainParameters "uncertain-parameters" "Parameters that tuning left open were drawn.";
-    UndefinedHeading "undefined-heading" "A path that goes nowhere has no heading.";
-    UnequalMoments "unequal-moments" "Moments of inertia differ where a method takes them as equal.";
-    UnlikelyLength "unlikely-length" "Lengths do not fit the robot, or each other.";
-    UnlikelyTime "unlikely-time" "Times do not look like seconds.";
-    UnmatchedConditions "unmatched-conditions" "A condition stands in one of two logs only.";
-    Unresolved "unresolved" "Numerical settings change a score as much as a parameter does.";
-    VelocitiesLate "velocities-late" "Recorded velocities belong to an earlier moment.";
+    AnchorInWall "anchor-in-wall" "A radio anchor stands in a wall, which does not count for it." "move the anchor or the wall in the arena's file";
+    AtypicalPrediction "atypical-prediction" "The run without noise is unlike its own repeats." "trust the median of the repeats rather than the run without noise";
+    BaselineNotBeaten "baseline-not-beaten" "A search found nothing better than what it started from." "give the search a larger budget, more modules or another strategy";
+    BeliefRestarted "belief-restarted" "Readings were impossible at every distance, and a belief began again." "characterise the sensor over more distances, or let its model expect more wrong readings";
+    BentTooFar "bent-too-far" "A gait bends a face into its own cube." "make amplitude or offset smaller in the robot's file";
+    BodyContradicted "body-contradicted" "Flight says otherwise than the robot's file about masses, inertias or hinges." "take over what `realgap identify` found, or weigh and measure the robot again";
+    CentreOfMassContradicted "centre-of-mass-contradicted" "Flight puts the centre of mass elsewhere than the robot's file." "take over the values that `realgap identify` writes";
+    CentreOfMassOutside "centre-of-mass-outside" "A centre of mass lies outside of its cube." "correct the centre of mass in the robot's file";
+    CoarseGrid "coarse-grid" "Beliefs are narrower than the cells of their grid." "give the belief more cells";
+    ColumnsIgnored "columns-ignored" "A recording has columns that nothing uses." "say what the columns are when reading, or leave them out of the file";
+    ComponentsMissDifference "components-miss-difference" "The kept principal components hardly see how two runs differ." "use the metric `rms`, or keep more components";
+    ContourStuck "contour-stuck" "A contour came to rest where there is no edge, or did not come to rest." "start the contour nearer to the edge, or look at the picture's contrast";
+    DifferentDurations "different-durations" "Recordings of one comparison last differently long." "crop recordings to one length, or compare at equal times";
+    DifferentRobots "different-robots" "Recordings of one comparison name different robots." "check that every recording is of the robot that is simulated";
+    Diverged "diverged" "Simulations blew up and are left out." "use a shorter timestep or more substeps, or narrow the ranges that diverge";
+    DuplicateSamples "duplicate-samples" "Samples that repeat the one before are left out." "nothing to do, unless the recorder should not repeat samples";
+    EmptyHeadings "empty-headings" "A log never looked into some directions." "log another walk that looks into all directions";
+    EnergyOpen "energy-open" "A balance of energy does not close." "use a shorter timestep; do not rely on energies of this run";
+    EstimatedNoise "estimated-noise" "Nobody stated the noise; an estimate is used." "state the noise in the study, or in a file of its own";
+    EstimatedVelocity "estimated-velocity" "Velocities are differences of positions." "record velocities, or more samples a second";
+    ExclusionNotExported "exclusion-not-exported" "A format cannot say which parts never touch." "exclude these contacts by hand in the other simulator";
+    Extrapolated "extrapolated" "A model is asked beyond what it was fitted to." "record where the model is asked, or do not rely on it there";
+    FewDistances "few-distances" "Too few distances to choose a form by what it predicts." "log more distances";
+    FewPlaces "few-places" "Too few places to say how wrong a model is elsewhere." "log more places";
+    FewRecordings "few-recordings" "Too few recordings for what is asked of them." "record more repeats of the same run";
+    FewRepeats "few-repeats" "Too few repeats for what is asked of them." "ask for more";
+    FewerTerms "fewer-terms" "Polynomials have fewer terms than asked for: the log has too few samples." "log more samples, or ask for fewer terms";
+    FloorNotExported "floor-not-exported" "A format has no floor." "add a floor by hand in the other simulator";
+    FreeParameter "free-parameter" "A free parameter was given no value." "give it a value, or take it from a file of fitted ones";
+    GaitNeedsProgram "gait-needs-program" "A format holds servos, but not what commands them." "command the servos from a program, as the file's comment says";
+    GaitNotExported "gait-not-exported" "A format has no gait." "command the servos from a program";
+    GaitTooFast "gait-too-fast" "A gait is faster than the steps can follow." "use a shorter timestep or a slower gait";
+    GravityContradicted "gravity-contradicted" "Flight falls otherwise than gravity says." "check units and times of the recordings; `realgap identify` says what flight tells";
+    Hole "hole" "A recording has a hole that is interpolated." "record again, or crop the recording before the hole";
+    ImpossibleReadings "impossible-readings" "Readings that cannot be were counted as missing." "check the sensor's wiring and range; the readings are counted as missing";
+    InSample "in-sample" "The values were fitted on the same recordings." "judge on other recordings: hold some out, or fit in folds";
+    Incomplete "incomplete" "The work was interrupted; this is what there is." "resume it, or run the command again";
+    InsideWall "inside-wall" "Scans were taken where an arena has a wall." "correct the arena's walls or the logged places";
+    KnownLimit "known-limit" "A result depends on something that the engine is known to do wrongly." "see docs/limits.md; check the result by another engine or by experiment";
+    LackOfFit "lack-of-fit" "A fitted form misses the data by more than chance." "allow a form with more terms";
+    LostSamples "lost-samples" "Samples without numbers are left out." "look for gaps of the recorder; fine if they are few";
+    MassRatio "mass-ratio" "A joint holds a very light and a very heavy part." "make the light part heavier, or use more substeps";
+    MovingAtEnd "moving-at-end" "Recordings that end while moving are left out, as the study asks." "record until the body rests";
+    NoCamera "no-camera" "The noise has no camera, and recordings have one." "give the noise a `camera`, so that it knows what recording adds";
+    NoEffect "no-effect" "Something that was set changes nothing." "remove it, or check its name with `realgap parameters`";
+    NoFlight "no-flight" "No free flight was found." "record tosses in which the body flies for some samples";
+    NoInterval "no-interval" "A model states no interval, so that its coverage says nothing." "fit a model that states one";
+    NoNoise "no-noise" "Repeats that differ by nothing." "state at least one kind of noise";
+    NoOwnPlaces "no-own-places" "Nobody said where things are in real pictures, so that where the camera stood counts." "say where things are in the real pictures, in a views.ron beside them";
+    NoRecordings "no-recordings" "Nothing real to compare with." "name recordings, so that there is something real to compare with";
+    NoRepeats "no-repeats" "No repeat of a simulation ended well." "use a shorter timestep or more substeps";
+    NoSimulatedOdds "no-simulated-odds" "The simulated resting faces could not be counted." "start the runs as recorded (`start: FromRecording`) and record until the body rests";
+    NoSuccessRule "no-success-rule" "Nobody said what success is." "say how far is far enough";
+    NoSurvivor "no-survivor" "No finalist holds under other numerics." "build none of these before looking closer; search with finer numerics";
+    NoWalls "no-walls" "No link of a log crosses a wall." "log links through walls, if walls matter";
+    NotNormal "not-normal" "Readings are not spread normally." "use the histogram or a mixture in place of a normal distribution";
+    NotSettled "not-settled" "A robot did not come to rest before its run." "lift the robot less, or give it longer to settle";
+    NotWritten "not-written" "A result could not be written." "check the folder and the disk, then run the command again";
+    OneRecording "one-recording" "One recording does not know its own spread." "record at least two more repeats of the same run";
+    OnlyDistributions "only-distributions" "Small differences grow so fast that single runs do not compare." "compare distributions (`realgap ensemble`, `realgap gap`) rather than single runs";
+    OtherRobot "other-robot" "A recording names another robot." "check that the recording is of this robot";
+    OutsideArena "outside-arena" "Readings were taken outside of the arena." "correct the arena's size or the logged places";
+    Overfitted "overfitted" "Recordings that were held out are fitted worse." "free fewer parameters, or record more";
+    PicturesUnpaired "pictures-unpaired" "Pictures have no partner of the same name and are left out." "give both pictures of a pair one name";
+    PlateBlocked "plate-blocked" "A plate hits its own robot." "turn or move the module whose plate is in the way";
+    QuaternionOrder "quaternion-order" "Orientations look as if their real part stood elsewhere." "say which column holds the real part";
+    QuaternionsRenormalised "quaternions-renormalised" "Orientations had lengths other than 1." "nothing to do if the lengths were near 1";
+    ReadAs "read-as" "Recordings are read otherwise than as they stand." "say with the options of docs/recordings.md how the file is meant, if this is wrong";
+    RefinedStart "refined-start" "Start states have seen more than the first sample." "judge on recordings whose start was not refined";
+    RestitutionNotExported "restitution-not-exported" "A format has no restitution." "set the restitution by hand in the other simulator";
+    SamplesSorted "samples-sorted" "Samples are sorted by time." "nothing to do, unless the recorder's clock jumps";
+    ScansWithoutPose "scans-without-pose" "Scans outside of the times of the poses are left out." "record poses for as long as scans";
+    ServoTooSlow "servo-too-slow" "A gait asks for more speed than its servo has." "make the gait slower or smaller, or give the servo its true speed";
+    SeveralMaterials "several-materials" "Readings off different materials are fitted as one sensor." "fit each material by itself";
+    SeveralRobots "several-robots" "A recording looks like the paths of several robots." "choose one robot by the value of a column";
+    SeveralSessions "several-sessions" "Sessions of a log are taken together." "fit each session by itself";
+    ShortRecording "short-recording" "A recording ends before the study." "record longer, or shorten `duration_s` of the study";
+    ShorterSimulation "shorter-simulation" "A simulation ends before its recording." "simulate as long as the recording";
+    SolverNotExported "solver-not-exported" "A format does not hold the solver's settings." "set timestep and solver by hand in the other simulator";
+    SpeedLimitInvented "speed-limit-invented" "A format asks for a speed limit that the robot does not have." "check the speed limit in the written file";
+    StandIn "stand-in" "A simulator made the recordings." "record real runs: a fit to a simulator says nothing about reality";
+    Standstill "standstill" "A recording begins before the robot moves." "crop the standstill";
+    TiedPlate "tied-plate" "A plate carries as much as its cube, and chance decides which of them slips." "change the robot a little, so that plate and cube do not carry alike";
+    Toppled "toppled" "A robot fell over before its run." "turn the robot, or start it lower";
+    TrackNotExported "track-not-exported" "A format cannot say which module is tracked." "choose the tracked body by hand in the other simulator";
+    UncertainParameters "uncertain-parameters" "Parameters that tuning left open were drawn." "fit with more recordings, so that fewer values are left open";
+    UndefinedHeading "undefined-heading" "A path that goes nowhere has no heading." "compare with a metric that needs no heading, or let the robot walk farther";
+    UnequalMoments "unequal-moments" "Moments of inertia differ where a method takes them as equal." "use a body whose moments are equal, or do not rely on spins";
+    UnlikelyLength "unlikely-length" "Lengths do not fit the robot, or each other." "name the unit of lengths when reading";
+    UnlikelyTime "unlikely-time" "Times do not look like seconds." "name the unit of time when reading";
+    UnmatchedConditions "unmatched-conditions" "A condition stands in one of two logs only." "log the same conditions in both";
+    Unresolved "unresolved" "Numerical settings change a score as much as a parameter does." "use finer numerics, another gait or another metric; more recordings will not help";
+    VelocitiesLate "velocities-late" "Recorded velocities belong to an earlier moment." "let `realgap identify` correct the lag, or record velocities without filter";
 }
 
 impl fmt::Display for Code {

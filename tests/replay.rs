@@ -5,11 +5,14 @@ mod common;
 
 use std::path::{Path, PathBuf};
 
-use common::browser::{browse, browser};
+use common::browser::Browser;
 use common::{realgap, text};
+use nalgebra::{Isometry3, Vector3};
 use realgap::report::{Replay, SIMULATION};
 use realgap::robot::morphology::Morphology;
-use realgap::simulation::{Experiment, Film, Floor, Sampling, film, run};
+use realgap::simulation::{
+    Experiment, Film, Floor, Sampling, SceneBody, SceneBox, SceneMotion, film, run,
+};
 use realgap::trajectory::{self, Reading, write_with_bodies};
 use realgap::warning::Code;
 
@@ -78,6 +81,48 @@ fn a_film_is_the_run_and_parts_follow_from_the_joints() {
     assert_eq!(real.parts.iter().flatten().count(), 1);
 }
 
+#[test]
+fn a_body_beside_the_robot_moves_in_the_film_and_on_the_page() {
+    let robot = tripod();
+    let mut experiment = two_seconds(&robot);
+    let start: Isometry3<f64> = Isometry3::translation(0.5, 0.5, 0.3);
+    experiment.scene.push(SceneBody {
+        name: "box".to_owned(),
+        boxes: vec![SceneBox {
+            sides_m: Vector3::repeat(0.05),
+            body_from_box: Isometry3::identity(),
+        }],
+        friction: 0.5,
+        motion: SceneMotion::Free {
+            world_from_body: start,
+            mass_kg: 0.1,
+        },
+    });
+    let film = film(&experiment).unwrap().1.unwrap();
+    let heights: Vec<f64> = film.scene[0].iter().map(|p| p.translation.z).collect();
+    assert_eq!(heights.len(), film.track.len());
+    // It lies on the floor at the end: half an edge above it.
+    let last = heights[heights.len() - 1];
+    assert!((last - 0.025).abs() < 0.002, "{last}");
+    let replay = |scene| {
+        let replay = Replay {
+            robot: Some(&robot),
+            run: &film,
+            run_name: SIMULATION,
+            recordings: &[],
+            align: true,
+            floor: Floor::default(),
+            scene,
+            warnings: &[],
+            provenance: &[],
+        };
+        replay.page().unwrap()
+    };
+    let (with, without) = (replay(&experiment.scene), replay(&[]));
+    assert!(with.contains("\"kind\":\"scene\"") && !without.contains("\"kind\":\"scene\""));
+    assert!(with.len() > without.len() + 1000);
+}
+
 fn write_page(folder: &Path, args: &[&str]) -> (PathBuf, String) {
     let page = folder.join("replay.html");
     let output = realgap()
@@ -144,7 +189,7 @@ fn a_run_of_a_file_is_shown_with_all_its_parts() {
     let robot = ["--robot", "morphologies/tripod.ron"];
     let (_, page) = write_page(folder.path(), &["replay", parts_arg, robot[0], robot[1]]);
     let motion = |page: &str| {
-        let start = page.split_once("id=\"motion\">").unwrap().1;
+        let start = page.split_once("id=\"motion-data\">").unwrap().1;
         start.split_once('<').unwrap().0.to_owned()
     };
     let simulated = std::fs::read_to_string(simulated).unwrap();
@@ -221,7 +266,7 @@ fn nothing_of_others_becomes_markup() {
     assert!(!page.contains('\u{202e}'));
     assert_eq!(
         page.matches("<script>").count(),
-        4,
+        7,
         "the page's own scripts"
     );
     // The template's name inside of a foreign text is that text.
@@ -229,33 +274,17 @@ fn nothing_of_others_becomes_markup() {
 }
 
 #[test]
-fn a_browser_shows_the_moment_of_the_address_and_complains_about_nothing() {
-    let Some(browser) = browser() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let (page, _) = tripod_page(folder.path());
-    let (dom, complaints) = browse(browser, &page, folder.path());
-    assert_eq!(complaints, "", "the console");
-    // Scripts ran, and found a moment to show; the picture in space was made.
-    assert!(dom.contains("0.50 s of 20.00 s"), "no clock");
-    assert!(
-        dom.contains("class=\"cursor\"") && dom.contains("class=\"dot real\""),
-        "no cursor"
-    );
-    assert!(dom.contains("id=\"say\" hidden"), "no picture in space");
-}
-
-#[test]
 fn a_browser_runs_nothing_of_a_hostile_page() {
-    let Some(browser) = browser() else { return };
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
     let folder = tempfile::tempdir().unwrap();
     let page = folder.path().join("hostile.html");
     std::fs::write(&page, hostile_page()).unwrap();
-    let (dom, complaints) = browse(browser, &page, folder.path());
-    assert_eq!(complaints, "", "the console");
-    assert!(dom.contains("<title>tripod: replay</title>"));
-    assert!(!dom.contains("<img"));
-    assert!(
-        dom.contains("class=\"cursor\""),
-        "the page's own scripts run"
-    );
+    browser.open(&page, "#t=0.5");
+    // The page's own scripts run.
+    browser.wait("realgap.ready === true");
+    assert_eq!(browser.value("document.title"), "tripod: replay");
+    assert_eq!(browser.value("document.querySelectorAll('img').length"), 0);
+    browser.is_quiet("the hostile page");
 }

@@ -12,7 +12,9 @@ def files_of(folder):
     """The files of a results folder that depend on the study alone."""
     found = {}
     for file in sorted(folder.rglob("*")):
-        if file.is_file() and file.name != "timing.json" and not file.name.startswith("."):
+        # The command leaves a page of its own, which names the command; Python makes one with `report`.
+        without = {"timing.json", "report.html", "page.json"}
+        if file.is_file() and file.name not in without and not file.name.startswith("."):
             found[str(file.relative_to(folder))] = file.read_bytes()
     return found
 

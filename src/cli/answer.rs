@@ -14,6 +14,7 @@ use realgap::{Error, Result, Warning};
 use super::folder::ResultsFolder;
 use super::kind::read_study;
 use super::option::{Format, Jobs, Recordings, Values, metric_option};
+use super::page::{self, PageOption};
 use super::terminal;
 
 #[derive(Debug, Args)]
@@ -23,6 +24,8 @@ pub struct StudyOptions {
     /// Folder for the results [default: results/<study>, of tune results/<study>_<optimizer>]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageOption,
     #[command(flatten)]
     recordings: Recordings,
     /// Metric in place of the study's own
@@ -149,6 +152,8 @@ impl StudyOptions {
         wall_s: f64,
     ) -> Result<ExitCode> {
         results::write(folder.path(), study, answer)?;
+        self.page
+            .write(folder.path(), || page::of_study(study, answer));
         folder.write_timing(self.jobs())?;
         let folder = folder.path();
         let report = &answer.report;
@@ -161,10 +166,11 @@ impl StudyOptions {
         match self.format {
             Format::Json => terminal::print(terminal::json(report)?),
             Format::Table => terminal::print(format!(
-                "{answer}\n  {wall_s:.1} s on {}\n  results in {}: summary.json, best.ron, points.csv\n  pictures there: {}",
+                "{answer}\n  {wall_s:.1} s on {}\n  results in {}: summary.json, best.ron, points.csv\n  pictures there: {}{}",
                 counted(self.jobs(), "thread"),
                 folder.display(),
-                pictures(folder).join(", ")
+                pictures(folder).join(", "),
+                self.page.said()
             )),
         }
         if answer.ending == Ending::Interrupted {

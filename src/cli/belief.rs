@@ -1,6 +1,6 @@
 //! `realgap belief`: what a robot believes about a distance after some readings.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
@@ -11,6 +11,7 @@ use realgap::sensing::range::{ReadingLog, find_sensor};
 use realgap::{Error, Result};
 
 use super::option::Format as Print;
+use super::page::PageFile;
 use super::terminal;
 
 /// What is believed about a distance after some readings: of a sensor's model, and of a real log beside it
@@ -53,6 +54,8 @@ pub struct Belief {
     /// Draw the beliefs at the first distance into this .png or .svg (as figures 5 and 6)
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageFile,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Print,
@@ -60,6 +63,7 @@ pub struct Belief {
 
 impl Belief {
     pub fn run(self) -> Result<ExitCode> {
+        self.page.check()?;
         if let Some(plot) = &self.plot {
             check_picture_path(plot)?;
         }
@@ -86,6 +90,9 @@ impl Belief {
         if let Some(plot) = &self.plot {
             draw_belief(&found, 0, plot)?;
         }
+        let name = Path::new(&self.sensor);
+        self.page
+            .write("belief", name, &found, &found.to_string(), &self.plot)?;
         match self.format {
             Print::Json => terminal::print(terminal::json(&found)?),
             Print::Table => terminal::print(found.to_string()),

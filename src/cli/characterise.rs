@@ -13,6 +13,7 @@ use realgap::unit::LengthUnit;
 use realgap::{Error, Result};
 
 use super::option::Format as Print;
+use super::page::PageFile;
 use super::terminal;
 
 /// Make a range sensor's model of a log: mean and spread over the distance, with intervals
@@ -57,6 +58,8 @@ pub struct Characterise {
     /// The distances of the histograms, in the log's unit [default: near both ends and the middle]
     #[arg(long, value_name = "D", value_delimiter = ',', requires = "histograms")]
     at: Vec<f64>,
+    #[command(flatten)]
+    page: PageFile,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Print,
@@ -92,6 +95,7 @@ impl Characterise {
         };
         positive("--tolerance", self.tolerance)?;
         self.bin.map_or(Ok(()), |bin| positive("--bin", bin))?;
+        self.page.check()?;
         for picture in self.plot.iter().chain(&self.histograms) {
             check_picture_path(picture)?;
         }
@@ -118,6 +122,9 @@ impl Characterise {
         if let Some(plot) = &self.histograms {
             draw_histograms(&found, &log, &self.at, self.bin, plot)?;
         }
+        let pictures = self.plot.iter().chain(&self.histograms);
+        self.page
+            .write("sensor", &self.log, &found, &found.to_string(), pictures)?;
         match self.format {
             Print::Json => terminal::print(terminal::json(&found)?),
             Print::Table => terminal::print(found.to_string()),

@@ -19,6 +19,7 @@ use realgap::{Error, Result};
 use super::folder::ResultsFolder;
 use super::kind::read_repeatable;
 use super::option::{Format, Jobs, MOST_REPEATS, ModelErrorOption, Recordings, Values};
+use super::page::{self, PageOption};
 use super::{interrupt, progress, terminal};
 
 /// Repeat a study's experiment under its noise: what will really happen, and how sure may we be?
@@ -48,6 +49,8 @@ pub struct Ensemble {
     /// Simulate repeat K alone and write its motion to the file named with -o (.csv or .tum)
     #[arg(long, value_name = "K", requires = "output")]
     only: Option<u64>,
+    #[command(flatten)]
+    page: PageOption,
     #[command(flatten)]
     model: ModelErrorOption,
     #[command(flatten)]
@@ -124,6 +127,7 @@ impl Ensemble {
         let report = report?;
         folder.check()?;
         write_ensemble(folder.path(), &report)?;
+        self.page.write(folder.path(), || page::of_repeats(&study));
         folder.write_timing(run.jobs)?;
         terminal::print_warnings(
             report
@@ -134,8 +138,9 @@ impl Ensemble {
         match self.format {
             Format::Json => terminal::print(terminal::json(&report)?),
             Format::Table => terminal::print(format!(
-                "{report}\n  results in {}: ensemble.json, repeats.csv, ensemble.png and .svg",
-                folder.path().display()
+                "{report}\n  results in {}: ensemble.json, repeats.csv, ensemble.png and .svg{}",
+                folder.path().display(),
+                self.page.said()
             )),
         }
         if !report.complete {

@@ -9,12 +9,14 @@ use realgap::comparison::{Components, DEFAULT_METRIC, Metric, by_name};
 use realgap::optimization::RunOptions;
 use realgap::plan::Work;
 use realgap::prediction::gap::{FloorReport, GapOptions, Scoring, StudyGap, read_sets};
+use realgap::report::Kept;
 use realgap::results::{Kind, write_floor, write_gap};
 use realgap::{Error, Result, Warning};
 
 use super::folder::ResultsFolder;
 use super::kind::read_study;
 use super::option::{Format, Jobs, MOST_REPEATS, Recordings, TimeOption, Values, metric_option};
+use super::page::{self, PageOption};
 use super::{interrupt, progress, terminal};
 
 /// How many noise floors is the simulation away from reality, and until when may it be trusted?
@@ -51,6 +53,8 @@ pub struct Gap {
     /// Seed of noise and permutations [default: the study's]
     #[arg(long, value_name = "SEED", requires = "study")]
     seed: Option<u64>,
+    #[command(flatten)]
+    page: PageOption,
     #[command(flatten)]
     jobs: Jobs,
     /// Folder for the results [default: results/<study>_gap; without a study nothing is written unless named]
@@ -149,6 +153,7 @@ impl Gap {
         let found = found?;
         folder.check()?;
         write_gap(folder.path(), &found)?;
+        self.page.write(folder.path(), || page::of_gap(&study));
         folder.write_timing(run.jobs)?;
         terminal::print_warnings(&found.warnings);
         let pictures = if found.confidence.is_some() {
@@ -159,8 +164,9 @@ impl Gap {
         match self.format {
             Format::Json => terminal::print(terminal::json(&found)?),
             Format::Table => terminal::print(format!(
-                "{found}\n  results in {}: {pictures}",
-                folder.path().display()
+                "{found}\n  results in {}: {pictures}{}",
+                folder.path().display(),
+                self.page.said()
             )),
         }
         if !found.complete {
@@ -209,6 +215,7 @@ impl Gap {
         if let Some(folder) = &folder {
             folder.check()?;
             write_floor(folder.path(), &report)?;
+            self.page.write(folder.path(), Kept::default);
             folder.write_timing(run.jobs)?;
         }
         match self.format {

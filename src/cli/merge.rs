@@ -132,6 +132,7 @@ impl Merge {
             }
             .to_owned(),
         ]);
+        super::page::stands_for(&words);
         match work::parse(&words)? {
             Command::Ensemble(ensemble) => ensemble.of_store(Some(&plan.store())),
             Command::Gap(gap) => gap.of_store(Some(&plan.store())),

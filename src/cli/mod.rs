@@ -26,6 +26,7 @@ mod mujoco;
 mod new;
 mod odds;
 mod option;
+mod page;
 mod parameters;
 mod picture;
 mod plan;

@@ -15,6 +15,7 @@ use realgap::{Error, Result, Warning};
 use super::folder::ResultsFolder;
 use super::kind::read_morphology;
 use super::option::{Format, Jobs, MOST_REPEATS, ModelErrorOption, Values, recording_unused};
+use super::page::{self, PageOption};
 use super::{interrupt, progress, terminal};
 
 /// Say what a robot will do before anybody builds it: how far, which behaviours, how likely
@@ -45,6 +46,8 @@ pub struct Predict {
     success_m: Option<f64>,
     #[command(flatten)]
     model: ModelErrorOption,
+    #[command(flatten)]
+    page: PageOption,
     #[command(flatten)]
     jobs: Jobs,
     /// Folder for the results
@@ -126,6 +129,8 @@ impl Predict {
         if let Some(folder) = &folder {
             folder.check()?;
             write_prediction(folder.path(), &card, &repeats)?;
+            self.page
+                .write(folder.path(), || page::of_robot(&experiment, &morphology));
             folder.write_timing(run.jobs)?;
         }
         match self.format {
@@ -134,8 +139,9 @@ impl Predict {
                 let mut text = card.to_string();
                 if let Some(folder) = &folder {
                     text += &format!(
-                        "\n  results in {}: prediction.json, repeats.csv, prediction.png and .svg",
-                        folder.path().display()
+                        "\n  results in {}: prediction.json, repeats.csv, prediction.png and .svg{}",
+                        folder.path().display(),
+                        self.page.said()
                     );
                 }
                 terminal::print(text);

@@ -16,6 +16,7 @@ use realgap::sensing::radio::{
 use realgap::{Error, Result};
 
 use super::option::Format as Print;
+use super::page::PageFile;
 use super::terminal;
 
 /// Fit how strong radio signals arrive, hold it against other logs, and send messages (paper 002, section IV)
@@ -93,6 +94,8 @@ struct Fit {
     /// Write the model into this .ron file
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageFile,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Print,
@@ -128,6 +131,8 @@ struct Evaluate {
     /// Draw what is not explained, place by place, into this .png or .svg
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageFile,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Print,
@@ -232,6 +237,7 @@ fn print(value: &(impl serde::Serialize + std::fmt::Display), format: Print) -> 
 
 impl Fit {
     fn run(self) -> Result<ExitCode> {
+        self.page.check()?;
         if let Some(output) = &self.output {
             check_writable(output)?;
         }
@@ -264,12 +270,15 @@ impl Fit {
         if let Some(output) = &self.output {
             write_atomic(output, found.model.to_ron()?.as_bytes())?;
         }
+        self.page
+            .write("radio", &self.log, &found, &found.to_string(), [])?;
         print(&found, self.format)
     }
 }
 
 impl Evaluate {
     fn run(self) -> Result<ExitCode> {
+        self.page.check()?;
         if let Some(plot) = &self.plot {
             check_picture_path(plot)?;
         }
@@ -289,6 +298,8 @@ impl Evaluate {
         if let Some(plot) = &self.plot {
             draw_error_map(&found, &arena, plot)?;
         }
+        self.page
+            .write("radio", &self.log, &found, &found.to_string(), &self.plot)?;
         terminal::print_warnings(&found.warnings);
         print(&found, self.format)
     }

@@ -114,6 +114,7 @@ impl ReplayCommand {
             None => Film {
                 track: run.trajectory.clone(),
                 parts: Vec::new(),
+                scene: Vec::new(),
             },
         };
         self.write(&Shown {
@@ -229,15 +230,19 @@ fn read_recordings(paths: &[PathBuf], reading: &Reading) -> Result<Vec<Recording
 
 /// The command that runs now, as it would be typed.
 pub fn command_line() -> String {
-    let is_simple = |c: char| c.is_alphanumeric() || "_-./=,:+%@".contains(c);
-    let quoted = |word: String| match word.chars().all(is_simple) && !word.is_empty() {
-        true => word,
-        false => format!("'{}'", word.replace('\'', "'\\''")),
-    };
     let words = std::env::args_os().skip(1);
     let words = words.map(|word| quoted(word.to_string_lossy().into_owned()));
     std::iter::once("realgap".to_owned())
         .chain(words)
         .collect::<Vec<_>>()
         .join(" ")
+}
+
+/// A word as a shell wants it.
+pub fn quoted(word: String) -> String {
+    let is_simple = |c: char| c.is_alphanumeric() || "_-./=,:+%@".contains(c);
+    match word.chars().all(is_simple) && !word.is_empty() {
+        true => word,
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
 }

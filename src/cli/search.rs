@@ -9,6 +9,7 @@ use clap::Args;
 use realgap::optimization::{Ending, Progress, RunOptions};
 use realgap::plan::Work;
 use realgap::plot::{Side, TextTable, quantity};
+use realgap::report::Kept;
 use realgap::results::{Kind, SearchSummary, write_search};
 use realgap::search::{self, Finalist, Mode, Overrides, SearchResults};
 use realgap::unit::{Unit, counted};
@@ -17,6 +18,7 @@ use realgap::{Error, Result};
 use super::folder::ResultsFolder;
 use super::kind::read_search;
 use super::option::{Format, Jobs, Values, recording_unused};
+use super::page::{self, PageOption};
 use super::{interrupt, mujoco, progress, terminal};
 
 /// Search for the robot that walks best, by what will really happen
@@ -45,6 +47,8 @@ pub struct Search {
     /// Seed in place of the file's own
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
+    #[command(flatten)]
+    page: PageOption,
     #[command(flatten)]
     jobs: Jobs,
     /// Go on with an interrupted run
@@ -123,6 +127,11 @@ impl Search {
             summary = write(&reranked)?;
             finalists = Ok(reranked);
         }
+        self.page
+            .write(folder.path(), || match finalists.as_deref() {
+                Ok([best, ..]) => page::of_robot(&search.experiment(&best.robot), &best.robot),
+                _ => Kept::default(),
+            });
         folder.write_timing(jobs)?;
         terminal::print_warnings(&summary.warnings);
         match self.format {
@@ -132,8 +141,9 @@ impl Search {
                 let head = format!("{wall_s:.1} s on {}", counted(jobs, "thread"));
                 print(&summary, &search, &head);
                 terminal::print(format!(
-                    "  results in {}: summary.json, history.csv, best/ and pictures",
-                    folder.path().display()
+                    "  results in {}: summary.json, history.csv, best/ and pictures{}",
+                    folder.path().display(),
+                    self.page.said()
                 ));
             }
         }

@@ -17,6 +17,7 @@ use realgap::unit::counted;
 use realgap::{Error, Result};
 
 use super::option::Format as Print;
+use super::page::PageFile;
 use super::terminal;
 
 /// Make polynomials of what a scanner reads at a place, and hold them against a log they have not seen (paper 001)
@@ -185,6 +186,8 @@ struct Fit {
     frame: FrameOption,
     #[command(flatten)]
     part: Part,
+    #[command(flatten)]
+    page: PageFile,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Print,
@@ -212,6 +215,8 @@ struct Evaluate {
     /// Which segment, from 0
     #[arg(long, value_name = "K", default_value_t = 0, requires = "plot")]
     segment: usize,
+    #[command(flatten)]
+    page: PageFile,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Print,
@@ -270,6 +275,7 @@ impl Log {
 
 impl Fit {
     fn run(self) -> Result<ExitCode> {
+        self.page.check()?;
         if let Some(output) = &self.output {
             check_writable(output)?;
         }
@@ -296,6 +302,8 @@ impl Fit {
         if let Some(output) = &self.output {
             write_atomic(output, found.model.to_ron()?.as_bytes())?;
         }
+        self.page
+            .write("sensorgraph", &self.log, &found, &found.to_string(), [])?;
         match self.format {
             Print::Json => terminal::print(terminal::json(&found)?),
             Print::Table => terminal::print(found.to_string()),
@@ -306,6 +314,7 @@ impl Fit {
 
 impl Evaluate {
     fn run(self) -> Result<ExitCode> {
+        self.page.check()?;
         if let Some(plot) = &self.plot {
             check_picture_path(plot)?;
         }
@@ -317,6 +326,13 @@ impl Evaluate {
         if let Some(plot) = &self.plot {
             draw_segment(&model, &log, self.segment, plot)?;
         }
+        self.page.write(
+            "sensorgraph",
+            &self.log,
+            &found,
+            &found.to_string(),
+            &self.plot,
+        )?;
         terminal::print_warnings(&found.warnings);
         match self.format {
             Print::Json => terminal::print(terminal::json(&found)?),

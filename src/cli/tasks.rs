@@ -11,6 +11,7 @@ use realgap::unit::LengthUnit;
 use realgap::{Error, Result, trajectory};
 
 use super::option::Format as Print;
+use super::page::PageFile;
 use super::terminal;
 
 /// Compare how long tasks take in reality and in simulation (paper 002, section V)
@@ -45,6 +46,8 @@ struct Compare {
     /// Seed of the intervals
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    page: PageFile,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Print,
@@ -84,6 +87,7 @@ impl TasksCommand {
 
 impl Compare {
     fn run(self) -> Result<ExitCode> {
+        self.page.check()?;
         for picture in self.plot.iter().chain(&self.curves) {
             check_picture_path(picture)?;
         }
@@ -95,6 +99,9 @@ impl Compare {
         if let Some(plot) = &self.curves {
             draw_task_curves(&found, plot)?;
         }
+        let pictures = self.plot.iter().chain(&self.curves);
+        self.page
+            .write("tasks", &self.real, &found, &found.to_string(), pictures)?;
         terminal::print_warnings(&found.warnings);
         match self.format {
             Print::Json => terminal::print(terminal::json(&found)?),

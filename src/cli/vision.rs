@@ -14,6 +14,7 @@ use realgap::sensing::vision::{
 use realgap::{Error, Result};
 
 use super::option::Format as Print;
+use super::page::PageFile;
 use super::picture::camera_named;
 use super::terminal;
 
@@ -59,6 +60,8 @@ struct Compare {
     /// Seed of the bootstrap
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    page: PageFile,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Print,
@@ -134,6 +137,7 @@ impl VisionCommand {
 
 impl Compare {
     fn run(self) -> Result<ExitCode> {
+        self.page.check()?;
         if let Some(folder) = &self.output {
             std::fs::create_dir_all(folder)
                 .map_err(|e| Error::io("make the folder", folder, &e))?;
@@ -150,9 +154,17 @@ impl Compare {
             relative_to,
             self.seed,
         )?;
-        if let Some(folder) = &self.output {
-            draw_vision(&report, folder)?;
-        }
+        let pictures = match &self.output {
+            Some(folder) => draw_vision(&report, folder)?,
+            None => Vec::new(),
+        };
+        self.page.write(
+            "vision",
+            &self.real,
+            &report,
+            &report.to_string(),
+            &pictures,
+        )?;
         terminal::print_warnings(&report.warnings);
         match self.format {
             Print::Json => terminal::print(terminal::json(&report)?),

@@ -25,6 +25,18 @@ pub(super) struct Line {
     pub points: Vec<[f64; 2]>,
 }
 
+/// What the axes of a chart are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Axes {
+    /// Something over time: a cursor follows the replay.
+    #[default]
+    Time,
+    /// A path seen from above, one scale for both axes: dots follow the replay.
+    Map,
+    /// Something over anything else.
+    Plain,
+}
+
 /// A chart of lines over two axes.
 #[derive(Debug, Default)]
 pub(super) struct Chart {
@@ -34,12 +46,16 @@ pub(super) struct Chart {
     pub x_label: String,
     /// With units.
     pub y_label: String,
-    /// Whether both axes have one scale: a path seen from above.
-    pub is_map: bool,
-    /// Lower and upper end at each x.
-    pub band: Vec<[f64; 3]>,
+    /// What they are.
+    pub axes: Axes,
+    /// Whether the upright axis begins at 0, or lower where numbers are.
+    pub from_zero: bool,
+    /// Lower and upper end at each x, the widest first.
+    pub bands: Vec<Vec<[f64; 3]>>,
     /// Lines, the first below all others.
     pub lines: Vec<Line>,
+    /// Marks of single points above all lines.
+    pub dots: Vec<Line>,
 }
 
 /// From numbers to places.
@@ -61,14 +77,17 @@ impl Frame {
 
 impl Chart {
     fn frame(&self) -> Frame {
-        let band = self.band.iter();
+        let band = self.bands.iter().flatten();
         let banded = band.flat_map(|[x, low, high]| [[*x, *low], [*x, *high]]);
-        let points = self.lines.iter().flat_map(|line| &line.points).copied();
-        let (mut x, mut y) = ([f64::INFINITY, f64::NEG_INFINITY], [f64::INFINITY, 0.0]);
-        if self.is_map {
-            y[1] = f64::NEG_INFINITY;
-        } else {
-            y[0] = 0.0;
+        let drawn = self.lines.iter().chain(&self.dots);
+        let points = drawn.flat_map(|line| &line.points).copied();
+        let (mut x, mut y) = (
+            [f64::INFINITY, f64::NEG_INFINITY],
+            [f64::INFINITY, f64::NEG_INFINITY],
+        );
+        let is_map = self.axes == Axes::Map;
+        if self.from_zero && !is_map {
+            y = [0.0, 0.0];
         }
         for point in points.chain(banded) {
             for (range, value) in [(&mut x, point[0]), (&mut y, point[1])] {
@@ -83,7 +102,7 @@ impl Chart {
                 *range = [middle, middle + 1e-3];
             }
         }
-        if self.is_map {
+        if is_map {
             let (wide, high) = (WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM);
             let scale = 1.08 * ((x[1] - x[0]) / wide).max((y[1] - y[0]) / high);
             for (range, length) in [(&mut x, wide), (&mut y, high)] {
@@ -91,7 +110,11 @@ impl Chart {
                 *range = [middle - 0.5 * scale * length, middle + 0.5 * scale * length];
             }
         } else {
-            y[1] *= 1.06;
+            let room = 0.06 * (y[1] - y[0]);
+            y[1] += room;
+            if y[0] != 0.0 {
+                y[0] -= room;
+            }
         }
         Frame { x, y }
     }
@@ -103,7 +126,11 @@ impl Chart {
             frame.place([frame.x[0], frame.y[0]]),
             frame.place([frame.x[1], frame.y[1]]),
         );
-        let kind = if self.is_map { "map" } else { "time" };
+        let kind = match self.axes {
+            Axes::Time => "time",
+            Axes::Map => "map",
+            Axes::Plain => "plain",
+        };
         let mut svg = format!(
             "<svg class=\"chart\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\" data-chart=\"{kind}\" \
              data-x=\"{} {}\" data-y=\"{} {}\" data-box=\"{} {} {} {}\">",
@@ -148,15 +175,29 @@ impl Chart {
             0.5 * (low.1 + high.1),
             html(&self.y_label),
         );
-        if !self.band.is_empty() {
-            let upper = self.band.iter().map(|[x, _, high]| [*x, *high]);
-            let lower = self.band.iter().rev().map(|[x, low, _]| [*x, *low]);
+        for band in self.bands.iter().filter(|band| !band.is_empty()) {
+            let upper = band.iter().map(|[x, _, high]| [*x, *high]);
+            let lower = band.iter().rev().map(|[x, low, _]| [*x, *low]);
             let points = path(&frame, upper.chain(lower));
             let _infallible = write!(svg, "<path class=\"band\" d=\"{points}Z\"/>");
         }
         for line in &self.lines {
             let points = path(&frame, line.points.iter().copied());
             let _infallible = write!(svg, "<path class=\"line {}\" d=\"{points}\"/>", line.class);
+        }
+        for dots in &self.dots {
+            for point in dots
+                .points
+                .iter()
+                .filter(|p| p[0].is_finite() && p[1].is_finite())
+            {
+                let (x, y) = frame.place(*point);
+                let _infallible = write!(
+                    svg,
+                    "<circle class=\"mark {}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>",
+                    dots.class
+                );
+            }
         }
         svg.push_str("</svg>");
         svg
@@ -224,11 +265,15 @@ mod tests {
     fn a_chart_of_nothing_is_still_a_chart_and_names_are_no_markup() {
         let chart = Chart {
             alt: "\"><script>".to_owned(),
+            bands: vec![Vec::new()],
             ..Chart::default()
         };
         let svg = chart.svg();
         assert!(
-            !svg.contains("<script") && !svg.contains("NaN") && !svg.contains("inf"),
+            !svg.contains("<script")
+                && !svg.contains("\"Z\"")
+                && !svg.contains("NaN")
+                && !svg.contains("inf"),
             "{svg}"
         );
         roxmltree::Document::parse(&svg).unwrap();

@@ -1,17 +1,34 @@
 //! Pages: one HTML file that explains itself, opens from disk and asks no network.
 //!
-//! A [`Replay`] shows a robot in motion, its recorded runs over it; [`folder_page`] what a results folder holds. Everything in a page is readable without scripts as far as
-//! text, tables and charts go; only the page's own scripts may run, named by their hashes in its content policy; texts of
-//! others are escaped. Same data, same bytes.
+//! A [`Replay`] shows a robot in motion, its recorded runs over it; [`folder_page`] what a results folder holds, with what its
+//! command has [`Kept`] for it. Everything in a page is readable without scripts as far as text, tables and charts go; only
+//! the page's own scripts may run, named by their hashes in its content policy; texts of others are escaped. Same data, same
+//! bytes.
 
 mod base64;
 mod block;
 mod chart;
+mod ensemble;
 mod folder;
+mod gap;
 mod heat;
+mod kept;
+mod leaf;
+mod motion;
 mod page;
+mod path;
+mod points;
+mod prediction;
 mod replay;
+mod search;
+mod section;
+mod sheet;
+mod story;
+mod study;
 mod track;
+mod value;
 
 pub use folder::folder_page;
+pub use kept::{KEPT_RECORDINGS, Kept, KeptPath, KeptReplay, PAGE_FILE};
+pub use leaf::Leaf;
 pub use replay::{Replay, SIMULATION};

@@ -1,31 +1,33 @@
 //! A robot in motion, its recorded runs over it: one page.
 
-use nalgebra::{Isometry3, UnitQuaternion};
 use serde_json::{Value, json};
 
 use super::block::Block;
-use super::chart::{Chart, Line};
+use super::chart::{Axes, Chart, Line};
+use super::kept::KeptReplay;
+use super::motion::{STEPS, boxes, fixed_boxes, known_parts, moving_boxes, push_film};
 use super::page::{Page, fill, html, script_json};
 use super::track::{CURVE, distances, laid_onto, mean, spread};
 use crate::error::Result;
-use crate::robot::morphology::{DriveAxis, Morphology, Role};
-use crate::simulation::{Film, Floor, SceneBody, SceneMotion, part_from_solid};
+use crate::robot::morphology::Morphology;
+use crate::simulation::{Film, Floor, SceneBody};
 use crate::trajectory::{Recording, Source, Trajectory};
 use crate::unit::{Unit, counted, decimals, quantity};
 use crate::warning::Warning;
 
-/// Steps that numbers in the page are rounded to; also said on the page.
-const LENGTH_STEP_M: f64 = 2e-5;
-const TURN_STEP: f64 = 1e-4;
-const TIME_STEP_S: f64 = 1e-4;
 /// Most numbers of one run in the page; a longer run shows every second, third, … sample.
 const MOST_NUMBERS: usize = 240_000;
+/// The same where the replay is a part of a larger page.
+const FEWER_NUMBERS: usize = 40_000;
 
 const STYLE: &str = include_str!("page/style.css");
 const BLOCK: &str = include_str!("page/block.js");
+const CLOCK: &str = include_str!("page/clock.js");
+const CHART: &str = include_str!("page/chart.js");
 const THREE: &str = include_str!("page/three.min.js");
 const SCENE: &str = include_str!("page/scene.js");
 const REPLAY: &str = include_str!("page/replay.js");
+const ALONE: &str = include_str!("page/alone.js");
 
 /// What a run that was simulated for its page is called.
 pub const SIMULATION: &str = "simulation";
@@ -46,7 +48,7 @@ pub struct Replay<'a> {
     pub align: bool,
     /// The ground.
     pub floor: Floor,
-    /// Other bodies; those that stand still are shown.
+    /// Other bodies; those that move are shown as far as the run knows where they are.
     pub scene: &'a [SceneBody],
     /// What the reader should know.
     pub warnings: &'a [Warning],
@@ -71,12 +73,7 @@ impl Replay<'_> {
         let ghosts = self.ghosts()?;
         let tracks: Vec<&Trajectory> = ghosts.iter().map(|ghost| &ghost.film.track).collect();
         let noise = spread(&tracks);
-        let mut block = Block::default();
-        let films = || std::iter::once(self.run).chain(ghosts.iter().map(|ghost| &ghost.film));
-        let mut kept = Vec::new();
-        for film in films() {
-            kept.push(push_film(&mut block, film));
-        }
+        let (motion, kept) = self.motion(&ghosts, MOST_NUMBERS);
         let scene = self.scene_json(&ghosts);
         let title = match self.robot {
             Some(robot) => format!("{}: replay", robot.name()),
@@ -87,10 +84,32 @@ impl Replay<'_> {
             title: &title,
             styles: &[STYLE],
             body: &body,
-            data: &[("scene", script_json(&scene)), ("motion", block.text())],
-            scripts: &[THREE, BLOCK, SCENE, REPLAY],
+            data: &[("scene-data", script_json(&scene)), ("motion-data", motion)],
+            scripts: &[THREE, BLOCK, CLOCK, CHART, SCENE, REPLAY, ALONE],
         };
         Ok(page.text())
+    }
+
+    /// What the page of a results folder shows of it: fewer samples than a page of its own.
+    ///
+    /// # Errors
+    /// Paths too long to be compared.
+    pub fn kept(&self) -> Result<KeptReplay> {
+        let ghosts = self.ghosts()?;
+        Ok(KeptReplay {
+            scene: self.scene_json(&ghosts),
+            motion: self.motion(&ghosts, FEWER_NUMBERS).0,
+        })
+    }
+
+    /// All motions, and every how manyth sample of each is in there.
+    fn motion(&self, ghosts: &[Ghost<'_>], most: usize) -> (String, Vec<usize>) {
+        let mut block = Block::default();
+        let films = std::iter::once(self.run).chain(ghosts.iter().map(|ghost| &ghost.film));
+        let kept = films
+            .map(|film| push_film(&mut block, film, self.scene, most))
+            .collect();
+        (block.text(), kept)
     }
 
     fn ghosts(&self) -> Result<Vec<Ghost<'_>>> {
@@ -103,6 +122,7 @@ impl Replay<'_> {
                     None => Film {
                         track: recording.trajectory.clone(),
                         parts: Vec::new(),
+                        scene: Vec::new(),
                     },
                 };
                 let film = if self.align {
@@ -125,11 +145,10 @@ impl Replay<'_> {
 
     fn scene_json(&self, ghosts: &[Ghost<'_>]) -> Value {
         let track = |name: &str, film: &Film, is_recorded: bool| {
-            let known = (0..film.parts.len()).filter(|part| film.parts[*part].is_some());
             json!({
                 "name": name,
                 "recorded": is_recorded,
-                "parts": known.collect::<Vec<_>>(),
+                "parts": known_parts(self.scene, film),
             })
         };
         let mut tracks = vec![track(self.run_name, self.run, false)];
@@ -138,10 +157,13 @@ impl Replay<'_> {
                 .iter()
                 .map(|ghost| track(ghost.name, &ghost.film, true)),
         );
+        let mut all = self.robot.map(boxes).unwrap_or_default();
+        all.extend(moving_boxes(self.scene, self.run));
         json!({
-            "steps": [TIME_STEP_S, LENGTH_STEP_M, TURN_STEP],
+            "steps": STEPS,
             "tracks": tracks,
-            "boxes": self.robot.map(boxes).unwrap_or_default(),
+            "parts": self.run.parts.len(),
+            "boxes": all,
             "floor": { "height_m": self.floor.height_m, "slope_rad": self.floor.slope_rad },
             "scene": self.scene.iter().flat_map(fixed_boxes).collect::<Vec<_>>(),
         })
@@ -236,8 +258,8 @@ impl Replay<'_> {
             ("name", html(name)),
             ("answer", self.answer(ghosts, noise)),
             ("description", html(description)),
-            ("run", html(self.run_name)),
-            ("legend", legend),
+            ("stage", stage_of(self.run_name, &legend)),
+            ("bar", include_str!("page/bar.html").to_owned()),
             ("stand_in", stand_in.to_owned()),
             ("aligned", aligned.to_owned()),
             ("thinned", thinned.to_owned()),
@@ -273,7 +295,7 @@ impl Replay<'_> {
             alt: "The paths seen from above".to_owned(),
             x_label: "x [m]".to_owned(),
             y_label: "y [m]".to_owned(),
-            is_map: true,
+            axes: Axes::Map,
             lines: paths,
             ..Chart::default()
         };
@@ -290,6 +312,7 @@ impl Replay<'_> {
             Chart {
                 alt: "Distance from the start over time".to_owned(),
                 y_label: "distance from the start [m]".to_owned(),
+                from_zero: true,
                 lines: vec![sim(points.collect())],
                 ..Chart::default()
             }
@@ -297,7 +320,8 @@ impl Replay<'_> {
             Chart {
                 alt: "Distance between the run and each recorded run over time".to_owned(),
                 y_label: "distance to recorded [m]".to_owned(),
-                band: noise.to_vec(),
+                bands: vec![noise.to_vec()],
+                from_zero: true,
                 lines: ghosts
                     .iter()
                     .map(|ghost| sim(ghost.apart.clone()))
@@ -370,13 +394,44 @@ fn warning_list(warnings: &[Warning]) -> String {
     }
     let item = |warning: &Warning| {
         format!(
-            "<li><code>{}</code> {}</li>",
+            "<li><code>{}</code> {} <span class=\"remedy\">What to do: {}.</span></li>",
             html(warning.code.name()),
-            html(&warning.message)
+            html(&warning.message),
+            html(warning.code.remedy())
         )
     };
     let items: String = warnings.iter().map(item).collect();
-    format!("<section id=\"warnings\"><h2>Warnings</h2><ul>{items}</ul></section>")
+    format!("<section class=\"card\" id=\"warnings\"><h2>Warnings</h2><ul>{items}</ul></section>")
+}
+
+/// Where a robot is seen in space; `legend` is markup.
+fn stage_of(run: &str, legend: &str) -> String {
+    let values = [("run", html(run)), ("legend", legend.to_owned())];
+    fill(include_str!("page/stage.html"), &values)
+}
+
+/// Where a kept replay is seen in space.
+pub(super) fn stage(scene: &Value) -> String {
+    let tracks = scene.get("tracks").and_then(Value::as_array);
+    let tracks = tracks.map_or(&[][..], Vec::as_slice);
+    let name = |track: &Value| {
+        track
+            .get("name")
+            .and_then(Value::as_str)
+            .unwrap_or_default()
+            .to_owned()
+    };
+    let run = tracks.first().map(name).unwrap_or_default();
+    let recorded: Vec<String> = tracks.iter().skip(1).map(name).collect();
+    let legend = if recorded.is_empty() {
+        String::new()
+    } else {
+        format!(
+            "<span><i class=\"key real\"></i>recorded: {}</span>",
+            html(&recorded.join(", "))
+        )
+    };
+    stage_of(&run, &legend)
 }
 
 /// Names and values.
@@ -385,102 +440,4 @@ fn definition_list(pairs: &[(String, String)]) -> String {
         format!("<dt>{}</dt><dd>{}</dd>", html(name), html(value))
     };
     pairs.iter().map(item).collect()
-}
-
-/// A pose as seven numbers: place, then orientation with its real part first.
-fn pose_json(pose: &Isometry3<f64>) -> Value {
-    let (t, q) = (pose.translation.vector, pose.rotation);
-    json!([t.x, t.y, t.z, q.w, q.i, q.j, q.k])
-}
-
-/// The boxes of a robot in the frames of their parts.
-fn boxes(robot: &Morphology) -> Vec<Value> {
-    let assembly = robot.assemble();
-    let mut all = Vec::new();
-    for (part, cluster) in assembly.parts.iter().enumerate() {
-        // A plate with a module glued onto it is inside of that module.
-        for solid in cluster.solids.iter().filter(|solid| solid.collides) {
-            let module = &robot.modules()[solid.module];
-            let drive = module
-                .drive
-                .filter(|_| solid.number == 0 && solid.role == Role::Cube);
-            all.push(json!({
-                "part": part,
-                "half": solid.half_extents_m.as_slice(),
-                "pose": pose_json(&part_from_solid(&assembly, part, solid)),
-                "name": if solid.number == 0 && solid.role == Role::Cube { module.name.as_str() } else { "" },
-                "kind": match (solid.role, drive.is_some()) {
-                    (Role::Plate, _) => "plate",
-                    (Role::Cube, true) => "active",
-                    (Role::Cube, false) => "passive",
-                },
-                "tracked": solid.module == robot.track() && solid.role == Role::Cube,
-                "normal": drive.map(|drive| drive.face.normal().as_slice().to_vec()),
-                "spins": drive.map(|drive| matches!(drive.axis, DriveAxis::Normal { .. })),
-            }));
-        }
-    }
-    all
-}
-
-/// The boxes of a body that stands still, in the world.
-fn fixed_boxes(body: &SceneBody) -> Vec<Value> {
-    let SceneMotion::Fixed { world_from_body } = &body.motion else {
-        return Vec::new();
-    };
-    let boxes = body.boxes.iter();
-    boxes
-        .map(|one| {
-            let half = 0.5 * one.sides_m;
-            json!({ "half": half.as_slice(), "pose": pose_json(&(world_from_body * one.body_from_box)) })
-        })
-        .collect()
-}
-
-/// Adds a film's columns: times, the tracked point, then of each known part its place and orientation. Returns every how
-/// manyth sample is in there.
-fn push_film(block: &mut Block, film: &Film) -> usize {
-    let samples = film.track.len();
-    let known: Vec<_> = film.parts.iter().flatten().collect();
-    let columns = 4 + 7 * known.len();
-    let every = (samples * columns).div_ceil(MOST_NUMBERS).max(1);
-    let mut picks: Vec<usize> = (0..samples).step_by(every).collect();
-    if picks.last() != Some(&(samples - 1)) {
-        picks.push(samples - 1);
-    }
-    let (times_s, places) = (film.track.times_s(), film.track.positions_world_m());
-    block.push(picks.iter().map(|k| times_s[*k] - times_s[0]), TIME_STEP_S);
-    let place = |sample: usize, axis: usize| places[sample][axis];
-    for axis in 0..3 {
-        block.push(picks.iter().map(|k| place(*k, axis)), LENGTH_STEP_M);
-    }
-    for poses in known {
-        for axis in 0..3 {
-            block.push(
-                picks.iter().map(|k| poses[*k].translation.vector[axis]),
-                LENGTH_STEP_M,
-            );
-        }
-        let turns = continuous(picks.iter().map(|k| poses[*k].rotation));
-        for axis in 0..4 {
-            block.push(turns.iter().map(|turn| turn[axis]), TURN_STEP);
-        }
-    }
-    every
-}
-
-/// Orientations, real part first, each with the sign that is nearer to the one before: both signs are the same turn.
-fn continuous(turns: impl Iterator<Item = UnitQuaternion<f64>>) -> Vec<[f64; 4]> {
-    let mut all: Vec<[f64; 4]> = Vec::new();
-    for turn in turns {
-        let mut next = [turn.w, turn.i, turn.j, turn.k];
-        if let Some(last) = all.last() {
-            let dot: f64 = last.iter().zip(&next).map(|(a, b)| a * b).sum();
-            if dot < 0.0 {
-                next = next.map(|value| -value);
-            }
-        }
-        all.push(next);
-    }
-    all
 }

@@ -105,6 +105,7 @@ mod tests {
         Film {
             track,
             parts: Vec::new(),
+            scene: Vec::new(),
         }
     }
 

@@ -23,10 +23,13 @@ pub enum Kind {
     Prediction,
 }
 
+/// What a command leaves for people to open, and what it keeps for that.
+const PAGE: [&str; 2] = ["report.html", "page.json"];
+
 impl Kind {
     /// Whether results of this kind are in a file of this name (its path inside of the folder).
     pub(super) fn has(self, name: &str) -> bool {
-        if name == timing::FILE {
+        if name == timing::FILE || PAGE.contains(&name) {
             return true;
         }
         match self {
@@ -150,6 +153,8 @@ mod tests {
             (Kind::Study, "heatmap_1_2.png"),
             (Kind::Study, "profile_floor_friction.svg"),
             (Kind::Study, "timing.json"),
+            (Kind::Gap, "report.html"),
+            (Kind::Search, "page.json"),
             (Kind::Search, "best/01_robot_00042.ron"),
             (Kind::Ensemble, "ensemble_001.png"),
             (Kind::Gap, "rmse.svg"),

@@ -18,6 +18,8 @@ pub struct Film {
     /// Poses of the parts' own frames ([`part_from_solid`]), in the assembly's order, at the times of `track`; `None` where nobody
     /// knows them.
     pub parts: Vec<Option<Vec<Isometry3<f64>>>>,
+    /// Poses of the other bodies at the same times, in the experiment's order; none of a recorded run.
+    pub scene: Vec<Vec<Isometry3<f64>>>,
 }
 
 /// Simulates the experiment as [`run`](super::run()) does and keeps all parts and joints at the times at which it samples. `None` for
@@ -32,23 +34,23 @@ pub fn film(experiment: &Experiment) -> Result<(Run, Option<Film>)> {
     let slack_s = 1e-9 * experiment.solver.timestep_s.max(1e-3);
     let mut parts = vec![Vec::with_capacity(times_s.len()); experiment.assembly.parts.len()];
     let mut before: Option<Snapshot> = None;
+    let mut scene = vec![Vec::with_capacity(times_s.len()); experiment.scene.len()];
     let mut next = 0;
     let run = watch(&experiment, &[], &mut |now: &Snapshot| {
         while next < times_s.len() && times_s[next] <= now.time_s + slack_s {
+            let share = before.as_ref().map_or(1.0, |before| {
+                let share = (times_s[next] - before.time_s) / (now.time_s - before.time_s);
+                share.clamp(0.0, 1.0)
+            });
+            let mixed = |of: &dyn Fn(&Snapshot) -> Isometry3<f64>| match &before {
+                Some(before) => between(&of(before), &of(now), share),
+                None => of(now),
+            };
             for (index, poses) in parts.iter_mut().enumerate() {
-                let to = now.parts[index].world_from_part;
-                poses.push(match &before {
-                    Some(before) => {
-                        let length_s = now.time_s - before.time_s;
-                        let share = (times_s[next] - before.time_s) / length_s;
-                        between(
-                            &before.parts[index].world_from_part,
-                            &to,
-                            share.clamp(0.0, 1.0),
-                        )
-                    }
-                    None => to,
-                });
+                poses.push(mixed(&|at| at.parts[index].world_from_part));
+            }
+            for (index, poses) in scene.iter_mut().enumerate() {
+                poses.push(mixed(&|at| at.scene[index]));
             }
             next += 1;
         }
@@ -57,6 +59,7 @@ pub fn film(experiment: &Experiment) -> Result<(Run, Option<Film>)> {
     let film = run.outcome.get().map(|track| Film {
         track: track.clone(),
         parts: parts.into_iter().map(Some).collect(),
+        scene,
     });
     Ok((run, film))
 }
@@ -91,12 +94,17 @@ impl Film {
             .collect();
         if let Some(columns) = columns {
             let parts = columns.into_iter().map(Some).collect();
-            return Self { track, parts };
+            return Self {
+                track,
+                parts,
+                scene: Vec::new(),
+            };
         }
         let Some(tracked) = poses(&track) else {
             return Self {
                 track,
                 parts: vec![None; count],
+                scene: Vec::new(),
             };
         };
         let joints: Vec<_> = (assembly.hinges.iter())
@@ -120,7 +128,11 @@ impl Film {
         let parts = (parts.into_iter().zip(known))
             .map(|(poses, known)| known.then_some(poses))
             .collect();
-        Self { track, parts }
+        Self {
+            track,
+            parts,
+            scene: Vec::new(),
+        }
     }
 
     /// The parts as bodies for [`write_with_bodies`](crate::trajectory::write_with_bodies): `part0` carries the root module.
@@ -164,6 +176,11 @@ impl Film {
         Ok(Self {
             track: track.with_joints(old.joints().to_vec())?,
             parts: parts.collect(),
+            scene: self
+                .scene
+                .iter()
+                .map(|poses| poses.iter().map(|pose| to * pose).collect())
+                .collect(),
         })
     }
 }

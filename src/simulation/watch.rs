@@ -1,6 +1,6 @@
 //! A look at a whole robot during a run: every part and every hinge, not the tracked module alone.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::kinematics::robot_from_part_at_zero;
 use super::part_state::PartState;
@@ -58,6 +58,8 @@ pub struct Snapshot {
     pub parts: Vec<PartState>,
     /// Hinges, in the assembly's order.
     pub hinges: Vec<HingeState>,
+    /// Poses of the other bodies, in the experiment's order.
+    pub scene: Vec<Isometry3<f64>>,
 }
 
 impl Snapshot {
@@ -88,6 +90,7 @@ impl Snapshot {
             time_s,
             parts,
             hinges,
+            scene: world.scene_poses(),
         }
     }
 }

@@ -1,49 +1,219 @@
-//! Pages in a real browser, where there is one.
+//! Pages in a real browser, where there is one, over its debugging pipe: no other program, no port.
 
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
-use std::process::Command;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
 
-use super::text;
+use serde_json::{Value, json};
 
-/// Chromium with a page: the document after its scripts ran, and what it complained about.
-pub fn browse(browser: &str, page: &Path, folder: &Path) -> (String, String) {
-    let url = format!("file://{}#t=0.5", page.display());
-    let output = Command::new(browser)
-        .args([
-            "--headless",
-            "--no-sandbox",
-            "--disable-gpu-sandbox",
-            "--enable-unsafe-swiftshader",
-        ])
-        .args([
-            "--use-angle=swiftshader",
-            "--enable-logging=stderr",
-            "--virtual-time-budget=4000",
-        ])
-        .arg(format!(
-            "--user-data-dir={}",
-            folder.join("profile").display()
-        ))
-        .args(["--dump-dom", &url])
-        .output()
-        .unwrap();
-    let complaints: Vec<String> = text(&output.stderr)
-        .lines()
-        .filter(|line| line.contains("CONSOLE"))
-        .map(str::to_owned)
-        .collect();
-    (text(&output.stdout), complaints.join("\n"))
+/// Chromium without a window; drawn by software, as on a machine without a graphics card.
+pub struct Browser {
+    process: Child,
+    to: ChildStdin,
+    from: BufReader<ChildStdout>,
+    last: u64,
+    session: String,
+    /// What the console, the page and the policy complained about.
+    pub complaints: Vec<String>,
+    /// Addresses that were asked for.
+    pub asked: Vec<String>,
+    _profile: tempfile::TempDir,
 }
 
-/// A browser of this machine.
-pub fn browser() -> Option<&'static str> {
-    let known = ["chromium", "chromium-browser", "google-chrome"];
-    let found = known.into_iter().find(|name| {
-        let version = Command::new(name).arg("--version").output();
-        version.is_ok_and(|output| output.status.success())
-    });
-    if found.is_none() {
-        super::skipped("no chromium here: pages are not opened");
+impl Browser {
+    /// A browser of this machine; none, said so, where there is none.
+    pub fn start() -> Option<Self> {
+        let known = ["chromium", "chromium-browser", "google-chrome"];
+        let found = known.into_iter().find(|name| {
+            let version = Command::new(name).arg("--version").output();
+            version.is_ok_and(|output| output.status.success())
+        });
+        let Some(program) = found else {
+            super::skipped("no chromium here: pages are not opened");
+            return None;
+        };
+        let profile = tempfile::tempdir().unwrap();
+        // The browser reads commands from its third file and answers on its fourth.
+        let mut process = Command::new("sh")
+            .args(["-c", "exec \"$@\" 3<&0 4>&1 >/dev/null", "sh", program])
+            .args(["--headless", "--no-sandbox", "--remote-debugging-pipe"])
+            .args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+            .args([
+                "--disable-gpu-compositing",
+                "--no-first-run",
+                "--disable-extensions",
+            ])
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .arg("about:blank")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let (to, from) = (
+            process.stdin.take().unwrap(),
+            process.stdout.take().unwrap(),
+        );
+        let mut browser = Self {
+            process,
+            to,
+            from: BufReader::new(from),
+            last: 0,
+            session: String::new(),
+            complaints: Vec::new(),
+            asked: Vec::new(),
+            _profile: profile,
+        };
+        let target = browser.call("Target.createTarget", json!({ "url": "about:blank" }));
+        let target = json!({ "targetId": target["targetId"], "flatten": true });
+        let session = browser.call("Target.attachToTarget", target);
+        session["sessionId"]
+            .as_str()
+            .unwrap()
+            .clone_into(&mut browser.session);
+        for domain in ["Page", "Runtime", "Log", "Network"] {
+            browser.call(&format!("{domain}.enable"), json!({}));
+        }
+        Some(browser)
     }
-    found
+
+    /// Calls a method of the browser and waits for its result.
+    pub fn call(&mut self, method: &str, parameters: Value) -> Value {
+        self.last += 1;
+        let mut message = json!({ "id": self.last, "method": method, "params": parameters });
+        if !self.session.is_empty() {
+            message["sessionId"] = json!(self.session);
+        }
+        let mut bytes = message.to_string().into_bytes();
+        bytes.push(0);
+        self.to.write_all(&bytes).unwrap();
+        self.to.flush().unwrap();
+        loop {
+            let answer = self.read();
+            if answer["id"] == json!(self.last) {
+                assert!(answer.get("error").is_none(), "{method}: {answer}");
+                return answer["result"].clone();
+            }
+        }
+    }
+
+    fn read(&mut self) -> Value {
+        let mut bytes = Vec::new();
+        self.from.read_until(0, &mut bytes).unwrap();
+        assert_eq!(bytes.pop(), Some(0), "the browser has ended");
+        let message: Value = serde_json::from_slice(&bytes).unwrap();
+        let of = &message["params"];
+        match message["method"].as_str().unwrap_or_default() {
+            "Runtime.exceptionThrown" => self.complaints.push(of["exceptionDetails"].to_string()),
+            "Runtime.consoleAPICalled" => self.complaints.push(of["args"].to_string()),
+            "Log.entryAdded" => {
+                let text = of["entry"].to_string();
+                // How long the software renderer takes is no fault of the page.
+                if !text.contains("GL Driver Message") {
+                    self.complaints.push(text);
+                }
+            }
+            "Network.requestWillBeSent" => {
+                self.asked
+                    .push(of["request"]["url"].as_str().unwrap().to_owned());
+            }
+            _ => {}
+        }
+        message
+    }
+
+    /// Width and height of the window, and whether the system's theme is dark.
+    pub fn look(&mut self, [width, height]: [u32; 2], is_dark: bool) {
+        let size =
+            json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        self.call("Emulation.setDeviceMetricsOverride", size);
+        let scheme = if is_dark { "dark" } else { "light" };
+        let features = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
+        self.call(
+            "Emulation.setEmulatedMedia",
+            json!({ "features": features }),
+        );
+    }
+
+    /// Opens a file, at a moment or a place of it, and waits until it is loaded.
+    pub fn open(&mut self, file: &Path, place: &str) {
+        self.complaints.clear();
+        self.call("Page.navigate", json!({ "url": "about:blank" }));
+        self.asked.clear();
+        let url = format!("file://{}{place}", file.display());
+        self.call("Page.navigate", json!({ "url": url }));
+        self.wait("document.readyState === 'complete' && location.protocol === 'file:'");
+    }
+
+    /// What an expression is in the page.
+    pub fn value(&mut self, expression: &str) -> Value {
+        let asked =
+            json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
+        let answer = self.call("Runtime.evaluate", asked);
+        assert!(
+            answer.get("exceptionDetails").is_none(),
+            "{expression}: {answer}"
+        );
+        answer["result"]["value"].clone()
+    }
+
+    /// Waits until an expression holds.
+    pub fn wait(&mut self, expression: &str) {
+        let begun = Instant::now();
+        while self.value(expression) != json!(true) {
+            assert!(
+                begun.elapsed() < Duration::from_secs(60),
+                "never: {expression}; {:?}",
+                self.complaints
+            );
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Clicks in the middle of the first element that a selector finds.
+    pub fn click(&mut self, selector: &str) {
+        let find = format!(
+            "(() => {{ const e = document.querySelector({selector:?}); e.scrollIntoView({{ block: 'center', behavior: 'instant' }}); \
+             const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; }})()"
+        );
+        let place = self.value(&find);
+        for kind in ["mousePressed", "mouseReleased"] {
+            let event = json!({ "type": kind, "x": place[0], "y": place[1], "button": "left", "clickCount": 1 });
+            self.call("Input.dispatchMouseEvent", event);
+        }
+    }
+
+    /// Asserts that the page asked for nothing but itself and that nobody complained.
+    pub fn is_quiet(&mut self, what: &str) {
+        let twice = "(() => { const all = [...document.querySelectorAll('[id]')].map(e => e.id); return all.filter((id, k) => all.indexOf(id) !== k); })()";
+        assert_eq!(
+            self.value(twice),
+            json!([]),
+            "{what}: names that two elements have"
+        );
+        assert_eq!(self.complaints, Vec::<String>::new(), "{what}: the console");
+        let foreign: Vec<&String> = self
+            .asked
+            .iter()
+            .filter(|url| !url.starts_with("file:") && !url.starts_with("data:image/"))
+            .collect();
+        assert!(foreign.is_empty(), "{what}: {foreign:?}");
+        assert_eq!(
+            self.asked
+                .iter()
+                .filter(|url| url.starts_with("file:"))
+                .count(),
+            1,
+            "{what}: {:?}",
+            self.asked
+        );
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ended = self.process.kill();
+        let _ended = self.process.wait();
+    }
 }

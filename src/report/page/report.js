@@ -1,65 +1,97 @@
-// The report: a chosen cell of the heat map shows its path over that of the best point.
+// The report: a chosen cell of the heat map shows its path beside the recorded ones; one time moves every chart.
 "use strict";
 (() => {
   const $ = id => document.getElementById(id);
-  const data = JSON.parse($("points").textContent);
-  const heat = $("heat"), svg = $("path");
-  if (!heat || !svg || !data.has_paths) return;
-  const column = realgap.reader($("paths").textContent);
-  const paths = data.rows.map(() => [column(data.step), column(data.step)]);
-  const score = k => (data.rows[k][1] === null ? Infinity : data.rows[k][1]);
-  let best = 0;
-  data.rows.forEach((row, k) => { if (score(k) < score(best)) best = k; });
-  // One scale for all points, so that paths can be compared.
-  const low = [0, 0], high = [0, 0];
-  for (const path of paths) path.forEach((c, axis) => c.forEach(v => {
-    low[axis] = Math.min(low[axis], v); high[axis] = Math.max(high[axis], v);
-  }));
-  const scale = Math.min(320 / Math.max(high[0] - low[0], 1e-6), 290 / Math.max(high[1] - low[1], 1e-6));
-  const middle = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2];
-  const element = (name, attributes, text) => {
-    const made = document.createElementNS(svg.namespaceURI, name);
-    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-    if (text) made.textContent = text;
-    return svg.appendChild(made);
-  };
-  const line = (path, kind) => {
-    const points = [...path[0]].map((x, k) => (180 + (x - middle[0]) * scale).toFixed(1) + "," + (160 - (path[1][k] - middle[1]) * scale).toFixed(1));
-    if (points.length) element("path", { class: "line " + kind, d: "M" + points.join("L") });
-  };
-  const round = [1, 2, 5].flatMap(f => [-3, -2, -1, 0, 1].map(p => f * 10 ** p)).sort((a, b) => a - b);
-  const bar = round.filter(m => m * scale < 110).pop() || 0.001;
-  const cells = [...heat.querySelectorAll("[data-point]")];
-  const marker = heat.appendChild(document.createElementNS(svg.namespaceURI, "rect"));
-  marker.setAttribute("class", "frame chosen");
-  let chosen = best;
-  const choose = k => {
-    chosen = k;
-    svg.replaceChildren();
-    line(paths[best], "sim faint");
-    if (k !== best) line(paths[k], "real");
-    element("line", { class: "scale", x1: 14, x2: 14 + bar * scale, y1: 328, y2: 328 });
-    element("text", { x: 14, y: 320 }, bar >= 1 ? bar + " m" : 100 * bar + " cm");
-    for (const name of ["x", "y", "width", "height"]) marker.setAttribute(name, cells[k].getAttribute(name));
-    $("chosen").textContent = cells[k].querySelector("title").textContent
-      + (paths[k][0].length ? "" : ": no path is stored") + (k === best ? ". This is the best point." : ". Blue: the best point's path.")
-      + " Paths are as prepared for comparison: from the origin, net displacement to the right.";
-  };
-  cells.forEach((cell, k) => cell.addEventListener("click", () => choose(Number(cell.dataset.point))));
-  heat.addEventListener("keydown", event => {
-    const by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
-    if (!by) return;
-    event.preventDefault();
-    const all = axis => [...new Set(data.rows.map(row => row[0][axis]))].sort((a, b) => a - b);
-    const wanted = [0, 1].map(axis => {
-      const values = all(axis);
-      const at = values.indexOf(data.rows[chosen][0][axis]) + by[axis];
-      return values[Math.min(Math.max(at, 0), values.length - 1)];
-    });
-    const found = data.rows.findIndex(row => row[0][0] === wanted[0] && row[0][1] === wanted[1]);
-    if (found >= 0) choose(found);
-  });
-  choose(best);
+  const makeClock = (end, times) => realgap.clock(end, { times, everywhere: false, playing: false });
+  let clock = $("scene-data") ? realgap.replay(makeClock).clock : null;
+  const over = [...document.querySelectorAll("[data-chart=time]")];
+  const points = $("point-data") && JSON.parse($("point-data").textContent);
+  if (!clock && over.length) {
+    // The longest time that a chart shows.
+    const end = points ? points.duration_s : Math.max(...over.map(svg => Number(svg.dataset.x.split(" ")[1])));
+    clock = makeClock(end, Float64Array.from({ length: 241 }, (_, k) => end * k / 240));
+  }
+  const own = ["path", "along", "error"];
+  if (clock) over.filter(svg => !own.includes(svg.id)).forEach(svg => realgap.live(clock, svg, []));
+  if (clock && points && $("path")) chosenPoint();
+  if (clock) clock.begin();
   realgap.ready = true;
-  realgap.chosen = () => chosen;
+
+  function chosenPoint() {
+    const column = realgap.reader($("path-data").textContent);
+    const read = duration => {
+      const x = column(points.step), y = column(points.step), last = Math.max(x.length - 1, 1);
+      return { x, y, t: x.map((_, k) => duration * k / last) };
+    };
+    const paths = points.rows.map(() => read(points.duration_s));
+    const recorded = points.recorded.map(([, duration]) => read(duration));
+    const best = points.best;
+    const moving = { recorded: false, kind: "sim", t: [], x: [], y: [] };
+    const tracks = [...recorded.map(path => ({ ...path, recorded: true })), moving];
+    const live = own.map($).filter(Boolean).map(svg => realgap.live(clock, svg, svg.id === "path" ? tracks : []));
+    // Distances at equal times since the start.
+    const apart = (a, b) => a.t.map((t, k) => {
+      const at = realgap.place(b.t, t);
+      return t > b.t[b.t.length - 1] + 1e-9 ? NaN : Math.hypot(a.x[k] - realgap.mix(b.x, at), a.y[k] - realgap.mix(b.y, at));
+    });
+    const finite = (x, y) => { const keep = [...x.keys()].filter(k => Number.isFinite(y[k])); return { x: keep.map(k => x[k]), y: keep.map(k => y[k]) }; };
+    // How far each recorded run is from the mean of the others.
+    const bands = [];
+    if (recorded.length > 1) {
+      const t = recorded[0].t;
+      const each = [...t].map(time => {
+        const places = recorded.filter(path => time <= path.t[path.t.length - 1] + 1e-9)
+          .map(path => { const at = realgap.place(path.t, time); return [realgap.mix(path.x, at), realgap.mix(path.y, at)]; });
+        if (places.length < 2) return [NaN, NaN];
+        const sum = places.reduce((s, p) => [s[0] + p[0], s[1] + p[1]], [0, 0]);
+        const from = places.map(p => Math.hypot(...[0, 1].map(axis => p[axis] - (sum[axis] - p[axis]) / (places.length - 1))));
+        return [Math.min(...from), Math.max(...from)];
+      });
+      const keep = [...t.keys()].filter(k => Number.isFinite(each[k][0]));
+      bands.push({ x: keep.map(k => t[k]), low: keep.map(k => each[k][0]), high: keep.map(k => each[k][1]) });
+    }
+    const heat = $("heat");
+    const cells = heat ? [...heat.querySelectorAll("[data-point]")] : [];
+    const marker = heat && realgap.svg("rect", { class: "frame chosen" }, heat);
+    const words = k => points.names.map((name, axis) => name + " = " + Number(points.rows[k][0][axis].toPrecision(4))).join(", ");
+    let chosen = best;
+    const choose = k => {
+      chosen = k;
+      const path = paths[k], isBest = k === best;
+      Object.assign(moving, path);
+      const lines = f => [
+        ...recorded.map(one => ({ ...f(one), kind: "real" })),
+        ...(isBest ? [] : [{ ...f(paths[best]), kind: "faint" }]),
+        { ...f(path), kind: "sim" },
+      ];
+      realgap.redraw($("path"), { map: true, lines: lines(one => ({ x: one.x, y: one.y })) });
+      realgap.redraw($("along"), { lines: lines(one => ({ x: one.t, y: one.x })) });
+      if ($("error")) realgap.redraw($("error"), {
+        fromZero: true, bands,
+        lines: path.t.length ? recorded.map(one => ({ ...finite(path.t, apart(path, one)), kind: "sim" })) : [],
+      });
+      if (marker) for (const name of ["x", "y", "width", "height"]) marker.setAttribute(name, cells[k].getAttribute(name));
+      const score = points.rows[k][1];
+      $("chosen").textContent = words(k) + ": " + (isBest ? "the best point" : score === null ? "diverged"
+        : "score " + Number(score.toPrecision(3)) + (points.rows[k][2] ? ", cannot be told from the best" : ""))
+        + (path.t.length ? "." : "; no path is stored.");
+      $("legend-best").hidden = isBest;
+      live.forEach(one => one.renew(realgap.state().time));
+    };
+    cells.forEach(cell => cell.addEventListener("click", () => choose(Number(cell.dataset.point))));
+    const values = heat && [0, 1].map(axis => [...new Set(points.rows.map(row => row[0][axis]))].sort((a, b) => a - b));
+    if (heat) heat.addEventListener("keydown", event => {
+      const by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+      if (!by) return;
+      event.preventDefault();
+      const wanted = [0, 1].map(axis => {
+        const at = values[axis].indexOf(points.rows[chosen][0][axis]) + by[axis];
+        return values[axis][Math.min(Math.max(at, 0), values[axis].length - 1)];
+      });
+      const found = points.rows.findIndex(row => row[0][0] === wanted[0] && row[0][1] === wanted[1]);
+      if (found >= 0) choose(found);
+    });
+    choose(best);
+    realgap.chosen = () => chosen;
+  }
 })();

@@ -2,9 +2,28 @@
 "use strict";
 realgap.scene = (canvas, data, tracks) => {
   const T = THREE;
-  const renderer = new T.WebGLRenderer({ canvas, antialias: true });
-  renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
-  renderer.shadowMap.enabled = true;
+  // Without a graphics card smooth edges cost more than they show.
+  const software = (() => {
+    const probe = document.createElement("canvas").getContext("webgl2");
+    if (!probe) throw new Error("no WebGL 2");
+    const info = probe.getExtension("WEBGL_debug_renderer_info");
+    const name = String(probe.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : probe.RENDERER));
+    const lose = probe.getExtension("WEBGL_lose_context");
+    if (lose) lose.loseContext();
+    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+  })();
+  const renderer = new T.WebGLRenderer({ canvas, antialias: !software });
+  // Shadows and pixels for each unit of the page, from the finest on; frames that come too slowly lead down.
+  const fine = Math.min(devicePixelRatio || 1, 2);
+  const levels = [[true, fine], [false, fine], [false, Math.min(fine, 1)], [false, 0.75 * Math.min(fine, 1)], [false, 0.5 * Math.min(fine, 1)]];
+  let level = software ? 2 : 0, since = 0, slow = [];
+  const settle = () => {
+    const [shadows, ratio] = levels[level];
+    sun.castShadow = shadows;
+    renderer.shadowMap.enabled = shadows;
+    renderer.setPixelRatio(ratio);
+    scene.traverse(o => { if (o.material) o.material.needsUpdate = true; });
+  };
   const scene = new T.Scene();
   const camera = new T.PerspectiveCamera(35, 1.6, 0.005, 500);
   camera.up.set(0, 0, 1);
@@ -15,15 +34,17 @@ realgap.scene = (canvas, data, tracks) => {
   // How large things are: the robot, and how far it goes.
   let reach = 0.02;
   for (const box of data.boxes) {
+    if (box.kind === "scene") continue;
     const p = box.pose, h = box.half;
     reach = Math.max(reach, Math.hypot(...h) + Math.hypot(p[0], p[1], p[2]));
   }
   // Where the middle of a robot is, from the poses of its parts.
-  const middleOf = (track, place) => track.parts.length
-    ? [0, 1, 2].map(axis => track.parts.reduce((sum, part) => sum + realgap.mix(part.columns[axis], place), 0) / track.parts.length)
+  const own = track => track.parts.filter(part => !(part.index >= data.parts));
+  const middleOf = (track, place) => own(track).length
+    ? [0, 1, 2].map(axis => own(track).reduce((sum, part) => sum + realgap.mix(part.columns[axis], place), 0) / own(track).length)
     : track.at.map(column => realgap.mix(column, place));
   const start = middleOf(tracks[0], [0, 0]);
-  for (const part of tracks[0].parts)
+  for (const part of own(tracks[0]))
     reach = Math.max(reach, Math.hypot(part.columns[0][0] - start[0], part.columns[1][0] - start[1]) + 0.03);
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
   for (const track of tracks)
@@ -78,7 +99,7 @@ realgap.scene = (canvas, data, tracks) => {
   ground.rotation.y = data.floor.slope_rad;
   world.add(ground);
 
-  const BASE = { passive: 0xd9d3c5, active: 0x78b2d8, plate: 0xd55e00 };
+  const BASE = { passive: 0xd9d3c5, active: 0x78b2d8, plate: 0xd55e00, scene: 0xa9a39a };
   const boxMesh = (box, material) => {
     const [x, y, z] = box.half;
     const mesh = new T.Mesh(new T.BoxGeometry(2 * x, 2 * y, 2 * z), material);
@@ -237,7 +258,7 @@ realgap.scene = (canvas, data, tracks) => {
   const look = (how, everything) => {
     const ways = { oblique: [0.55, -1.15, 0.75], top: [0, -0.001, 1], side: [0, -1, 0.12] };
     const way = new T.Vector3(...ways[how]).normalize();
-    let far = 3.2 * size;
+    let far = 2.7 * size;
     if (everything) {
       controls.target.set((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, data.floor.height_m);
       far = Math.max(far, 2.0 * span + 2 * size);
@@ -253,9 +274,21 @@ realgap.scene = (canvas, data, tracks) => {
     camera.aspect = w / h;
     camera.updateProjectionMatrix();
   };
-  const draw = () => { controls.update(); renderer.render(scene, camera); };
+  const draw = playing => {
+    const now = performance.now();
+    if (playing && since) slow.push(now - since);
+    since = playing ? now : 0;
+    if (slow.length >= 8) {
+      slow.sort((a, b) => a - b);
+      if (slow[4] > 45 && level + 1 < levels.length) { level++; settle(); fit(); }
+      slow = [];
+    }
+    controls.update();
+    renderer.render(scene, camera);
+  };
+  settle();
   return {
-    show, look, fit, draw, paint, controls,
+    show, look, fit, draw, paint, controls, quality: () => ({ level, software }),
     showNames: on => sprites.forEach(s => { s.visible = on; }),
     showTraces: on => traces.forEach(t => { t.visible = on; }),
     showGhosts: (on, tracesOn) => ghosts.forEach(g => { g.visible = g.type === "Line" ? on && tracesOn : on; }),

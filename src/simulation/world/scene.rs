@@ -66,6 +66,14 @@ impl World {
         }
     }
 
+    /// Where the bodies of the scene are, in the experiment's order.
+    pub fn scene_poses(&self) -> Vec<Isometry3<f64>> {
+        let bodies = self.scene.iter().map(|handle| self.bodies.get(*handle));
+        bodies
+            .map(|body| body.map_or_else(Isometry3::identity, |body| from_pose(body.position())))
+            .collect()
+    }
+
     /// Puts a driven body of the scene where it starts.
     pub fn place_driven(&mut self, index: usize, world_from_body: &Isometry3<f64>) {
         if let Some(body) = self.bodies.get_mut(self.scene[index]) {

@@ -1,0 +1,317 @@
+//! The page that a command leaves in its results folder.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use clap::Args;
+use realgap::calibration::{Answer, Case, Definition, Repeatable, StartRule, Study, Target};
+use realgap::file::write_atomic;
+use realgap::optimization::Ending;
+use realgap::report::{
+    KEPT_RECORDINGS, Kept, KeptPath, KeptReplay, Leaf, PAGE_FILE, Replay, SIMULATION, folder_page,
+};
+use realgap::robot::morphology::Morphology;
+use realgap::simulation::{Experiment, film};
+use realgap::trajectory::Recording;
+use realgap::warning::Code;
+use realgap::{Error, Result, Warning};
+
+use super::{replay, terminal};
+
+/// More recorded robots over each other hide what moves.
+const GHOSTS: usize = 3;
+/// Options that change nothing of what a command finds: how many take a value.
+const WITHOUT_EFFECT: [(&str, usize); 8] = [
+    ("--jobs", 1),
+    ("-j", 1),
+    ("--output", 1),
+    ("-o", 1),
+    ("--format", 1),
+    ("--resume", 0),
+    ("--restart", 0),
+    ("--no-report", 0),
+];
+
+/// Whether a page is written.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct PageOption {
+    /// Leave report.html out of the folder
+    #[arg(long)]
+    no_report: bool,
+}
+
+impl PageOption {
+    /// What to say about it.
+    pub fn said(self) -> &'static str {
+        if self.no_report {
+            ""
+        } else {
+            "; report.html opens in a browser"
+        }
+    }
+
+    /// Writes `report.html` into a finished results folder. What cannot be shown is a warning: the results are there.
+    pub fn write(self, folder: &Path, keep: impl FnOnce() -> Kept) {
+        if self.no_report {
+            return;
+        }
+        let kept = Kept {
+            command: command(typed()),
+            ..keep()
+        };
+        if let Err(error) = write(folder, &kept) {
+            let warning = Warning::new(Code::NotWritten, format!("no report.html: {error}"));
+            terminal::print_warnings(&[warning]);
+        }
+    }
+}
+
+/// A page of what a command without a folder found.
+#[derive(Debug, Clone, Args)]
+pub struct PageFile {
+    /// Write what was found, with the pictures drawn of it, as one page (.html)
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+}
+
+impl PageFile {
+    /// Checks before the work that the page can be written.
+    pub fn check(&self) -> Result<()> {
+        self.report.as_deref().map_or(Ok(()), replay::check_page)
+    }
+
+    /// Writes the page: `text` is what the command prints, `of` the file that it is about.
+    pub fn write<'a>(
+        &self,
+        kind: &'static str,
+        of: &Path,
+        found: &impl serde::Serialize,
+        text: &str,
+        pictures: impl IntoIterator<Item = &'a PathBuf>,
+    ) -> Result<()> {
+        let Some(file) = &self.report else {
+            return Ok(());
+        };
+        let report = serde_json::to_value(found)
+            .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))?;
+        let pictures: Vec<&Path> = pictures.into_iter().map(PathBuf::as_path).collect();
+        let name = of.file_stem().unwrap_or(of.as_os_str()).to_string_lossy();
+        let page = Leaf {
+            kind,
+            name: &name,
+            text,
+            report: &report,
+            pictures: &pictures,
+            command: &replay::command_line(),
+        };
+        write_atomic(file, page.page()?.as_bytes())
+    }
+}
+
+fn write(folder: &Path, kept: &Kept) -> Result<()> {
+    kept.write(folder)?;
+    let page = folder_page(folder, &kept.command)?;
+    write_atomic(folder.join(PAGE_FILE), page.as_bytes())
+}
+
+/// The command that one of another name carries out to its end.
+static STANDS_FOR: OnceLock<Vec<String>> = OnceLock::new();
+
+/// Says that what runs now finds what the command of these words finds, and that pages shall name that.
+pub fn stands_for(words: &[String]) {
+    let words = std::iter::once("realgap".to_owned()).chain(words.iter().cloned());
+    let _first = STANDS_FOR.set(words.collect());
+}
+
+/// The words of the command, the program's name first.
+fn typed() -> impl Iterator<Item = String> {
+    let own = || std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+    let words = STANDS_FOR.get().cloned();
+    words.unwrap_or_else(|| own().collect()).into_iter()
+}
+
+/// The command that finds the same again: without the program's path and what changes no result.
+fn command(words: impl Iterator<Item = String>) -> String {
+    let mut kept = vec!["realgap".to_owned()];
+    let mut words = words.skip(1);
+    while let Some(word) = words.next() {
+        let name = word.split_once('=').map_or(word.as_str(), |(name, _)| name);
+        match WITHOUT_EFFECT.iter().find(|(known, _)| *known == name) {
+            Some((_, values)) if name.len() == word.len() => {
+                words.by_ref().take(*values).for_each(drop);
+            }
+            Some(_) => {}
+            None => kept.push(replay::quoted(word)),
+        }
+    }
+    kept.join(" ")
+}
+
+/// What a study's page shows beside its results.
+pub fn of_study(study: &Study, answer: &Answer) -> Kept {
+    let definition = study.definition();
+    let Some(case) = study.cases().first() else {
+        return Kept::default();
+    };
+    let best = answer
+        .scores
+        .best
+        .map(|best| answer.scores.points[best].values.clone());
+    let experiment = best.and_then(|values| study.experiment(0, &values).ok());
+    let scale = experiment
+        .as_ref()
+        .map_or(1.0, |e| e.recording_length_scale);
+    let (recorded, recordings) = recorded(definition, case, scale);
+    Kept {
+        duration_s: case.experiment.duration_s,
+        reality: definition.source().reality_label().to_owned(),
+        recorded,
+        // Whoever interrupts does not want to wait for one more simulation.
+        replay: experiment
+            .filter(|_| answer.ending == Ending::Complete)
+            .and_then(|experiment| {
+                let is_settled = definition.start == StartRule::Settled;
+                moving(&experiment, &definition.morphology, &recordings, is_settled)
+            }),
+        ..Kept::default()
+    }
+}
+
+/// What the page of a gap shows beside it: the first start's run without noise.
+pub fn of_gap(study: &Study) -> Kept {
+    let definition = study.definition();
+    let Some(case) = study.cases().first() else {
+        return Kept::default();
+    };
+    let (_, recordings) = recorded(definition, case, 1.0);
+    let is_settled = definition.start == StartRule::Settled;
+    Kept {
+        duration_s: case.experiment.duration_s,
+        replay: moving(
+            &case.experiment,
+            &definition.morphology,
+            &recordings,
+            is_settled,
+        ),
+        ..Kept::default()
+    }
+}
+
+/// The recordings of a case: as they are compared, and as they are seen.
+fn recorded(definition: &Definition, case: &Case, scale: f64) -> (Vec<KeptPath>, Vec<Recording>) {
+    let (mut paths, mut seen) = (Vec::new(), Vec::new());
+    for target in case.targets.iter().take(KEPT_RECORDINGS) {
+        let recording = &definition.recordings[target.recording];
+        let Ok(target) = target.in_true_lengths(scale) else {
+            continue;
+        };
+        let target: &Target = &target;
+        if target.motion.is_of_joints() {
+            continue;
+        }
+        // Hundredths of millimetres.
+        let rounded = |m: f64| (m * 1e5).round() / 1e5;
+        paths.push(KeptPath {
+            name: recording.name.clone(),
+            duration_s: target.motion.duration_s(),
+            xy_m: target
+                .prepared
+                .xy_m()
+                .iter()
+                .map(|p| p.map(rounded))
+                .collect(),
+        });
+        if seen.len() < GHOSTS {
+            seen.push(Recording {
+                trajectory: target.motion.clone(),
+                // They are as long as the file, the motion as long as the study.
+                bodies: Vec::new(),
+                ..recording.clone()
+            });
+        }
+    }
+    (paths, seen)
+}
+
+/// What the page of repeats shows beside them: the first start's run without noise.
+pub fn of_repeats(study: &Repeatable) -> Kept {
+    let Some(case) = study.cases.first() else {
+        return Kept::default();
+    };
+    let recordings: Vec<Recording> = match study.definition.start {
+        StartRule::Settled => study
+            .definition
+            .recordings
+            .iter()
+            .take(GHOSTS)
+            .cloned()
+            .collect(),
+        _ => study
+            .definition
+            .recordings
+            .iter()
+            .take(1)
+            .cloned()
+            .collect(),
+    };
+    let recordings: Vec<Recording> = recordings
+        .into_iter()
+        .filter(|r| !r.trajectory.is_of_joints())
+        .collect();
+    let is_settled = study.definition.start == StartRule::Settled;
+    Kept {
+        duration_s: case.experiment.duration_s,
+        reality: study.definition.source().reality_label().to_owned(),
+        replay: moving(
+            &case.experiment,
+            &study.definition.morphology,
+            &recordings,
+            is_settled,
+        ),
+        ..Kept::default()
+    }
+}
+
+/// What the page of one robot shows beside its results.
+pub fn of_robot(experiment: &Experiment, robot: &Morphology) -> Kept {
+    Kept {
+        duration_s: experiment.duration_s,
+        replay: moving(experiment, robot, &[], true),
+        ..Kept::default()
+    }
+}
+
+/// One more run, with all parts; nothing where it diverges or has no parts.
+fn moving(
+    experiment: &Experiment,
+    robot: &Morphology,
+    recordings: &[Recording],
+    align: bool,
+) -> Option<KeptReplay> {
+    let film = film(experiment).ok()?.1?;
+    let replay = Replay {
+        robot: Some(robot),
+        run: &film,
+        run_name: SIMULATION,
+        recordings,
+        align,
+        floor: experiment.floor,
+        scene: &experiment.scene,
+        warnings: &[],
+        provenance: &[],
+    };
+    replay.kept().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_to_run_again_leaves_out_what_changes_nothing() {
+        let typed =
+            "./realgap sweep a.ron --jobs 3 --points=5 -o out --resume --format=json --set x=1";
+        let words = typed.split(' ').map(str::to_owned);
+        assert_eq!(command(words), "realgap sweep a.ron --points=5 --set x=1");
+    }
+}

@@ -1,0 +1,65 @@
+//! A results folder's story on its way into a page.
+
+use super::kept::Kept;
+use super::page::{Page, fill, html, script_json};
+use super::section::{Section, body, contents};
+
+const STYLE: &str = include_str!("page/style.css");
+const BLOCK: &str = include_str!("page/block.js");
+const CLOCK: &str = include_str!("page/clock.js");
+const CHART: &str = include_str!("page/chart.js");
+const THREE: &str = include_str!("page/three.min.js");
+const SCENE: &str = include_str!("page/scene.js");
+const REPLAY: &str = include_str!("page/replay.js");
+const REPORT: &str = include_str!("page/report.js");
+
+/// What a folder says, in order.
+#[derive(Debug, Default)]
+pub(super) struct Story {
+    /// What it is: sweep, gap, …
+    pub kind: &'static str,
+    /// Of what.
+    pub name: String,
+    /// Two sentences.
+    pub answer: String,
+    /// What it is for.
+    pub description: String,
+    /// Parts, in order; warnings, numbers and provenance come last.
+    pub sections: Vec<Section>,
+    /// Fields of the report that the sections tell.
+    pub said: Vec<&'static str>,
+    /// Data for the scripts.
+    pub data: Vec<(&'static str, String)>,
+}
+
+impl Story {
+    /// The page.
+    pub fn page(self, kept: Option<&Kept>) -> String {
+        let replay = kept.and_then(|kept| kept.replay.as_ref());
+        let mut data = self.data;
+        let mut scripts = vec![BLOCK, CLOCK, CHART];
+        if let Some(replay) = replay {
+            data.push(("scene-data", script_json(&replay.scene)));
+            data.push(("motion-data", replay.motion.clone()));
+            scripts.extend([THREE, SCENE, REPLAY]);
+        }
+        scripts.push(REPORT);
+        let values = [
+            ("kind", self.kind.to_owned()),
+            ("name", html(&self.name)),
+            ("answer", html(&self.answer)),
+            ("description", html(&self.description)),
+            ("contents", contents(&self.sections)),
+            ("sections", body(&self.sections)),
+            ("bar", include_str!("page/bar.html").to_owned()),
+        ];
+        Page {
+            title: &format!("{}: {}", self.name, self.kind),
+            styles: &[STYLE],
+            body: &fill(include_str!("page/report.html"), &values),
+            data: &data,
+            scripts: &scripts,
+        }
+        .text()
+    }
+}
