@@ -149,7 +149,8 @@ mod tests {
         let rows = [0, 1, 2].map(|n| second.rows_of(Share::new(n, 3).unwrap()));
         assert_eq!(second.rows_of_each(3), rows);
         assert_eq!(rows.iter().sum::<usize>(), 4);
-        assert!(rows.iter().all(|count| (1..=2).contains(count)), "{rows:?}");
+        // Two blocks of rows are begun: no shard has more than one row of each.
+        assert!(rows.iter().all(|count| *count <= 2), "{rows:?}");
         let end = second.after(14, &[]);
         assert!(end.complete && end.merged == 4, "{end:?}");
     }
