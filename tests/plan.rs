@@ -3,10 +3,9 @@
 
 mod common;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use common::{SMALL_SEARCH, files, quick_study, realgap, search_file, text};
+use common::{SMALL_SEARCH, files, must_be_equal, quick_study, realgap, search_file, text};
 use realgap::store::{Fingerprint, Store, Trial};
 
 fn copy(from: &Path, to: &Path) {
@@ -69,16 +68,7 @@ fn same_bytes(folder: &Path, command: &str, file: &Path, options: &[&str]) -> us
     words.extend(options);
     fine(&words);
     let rounds = run_to_the_end(plan_name);
-    let (whole, merged) = (files(&whole), files(&plan.join("results")));
-    let names = |files: &BTreeMap<PathBuf, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
-    assert_eq!(names(&whole), names(&merged));
-    for (name, bytes) in &whole {
-        assert!(
-            merged[name] == *bytes,
-            "{command}: {} differs",
-            name.display()
-        );
-    }
+    must_be_equal(&whole, &plan.join("results"));
     rounds
 }
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use common::{SMALL_SEARCH, files, quick_study, realgap, search_file, skipped, text};
+use common::{SMALL_SEARCH, must_be_equal, quick_study, realgap, search_file, skipped, text};
 
 /// Longest time until a plan is answered.
 const PATIENCE: Duration = Duration::from_secs(300);
@@ -178,17 +178,6 @@ fn status(plan: &str, what: &str) -> String {
     let said = realgap().args(["status", plan, what]).output().unwrap();
     assert!(said.status.success(), "{}", text(&said.stderr));
     text(&said.stdout).trim().to_owned()
-}
-
-fn must_be_equal(whole: &Path, merged: &Path) {
-    let (whole, merged) = (files(whole), files(merged));
-    assert_eq!(
-        whole.keys().collect::<Vec<_>>(),
-        merged.keys().collect::<Vec<_>>()
-    );
-    for (name, bytes) in &whole {
-        assert!(merged[name] == *bytes, "{} differs", name.display());
-    }
 }
 
 fn run(words: &[&str]) {

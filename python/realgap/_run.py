@@ -22,3 +22,8 @@ def mode(resume: bool, restart: bool) -> str:
 def folder_name(folder: Optional[Path]) -> Optional[str]:
     """A folder as the library takes it."""
     return None if folder is None else os.fspath(folder)
+
+
+def file_name(folder: Path, name: str) -> str:
+    """What a text without a file is called: as if it lay in this folder, where the files that it names begin."""
+    return os.path.join(os.fspath(folder), f"{name}.ron")

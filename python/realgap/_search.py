@@ -97,14 +97,14 @@ class Search:
     @classmethod
     def from_text(cls, text: str, *, name: str = "search", folder: Path = ".", **wishes: Any) -> "Search":
         """A search from RON; the files that it names are relative to `folder`."""
-        return cls._parsed(os.path.join(os.fspath(folder), f"{name}.ron"), text, False, wishes)
+        return cls._parsed(file_name(folder, name), text, False, wishes)
 
     @classmethod
     def from_dict(
         cls, fields: Mapping[str, Any], *, name: str = "search", folder: Path = ".", **wishes: Any
     ) -> "Search":
         """A search from the fields of its file."""
-        path = os.path.join(os.fspath(folder), f"{name}.ron")
+        path = file_name(folder, name)
         return cls._parsed(path, asked("a search", **dict(fields)), True, wishes)
 
     @classmethod

@@ -125,7 +125,7 @@ class Study:
     @classmethod
     def from_text(cls, text: str, *, name: str = "study", folder: Path = ".", **wishes: Any) -> "Study":
         """A study from RON. The files that it names are relative to `folder`; wishes as for `Study.read`."""
-        path = os.path.join(os.fspath(folder), f"{name}.ron")
+        path = file_name(folder, name)
         return cls._parsed(path, text, False, wishes)
 
     @classmethod
@@ -133,7 +133,7 @@ class Study:
         cls, fields: Mapping[str, Any], *, name: str = "study", folder: Path = ".", **wishes: Any
     ) -> "Study":
         """A study from the fields of its file, as `Robot.from_dict` takes those of a robot."""
-        path = os.path.join(os.fspath(folder), f"{name}.ron")
+        path = file_name(folder, name)
         return cls._parsed(path, asked("a study", **dict(fields)), True, wishes)
 
     @classmethod

@@ -83,11 +83,7 @@ fn simulate(
     let again = runs_a_round(study);
     let total = points + ROUNDS * again;
     let mut ending = drive(
-        &Batch {
-            points,
-            jobs: run.jobs,
-            stop: run.stop_flag(),
-        },
+        &Batch::new(points, run),
         keeping,
         |index| study.simulate(index),
         |done| run.tell(done, total, None),
@@ -101,11 +97,7 @@ fn simulate(
         let best = scores.best.and_then(|best| scores.points[best].score);
         let chosen = run.install(|| choose(study, &scores, from, again))??;
         ending = drive(
-            &Batch {
-                points: from + chosen.len(),
-                jobs: run.jobs,
-                stop: run.stop_flag(),
-            },
+            &Batch::new(from + chosen.len(), run),
             keeping,
             |index| study.simulate_values(index, chosen[index - from].clone()),
             |done| run.tell(done, total, best),

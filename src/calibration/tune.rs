@@ -320,11 +320,7 @@ impl<'a> Tuning<'a> {
         let offset = self.told.len();
         let (before, total) = self.shown;
         let grid = &self.study.definition().grid;
-        let batch = Batch {
-            points: offset + candidates.len(),
-            jobs: self.run.jobs,
-            stop: self.run.stop_flag(),
-        };
+        let batch = Batch::new(offset + candidates.len(), self.run);
         drive(
             &batch,
             &mut self.keeping,

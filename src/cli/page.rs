@@ -238,27 +238,13 @@ pub fn of_repeats(study: &Repeatable) -> Kept {
     let Some(case) = study.cases.first() else {
         return Kept::default();
     };
-    let recordings: Vec<Recording> = match study.definition.start {
-        StartRule::Settled => study
-            .definition
-            .recordings
-            .iter()
-            .take(GHOSTS)
-            .cloned()
-            .collect(),
-        _ => study
-            .definition
-            .recordings
-            .iter()
-            .take(1)
-            .cloned()
-            .collect(),
-    };
-    let recordings: Vec<Recording> = recordings
-        .into_iter()
-        .filter(|r| !r.trajectory.is_of_joints())
-        .collect();
     let is_settled = study.definition.start == StartRule::Settled;
+    let shown = study.definition.recordings.iter();
+    let recordings: Vec<Recording> = shown
+        .take(if is_settled { GHOSTS } else { 1 })
+        .filter(|recording| !recording.trajectory.is_of_joints())
+        .cloned()
+        .collect();
     Kept {
         duration_s: case.experiment.duration_s,
         reality: study.definition.source().reality_label().to_owned(),

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 
+use super::options::RunOptions;
 use crate::error::{Advice, Error, Result};
 use crate::store::Storage;
 
@@ -24,6 +25,17 @@ pub struct Batch<'a> {
     pub jobs: usize,
     /// Set from outside to stop after the points under way.
     pub stop: &'a AtomicBool,
+}
+
+impl<'a> Batch<'a> {
+    /// So many points, as a run asks for.
+    pub fn new(points: usize, run: &'a RunOptions<'_>) -> Self {
+        Self {
+            points,
+            jobs: run.jobs,
+            stop: run.stop_flag(),
+        }
+    }
 }
 
 /// Threads for everything that a study does in parallel.

@@ -161,13 +161,17 @@ impl Plan {
         self.round_folder(round).join(format!("shard_{shard:05}"))
     }
 
+    /// Everything that decides the results.
+    pub fn fingerprint(&self) -> Fingerprint {
+        self.draft.fingerprint.iter().cloned().collect()
+    }
+
     /// Checks that what is to be run now is what was planned.
     ///
     /// # Errors
     /// What differs: another version of this program, a study or a recording that has changed.
     pub fn must_be_of(&self, fingerprint: &Fingerprint) -> Result<()> {
-        let planned: Fingerprint = self.draft.fingerprint.iter().cloned().collect();
-        fingerprint.must_equal(&planned).map_err(|error| {
+        fingerprint.must_equal(&self.fingerprint()).map_err(|error| {
             error
                 .without_advice()
                 .at_file(self.folder.join(PLAN_FILE))

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::file::Plan;
 use super::round::Round;
 use crate::error::{Error, Result};
-use crate::store::{FolderLock, Merger, STORE_FILE, Store, Table};
+use crate::store::{FolderLock, Merger, STORE_FILE, Table};
 
 /// A shard whose rows were not taken over.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -35,13 +35,8 @@ impl Plan {
     /// # Errors
     /// Results that cannot be written, or that are not this plan's.
     pub(super) fn absorb<R: Table>(&self, round: &Round) -> Result<Merged> {
-        let fingerprint = self.draft().fingerprint.iter().cloned().collect();
         let lock = FolderLock::make(&self.store())?;
-        if lock.folder().join(STORE_FILE).exists() {
-            let store = Store::<R>::look(lock.folder())?;
-            self.must_be_of(&store.fingerprint()?)?;
-        }
-        let mut merger: Merger<R> = Merger::open(&lock, &fingerprint)?;
+        let mut merger: Merger<R> = Merger::open(&lock, &self.fingerprint())?;
         let mut merged = Merged::default();
         for name in self.shards_there(round)? {
             let folder = self.round_folder(round.number).join(&name);

@@ -133,14 +133,10 @@ impl Plan {
     pub fn status(&self) -> Result<Status> {
         let round = self.round()?;
         let results = self.store();
-        let count = |folder: &Path| -> Result<(usize, bool)> {
-            if Store::<RobotRow>::is_in(folder)? {
-                return rows_in::<RobotRow>(folder);
-            }
-            if Store::<RunRow>::is_in(folder)? {
-                return rows_in::<RunRow>(folder);
-            }
-            rows_in::<Trial>(folder)
+        let count = match self.draft().command.first().map(String::as_str) {
+            Some("search") => rows_in::<RobotRow>,
+            Some("ensemble" | "gap") => rows_in::<RunRow>,
+            _ => rows_in::<Trial>,
         };
         let there = results.join(STORE_FILE).exists();
         let (merged, is_complete) = match there {

@@ -100,7 +100,6 @@ impl Work {
             round,
             lock: &lock,
             share,
-            fingerprint: self.fingerprint(),
             run,
         })
     }
@@ -141,11 +140,7 @@ impl Work {
 
     /// How many rows are asked for in the round under way and those before it, and which are not merged.
     fn missing(&self, plan: &Plan, run: &RunOptions<'_>) -> Result<(usize, Vec<usize>)> {
-        self.follow(Looking {
-            plan,
-            fingerprint: self.fingerprint(),
-            run,
-        })
+        self.follow(Looking { plan, run })
     }
 
     /// Measures a few runs on one thread.
@@ -158,11 +153,7 @@ impl Work {
             ..RunOptions::default()
         };
         run.install(|| match self {
-            Self::Sweep(study) => {
-                let points = study.definition().grid.len();
-                self.cost(points, |n| Ok(study.simulate(n)?.stored_bytes()))
-            }
-            Self::Tune(study, _) => {
+            Self::Sweep(study) | Self::Tune(study, _) => {
                 let points = study.definition().grid.len();
                 self.cost(points, |n| Ok(study.simulate(n)?.stored_bytes()))
             }
@@ -226,7 +217,6 @@ struct OneShard<'a> {
     round: Round,
     lock: &'a FolderLock,
     share: Share,
-    fingerprint: Fingerprint,
     run: &'a RunOptions<'a>,
 }
 
@@ -237,12 +227,12 @@ impl Visitor for OneShard<'_> {
         self,
         follow: impl Fn(&mut Part<R>, &RunOptions<'_>) -> Result<Ending>,
     ) -> Result<usize> {
-        let merged = self.plan.store();
-        let mut part = Part::<R>::open(&merged, self.lock, self.share, &self.fingerprint)?;
+        let (plan, lock) = (self.plan, self.lock);
+        let mut part = Part::<R>::open(&plan.store(), lock, self.share, &plan.fingerprint())?;
         // Rows of this round are wanted, whatever happened since the plan was looked at.
-        if self.plan.round()? != self.round {
+        if plan.round()? != self.round {
             return Err(Error::conflict("the round was merged meanwhile")
-                .at_file(self.plan.folder())
+                .at_file(plan.folder())
                 .hint("run the shard again: the next round is under way"));
         }
         follow(&mut part, self.run)?;
@@ -253,7 +243,6 @@ impl Visitor for OneShard<'_> {
 /// Finds out how many rows are asked for, and which are not merged.
 struct Looking<'a> {
     plan: &'a Plan,
-    fingerprint: Fingerprint,
     run: &'a RunOptions<'a>,
 }
 
@@ -264,7 +253,7 @@ impl Visitor for Looking<'_> {
         self,
         follow: impl Fn(&mut Part<R>, &RunOptions<'_>) -> Result<Ending>,
     ) -> Result<(usize, Vec<usize>)> {
-        let mut part = Part::<R>::look(&self.plan.store(), &self.fingerprint)?;
+        let mut part = Part::<R>::look(&self.plan.store(), &self.plan.fingerprint())?;
         follow(&mut part, self.run)?;
         Ok((part.asked(), part.missing()?))
     }

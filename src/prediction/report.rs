@@ -155,11 +155,7 @@ impl EnsembleReport {
         run: &RunOptions<'_>,
     ) -> Result<Ending> {
         let total = study.cases.len() * options.repeats;
-        let batch = Batch {
-            points: total,
-            jobs: run.jobs,
-            stop: run.stop_flag(),
-        };
+        let batch = Batch::new(total, run);
         let make = |index| Self::repeat(study, options, index);
         drive(&batch, part, make, |done| run.tell(done, total, None))
     }

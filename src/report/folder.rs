@@ -1,13 +1,12 @@
 //! A results folder as one page: what its own files say, nothing else.
 
-use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
 
 use super::kept::Kept;
 use super::section::{Section, numbers, provenance, warnings};
-use super::value::text_of;
+use super::value::{read_json, text_of};
 use super::{ensemble, gap, prediction, replay, search, study};
 use crate::error::{Error, Result};
 
@@ -30,10 +29,7 @@ pub fn folder_page(folder: &Path, command: &str) -> Result<String> {
             .allowed("a folder with summary.json, ensemble.json, gap.json or prediction.json")
             .hint("name a folder that sweep, tune, search, ensemble, gap or predict has written"));
     };
-    let path = folder.join(file);
-    let text = fs::read_to_string(&path).map_err(|e| Error::io("read the file", &path, &e))?;
-    let report: Value = serde_json::from_str(&text)
-        .map_err(|e| Error::invalid(format!("not a report: {e}")).at_file(&path))?;
+    let report: Value = read_json(&folder.join(file), "a report")?;
     let kept = Kept::read(folder)?;
     let kept = kept.as_ref();
     let mut story = match *file {

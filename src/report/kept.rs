@@ -5,7 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::error::{Error, Result};
+use super::value::read_json;
+use crate::error::{Error, ErrorKind, Result};
 use crate::file::write_atomic;
 use crate::text::escaped_json;
 
@@ -77,13 +78,11 @@ impl Kept {
         if !path.is_file() {
             return Ok(None);
         }
-        let text =
-            std::fs::read_to_string(&path).map_err(|e| Error::io("read the file", &path, &e))?;
-        let kept: Self = serde_json::from_str(&text).map_err(|e| {
-            Error::invalid(format!("not what a page keeps: {e}"))
-                .at_file(&path)
-                .hint("remove the file: the page is made without it")
-        })?;
+        let kept: Self =
+            read_json(&path, "what a page keeps").map_err(|error| match error.kind() {
+                ErrorKind::Invalid => error.hint("remove the file: the page is made without it"),
+                _ => error,
+            })?;
         // It stands inside of a script element as it is.
         let is_base64 = |c: char| c.is_ascii_alphanumeric() || "+/=".contains(c);
         let foreign = kept

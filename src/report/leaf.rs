@@ -4,12 +4,11 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::base64;
 use super::page::html;
-use super::section::{Section, numbers, provenance, warnings};
+use super::section::{Section, beside, embedded, numbers, provenance, warnings};
 use super::story::Story;
 use super::value::{scalar, table};
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// Longer tables are in the report itself.
 const MOST_ROWS: usize = 200;
@@ -78,18 +77,10 @@ impl Leaf<'_> {
                 Some("svg") => "image/svg+xml",
                 _ => "image/png",
             };
-            let content = std::fs::read(path).map_err(|e| Error::io("read the file", path, &e))?;
-            let name = html(&path.file_stem().unwrap_or_default().to_string_lossy());
-            all += &format!(
-                "<figure><h3>{name}</h3><img alt=\"{name}\" src=\"data:{kind};base64,{}\"></figure>",
-                base64::encode(&content)
-            );
+            let name = path.file_stem().unwrap_or_default().to_string_lossy();
+            all += &embedded(path, kind, &name)?;
         }
-        Ok(if all.is_empty() {
-            all
-        } else {
-            format!("<div class=\"pictures\">{all}</div>")
-        })
+        Ok(beside(&all))
     }
 }
 

@@ -7,6 +7,17 @@ use sha2::{Digest as _, Sha256};
 use super::base64;
 use crate::text::{escaped, escaped_json};
 
+// What pages are made of, whatever they show.
+pub(super) const STYLE: &str = include_str!("page/style.css");
+pub(super) const BLOCK: &str = include_str!("page/block.js");
+pub(super) const CLOCK: &str = include_str!("page/clock.js");
+pub(super) const CHART: &str = include_str!("page/chart.js");
+pub(super) const THREE: &str = include_str!("page/three.min.js");
+pub(super) const SCENE: &str = include_str!("page/scene.js");
+pub(super) const REPLAY: &str = include_str!("page/replay.js");
+/// The slider and what stands beside it.
+pub(super) const BAR: &str = include_str!("page/bar.html");
+
 /// A text of others inside of an element or an attribute in double quotes. Nothing of it is markup, and what is invisible or
 /// turns the reading direction stands there as an escape.
 pub(super) fn html(text: &str) -> String {

@@ -6,8 +6,12 @@ use super::block::Block;
 use super::chart::{Axes, Chart, Line};
 use super::kept::KeptReplay;
 use super::motion::{STEPS, boxes, fixed_boxes, known_parts, moving_boxes, push_film};
-use super::page::{Page, fill, html, script_json};
+use super::page::{
+    BAR, BLOCK, CHART, CLOCK, Page, REPLAY, SCENE, STYLE, THREE, fill, html, script_json,
+};
+use super::section::{body, warning_section};
 use super::track::{CURVE, distances, laid_onto, mean, spread};
+use super::value::{entries, pairs_of};
 use crate::error::Result;
 use crate::robot::morphology::Morphology;
 use crate::simulation::{Film, Floor, SceneBody};
@@ -20,13 +24,6 @@ const MOST_NUMBERS: usize = 240_000;
 /// The same where the replay is a part of a larger page.
 const FEWER_NUMBERS: usize = 40_000;
 
-const STYLE: &str = include_str!("page/style.css");
-const BLOCK: &str = include_str!("page/block.js");
-const CLOCK: &str = include_str!("page/clock.js");
-const CHART: &str = include_str!("page/chart.js");
-const THREE: &str = include_str!("page/three.min.js");
-const SCENE: &str = include_str!("page/scene.js");
-const REPLAY: &str = include_str!("page/replay.js");
 const ALONE: &str = include_str!("page/alone.js");
 
 /// What a run that was simulated for its page is called.
@@ -259,14 +256,14 @@ impl Replay<'_> {
             ("answer", self.answer(ghosts, noise)),
             ("description", html(description)),
             ("stage", stage_of(self.run_name, &legend)),
-            ("bar", include_str!("page/bar.html").to_owned()),
+            ("bar", BAR.to_owned()),
             ("stand_in", stand_in.to_owned()),
             ("aligned", aligned.to_owned()),
             ("thinned", thinned.to_owned()),
             ("charts", self.charts(ghosts, noise)),
             ("table", self.table(ghosts)),
             ("warnings", warning_list(self.warnings)),
-            ("provenance", definition_list(self.provenance)),
+            ("provenance", entries(pairs_of(self.provenance))),
         ];
         fill(include_str!("page/replay.html"), &values)
     }
@@ -387,21 +384,11 @@ impl Replay<'_> {
     }
 }
 
-/// Warnings as a list.
+/// Warnings as a section; nothing where there are none.
 fn warning_list(warnings: &[Warning]) -> String {
-    if warnings.is_empty() {
-        return String::new();
-    }
-    let item = |warning: &Warning| {
-        format!(
-            "<li><code>{}</code> {} <span class=\"remedy\">What to do: {}.</span></li>",
-            html(warning.code.name()),
-            html(&warning.message),
-            html(warning.code.remedy())
-        )
-    };
-    let items: String = warnings.iter().map(item).collect();
-    format!("<section class=\"card\" id=\"warnings\"><h2>Warnings</h2><ul>{items}</ul></section>")
+    let warnings = warnings.iter();
+    let pairs = warnings.map(|warning| (warning.code.name(), warning.message.as_str()));
+    body(&[warning_section(pairs)])
 }
 
 /// Where a robot is seen in space; `legend` is markup.
@@ -432,12 +419,4 @@ pub(super) fn stage(scene: &Value) -> String {
         )
     };
     stage_of(&run, &legend)
-}
-
-/// Names and values.
-fn definition_list(pairs: &[(String, String)]) -> String {
-    let item = |(name, value): &(String, String)| {
-        format!("<dt>{}</dt><dd>{}</dd>", html(name), html(value))
-    };
-    pairs.iter().map(item).collect()
 }

@@ -10,10 +10,10 @@ use super::section::{Section, figure, figures, pictures};
 use super::sheet::Sheet;
 use super::story::Story;
 use super::value::{
-    at, count, first_text, float, floats, is, list, measured, percent, proportion, span, table,
-    text_of,
+    at, count, first_text, float, floats, is, list, measured, percent, proportion, read_json, span,
+    table, text_of,
 };
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 pub(super) fn search(folder: &Path, report: &Value) -> Result<Story> {
     let history = Sheet::read(folder, "history.csv")?;
@@ -164,10 +164,7 @@ fn cards(folder: &Path, report: &Value) -> Result<String> {
         if !path.is_file() {
             continue;
         }
-        let text =
-            std::fs::read_to_string(&path).map_err(|e| Error::io("read the file", &path, &e))?;
-        let card: Value = serde_json::from_str(&text)
-            .map_err(|e| Error::invalid(format!("not a card: {e}")).at_file(&path))?;
+        let card: Value = read_json(&path, "a card")?;
         all += &format!(
             "<details><summary>{}</summary>{}</details>",
             html(file),

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::base64;
 use super::page::html;
-use super::value::{definitions, list, scalar, scalars, text_of};
+use super::value::{definitions, list, pairs_of, scalar, scalars, text_of};
 use crate::error::{Error, Result};
 use crate::warning::Code;
 
@@ -66,8 +66,12 @@ pub(super) fn figures(all: &[String]) -> String {
 pub(super) fn warnings(report: &Value) -> Section {
     let mut all: Vec<(String, String)> = Vec::new();
     collect(report, 0, &mut all);
+    warning_section(pairs_of(&all))
+}
+
+/// Codes and messages, each with its remedy.
+pub(super) fn warning_section<'a>(all: impl Iterator<Item = (&'a str, &'a str)>) -> Section {
     let items: String = all
-        .iter()
         .map(|(code, message)| {
             let remedy = Code::by_name(code).map_or_else(String::new, |code| {
                 format!(
@@ -122,10 +126,7 @@ pub(super) fn numbers(report: &Value, said: &[&str]) -> Section {
     let list = if all.is_empty() {
         String::new()
     } else {
-        definitions(
-            all.iter()
-                .map(|(name, text)| (name.as_str(), text.as_str())),
-        )
+        definitions(pairs_of(&all))
     };
     Section::new("numbers", "Numbers", list)
 }
@@ -152,12 +153,11 @@ pub(super) fn provenance(report: &Value, command: Option<&str>, page: Option<&st
     if let Some(page) = page {
         pairs.push(("this page".to_owned(), page.to_owned()));
     }
-    let list = definitions(
-        pairs
-            .iter()
-            .map(|(name, text)| (name.as_str(), text.as_str())),
-    );
-    Section::new("provenance", "How this was made", list)
+    Section::new(
+        "provenance",
+        "How this was made",
+        definitions(pairs_of(&pairs)),
+    )
 }
 
 /// Pictures that are larger stay in the folder.
@@ -199,19 +199,27 @@ pub(super) fn pictures(
         else {
             continue;
         };
-        let content = fs::read(&path).map_err(|e| Error::io("read the file", &path, &e))?;
-        let name = html(&stem.replace('_', " "));
-        figures += &format!(
-            "<figure><h3>{name}</h3><img alt=\"{name}\" src=\"data:{kind};base64,{}\"></figure>",
-            base64::encode(&content)
-        );
+        figures += &embedded(&path, kind, &stem.replace('_', " "))?;
     }
-    let html = if figures.is_empty() {
-        String::new()
-    } else {
-        format!("<div class=\"pictures\">{figures}</div>")
-    };
-    Ok(Section::new(id, title, html))
+    Ok(Section::new(id, title, beside(&figures)))
+}
+
+/// A picture as a figure that needs no file beside the page.
+pub(super) fn embedded(path: &Path, kind: &str, name: &str) -> Result<String> {
+    let content = fs::read(path).map_err(|e| Error::io("read the file", path, &e))?;
+    let name = html(name);
+    Ok(format!(
+        "<figure><h3>{name}</h3><img alt=\"{name}\" src=\"data:{kind};base64,{}\"></figure>",
+        base64::encode(&content)
+    ))
+}
+
+/// Figures of pictures beside each other; nothing of none.
+pub(super) fn beside(figures: &str) -> String {
+    if figures.is_empty() {
+        return String::new();
+    }
+    format!("<div class=\"pictures\">{figures}</div>")
 }
 
 #[cfg(test)]

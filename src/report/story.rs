@@ -1,16 +1,11 @@
 //! A results folder's story on its way into a page.
 
 use super::kept::Kept;
-use super::page::{Page, fill, html, script_json};
+use super::page::{
+    BAR, BLOCK, CHART, CLOCK, Page, REPLAY, SCENE, STYLE, THREE, fill, html, script_json,
+};
 use super::section::{Section, body, contents};
 
-const STYLE: &str = include_str!("page/style.css");
-const BLOCK: &str = include_str!("page/block.js");
-const CLOCK: &str = include_str!("page/clock.js");
-const CHART: &str = include_str!("page/chart.js");
-const THREE: &str = include_str!("page/three.min.js");
-const SCENE: &str = include_str!("page/scene.js");
-const REPLAY: &str = include_str!("page/replay.js");
 const REPORT: &str = include_str!("page/report.js");
 
 /// What a folder says, in order.
@@ -51,7 +46,7 @@ impl Story {
             ("description", html(&self.description)),
             ("contents", contents(&self.sections)),
             ("sections", body(&self.sections)),
-            ("bar", include_str!("page/bar.html").to_owned()),
+            ("bar", BAR.to_owned()),
         ];
         Page {
             title: &format!("{}: {}", self.name, self.kind),

@@ -1,9 +1,23 @@
 //! Reports as they stand in a folder: JSON of which anything may be missing, and what it says for people.
 
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::page::html;
+use crate::error::{Error, Result};
 use crate::unit::{Unit, number, quantity};
+
+/// A JSON file; `whose` is for the message, e.g. `a report`.
+///
+/// # Errors
+/// A file that cannot be read, or holds something else.
+pub(super) fn read_json<T: DeserializeOwned>(path: &Path, whose: &str) -> Result<T> {
+    let text = std::fs::read_to_string(path).map_err(|e| Error::io("read the file", path, &e))?;
+    serde_json::from_str(&text)
+        .map_err(|e| Error::invalid(format!("not {whose}: {e}")).at_file(path))
+}
 
 pub(super) fn text_of<'a>(value: &'a Value, name: &str) -> &'a str {
     value.get(name).and_then(Value::as_str).unwrap_or_default()
@@ -152,13 +166,21 @@ pub(super) fn scalars(report: &Value, said: &[&str]) -> Vec<(String, String)> {
     all
 }
 
+/// Pairs of texts, borrowed.
+pub(super) fn pairs_of(pairs: &[(String, String)]) -> impl Iterator<Item = (&str, &str)> {
+    let pairs = pairs.iter();
+    pairs.map(|(name, text)| (name.as_str(), text.as_str()))
+}
+
 /// Names and values.
 pub(super) fn definitions<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
-    let items: String = pairs
-        .into_iter()
-        .map(|(name, value)| format!("<dt>{}</dt><dd>{}</dd>", html(name), html(value)))
-        .collect();
-    format!("<dl>{items}</dl>")
+    format!("<dl>{}</dl>", entries(pairs))
+}
+
+/// What stands in a list of names and values.
+pub(super) fn entries<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
+    let entry = |(name, value)| format!("<dt>{}</dt><dd>{}</dd>", html(name), html(value));
+    pairs.into_iter().map(entry).collect()
 }
 
 #[cfg(test)]

@@ -159,11 +159,7 @@ fn follow(
             return Ok(results);
         }
         let offset = history.len();
-        let batch = Batch {
-            points: offset + genomes.len(),
-            jobs: options.jobs,
-            stop: options.stop_flag(),
-        };
+        let batch = Batch::new(offset + genomes.len(), options);
         results.ending = drive(
             &batch,
             storage,

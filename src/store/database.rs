@@ -31,7 +31,7 @@ const COMMON_TABLES: &str = "
     INSERT INTO tally VALUES (0, 0);";
 
 /// Rows that are verified at once.
-const VERIFIED_AT_ONCE: i64 = 256;
+const VERIFIED_AT_ONCE: usize = 256;
 
 /// The results of one run, rows of one kind: [`Trial`]s of a study, or [`RobotRow`](super::RobotRow)s of a search. Open for
 /// writing by this process alone, or for reading.
@@ -47,7 +47,7 @@ pub struct Store<R = Trial> {
 
 impl<R> Store<R> {
     /// The description and fingerprint entries with their checksums, and everything below them, must be what was written.
-    pub(super) fn common_checksums(&self) -> rusqlite::Result<Tally> {
+    fn common_checksums(&self) -> rusqlite::Result<Tally> {
         let mut tally = Tally::default();
         for (name, value) in entries(&self.connection, "SELECT name, value FROM description")? {
             tally.add(entry_checksum("description", &name, &value));
@@ -129,10 +129,7 @@ impl<R> Store<R> {
         let mut tally = self.tally;
         let transaction = self.connection.transaction().map_err(fail)?;
         write(&transaction, &mut tally).map_err(fail)?;
-        transaction
-            .prepare_cached("UPDATE tally SET rows = ?1, checksum = ?2")
-            .and_then(|mut update| update.execute([tally.rows, tally.checksum]))
-            .map_err(fail)?;
+        put_tally(&transaction, tally).map_err(fail)?;
         transaction.commit().map_err(fail)?;
         self.tally = tally;
         Ok(())
@@ -165,6 +162,11 @@ impl<R: Table> Store<R> {
                 .at_file(lock.folder())
                 .hint("start the run first"));
         }
+        Self::go_on(lock, fingerprint)
+    }
+
+    /// The store in a locked folder, to go on with it; a new one where there is none.
+    pub(super) fn go_on(lock: FolderLock, fingerprint: &Fingerprint) -> Result<Self> {
         match Self::find(lock)? {
             (store, Content::Nothing) => store.set_up(fingerprint),
             (mut store, Content::Tables) => {
@@ -314,17 +316,31 @@ impl<R: Table> Store<R> {
     /// # Errors
     /// A row that has changed, is gone or is there twice.
     pub(super) fn verify_all(&mut self) -> Result<()> {
+        self.tally = self.each_verified(|_, _| Ok(()))?;
+        self.is_marked_complete = self.is_complete()?;
+        Ok(())
+    }
+
+    /// Hands over every row with its checksum, by index, and checks that together they are what was written.
+    ///
+    /// # Errors
+    /// A row that has changed, is gone or is there twice; those of `each`.
+    pub(super) fn each_verified(
+        &self,
+        mut each: impl FnMut(R, i64) -> Result<()>,
+    ) -> Result<Tally> {
         let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
         // One moment of the store, whatever a writer does meanwhile.
         let snapshot = self.connection.unchecked_transaction().map_err(fail)?;
         let mut tally = self.common_checksums().map_err(fail)?;
         let ids: Vec<usize> = self.finished()?.into_iter().collect();
-        for some in ids.chunks(VERIFIED_AT_ONCE as usize) {
+        for some in ids.chunks(VERIFIED_AT_ONCE) {
             let (Some(&first), Some(&last)) = (some.first(), some.last()) else {
                 continue;
             };
-            for (_, checksum) in self.checked(first as i64, last as i64 + 1)? {
+            for (row, checksum) in self.checked(first as i64, last as i64 + 1)? {
                 tally.add(checksum);
+                each(row, checksum)?;
             }
         }
         for checksum in R::more_checksums(&snapshot).map_err(fail)? {
@@ -333,15 +349,6 @@ impl<R: Table> Store<R> {
                 _ => return Err(self.damaged("a score that has changed")),
             }
         }
-        self.must_tally(&snapshot, tally)?;
-        drop(snapshot);
-        self.tally = tally;
-        self.is_marked_complete = self.is_complete()?;
-        Ok(())
-    }
-
-    /// What the store says of its rows together must be what was read.
-    pub(super) fn must_tally(&self, snapshot: &Transaction<'_>, read: Tally) -> Result<()> {
         let stored: Vec<Tally> = snapshot
             .prepare("SELECT rows, checksum FROM tally")
             .and_then(|mut statement| {
@@ -353,14 +360,14 @@ impl<R: Table> Store<R> {
                 })?;
                 rows.collect()
             })
-            .map_err(|e| sql(&self.path, "read the results", &e))?;
-        if stored != [read] {
+            .map_err(fail)?;
+        if stored != [tally] {
             return Err(self.damaged("rows that are gone, or that nobody wrote"));
         }
-        Ok(())
+        Ok(tally)
     }
 
-    pub(super) fn checked(&self, from: i64, to: i64) -> Result<Vec<(R, i64)>> {
+    fn checked(&self, from: i64, to: i64) -> Result<Vec<(R, i64)>> {
         let rows = R::read(&self.connection, from, to)
             .map_err(|e| sql(&self.path, "read the results", &e))?;
         rows.into_iter()
@@ -460,6 +467,13 @@ impl<R> Drop for Store<R> {
             stamp(&self.path, self.tally.checksum as u32);
         }
     }
+}
+
+/// Notes what there is in all tables.
+pub(super) fn put_tally(transaction: &Transaction<'_>, tally: Tally) -> rusqlite::Result<usize> {
+    transaction
+        .prepare_cached("UPDATE tally SET rows = ?1, checksum = ?2")?
+        .execute([tally.rows, tally.checksum])
 }
 
 /// Removes the store in a locked folder, if there is one.

@@ -6,15 +6,12 @@ use std::path::Path;
 use rusqlite::OptionalExtension as _;
 
 use super::connection::sql;
-use super::database::{STORE_FILE, Store};
+use super::database::{Store, put_tally};
 use super::fingerprint::Fingerprint;
 use super::lock::Place;
 use super::row::Table;
 use super::trial::Trial;
 use crate::error::{Error, Result};
-
-/// Rows that are read at once.
-const AT_ONCE: usize = 1024;
 
 /// A store that takes over the rows of others.
 ///
@@ -57,13 +54,7 @@ impl<R: Table> Merger<R> {
     /// # Errors
     /// A folder that cannot be written, is in use or holds results of another run.
     pub fn open<'a>(place: impl Into<Place<'a>>, fingerprint: &Fingerprint) -> Result<Self> {
-        let lock = place.into().lock()?;
-        let store = if lock.folder().join(STORE_FILE).exists() {
-            Store::resume(&lock, fingerprint)?
-        } else {
-            let (store, _) = Store::find(lock)?;
-            store.set_up(fingerprint)?
-        };
+        let store = Store::go_on(place.into().lock()?, fingerprint)?;
         let known = store.finished()?;
         Ok(Self { store, known })
     }
@@ -81,57 +72,38 @@ impl<R: Table> Merger<R> {
     pub fn absorb(&mut self, folder: &Path) -> Result<Absorbed> {
         let part = Store::<R>::look(folder)?;
         part.must_be_of(&self.store.fingerprint()?)?;
-        let fail = |e: rusqlite::Error| sql(&part.path, "read the results", &e);
-        // One moment of the part, whatever a writer does meanwhile.
-        let snapshot = part.connection.unchecked_transaction().map_err(fail)?;
-        let mut seen = part.common_checksums().map_err(fail)?;
-        let ids: Vec<usize> = part.finished()?.into_iter().collect();
         let path = self.store.path.clone();
         let mut tally = self.store.tally;
         let write = |e: rusqlite::Error| sql(&path, "write the results", &e);
         let transaction = self.store.connection.transaction().map_err(write)?;
+        let query = format!("SELECT checksum FROM {} WHERE id = ?1", R::NAME);
         let mut absorbed = Absorbed::default();
-        for some in ids.chunks(AT_ONCE) {
-            let (Some(&first), Some(&last)) = (some.first(), some.last()) else {
-                continue;
-            };
-            for (row, checksum) in part.checked(first as i64, last as i64 + 1)? {
-                seen.add(checksum);
-                if !self.known.contains(&row.index()) {
-                    tally.add(row.insert(&transaction).map_err(write)?);
-                    absorbed.new += 1;
-                    continue;
-                }
-                let there: Option<i64> = transaction
-                    .prepare_cached(&format!("SELECT checksum FROM {} WHERE id = ?1", R::NAME))
-                    .and_then(|mut query| {
-                        query
-                            .query_row([row.index() as i64], |row| row.get(0))
-                            .optional()
-                    })
-                    .map_err(write)?;
-                if there != Some(checksum) {
-                    return Err(disagree::<R>(&part, row.index(), &path));
-                }
-                absorbed.known += 1;
+        let mut new = Vec::new();
+        part.each_verified(|row, checksum| {
+            if !self.known.contains(&row.index()) {
+                tally.add(row.insert(&transaction).map_err(write)?);
+                new.push(row.index());
+                return Ok(());
             }
-        }
-        for (stored, computed) in R::more_checksums(&snapshot).map_err(fail)? {
-            if stored != computed {
-                return Err(part.damaged("a score that has changed"));
+            let there: Option<i64> = transaction
+                .prepare_cached(&query)
+                .and_then(|mut query| {
+                    query
+                        .query_row([row.index() as i64], |row| row.get(0))
+                        .optional()
+                })
+                .map_err(write)?;
+            if there != Some(checksum) {
+                return Err(disagree::<R>(&part, row.index(), &path));
             }
-            seen.add(stored);
-        }
-        part.must_tally(&snapshot, seen)?;
-        transaction
-            .execute(
-                "UPDATE tally SET rows = ?1, checksum = ?2",
-                [tally.rows, tally.checksum],
-            )
-            .map_err(write)?;
+            absorbed.known += 1;
+            Ok(())
+        })?;
+        put_tally(&transaction, tally).map_err(write)?;
         transaction.commit().map_err(write)?;
         self.store.tally = tally;
-        self.known.extend(ids);
+        absorbed.new = new.len();
+        self.known.extend(new);
         Ok(absorbed)
     }
 }

@@ -54,13 +54,7 @@ impl<R: Table> Part<R> {
         share: Share,
         fingerprint: &Fingerprint,
     ) -> Result<Self> {
-        let lock = own.into().lock()?;
-        let store = if lock.folder().join(STORE_FILE).exists() {
-            Store::resume(&lock, fingerprint)?
-        } else {
-            let (store, _) = Store::find(lock)?;
-            store.set_up(fingerprint)?
-        };
+        let store = Store::go_on(own.into().lock()?, fingerprint)?;
         Ok(Self {
             own: Some((store, share)),
             ..Self::look(merged, fingerprint)?
@@ -70,17 +64,6 @@ impl<R: Table> Part<R> {
     /// How many rows the run asked for at last: all of the batch that is under way, and of those before it.
     pub fn asked(&self) -> usize {
         self.asked
-    }
-
-    /// How many rows are merged.
-    ///
-    /// # Errors
-    /// A store that cannot be read.
-    pub fn merged_rows(&self) -> Result<usize> {
-        Ok(match &self.merged {
-            Some(merged) => merged.finished()?.len(),
-            None => 0,
-        })
     }
 
     /// Indices of the rows that were asked for and are neither merged nor here.

@@ -152,6 +152,21 @@ pub fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     all
 }
 
+/// The folders hold the same files, byte for byte.
+///
+/// # Panics
+/// Where they do not.
+pub fn must_be_equal(whole: &Path, other: &Path) {
+    let (whole, other) = (files(whole), files(other));
+    assert_eq!(
+        whole.keys().collect::<Vec<_>>(),
+        other.keys().collect::<Vec<_>>()
+    );
+    for (name, bytes) in &whole {
+        assert!(other[name] == *bytes, "{} differs", name.display());
+    }
+}
+
 /// A text file of a results folder.
 pub fn read(folder: &Path, file: &str) -> String {
     std::fs::read_to_string(folder.join(file))

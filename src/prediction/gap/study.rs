@@ -150,11 +150,7 @@ impl StudyGap {
         run: &RunOptions<'_>,
     ) -> Result<Ending> {
         let total = Self::runs(study, options);
-        let batch = Batch {
-            points: total,
-            jobs: run.jobs,
-            stop: run.stop_flag(),
-        };
+        let batch = Batch::new(total, run);
         let make = |index| Self::simulate(study, options, index);
         drive(&batch, part, make, |done| run.tell(done, total, None))
     }
