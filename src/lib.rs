@@ -101,6 +101,8 @@ pub mod random;
 pub mod report;
 pub mod results;
 pub mod robot;
+#[cfg(feature = "schema")]
+pub mod schema;
 pub mod search;
 pub mod sensing;
 pub mod simulation;
@@ -129,6 +131,7 @@ pub mod guide {
 [docs/conventions.md]: crate::guide::conventions
 [docs/recordings.md]: crate::guide::recordings
 [docs/gallery.md]: crate::guide::gallery
+[docs/files.md]: crate::guide::files
 [docs/python.md]: crate::guide::python
 [docs/scale.md]: crate::guide::scale
 [docs/pages.md]: crate::guide::pages
@@ -200,6 +203,10 @@ pub mod guide {
     #[doc = links!()]
     #[doc = include_str!("../docs/conventions.md")]
     pub mod conventions {}
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/files.md")]
+    pub mod files {}
 
     #[doc = links!()]
     #[doc = include_str!("../docs/python.md")]

@@ -153,6 +153,7 @@ impl serde::Serialize for Code {
 
 /// Something the reader of a result should know; `code` is stable, `message` is for people.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Warning {
     /// What it is about.
     pub code: Code,

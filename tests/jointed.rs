@@ -115,6 +115,33 @@ fn joints_of_any_number_are_read_by_name_written_back_and_part_of_the_pose() {
     );
 }
 
+fn the_command_says_the_same(recordings: &[Recording], residual_m: f64) {
+    let folder = tempfile::tempdir().unwrap();
+    for recording in recordings {
+        let file = folder.path().join(format!("{}.csv", recording.name));
+        trajectory::write(file, &recording.trajectory).unwrap();
+    }
+    let study = common::study(
+        folder.path(),
+        &format!(
+            "morphology: \"{}/morphologies/elbow.ron\", recordings: [\"*.csv\"], start: FromRecording, metric: \"pose\",
+            parameters: [(name: \"floor.friction\", from: 0.1, to: 0.2, points: 2)]",
+            common::project().display()
+        ),
+    );
+    let said = common::realgap()
+        .args(["identify", "--format", "json"])
+        .arg(study)
+        .output()
+        .unwrap();
+    assert!(said.status.success(), "{}", common::text(&said.stderr));
+    let said = common::schema::answer("identify-joints", &common::text(&said.stdout));
+    assert!(
+        (said["residual_m"].as_f64().unwrap() - residual_m).abs() < 1e-6,
+        "{said}"
+    );
+}
+
 #[test]
 fn flight_says_which_robot_flew_and_what_it_cannot_say() {
     let truth = [
@@ -128,6 +155,7 @@ fn flight_says_which_robot_flew_and_what_it_cannot_say() {
         .collect();
     let found = identify_joints(&elbow(), &recordings, LengthReading::LengthScale, 1).unwrap();
     assert_eq!(found.flying, 10);
+    the_command_says_the_same(&recordings, found.residual_m);
     let of = |name: &str| found.verdicts.iter().find(|v| v.parameter == name).unwrap();
     for (name, value, within) in [
         ("hinge.viscous_nm_s_rad", 8e-4, 1e-4),

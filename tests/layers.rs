@@ -329,6 +329,23 @@ const PERMITTED: &[(&str, &[&str])] = &[
             "plot",
         ],
     ),
+    // Describes types of all rooms whose files people write; nobody needs it.
+    (
+        "schema",
+        &[
+            "unit",
+            "warning",
+            "trajectory",
+            "comparison",
+            "robot",
+            "sensing",
+            "simulation",
+            "calibration",
+            "prediction",
+            "search",
+            "plan",
+        ],
+    ),
 ];
 
 /// Crates that only one room may name.

@@ -3,6 +3,7 @@
 
 mod common;
 
+use common::schema::answer;
 use realgap::sensing::arena::{Anchor, Arena};
 use realgap::sensing::radio::{Link, LogBase, RadioModel};
 
@@ -64,7 +65,7 @@ fn the_command_fits_evaluates_maps_and_sends() {
         "json",
     ]);
     assert_eq!(code, 0, "{said}");
-    let fitted: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let fitted = answer("radio-fit", &json);
     assert_eq!(fitted["readings"], 200);
     let (code, json, said) = run(&[
         "radio",
@@ -85,7 +86,7 @@ fn the_command_fits_evaluates_maps_and_sends() {
     ]);
     assert_eq!(code, 0, "{said}");
     assert!(said.contains("impossible-readings"), "{said}");
-    let seen: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let seen = answer("radio-evaluate", &json);
     assert!(seen["rmse_db"].as_f64().unwrap() < 3.0 && seen["coverage_90"].as_f64().unwrap() > 0.8);
     assert_eq!(seen["anchors"][1]["anchor"], "4");
     assert_eq!(
@@ -121,6 +122,7 @@ fn the_command_fits_evaluates_maps_and_sends() {
     ];
     let (code, first, _) = run(&send);
     assert_eq!((code, &first), (0, &run(&send).1));
+    answer("radio-send", &first);
     assert_eq!(run(&["check", flat, &model]).0, 0);
 }
 

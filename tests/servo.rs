@@ -382,6 +382,13 @@ fn a_recording_of_joints_brings_its_commands_its_gain_and_when_torque_was_off() 
     let off = r#"(recordings: "*drop*", from_s: 2.0)"#;
     let same = angle_mrad(&study(off));
     assert!(same < 0.1, "{same} mrad");
+    let said = common::realgap()
+        .args(["evaluate", "--format", "json"])
+        .arg(study(off))
+        .output()
+        .unwrap();
+    let said = common::schema::answer("evaluate-joints", &common::text(&said.stdout));
+    assert_eq!(said["angle_mrad"]["mean"].as_f64(), Some(same));
     // Held up all the time it is somewhere else, and so it is with the gain of another name.
     let held = angle_mrad(&study(""));
     assert!(held > 20.0, "{held} mrad");

@@ -270,4 +270,70 @@ fn a_search_goes_through_its_generations_and_a_sweep_through_requeues_and_dead_n
         &folder.path().join("sweep"),
         &folder.path().join("plan/results"),
     );
+    std::fs::remove_dir_all(&plan).unwrap();
+    a_full_disk_costs_nothing_but_time(&cluster, folder.path(), study, &options);
+}
+
+/// A small file system over a folder, for as long as a test needs it.
+struct SmallDisk(PathBuf);
+
+impl SmallDisk {
+    fn mount(folder: PathBuf, options: &str) -> Option<Self> {
+        std::fs::create_dir_all(&folder).unwrap();
+        let mut command = Command::new("mount");
+        command
+            .args(["-t", "tmpfs", "-o", options, "tmpfs"])
+            .arg(&folder);
+        let is_mounted = command.stderr(Stdio::null()).status().unwrap().success();
+        is_mounted.then_some(Self(folder))
+    }
+
+    fn remount(&self, options: &str) {
+        let options = format!("remount,{options}");
+        let mut command = Command::new("mount");
+        command.args(["-o", &options]).arg(&self.0);
+        assert!(command.status().unwrap().success());
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        let _best_effort = Command::new("umount").arg("-l").arg(&self.0).status();
+    }
+}
+
+/// The sweep once more, its shards on a disk that is full until somebody makes room.
+fn a_full_disk_costs_nothing_but_time(
+    cluster: &Cluster,
+    folder: &Path,
+    study: &str,
+    options: &[&str],
+) {
+    let plan = folder.join("plan").to_str().unwrap().to_owned();
+    let cut = [
+        "plan",
+        study,
+        "--shards",
+        "2",
+        "--no-measure",
+        "-o",
+        &plan,
+        "--",
+    ];
+    run(&[&cut[..], options].concat());
+    let Some(disk) = SmallDisk::mount(Path::new(&plan).join("shards"), "size=64k") else {
+        skipped("the full disk: nothing can be mounted here");
+        return;
+    };
+    cluster.submit(&plan);
+    cluster.wait("the jobs have given up", || {
+        cluster.logs().contains("failed") && cluster.slurm(&["squeue", "-h"]).trim().is_empty()
+    });
+    let said = cluster.logs();
+    assert!(said.contains("full"), "{said}");
+    assert_eq!(status(&plan, "--answered"), "");
+    disk.remount("size=64m");
+    cluster.submit(&plan);
+    cluster.wait_for_the_answer(&plan);
+    must_be_equal(&folder.join("sweep"), &folder.join("plan/results"));
 }

@@ -12,7 +12,7 @@ from ._array import asked
 from ._callback import number
 from ._picture import drawn, page
 from ._robot import Path, Robot
-from ._run import Progress, folder_name, mode
+from ._run import Progress, file_name, folder_name, mode
 from ._simulation import Parameters, _parameters
 from ._table import Table
 

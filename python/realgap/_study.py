@@ -13,7 +13,7 @@ from ._comparison import AnyMetric
 from ._picture import drawn, page
 from ._prediction import Ensemble, Gap, Noise, ensemble_of, gap_of
 from ._robot import Path, Robot, native_robot
-from ._run import Progress, folder_name, mode
+from ._run import Progress, file_name, folder_name, mode
 from ._simulation import Parameters, _parameters
 from ._table import Table
 from ._trajectory import Trajectory, native_trajectory

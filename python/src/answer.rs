@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use realgap::calibration::{self, recording_id};
+use realgap::file::versioned_json;
 use realgap::optimization::Ending;
 use realgap::results::{self, Kind, check_folder};
 use realgap::{Error, Result};
@@ -54,7 +55,7 @@ impl Answer {
     }
 
     fn report(&self, py: Python<'_>) -> PyResult<String> {
-        to_text(&self.answer.report).or_raise(py)
+        versioned_json(&self.answer.report).or_raise(py)
     }
 
     /// A column a list: parameters, score, and so on, as in `points.csv`.

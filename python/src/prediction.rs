@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use realgap::calibration::read_noise;
 use realgap::comparison::Metric;
-use realgap::file::{Source, parse_ron};
+use realgap::file::{Source, parse_ron, versioned_json};
 use realgap::optimization::RunOptions;
 use realgap::prediction::ensemble;
 use realgap::prediction::gap::{GapOptions, StudyGap};
@@ -169,7 +169,7 @@ impl Ensemble {
     }
 
     fn report(&self, py: Python<'_>) -> PyResult<String> {
-        to_text(&self.report).or_raise(py)
+        versioned_json(&self.report).or_raise(py)
     }
 
     /// A column a list: a row a repeat.
@@ -262,7 +262,7 @@ impl Gap {
     }
 
     fn report(&self, py: Python<'_>) -> PyResult<String> {
-        to_text(&self.gap).or_raise(py)
+        versioned_json(&self.gap).or_raise(py)
     }
 
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
@@ -384,7 +384,7 @@ impl Prediction {
     }
 
     fn report(&self, py: Python<'_>) -> PyResult<String> {
-        to_text(&self.card).or_raise(py)
+        versioned_json(&self.card).or_raise(py)
     }
 
     fn repeats(&self, py: Python<'_>) -> PyResult<String> {

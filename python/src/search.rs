@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::prelude::*;
+use realgap::file::versioned_json;
 use realgap::optimization::{Ending, RunOptions};
 use realgap::results::{Kind, check_folder, write_search};
 use realgap::search::{self, Baseline, Finalist, Performance, SearchResults};
@@ -259,7 +260,7 @@ impl Found {
             let robot = Robot {
                 morphology: finalist.robot.clone(),
             };
-            Ok((robot, to_text(&card)?, card.to_string()))
+            Ok((robot, versioned_json(&card)?, card.to_string()))
         });
         all.collect::<Result<_>>().or_raise(py)
     }

@@ -11,6 +11,7 @@ use crate::unit::counted;
 
 /// The best point again, with one numerical setting changed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AuditRow {
     /// What was changed, and to what.
     pub setting: String,
@@ -24,6 +25,7 @@ pub struct AuditRow {
 
 /// How much the best score depends on timestep, substeps and contact stiffness, which no recording can tell.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Audit {
     /// Half and double timestep, half and double substeps, and the limit of hard contact.
     pub rows: Vec<AuditRow>,

@@ -12,6 +12,7 @@ use crate::trajectory::Recording;
 
 /// What the recordings of a study say of its servos.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Commands")]
 pub struct Commands {
     /// Recorded columns that hold what a hinge was told, `NAME_rad` without the ending.
@@ -27,6 +28,7 @@ pub struct Commands {
 
 /// The commands of one hinge.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CommandColumn {
     /// Name of the hinge.
@@ -37,6 +39,7 @@ pub struct CommandColumn {
 
 /// Recordings in which all servos are switched off from some time on.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Off {
     /// A pattern with `*` for names of recordings.

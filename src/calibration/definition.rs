@@ -21,6 +21,7 @@ use crate::warning::Warning;
 
 /// Where a simulated run starts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum StartRule {
     /// At rest on the floor, the same for every recording.
     Settled,
@@ -30,6 +31,7 @@ pub enum StartRule {
 
 /// What the score of a point is the mean over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ScoreRule {
     /// Equally valid settings: timesteps and substeps between the study's own and twice as fine, settled starts a
     /// millimetre and a degree off.

@@ -26,6 +26,7 @@ const FLIP_DEG: f64 = 45.0;
 
 /// Mean, median and standard error over recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Average {
     /// Mean.
     pub mean: f64,
@@ -37,6 +38,7 @@ pub struct Average {
 
 /// Pose errors of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RecordingErrors {
     /// Name of the recording.
     pub recording: String,
@@ -66,6 +68,7 @@ pub struct RecordingErrors {
 
 /// Pose errors over recordings. Lengths are true ones ([`Experiment::recording_length_scale`]).
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Evaluation {
     /// Recordings compared with.
     pub recordings: usize,

@@ -25,79 +25,122 @@ use crate::trajectory::Reading;
 
 /// A study file as written.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Study")]
-struct StudyFile {
+pub(crate) struct StudyFile {
+    /// What is asked, for people.
     #[serde(default)]
     description: String,
+    /// The robot's file, relative to this one; either this or `vehicle`.
     morphology: Option<PathBuf>,
+    /// A two-wheel robot in place of a morphology.
     vehicle: Option<VehicleFile>,
+    /// Only recordings of this condition, where a file holds several.
     condition: Option<String>,
+    /// Paths and patterns (`*`, `?`) of the recordings, relative to this file.
     #[serde(default)]
     recordings: Vec<String>,
+    /// How the recordings are to be read: units, columns, crop.
     #[serde(default)]
     reading: Reading,
+    /// Where the simulated robot starts.
     start: StartRule,
+    /// How the first velocities are found, where runs start from a recording.
     start_state: Option<StartState>,
+    /// Leave out recordings in which something still moves at the end.
     #[serde(default)]
     only_at_rest: bool,
+    /// Bodies beside the robot.
     #[serde(default)]
     scene: Vec<BodyFile>,
     /// Walls around the robot: of a settled start, where the arena says that robots start; else in the recording's coordinates.
     arena: Option<PathBuf>,
+    /// Recorded commands that the servos follow in place of their gaits.
     commands: Option<Commands>,
+    /// Time of each run, seconds; else as long as the recordings.
     duration_s: Option<f64>,
+    /// Timestep, seconds; the same as `set: { "timestep_s": ... }`.
     timestep_s: Option<f64>,
+    /// Solver substeps of each timestep; the same as `set: { "solver.substeps": ... }`.
     substeps: Option<usize>,
+    /// Kind of joint; the same as `set: { "solver.joint": ... }`.
     joint: Option<Joint>,
+    /// Parameters with a fixed value, by name; `realgap parameters` lists all.
     #[serde(default, deserialize_with = "unique_keys")]
     set: BTreeMap<String, f64>,
+    /// What is varied.
     parameters: Vec<RangeFile>,
+    /// How two trajectories are compared; `realgap compare --help` lists the metrics.
     #[serde(default = "default_metric")]
     metric: String,
+    /// What the principal components of the metric `pca` are fitted on.
     basis: Option<BasisFile>,
+    /// How many principal components are kept.
     components: Option<ComponentsFile>,
+    /// What the score of a point is the mean over.
     #[serde(default)]
     score: ScoreRule,
+    /// Seed of everything random.
     #[serde(default = "default_seed")]
     seed: u64,
+    /// Known truth of a stand-in, by parameter, for marking it in pictures; never used by the fit.
     #[serde(default, deserialize_with = "unique_keys")]
     truth: BTreeMap<String, f64>,
+    /// How repeats of the real experiment differ.
     noise: Option<Noise>,
 }
 
 /// A two-wheel robot in place of a morphology.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Vehicle")]
 struct VehicleFile {
+    /// The vehicle's file, relative to this one.
     file: PathBuf,
+    /// Its range sensor in place of the one in the vehicle's file: a file or the name of one that comes with the program.
     sensor: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 enum Joint {
+    /// Reduced coordinates: hinges cannot come apart.
     Multibody,
+    /// A constraint between two bodies.
     Impulse,
 }
 
 #[derive(Debug, Clone, Copy, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 enum ComponentsFile {
+    /// As many as explain this share of the variance.
     Variance(f64),
+    /// Exactly so many.
     Count(usize),
 }
 
 #[derive(Debug, Clone, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 enum BasisFile {
+    /// Recordings and simulations together.
     Everything,
+    /// The recordings alone.
     Recordings,
+    /// The `basis.json` of another results folder, so that scores can be compared.
     File(PathBuf),
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Range")]
 struct RangeFile {
+    /// Name of the parameter; `realgap parameters` lists all.
     name: String,
+    /// Lowest value, in the parameter's unit.
     from: f64,
+    /// Highest value.
     to: f64,
+    /// Points of the grid from the lowest to the highest.
     #[serde(default = "default_points")]
     points: usize,
 }

@@ -18,6 +18,7 @@ use crate::warning::{Code, Warning};
 
 /// One recording and its simulation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointErrors {
     /// Name of the recording.
     pub recording: String,
@@ -31,6 +32,7 @@ pub struct JointErrors {
 
 /// Errors of joints over the recordings of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointEvaluation {
     /// Number of recordings.
     pub recordings: usize,

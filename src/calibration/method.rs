@@ -13,6 +13,7 @@ pub enum Method {
 
 /// Why tuning ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Termination {
     /// The budget is spent.
@@ -27,6 +28,7 @@ pub enum Termination {
 
 /// How the points of a tuned study were chosen.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Tuned {
     /// Name of the optimizer.
     pub optimizer: &'static str,

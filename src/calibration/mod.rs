@@ -74,6 +74,8 @@ pub use case::{Case, Target};
 pub use command_file::{CommandColumn, Commands, Off};
 pub use definition::{Definition, ScoreRule, StartRule, StartUsed};
 pub use evaluation::{Average, Evaluation, RecordingErrors};
+#[cfg(feature = "schema")]
+pub(crate) use file::StudyFile;
 pub use fitted::recording_id;
 pub use joint_evaluation::{JointErrors, JointEvaluation};
 pub use method::{Method, Termination, Tuned};

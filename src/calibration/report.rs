@@ -23,6 +23,7 @@ use crate::warning::{Code, Warning};
 
 /// What a sweep or tuning says, with how sure it is and where it comes from; its `Display` is for people.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Report {
     /// Name of the study.
     pub study: String,
@@ -70,6 +71,7 @@ pub struct Report {
 
 /// The best point.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Best {
     /// Parameter values by name.
     pub parameters: BTreeMap<String, f64>,
@@ -85,6 +87,7 @@ pub struct Best {
 
 /// Correlation of two parameters over the bootstrap.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Correlation {
     /// One parameter.
     pub first: &'static str,
@@ -96,6 +99,7 @@ pub struct Correlation {
 
 /// How sure the best point is.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HowSure {
     /// Where it comes from.
     pub source: UncertaintySource,
@@ -111,6 +115,7 @@ pub struct HowSure {
 
 /// Mean over recordings of the pose errors of the best point.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PoseErrors {
     /// Mean position error, percent of the body length.
     pub position_percent: f64,

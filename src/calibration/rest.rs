@@ -19,6 +19,7 @@ use crate::warning::{Code, Warning};
 
 /// How often a face ended down, in reality and in simulation, over the recordings that end at rest.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FaceOdds {
     /// Name of the face in the tracked module's frame.
     pub face: &'static str,
@@ -52,6 +53,7 @@ impl FaceOdds {
 
 /// Resting faces of recordings beside those of their simulations.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RestingOdds {
     /// Recordings that end at rest: each was simulated once, to its end.
     pub simulations: usize,

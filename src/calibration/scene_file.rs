@@ -14,19 +14,27 @@ type Triple = (f64, f64, f64);
 
 /// One body as written.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Body")]
 pub(super) struct BodyFile {
+    /// Its name, with which its recorded columns begin.
     name: String,
+    /// What it consists of.
     boxes: Vec<BoxFile>,
+    /// Coefficient of friction of its surface.
     #[serde(default = "default_friction")]
     friction: f64,
+    /// How it moves.
     motion: MotionFile,
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "box")]
 struct BoxFile {
+    /// Edge lengths along the body's axes, metres.
     sides_m: Triple,
+    /// Centre in the body's frame, metres.
     #[serde(default)]
     centre_m: Triple,
     /// Rotation vector, radians.
@@ -35,19 +43,27 @@ struct BoxFile {
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "motion")]
 enum MotionFile {
     /// Along the recorded columns that begin with the body's name.
     Recorded,
+    /// Stands where it is.
     Fixed {
+        /// Place of the body's frame, metres.
         position_m: Triple,
+        /// Orientation of the body's frame, a quaternion, real part first.
         #[serde(default = "upright")]
         orientation_wxyz: (f64, f64, f64, f64),
     },
+    /// Moves as it is pushed.
     Free {
+        /// Place of the body's frame, metres.
         position_m: Triple,
+        /// Orientation of the body's frame, a quaternion, real part first.
         #[serde(default = "upright")]
         orientation_wxyz: (f64, f64, f64, f64),
+        /// Mass, kg.
         mass_kg: f64,
     },
 }

@@ -19,6 +19,7 @@ use crate::warning::Warning;
 
 /// One parameter, made a little smaller and a little larger.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Effect {
     /// Name of the parameter.
     pub parameter: &'static str,
@@ -49,6 +50,7 @@ impl Effect {
 
 /// One-at-a-time sensitivity of the score around a point (the "nominal range" method of Saltelli et al. 2004, section 2).
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sensitivity {
     /// The metric.
     pub metric: &'static str,

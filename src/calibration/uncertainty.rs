@@ -15,6 +15,7 @@ use crate::statistics::{mean, smaller_resamples, standard_deviation};
 
 /// Where the uncertainty of the scores comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum UncertaintySource {
     /// Resampling the recordings (two or more), and what the runs leave open.

@@ -11,6 +11,7 @@ use crate::warning::{Code, Warning};
 
 /// How well the fit does on recordings that it has not seen.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Validation {
     /// How the recordings were parted.
     pub split: String,
@@ -28,6 +29,7 @@ pub struct Validation {
 
 /// One fold: fitted without some recordings, checked with them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fold {
     /// Best values of the study's parameters without the held-out recordings, in order.
     pub values: Vec<f64>,

@@ -11,6 +11,7 @@ use crate::simulation::parameter::{Assignment, ParameterSet};
 
 /// Values with where they come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Parameters")]
 pub struct BestFile {
     /// What these values are, for people.

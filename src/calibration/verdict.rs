@@ -14,6 +14,7 @@ use crate::unit::quantity;
 
 /// One parameter's best value and the range that fits as well.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verdict {
     /// Name of the parameter.
     pub parameter: String,

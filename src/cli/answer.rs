@@ -164,7 +164,7 @@ impl StudyOptions {
                 .filter(|w| !study.warnings().contains(w)),
         );
         match self.format {
-            Format::Json => terminal::print(terminal::json(report)?),
+            Format::Json => terminal::print_answer(report)?,
             Format::Table => terminal::print(format!(
                 "{answer}\n  {wall_s:.1} s on {}\n  results in {}: summary.json, best.ron, points.csv\n  pictures there: {}{}",
                 counted(self.jobs(), "thread"),

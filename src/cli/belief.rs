@@ -94,7 +94,7 @@ impl Belief {
         self.page
             .write("belief", name, &found, &found.to_string(), &self.plot)?;
         match self.format {
-            Print::Json => terminal::print(terminal::json(&found)?),
+            Print::Json => terminal::print_answer(&found)?,
             Print::Table => terminal::print(found.to_string()),
         }
         Ok(ExitCode::SUCCESS)

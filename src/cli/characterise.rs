@@ -126,7 +126,7 @@ impl Characterise {
         self.page
             .write("sensor", &self.log, &found, &found.to_string(), pictures)?;
         match self.format {
-            Print::Json => terminal::print(terminal::json(&found)?),
+            Print::Json => terminal::print_answer(&found)?,
             Print::Table => terminal::print(found.to_string()),
         }
         Ok(ExitCode::SUCCESS)

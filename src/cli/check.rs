@@ -1,5 +1,6 @@
 //! `realgap check`: is a file of ours sound, and what is in it?
 
+pub mod report;
 mod sensing;
 
 use std::path::{Path, PathBuf};
@@ -19,13 +20,13 @@ use realgap::text::shown;
 use realgap::trajectory::Reading;
 use realgap::unit::counted;
 use realgap::{Error, Result, Warning, results::draw_arena, results::portrait, trajectory};
-use serde_json::{Value, json};
 
 use super::estimate::cpu_s_per_point;
 use super::kind::Kind;
 use super::option::Format;
 use super::reading::ReadingOptions;
 use super::terminal;
+use report::{FileReport, Motion, Varied};
 
 /// Validate morphologies, genomes, studies, searches, parameter files and trajectories, and print what they hold
 #[derive(Debug, Args)]
@@ -50,7 +51,7 @@ const SHOWN: usize = 1000;
 struct Contents {
     kind: Kind,
     lines: Vec<String>,
-    details: Value,
+    details: report::Contents,
     warnings: Vec<Warning>,
 }
 
@@ -79,7 +80,7 @@ impl Check {
             }
         }
         if self.format == Format::Json {
-            terminal::print(terminal::json(&reports)?);
+            terminal::print_answers(&reports)?;
         }
         if failed > 0 {
             if self.files.len() > 1 {
@@ -120,25 +121,15 @@ impl Check {
     }
 }
 
-fn report(path: &Path, found: Result<Contents>) -> Value {
+fn report(path: &Path, found: Result<Contents>) -> FileReport {
     match found {
-        Ok(contents) => json!({
-            "file": path,
-            "ok": true,
-            "kind": contents.kind.name(),
-            "contents": contents.details,
-            "warnings": contents.warnings,
-        }),
-        Err(error) => json!({
-            "file": path,
-            "ok": false,
-            "error": {
-                "message": error.message(),
-                "line": error.line_column().map(|(line, _)| line),
-                "column": error.line_column().map(|(_, column)| column),
-                "text": error.to_string(),
-            },
-        }),
+        Ok(Contents {
+            kind,
+            details,
+            warnings,
+            ..
+        }) => FileReport::sound(path, kind.name(), details, warnings),
+        Err(error) => FileReport::wrong(path, &error),
     }
 }
 
@@ -200,16 +191,16 @@ fn morphology(source: &Source) -> Result<Contents> {
     Ok(Contents {
         kind: Kind::Morphology,
         lines,
-        details: json!({
-            "name": robot.name(),
-            "modules": summary.modules,
-            "hinges": summary.hinges,
-            "parts": summary.parts,
-            "mass_kg": summary.mass_kg,
-            "size_m": [size[0], size[1], size[2]],
-            "track": robot.modules()[robot.track()].name,
-            "body_length_m": summary.body_length_m,
-        }),
+        details: report::Contents::Morphology {
+            name: robot.name().to_owned(),
+            modules: summary.modules,
+            hinges: summary.hinges,
+            parts: summary.parts,
+            mass_kg: summary.mass_kg,
+            size_m: [size[0], size[1], size[2]],
+            track: robot.modules()[robot.track()].name.clone(),
+            body_length_m: summary.body_length_m,
+        },
         warnings: [
             robot.warnings(),
             known_limits(&Experiment::new(robot.assemble()), &[]),
@@ -245,7 +236,11 @@ fn genome(source: &Source) -> Result<Contents> {
             ),
             format!("  {outcome}"),
         ],
-        details: json!({ "name": specimen.name, "modules": modules, "misfit": misfit }),
+        details: report::Contents::Genome {
+            name: specimen.name,
+            modules,
+            misfit,
+        },
         warnings: Vec::new(),
     })
 }
@@ -267,44 +262,34 @@ fn study(path: &Path) -> Result<Contents> {
             range.to,
             range.points
         ));
-        ranges.push(json!({
-            "name": range.parameter.name,
-            "from": range.from,
-            "to": range.to,
-            "points": range.points,
-        }));
+        ranges.push(Varied {
+            name: range.parameter.name,
+            from: range.from,
+            to: range.to,
+            points: range.points,
+        });
     }
     let points = study.grid.len();
-    let mut details = json!({
-        "robot": study.morphology.name(),
-        "metric": study.metric.name(),
-        "unit": study.metric.unit(),
-        "parameters": ranges,
-        "points": points,
-        "recordings": null,
-        "simulations": null,
-        "cpu_s": null,
-    });
+    let (robot, metric) = (study.morphology.name().to_owned(), study.metric);
+    let (mut recordings, mut simulations, mut cpu_s) = (None, None, None);
     let mut warnings = Vec::new();
     match Definition::read(path, &Overrides::default()) {
         Ok(whole) => {
-            let recordings = whole.recordings.len();
+            let given = whole.recordings.len();
             let study = realgap::calibration::Study::new(whole)?;
-            let simulations = study.sweep_runs() * study.cases().len();
+            let runs = study.sweep_runs() * study.cases().len();
             let one = cpu_s_per_point(&study)?;
-            let cpu_s = one * study.run_cost() * study.sweep_runs() as f64;
+            let cost_s = one * study.run_cost() * study.sweep_runs() as f64;
             lines.push(format!(
                 "  {}, {}, {}",
-                counted(recordings, "recording"),
+                counted(given, "recording"),
                 counted(points, "point"),
-                counted(simulations, "simulation")
+                counted(runs, "simulation")
             ));
             lines.push(format!(
-                "  about {cpu_s:.0} CPU s for a sweep ({one:.3} s a point and setting, from a slice of one on this machine just now)"
+                "  about {cost_s:.0} CPU s for a sweep ({one:.3} s a point and setting, from a slice of one on this machine just now)"
             ));
-            details["recordings"] = json!(recordings);
-            details["simulations"] = json!(simulations);
-            details["cpu_s"] = json!(cpu_s);
+            (recordings, simulations, cpu_s) = (Some(given), Some(runs), Some(cost_s));
             warnings = study.warnings().to_vec();
             let grid = &study.definition().grid;
             let tuned: Vec<&str> = grid.ranges().iter().map(|r| r.parameter.name).collect();
@@ -323,7 +308,16 @@ fn study(path: &Path) -> Result<Contents> {
     Ok(Contents {
         kind: Kind::Study,
         lines,
-        details,
+        details: report::Contents::Study {
+            robot,
+            metric: metric.name(),
+            unit: metric.unit(),
+            parameters: ranges,
+            points,
+            recordings,
+            simulations,
+            cpu_s,
+        },
         warnings,
     })
 }
@@ -343,15 +337,15 @@ fn search(path: &Path) -> Result<Contents> {
             ),
             format!("  made large: {}", search.objective().label()),
         ],
-        details: json!({
-            "strategy": search.strategy().name(),
-            "robots": robots,
-            "repeats": search.repeats(),
-            "duration_s": search.duration_s(),
-            "objective": search.objective().label(),
-            "unit": search.objective().measure.unit(),
-            "seed": search.seed(),
-        }),
+        details: report::Contents::Search {
+            strategy: search.strategy().name(),
+            robots,
+            repeats: search.repeats(),
+            duration_s: search.duration_s(),
+            objective: search.objective().label(),
+            unit: search.objective().measure.unit(),
+            seed: search.seed(),
+        },
         warnings: Vec::new(),
     })
 }
@@ -362,14 +356,11 @@ fn parameters(path: &Path) -> Result<Contents> {
         .iter()
         .map(|a| format!("  {:<24} {}", a.parameter.label(), a.value))
         .collect();
-    let values: serde_json::Map<String, Value> = set
-        .iter()
-        .map(|a| (a.parameter.name.to_owned(), json!(a.value)))
-        .collect();
+    let parameters = set.iter().map(|a| (a.parameter.name, a.value)).collect();
     Ok(Contents {
         kind: Kind::Parameters,
         lines,
-        details: json!({ "parameters": values }),
+        details: report::Contents::Parameters { parameters },
         warnings: Vec::new(),
     })
 }
@@ -392,13 +383,13 @@ fn meta(path: &Path) -> Result<Contents> {
     Ok(Contents {
         kind: Kind::Meta,
         lines,
-        details: json!({
-            "robot": meta.robot,
-            "source": format!("{:?}", meta.source),
-            "description": meta.description,
-            "frame": meta.frame,
-            "licence": meta.licence,
-        }),
+        details: report::Contents::Meta {
+            source: format!("{:?}", meta.source),
+            robot: meta.robot,
+            description: meta.description,
+            frame: meta.frame,
+            licence: meta.licence,
+        },
         warnings: Vec::new(),
     })
 }
@@ -425,15 +416,15 @@ fn motion(path: &Path, reading: &Reading) -> Result<Contents> {
             motion.duration_s(),
             motion.path_length_xy_m(),
         ));
-        recordings.push(json!({
-            "name": recording.name,
-            "samples": motion.len(),
-            "duration_s": motion.duration_s(),
-            "orientations": has_orientations,
-            "velocities": has_velocities,
-            "net_displacement_m": net_m,
-            "path_length_m": motion.path_length_xy_m(),
-        }));
+        recordings.push(Motion {
+            name: recording.name.clone(),
+            samples: motion.len(),
+            duration_s: motion.duration_s(),
+            orientations: has_orientations,
+            velocities: has_velocities,
+            net_displacement_m: net_m,
+            path_length_m: motion.path_length_xy_m(),
+        });
         warnings.extend(
             recording
                 .warnings
@@ -445,7 +436,7 @@ fn motion(path: &Path, reading: &Reading) -> Result<Contents> {
     Ok(Contents {
         kind: Kind::Trajectory,
         lines,
-        details: json!({ "recordings": recordings }),
+        details: report::Contents::Trajectories { recordings },
         warnings,
     })
 }

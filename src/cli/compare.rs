@@ -1,5 +1,6 @@
 //! `realgap compare`: how far trajectories are from a reference.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -7,7 +8,7 @@ use clap::Args;
 use realgap::comparison::{
     self, Basis, Comparison, Components, Context, Metric, Row, position_metrics,
 };
-use realgap::file::Source as SourceText;
+use realgap::file::{Source as SourceText, versioned_json};
 use realgap::plot::{
     Caption, Cloud, Overlay, OverlayPath, Side, TextTable, draw_lines, draw_overlay, plane,
     quantity,
@@ -16,7 +17,7 @@ use realgap::trajectory::{self, Recording, Source, cut_to_shortest};
 use realgap::unit::Unit;
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::option::{Format, TimeOption};
 use super::reading::ReadingOptions;
@@ -70,6 +71,37 @@ pub struct Compare {
 
 /// Colours tell so many dots apart, and the reference.
 const NAMED_DOTS: usize = 5;
+
+/// A trajectory in every metric.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Compared {
+    #[serde(flatten)]
+    row: Row,
+    /// What the reader should know.
+    warnings: Vec<Warning>,
+}
+
+/// A trajectory in one metric.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Scored {
+    /// Its name.
+    trajectory: String,
+    /// Name of the reference.
+    reference: String,
+    /// The distance, in the metric's column.
+    #[serde(flatten)]
+    value: BTreeMap<&'static str, f64>,
+    /// The metric.
+    metric: &'static str,
+    /// Unit of the distance.
+    unit: Unit,
+    /// Samples that were compared.
+    samples: usize,
+    /// What the reader should know.
+    warnings: Vec<Warning>,
+}
 
 impl Compare {
     pub fn run(self) -> Result<ExitCode> {
@@ -143,7 +175,7 @@ impl Compare {
             terminal::note(format!("drawn: {}", plane.display()));
         }
         if let Some(file) = &self.save_basis {
-            let json = terminal::json(comparison.basis())?;
+            let json = versioned_json(comparison.basis())?;
             realgap::file::write_atomic(file, format!("{json}\n").as_bytes())?;
             terminal::note(format!("written: {}", file.display()));
         }
@@ -155,12 +187,11 @@ impl Compare {
         let rows = comparison.rows(&metrics)?;
         terminal::print_warnings(rows.iter().flat_map(|row| &row.warnings));
         if self.format == Format::Json {
-            let rows = rows.into_iter().map(|mut row| {
-                row.warnings.splice(0..0, said.iter().cloned());
-                row
+            let rows = rows.into_iter().map(|row| Compared {
+                warnings: said.iter().chain(&row.warnings).cloned().collect(),
+                row,
             });
-            terminal::print(terminal::json(&rows.collect::<Vec<_>>())?);
-            return Ok(());
+            return terminal::print_answers(&rows.collect::<Vec<_>>());
         }
         // Metrics down, trajectories across: a dozen columns of figures would not fit a terminal.
         let names = rows.iter().map(|row| (row.trajectory.clone(), Side::Right));
@@ -209,17 +240,17 @@ impl Compare {
         warnings.dedup();
         terminal::print_warnings(warnings);
         if self.format == Format::Json {
-            let rows: Vec<Value> = others
-                .iter()
-                .zip(&scores)
-                .map(|(other, score)| {
-                    json!({"trajectory": other.name, "reference": self.reference.file_stem().unwrap_or_default().to_string_lossy(), metric.column(): score.value,
-                           "metric": metric.name(), "unit": score.unit, "samples": score.samples,
-                           "warnings": said.iter().chain(&score.warnings).collect::<Vec<_>>()})
-                })
-                .collect();
-            terminal::print(terminal::json(&rows)?);
-            return Ok(());
+            let reference = self.reference.file_stem().unwrap_or_default();
+            let rows = others.iter().zip(&scores).map(|(other, score)| Scored {
+                trajectory: other.name.clone(),
+                reference: reference.to_string_lossy().into_owned(),
+                value: [(metric.column(), score.value)].into(),
+                metric: metric.name(),
+                unit: score.unit,
+                samples: score.samples,
+                warnings: said.iter().chain(&score.warnings).cloned().collect(),
+            });
+            return terminal::print_answers(&rows.collect::<Vec<_>>());
         }
         let mut table = TextTable::new([
             ("trajectory", Side::Left),

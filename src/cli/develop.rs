@@ -1,18 +1,20 @@
 //! `realgap develop`: the robot of a genome.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
 use realgap::file::write_atomic;
-use realgap::robot::genome::{Locus, Specimen};
+use realgap::robot::genome::Specimen;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Settling, settle};
 use realgap::unit::decimals;
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning, plot, results::portrait};
-use serde_json::json;
+use serde::Serialize;
 
+use super::genome::named;
 use super::kind::read_specimen;
 use super::option::Format;
 use super::terminal;
@@ -37,6 +39,57 @@ pub struct Develop {
     format: Format,
 }
 
+/// The robot of a genome, or why there is none.
+#[derive(Serialize)]
+#[serde(untagged)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum DevelopReport {
+    /// There is one.
+    Robot {
+        /// Its name.
+        name: String,
+        /// True.
+        develops: bool,
+        /// Number of modules.
+        modules: usize,
+        /// Number of hinges.
+        hinges: usize,
+        /// Mass, kg.
+        mass_kg: f64,
+        /// Bounding box at zero servo angles, metres.
+        size_m: [f64; 3],
+        /// Centre of mass, robot frame, metres.
+        centre_of_mass_robot_m: [f64; 3],
+        /// Whether it comes to rest on the floor.
+        at_rest: bool,
+        /// Whether it fell over.
+        toppled: bool,
+        /// Time until it was at rest, seconds.
+        settle_s: f64,
+        /// How far it tilted, radians.
+        tilt_rad: Option<f64>,
+        /// The numbers of each module, by name.
+        genes: Vec<BTreeMap<&'static str, f64>>,
+        /// What the reader should know.
+        warnings: Vec<Warning>,
+        /// The file that it was written to.
+        output: Option<PathBuf>,
+        /// Version of the program.
+        version: &'static str,
+    },
+    /// There is none.
+    Misfit {
+        /// Its name.
+        name: String,
+        /// False.
+        develops: bool,
+        /// Code of the reason.
+        reason: &'static str,
+        /// The reason.
+        message: String,
+    },
+}
+
 impl Develop {
     pub fn run(self) -> Result<ExitCode> {
         if let Some(plot) = &self.plot {
@@ -47,13 +100,12 @@ impl Develop {
             Ok(robot) => robot,
             Err(misfit) => {
                 if self.format == Format::Json {
-                    let report = json!({
-                        "name": specimen.name,
-                        "develops": false,
-                        "reason": misfit.code(),
-                        "message": misfit.to_string(),
-                    });
-                    terminal::print(terminal::json(&report)?);
+                    terminal::print_answer(&DevelopReport::Misfit {
+                        name: specimen.name,
+                        develops: false,
+                        reason: misfit.code(),
+                        message: misfit.to_string(),
+                    })?;
                 }
                 return Err(Error::from(misfit).at_file(&self.genome));
             }
@@ -75,30 +127,24 @@ impl Develop {
         let summary = robot.summary();
         let size = summary.size_m();
         if self.format == Format::Json {
-            let genes = specimen.genome.genes().iter().map(|gene| {
-                let named = Locus::ALL.map(|l| (l.name().to_owned(), json!(gene.get(l))));
-                serde_json::Value::Object(named.into_iter().collect())
+            let centre_m = summary.centre_of_mass_robot_m;
+            return terminal::print_answer(&DevelopReport::Robot {
+                name: robot.name().to_owned(),
+                develops: true,
+                modules: summary.modules,
+                hinges: summary.hinges,
+                mass_kg: summary.mass_kg,
+                size_m: [size.x, size.y, size.z],
+                centre_of_mass_robot_m: [centre_m.x, centre_m.y, centre_m.z],
+                at_rest: settling.is_at_rest(),
+                toppled: settling.is_toppled(),
+                settle_s: settling.taken_s,
+                tilt_rad: settling.tilt_rad,
+                genes: named(&specimen.genome),
+                warnings: flags(robot, settling),
+                output: self.output.clone(),
+                version: env!("CARGO_PKG_VERSION"),
             });
-            let warnings = flags(robot, settling);
-            let report = json!({
-                "name": robot.name(),
-                "develops": true,
-                "modules": summary.modules,
-                "hinges": summary.hinges,
-                "mass_kg": summary.mass_kg,
-                "size_m": [size.x, size.y, size.z],
-                "centre_of_mass_robot_m": summary.centre_of_mass_robot_m.as_slice(),
-                "at_rest": settling.is_at_rest(),
-                "toppled": settling.is_toppled(),
-                "settle_s": settling.taken_s,
-                "tilt_rad": settling.tilt_rad,
-                "genes": genes.collect::<Vec<_>>(),
-                "warnings": warnings,
-                "output": self.output,
-                "version": env!("CARGO_PKG_VERSION"),
-            });
-            terminal::print(terminal::json(&report)?);
-            return Ok(());
         }
         let mut table = plot::TextTable::new([
             ("module", plot::Side::Left),

@@ -136,7 +136,7 @@ impl Ensemble {
                 .filter(|w| !study.warnings.contains(w)),
         );
         match self.format {
-            Format::Json => terminal::print(terminal::json(&report)?),
+            Format::Json => terminal::print_answer(&report)?,
             Format::Table => terminal::print(format!(
                 "{report}\n  results in {}: ensemble.json, repeats.csv, ensemble.png and .svg{}",
                 folder.path().display(),

@@ -49,7 +49,8 @@ pub struct Evaluate {
 
 /// An evaluation with the odds beside it.
 #[derive(Serialize)]
-struct Report {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Evaluated {
     #[serde(flatten)]
     result: Evaluation,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -96,7 +97,7 @@ impl Evaluate {
         }
         match (self.format, odds) {
             (Format::Json, odds) => {
-                terminal::print(terminal::json(&Report { result, odds })?);
+                terminal::print_answer(&Evaluated { result, odds })?;
             }
             (Format::Table, odds) => {
                 print(&result);
@@ -114,7 +115,7 @@ impl Evaluate {
             result.rows.clear();
         }
         match self.format {
-            Format::Json => terminal::print(terminal::json(&result)?),
+            Format::Json => terminal::print_answer(&result)?,
             Format::Table => print_joints(&result),
         }
         Ok(ExitCode::SUCCESS)

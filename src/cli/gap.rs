@@ -162,7 +162,7 @@ impl Gap {
             "gap.json, rmse.png and .svg"
         };
         match self.format {
-            Format::Json => terminal::print(terminal::json(&found)?),
+            Format::Json => terminal::print_answer(&found)?,
             Format::Table => terminal::print(format!(
                 "{found}\n  results in {}: {pictures}{}",
                 folder.path().display(),
@@ -219,7 +219,7 @@ impl Gap {
             folder.write_timing(run.jobs)?;
         }
         match self.format {
-            Format::Json => terminal::print(terminal::json(&report)?),
+            Format::Json => terminal::print_answer(&report)?,
             Format::Table => terminal::print(report.to_string()),
         }
         Ok(ExitCode::SUCCESS)

@@ -1,5 +1,6 @@
 //! `realgap genome`: genomes to start from.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -9,7 +10,7 @@ use realgap::robot::genome::{Genome, Locus, Specimen};
 use realgap::robot::morphology::Morphology;
 use realgap::search::generator;
 use realgap::{Error, Result};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::terminal;
 
@@ -23,6 +24,34 @@ pub struct GenomeCommand {
 #[derive(Debug, Subcommand)]
 enum Action {
     Random(Random),
+}
+
+/// A drawn genome.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct GenomeReport {
+    /// Name of the robot.
+    name: String,
+    /// Number of modules.
+    modules: usize,
+    /// What it was drawn from.
+    seed: u64,
+    /// The numbers of each module, by name.
+    genes: Vec<BTreeMap<&'static str, f64>>,
+    /// Whether it develops.
+    develops: bool,
+    /// Why not.
+    reason: Option<&'static str>,
+    /// The file that it was written to.
+    output: Option<PathBuf>,
+}
+
+/// The numbers of each module, by name.
+pub fn named(genome: &Genome) -> Vec<BTreeMap<&'static str, f64>> {
+    let genes = genome.genes().iter();
+    genes
+        .map(|gene| Locus::ALL.map(|l| (l.name(), gene.get(l))).into())
+        .collect()
 }
 
 /// Draw a random genome, every number as likely
@@ -87,19 +116,15 @@ impl Random {
             None => terminal::print(text.trim_end()),
         }
         if self.format == GenomeFormat::Json {
-            let genes = specimen.genome.genes().iter().map(|gene| {
-                let named = Locus::ALL.map(|l| (l.name().to_owned(), json!(gene.get(l))));
-                Value::Object(named.into_iter().collect())
-            });
-            terminal::print(terminal::json(&json!({
-                "name": specimen.name,
-                "modules": specimen.genome.len(),
-                "seed": self.seed,
-                "genes": genes.collect::<Vec<_>>(),
-                "develops": misfit.is_none(),
-                "reason": misfit.map(|misfit| misfit.code()),
-                "output": self.output,
-            }))?);
+            terminal::print_answer(&GenomeReport {
+                genes: named(&specimen.genome),
+                modules: specimen.genome.len(),
+                name: specimen.name,
+                seed: self.seed,
+                develops: misfit.is_none(),
+                reason: misfit.map(|misfit| misfit.code()),
+                output: self.output,
+            })?;
         }
         Ok(ExitCode::SUCCESS)
     }

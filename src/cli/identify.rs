@@ -105,10 +105,10 @@ impl Identify {
             )?;
         }
         match self.format {
-            Format::Json => terminal::print(terminal::json(&Report {
+            Format::Json => terminal::print_answer(&Identified {
                 found: &found,
                 resting_odds: odds.as_ref(),
-            })?),
+            })?,
             Format::Table => print(&found, odds.as_ref()),
         }
         if let Some(output) = &self.output {
@@ -132,7 +132,7 @@ impl Identify {
             )?;
         }
         match self.format {
-            Format::Json => terminal::print(terminal::json(found)?),
+            Format::Json => terminal::print_answer(found)?,
             Format::Table => print_joints(found),
         }
         if let Some(output) = &self.output {
@@ -236,7 +236,8 @@ fn print_joints(found: &JointIdentification) {
 
 /// What JSON holds: the identification, and the simulated odds beside the real ones.
 #[derive(Serialize)]
-struct Report<'a> {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Identified<'a> {
     #[serde(flatten)]
     found: &'a Identification,
     /// Null where nothing could be simulated; a warning says why.

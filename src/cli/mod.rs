@@ -15,6 +15,7 @@ mod example_file;
 mod examples;
 mod export;
 mod folder;
+mod form;
 mod gap;
 mod genome;
 mod identify;
@@ -39,6 +40,7 @@ mod replay;
 mod report;
 mod results;
 mod run;
+mod schema;
 mod search;
 mod sense;
 mod sensitivity;
@@ -124,6 +126,7 @@ enum Command {
     Vision(vision::VisionCommand),
     New(new::New),
     Examples(examples::Examples),
+    Schema(schema::SchemaCommand),
     Parameters(parameters::Parameters),
     Verify(verify::Verify),
     Completions(completions::Completions),
@@ -184,6 +187,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Vision(vision) => vision.run(),
         Command::New(new) => new.run(),
         Command::Examples(examples) => examples.run(),
+        Command::Schema(schema) => schema.run(),
         Command::Parameters(parameters) => parameters.run(),
         Command::Verify(verify) => verify.run(),
         Command::Completions(completions) => completions.run(),

@@ -6,7 +6,7 @@ use clap::Args;
 use realgap::Result;
 use realgap::plot::{Side, TextTable};
 use realgap::simulation::parameter::{self, Nudge, Scale};
-use serde_json::json;
+use serde::Serialize;
 
 use super::option::Format;
 use super::terminal;
@@ -27,18 +27,54 @@ fn step(nudge: Nudge) -> String {
     }
 }
 
+/// A parameter.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ParameterRow {
+    /// Its name.
+    name: &'static str,
+    /// Its unit; `1` for a plain number.
+    unit: &'static str,
+    /// Lowest value.
+    low: f64,
+    /// Highest value.
+    high: f64,
+    /// The value that it has by default, where the robot does not say.
+    default: Option<f64>,
+    /// Whether it is a whole number.
+    whole: bool,
+    /// What `realgap sensitivity` changes it by.
+    small_step: String,
+    /// Whether it is searched on a logarithmic scale.
+    log: bool,
+    /// What it means.
+    doc: &'static str,
+}
+
+impl ParameterRow {
+    fn new(p: &parameter::Parameter) -> Self {
+        Self {
+            name: p.name,
+            unit: p.unit.label(),
+            low: p.bounds.0,
+            high: p.bounds.1,
+            default: p.default_value(),
+            whole: p.whole,
+            small_step: step(p.nudge),
+            log: p.scale == Scale::Log,
+            doc: p.doc,
+        }
+    }
+}
+
 impl Parameters {
     pub fn run(self) -> Result<ExitCode> {
         if self.format == Format::Json {
             let rows: Vec<_> = parameter::all()
                 .chain(parameter::families())
-                .map(|p| {
-                    json!({"name": p.name, "unit": p.unit.label(), "low": p.bounds.0, "high": p.bounds.1,
-                           "default": p.default_value(), "whole": p.whole, "small_step": step(p.nudge),
-                           "log": p.scale == Scale::Log, "doc": p.doc})
-                })
+                .map(ParameterRow::new)
                 .collect();
-            terminal::print(terminal::json(&rows)?);
+            terminal::print_answers(&rows)?;
             return Ok(ExitCode::SUCCESS);
         }
         let mut table = TextTable::new([

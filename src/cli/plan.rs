@@ -112,7 +112,7 @@ impl PlanCommand {
         let plan = Plan::create(&self.output, draft)?;
         let round = work.begin(&plan, &run)?;
         if self.format == Format::Json {
-            terminal::print(terminal::json(&plan.status()?)?);
+            terminal::print_answer(&plan.status()?)?;
             return Ok(ExitCode::SUCCESS);
         }
         let folder = self.output.display();

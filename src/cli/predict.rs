@@ -134,7 +134,7 @@ impl Predict {
             folder.write_timing(run.jobs)?;
         }
         match self.format {
-            Format::Json => terminal::print(terminal::json(&card)?),
+            Format::Json => terminal::print_answer(&card)?,
             Format::Table => {
                 let mut text = card.to_string();
                 if let Some(folder) = &folder {

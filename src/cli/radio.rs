@@ -15,6 +15,7 @@ use realgap::sensing::radio::{
 };
 use realgap::{Error, Result};
 
+use super::form::Answer;
 use super::option::Format as Print;
 use super::page::PageFile;
 use super::terminal;
@@ -227,9 +228,9 @@ fn read_log(path: &Path, session: Option<&String>) -> Result<RadioLog> {
     RadioLog::read_with(path, &options)
 }
 
-fn print(value: &(impl serde::Serialize + std::fmt::Display), format: Print) -> Result<ExitCode> {
+fn print(value: &(impl Answer + std::fmt::Display), format: Print) -> Result<ExitCode> {
     match format {
-        Print::Json => terminal::print(terminal::json(value)?),
+        Print::Json => terminal::print_answer(value)?,
         Print::Table => terminal::print(value.to_string()),
     }
     Ok(ExitCode::SUCCESS)

@@ -1,5 +1,6 @@
 //! `realgap record`: stand-in recordings from hidden parameters, with noise.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -8,8 +9,8 @@ use realgap::simulation::{self, Camera, Distribution, Experiment, Noise, Outcome
 use realgap::store::FolderLock;
 use realgap::trajectory::{self, Meta, Reading, Source};
 use realgap::unit::counted;
-use realgap::{Advice, Error, Result};
-use serde_json::json;
+use realgap::{Advice, Error, Result, Warning};
+use serde::Serialize;
 
 use super::kind::read_morphology;
 use super::option::{Format, Values};
@@ -62,6 +63,54 @@ pub struct Record {
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+}
+
+/// What was written.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RecordReport {
+    /// Name of the robot.
+    morphology: String,
+    /// What the recordings are.
+    source: Source,
+    /// The files.
+    recordings: Vec<PathBuf>,
+    /// The file that says what they are.
+    meta: PathBuf,
+    /// Time of each, seconds.
+    duration_s: f64,
+    /// Samples in a second.
+    rate_hz: f64,
+    /// What the noise was drawn from.
+    seed: u64,
+    /// Parameters that were set, by name.
+    parameters: BTreeMap<&'static str, f64>,
+    /// How the repeats differ.
+    noise: NoiseReport,
+    /// Engine and its version.
+    engine: &'static str,
+    /// Version of the program.
+    version: &'static str,
+    /// What the reader should know.
+    warnings: Vec<Warning>,
+}
+
+/// Standard deviations.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct NoiseReport {
+    /// Start position, each axis, metres.
+    start_position_m: f64,
+    /// Start orientation, radians.
+    start_angle_rad: f64,
+    /// Zero of each servo, radians.
+    servo_zero_rad: f64,
+    /// Position that the camera sees, metres.
+    camera_m: f64,
+    /// Orientation that the camera sees, radians.
+    camera_rad: f64,
+    /// Time of the camera, seconds.
+    camera_s: f64,
 }
 
 impl Record {
@@ -160,39 +209,35 @@ impl Record {
             reading: Reading::default(),
         };
         trajectory::write_meta(&self.output, &meta)?;
-        let text = match self.format {
-            Format::Json => terminal::json(&json!({
-                "morphology": morphology.name(),
-                "source": "StandIn",
-                "recordings": written,
-                "meta": old,
-                "duration_s": self.duration,
-                "rate_hz": self.rate,
-                "seed": self.seed,
-                "parameters": values
-                    .iter()
-                    .map(|a| (a.parameter.name.to_owned(), json!(a.value)))
-                    .collect::<serde_json::Map<_, _>>(),
-                "noise": {
-                    "start_position_m": self.start_position_noise,
-                    "start_angle_rad": self.start_angle_noise,
-                    "servo_zero_rad": self.servo_zero_noise,
-                    "camera_m": self.camera_noise,
-                    "camera_rad": self.camera_angle_noise,
-                    "camera_s": self.camera_time_noise,
+        match self.format {
+            Format::Json => terminal::print_answer(&RecordReport {
+                morphology: morphology.name().to_owned(),
+                source: Source::StandIn,
+                recordings: written,
+                meta: old,
+                duration_s: self.duration,
+                rate_hz: self.rate,
+                seed: self.seed,
+                parameters: values.iter().map(|a| (a.parameter.name, a.value)).collect(),
+                noise: NoiseReport {
+                    start_position_m: self.start_position_noise,
+                    start_angle_rad: self.start_angle_noise,
+                    servo_zero_rad: self.servo_zero_noise,
+                    camera_m: self.camera_noise,
+                    camera_rad: self.camera_angle_noise,
+                    camera_s: self.camera_time_noise,
                 },
-                "engine": simulation::ENGINE_VERSION,
-                "version": env!("CARGO_PKG_VERSION"),
-                "warnings": warnings,
-            }))?,
-            Format::Table => format!(
+                engine: simulation::ENGINE_VERSION,
+                version: env!("CARGO_PKG_VERSION"),
+                warnings,
+            })?,
+            Format::Table => terminal::print(format!(
                 "{} of {} in {}",
                 counted(written.len(), "stand-in recording"),
                 morphology.name(),
                 self.output.display()
-            ),
-        };
-        terminal::print(text);
+            )),
+        }
         Ok(ExitCode::SUCCESS)
     }
 }

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use realgap::file::write_atomic;
+use realgap::file::{versioned_json, write_atomic};
 use realgap::plot::{Side, TextTable, number};
 use realgap::store::{Cell, Listing};
 use realgap::text::{cell, shown};
 use realgap::{Error, Result};
+use serde::Serialize;
 
 use super::terminal;
 
@@ -143,14 +144,15 @@ fn parquet(_listing: &Listing, _output: Option<&Path>) -> Result<Vec<u8>> {
     )
 }
 
+/// A trial: its columns by name.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TrialRow(serde_json::Map<String, serde_json::Value>);
+
 fn json(listing: &Listing) -> Result<String> {
-    let rows: Vec<serde_json::Map<String, serde_json::Value>> = listing
-        .rows
-        .iter()
-        .map(|row| {
-            let names = listing.columns.iter().map(|column| column.name.clone());
-            names.zip(row.iter().map(Cell::json)).collect()
-        })
-        .collect();
-    terminal::json(&rows)
+    let rows = listing.rows.iter().map(|row| {
+        let names = listing.columns.iter().map(|column| column.name.clone());
+        TrialRow(names.zip(row.iter().map(Cell::json)).collect())
+    });
+    versioned_json(&rows.collect::<Vec<_>>())
 }

@@ -135,7 +135,7 @@ impl Search {
         folder.write_timing(jobs)?;
         terminal::print_warnings(&summary.warnings);
         match self.format {
-            Format::Json => terminal::print(terminal::json(&summary)?),
+            Format::Json => terminal::print_answer(&summary)?,
             Format::Table => {
                 let wall_s = started.elapsed().as_secs_f64();
                 let head = format!("{wall_s:.1} s on {}", counted(jobs, "thread"));

@@ -66,7 +66,7 @@ impl Sensitivity {
             draw_bars(&chart(&study, &result), path)?;
         }
         match self.format {
-            Format::Json => terminal::print(terminal::json(&result)?),
+            Format::Json => terminal::print_answer(&result)?,
             Format::Table => print(&study, &result),
         }
         Ok(ExitCode::SUCCESS)

@@ -305,7 +305,7 @@ impl Fit {
         self.page
             .write("sensorgraph", &self.log, &found, &found.to_string(), [])?;
         match self.format {
-            Print::Json => terminal::print(terminal::json(&found)?),
+            Print::Json => terminal::print_answer(&found)?,
             Print::Table => terminal::print(found.to_string()),
         }
         Ok(ExitCode::SUCCESS)
@@ -335,7 +335,7 @@ impl Evaluate {
         )?;
         terminal::print_warnings(&found.warnings);
         match self.format {
-            Print::Json => terminal::print(terminal::json(&found)?),
+            Print::Json => terminal::print_answer(&found)?,
             Print::Table => terminal::print(found.to_string()),
         }
         Ok(ExitCode::SUCCESS)

@@ -15,7 +15,7 @@ use realgap::simulation::{
 use realgap::trajectory;
 use realgap::unit::{Unit, decimals};
 use realgap::{Error, Result, Warning};
-use serde_json::json;
+use serde::Serialize;
 
 use super::kind::read_morphology;
 use super::option::{
@@ -65,6 +65,84 @@ pub struct Simulate {
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+}
+
+/// One run.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SimulateReport {
+    /// Name of the robot.
+    morphology: String,
+    /// How it ended.
+    status: Status,
+    /// Distance from the first to the last place on the floor, metres; nothing of a run that diverged.
+    net_displacement_m: Option<f64>,
+    /// From the first to the last place, world frame, metres.
+    net_displacement_world_m: Option<[f64; 3]>,
+    /// Length of the path on the floor, metres.
+    path_length_m: Option<f64>,
+    /// Direction of the net displacement, radians.
+    heading_rad: Option<f64>,
+    /// Change of the tracked module's heading, radians.
+    turned_rad: Option<f64>,
+    /// Error of the servos, root mean square, radians.
+    servo_rms_rad: f64,
+    /// Where the energy went, where that was asked.
+    energy: Option<EnergyBalance>,
+    /// What going costs, J/m.
+    joules_per_metre: Option<f64>,
+    /// The same over the weight.
+    cost_of_transport: Option<f64>,
+    /// CPU seconds.
+    cpu_s: f64,
+    /// Steps.
+    steps: u64,
+    /// Steps before them, in which it came to rest.
+    settle_steps: u64,
+    /// Time simulated, seconds.
+    simulated_s: f64,
+    /// Simulated seconds in a CPU second, those to settle included.
+    times_real_time: f64,
+    /// Timestep, seconds.
+    timestep_s: f64,
+    /// Solver substeps of each.
+    substeps: usize,
+    /// Engine and its version.
+    engine: &'static str,
+    /// Version of the program.
+    version: &'static str,
+    /// What the reader should know.
+    warnings: Vec<Warning>,
+    /// The file that was written.
+    output: Option<PathBuf>,
+}
+
+/// How a run ended.
+#[derive(Serialize)]
+#[serde(tag = "status", rename_all = "snake_case")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+enum Status {
+    /// As asked.
+    Completed,
+    /// It went to pieces.
+    Diverged {
+        /// When, seconds.
+        at_s: f64,
+        /// How.
+        why: String,
+    },
+}
+
+impl Status {
+    fn of(run: &Run) -> Self {
+        match &run.outcome {
+            Outcome::Completed(_) => Self::Completed,
+            Outcome::Diverged(Divergence { at_s, why }) => Self::Diverged {
+                at_s: *at_s,
+                why: why.to_string(),
+            },
+        }
+    }
 }
 
 impl Simulate {
@@ -176,32 +254,30 @@ impl Simulate {
             Some((transport * weight_n, transport))
         });
         if self.format == Format::Json {
-            let report = json!({
-                "morphology": morphology.name(),
-                "status": status(run),
-                "net_displacement_m": net_m.map(|d| d.xy().norm()),
-                "net_displacement_world_m": net_m.map(|d| [d.x, d.y, d.z]),
-                "path_length_m": path_m,
-                "heading_rad": net_m.map(|d| d.y.atan2(d.x)),
-                "turned_rad": turned_rad,
-                "servo_rms_rad": run.servo_rms_rad,
-                "energy": run.energy,
-                "joules_per_metre": cost.map(|(joules_per_metre, _)| joules_per_metre),
-                "cost_of_transport": cost.map(|(_, transport)| transport),
-                "cpu_s": cpu_s,
-                "steps": run.steps,
-                "settle_steps": run.settle_steps,
-                "simulated_s": simulated_s,
-                "times_real_time": times_real,
-                "timestep_s": experiment.solver.timestep_s,
-                "substeps": experiment.solver.substeps,
-                "engine": simulation::ENGINE_VERSION,
-                "version": env!("CARGO_PKG_VERSION"),
-                "warnings": run.warnings,
-                "output": self.output,
+            return terminal::print_answer(&SimulateReport {
+                morphology: morphology.name().to_owned(),
+                status: Status::of(run),
+                net_displacement_m: net_m.map(|d| d.xy().norm()),
+                net_displacement_world_m: net_m.map(|d| [d.x, d.y, d.z]),
+                path_length_m: path_m,
+                heading_rad: net_m.map(|d| d.y.atan2(d.x)),
+                turned_rad,
+                servo_rms_rad: run.servo_rms_rad,
+                energy: run.energy,
+                joules_per_metre: cost.map(|(joules_per_metre, _)| joules_per_metre),
+                cost_of_transport: cost.map(|(_, transport)| transport),
+                cpu_s,
+                steps: run.steps,
+                settle_steps: run.settle_steps,
+                simulated_s,
+                times_real_time: times_real,
+                timestep_s: experiment.solver.timestep_s,
+                substeps: experiment.solver.substeps,
+                engine: simulation::ENGINE_VERSION,
+                version: env!("CARGO_PKG_VERSION"),
+                warnings: run.warnings.clone(),
+                output: self.output.clone(),
             });
-            terminal::print(terminal::json(&report)?);
-            return Ok(());
         }
         let mut lines = vec![format!(
             "{}: {simulated_s:.2} s simulated",
@@ -275,14 +351,4 @@ fn energy_line(energy: &EnergyBalance) -> String {
         energy.kinetic_j,
         energy.residual_j
     )
-}
-
-/// How a run ended, for machines.
-fn status(run: &Run) -> serde_json::Value {
-    match &run.outcome {
-        Outcome::Completed(_) => json!({"status": "completed"}),
-        Outcome::Diverged(Divergence { at_s, why }) => {
-            json!({"status": "diverged", "at_s": at_s, "why": why})
-        }
-    }
 }

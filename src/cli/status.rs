@@ -50,7 +50,7 @@ impl StatusCommand {
             }
         } else {
             match self.format {
-                Format::Json => terminal::print(terminal::json(&status)?),
+                Format::Json => terminal::print_answer(&status)?,
                 Format::Table => terminal::print(self.table(&plan, &status)),
             }
         }

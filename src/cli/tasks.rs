@@ -104,7 +104,7 @@ impl Compare {
             .write("tasks", &self.real, &found, &found.to_string(), pictures)?;
         terminal::print_warnings(&found.warnings);
         match self.format {
-            Print::Json => terminal::print(terminal::json(&found)?),
+            Print::Json => terminal::print_answer(&found)?,
             Print::Table => terminal::print(found.to_string()),
         }
         Ok(ExitCode::SUCCESS)

@@ -3,10 +3,12 @@
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use realgap::text::{escaped_json, escaped_lines};
+use realgap::file::versioned_json;
+use realgap::text::escaped_lines;
 use realgap::{Error, Warning};
 
 use super::advice;
+use super::form::Answer;
 
 /// Whether a stream wants colours: a terminal, and `NO_COLOR` unset or empty.
 fn wants_colour(is_terminal: bool) -> bool {
@@ -102,9 +104,18 @@ pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>) {
     }
 }
 
-/// Pretty JSON of a value of ours, without control characters.
-pub fn json(value: &impl serde::Serialize) -> realgap::Result<String> {
-    serde_json::to_string_pretty(value)
-        .map(escaped_json)
-        .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))
+/// Prints an answer for machines.
+///
+/// # Errors
+/// None for answers of ours.
+pub fn print_answer<A: Answer>(answer: &A) -> realgap::Result<()> {
+    versioned_json(answer).map(print)
+}
+
+/// As [`print_answer`], several in a list.
+///
+/// # Errors
+/// None for answers of ours.
+pub fn print_answers<A: Answer>(answers: &[A]) -> realgap::Result<()> {
+    versioned_json(&answers).map(print)
 }

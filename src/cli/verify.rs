@@ -8,7 +8,7 @@ use realgap::robot::morphology::Assembly;
 use realgap::simulation::verification::{self, Check, Limit, Settings, Tolerance, Verdict};
 use realgap::simulation::{self, Experiment, JointKind};
 use realgap::{Error, Result};
-use serde_json::json;
+use serde::Serialize;
 
 use super::option::{Format, Joint, Values, substeps_help, timestep_help};
 use super::terminal;
@@ -38,6 +38,42 @@ pub struct Verify {
     format: Format,
 }
 
+/// Closed forms against the simulation.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct VerifyReport<'a> {
+    /// Timestep, seconds.
+    timestep_s: f64,
+    /// Solver substeps of each.
+    substeps: usize,
+    /// Kinds of joint.
+    joints: Vec<String>,
+    /// Number of checks that passed.
+    passed: usize,
+    /// Number of checks that failed.
+    failed: usize,
+    /// Those of them that fail as far as is known.
+    known_limits: Vec<KnownLimit>,
+    /// The checks.
+    checks: &'a [Check],
+    /// Engine and its version.
+    engine: &'static str,
+    /// Version of the program.
+    version: &'static str,
+}
+
+/// A check that fails for a known reason.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct KnownLimit {
+    /// Name of the check.
+    name: &'static str,
+    /// Smallest and largest error that the reason explains, in the terms of the check's tolerance.
+    error: (f64, f64),
+    /// The reason.
+    why: &'static str,
+}
+
 impl Verify {
     pub fn run(self) -> Result<ExitCode> {
         let settings = self.settings()?;
@@ -51,20 +87,22 @@ impl Verify {
                 .iter()
                 .map(|kind| format!("{kind:?}").to_lowercase())
                 .collect();
-            terminal::print(terminal::json(&json!({
-                "timestep_s": settings.solver.timestep_s,
-                "substeps": settings.solver.substeps,
-                "joints": joints,
-                "passed": checks.len() - failed,
-                "failed": failed,
-                "known_limits": known
-                    .iter()
-                    .map(|limit| json!({"name": limit.name, "error": limit.error, "why": limit.why}))
-                    .collect::<Vec<_>>(),
-                "checks": checks,
-                "engine": simulation::ENGINE_VERSION,
-                "version": env!("CARGO_PKG_VERSION"),
-            }))?);
+            let limits = known.iter().map(|limit| KnownLimit {
+                name: limit.name,
+                error: limit.error,
+                why: limit.why,
+            });
+            terminal::print_answer(&VerifyReport {
+                timestep_s: settings.solver.timestep_s,
+                substeps: settings.solver.substeps,
+                joints,
+                passed: checks.len() - failed,
+                failed,
+                known_limits: limits.collect(),
+                checks: &checks,
+                engine: simulation::ENGINE_VERSION,
+                version: env!("CARGO_PKG_VERSION"),
+            })?;
         } else {
             terminal::print(table(&checks, terminal::stdout_wants_colour()));
             terminal::print(format!(

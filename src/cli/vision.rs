@@ -167,7 +167,7 @@ impl Compare {
         )?;
         terminal::print_warnings(&report.warnings);
         match self.format {
-            Print::Json => terminal::print(terminal::json(&report)?),
+            Print::Json => terminal::print_answer(&report)?,
             Print::Table => {
                 terminal::print(report.to_string());
                 for extractor in report.extractors.iter().filter(|_| self.views) {
@@ -208,7 +208,7 @@ impl Tune {
         }
         terminal::print_warnings(&tuned.warnings);
         match self.format {
-            Print::Json => terminal::print(terminal::json(&tuned)?),
+            Print::Json => terminal::print_answer(&tuned)?,
             Print::Table => terminal::print(tuned.to_string()),
         }
         Ok(ExitCode::SUCCESS)

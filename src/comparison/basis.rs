@@ -14,6 +14,7 @@ pub(super) const VECTOR: usize = 2 * POINTS;
 
 /// How many principal components count.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Components {
     /// The fewest whose share of the total variance reaches this fraction, more than 0 and at most 1.
     Variance(f64),

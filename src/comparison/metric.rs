@@ -64,6 +64,7 @@ impl Needs {
 
 /// A distance between two trajectories.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Score {
     /// The distance in `unit`, finite, 0 for equal trajectories.
     pub value: f64,

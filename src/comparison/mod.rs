@@ -29,6 +29,8 @@ pub use pointwise::{Displacement, Rms};
 pub use pose::{Pose, PoseErrors, Rotation, pose_errors};
 pub use registry::{DEFAULT_METRIC, METRICS, by_name};
 pub use residual::Shape;
+#[cfg(feature = "schema")]
+pub(crate) use saved_basis::SavedBasis;
 pub use shape::{Dtw, Frechet, Hausdorff};
 pub use spread::{Spread, TRACKER_NOISE_M};
 pub use table::{Comparison, Distance, Row, compare_all, position_metrics};

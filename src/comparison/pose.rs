@@ -96,6 +96,7 @@ impl Metric for Pose {
 
 /// How far a simulated pose is from the recorded one, on average and at the end.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PoseErrors {
     /// Mean position error, as a fraction of the body length.
     pub position_fraction_mean: f64,

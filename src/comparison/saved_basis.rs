@@ -4,16 +4,28 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::basis::{Basis, VECTOR, dot};
 use crate::error::{Error, Result};
-use crate::file::Source;
+use crate::file::{SCHEMA_VERSION, Source};
 
 /// The kept part of a [`Basis`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-struct SavedBasis {
+pub(crate) struct SavedBasis {
+    /// Version of the form; files without it are of the first.
+    #[serde(default = "first_form")]
+    schema_version: u32,
+    /// Number of trajectories that it was fitted on.
     trajectories: usize,
+    /// Share of the variance that each component explains.
     explained_variance_ratio: Vec<f64>,
+    /// The mean trajectory: x of all points, then y, metres.
     mean_m: Vec<f64>,
+    /// The components that are kept, each as long as the mean.
     components: Vec<Vec<f64>>,
+}
+
+fn first_form() -> u32 {
+    1
 }
 
 impl Basis {
@@ -33,6 +45,7 @@ impl Basis {
 impl Serialize for Basis {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         let saved = SavedBasis {
+            schema_version: SCHEMA_VERSION,
             trajectories: self.trajectories,
             explained_variance_ratio: self.explained_variance_ratio.clone(),
             mean_m: self.mean_m.clone(),
@@ -53,6 +66,12 @@ impl TryFrom<SavedBasis> for Basis {
     type Error = Error;
 
     fn try_from(saved: SavedBasis) -> Result<Self> {
+        if saved.schema_version != SCHEMA_VERSION {
+            return Err(Error::invalid("a basis of another version")
+                .field("schema_version")
+                .found(saved.schema_version)
+                .allowed(SCHEMA_VERSION.to_string()));
+        }
         let long_enough = |v: &Vec<f64>| v.len() == VECTOR && v.iter().all(|x| x.is_finite());
         if !long_enough(&saved.mean_m) || !saved.components.iter().all(long_enough) {
             return Err(Error::invalid("not a basis of this version")

@@ -14,6 +14,7 @@ use crate::warning::{Code, Warning};
 /// One trajectory against the reference. Written (serde) as one flat object, whose keys are the names of the fields and
 /// the columns of the metrics.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
     /// Name of the trajectory (file stem).
     pub trajectory: String,
@@ -27,6 +28,10 @@ pub struct Row {
     pub pca_4_coefficients_m: f64,
     /// One distance a metric, in the order asked for.
     #[serde(flatten, serialize_with = "as_columns")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "std::collections::BTreeMap<String, f64>")
+    )]
     pub distances: Vec<Distance>,
     /// What the reader should know; not a column.
     #[serde(skip)]

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Cost of a plan, from a few of its own runs on this machine.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Cost {
     /// Runs that were measured.

@@ -16,6 +16,7 @@ const SCHEMA_VERSION: u32 = 1;
 
 /// What a plan is made of.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PlanDraft {
     /// The command and its arguments, as they follow the program's name.
@@ -34,8 +35,9 @@ pub struct PlanDraft {
 
 /// The file's outermost form: the checksum is of the plan's own JSON.
 #[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-struct Saved {
+pub(crate) struct Saved {
     schema_version: u32,
     plan: PlanDraft,
     sha256: String,

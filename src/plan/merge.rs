@@ -9,6 +9,7 @@ use crate::store::{FolderLock, Merger, STORE_FILE, Table};
 
 /// A shard whose rows were not taken over.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Refused {
     /// Name of its folder.
     pub shard: String,
@@ -18,6 +19,7 @@ pub struct Refused {
 
 /// What came of merging the shards of a round.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Merged {
     /// Rows that were new.
     pub new: usize,

@@ -17,6 +17,8 @@ mod shard;
 mod work;
 
 pub use cost::{Cost, time};
+#[cfg(feature = "schema")]
+pub(crate) use file::Saved;
 pub use file::{PLAN_FILE, Plan, PlanDraft};
 pub use merge::{Merged, Refused};
 pub use round::Round;

@@ -12,6 +12,7 @@ const FILE: &str = "round.json";
 
 /// The rows that are being made: those from number `from` to below `to` that are not merged yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Round {
     /// Its number, from 0.

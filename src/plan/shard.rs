@@ -12,6 +12,7 @@ use crate::store::{FolderLock, RobotRow, RunRow, STORE_FILE, Store, Table, Trial
 
 /// How far a shard is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ShardState {
     /// Nothing of this round is its.
@@ -55,6 +56,7 @@ impl ShardState {
 
 /// One shard in a round.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shard {
     /// Its number, from 0.
     pub shard: usize,
@@ -68,9 +70,8 @@ pub struct Shard {
 
 /// How far a plan is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Status {
-    /// Version of this form.
-    pub schema_version: u32,
     /// Name of the study or search.
     pub name: String,
     /// What is run.
@@ -191,7 +192,6 @@ impl Plan {
             })
             .collect();
         Ok(Status {
-            schema_version: 1,
             name: self.draft().name.clone(),
             command: self.draft().command.join(" "),
             round,

@@ -54,6 +54,7 @@ impl Serialize for SuccessRule {
 
 /// How likely a robot gets far enough.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Success {
     /// Far enough, metres.
     pub least_displacement_m: f64,
@@ -99,6 +100,7 @@ impl Success {
 
 /// A robot under other solver settings, with the draws that chose it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rerun {
     /// What was changed.
     pub settings: &'static str,
@@ -114,6 +116,7 @@ pub struct Rerun {
 
 /// How a robot did among the finalists of a search.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Finals {
     /// From 1; survivors first.
     pub rank: usize,
@@ -153,6 +156,7 @@ pub struct Finals {
 /// # Ok::<(), realgap::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Card {
     /// The robot's name.
     pub robot: String,

@@ -8,6 +8,7 @@ use crate::statistics::mean;
 
 /// What going costs a robot, mechanically: what its servos gave, what they took counted as lost. No heat, no electronics.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Economy {
     /// Mean over the repeats of what the servos gave, joules.
     pub servo_j: f64,

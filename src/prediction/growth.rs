@@ -15,6 +15,7 @@ const START_M: f64 = 1e-3;
 
 /// How fast a small difference grows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Growth {
     /// Growth rate of the distance between two runs whose servo zeros differ by a microradian, 1/s: slope of the logarithm of their
     /// distance over time, least squares, until they are 1 cm apart.

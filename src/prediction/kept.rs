@@ -14,6 +14,7 @@ use crate::trajectory::{JointTrack, Trajectory};
 
 /// What of a run cannot be said in numbers.
 #[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct Words {
     /// Why it was given up.

@@ -43,6 +43,7 @@ const ENGINE_SHARES: [f64; 19] = [
 
 /// What a model varies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
     /// Timestep, substeps, hardness of contact.
@@ -69,6 +70,7 @@ impl Source {
 
 /// A model that is as valid as the one that was asked for.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Model {
     /// What it is.
     pub name: String,
@@ -84,6 +86,7 @@ pub struct Model {
 
 /// From here to there.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Range {
     /// Lower end.
     pub low: f64,
@@ -118,6 +121,7 @@ impl Range {
 
 /// How far models that are as valid part.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ModelError {
     /// The models, beside the one that was asked for.
     pub models: Vec<Model>,
@@ -138,6 +142,7 @@ pub struct ModelError {
 
 /// A probability of success, and how far the models part over it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SuccessRange {
     /// Over the models.
     pub models: Range,

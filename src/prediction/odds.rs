@@ -45,6 +45,7 @@ pub struct OddsOptions {
 
 /// A mean over recordings with its 95 % bootstrap interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Scored {
     /// The mean.
     pub mean: f64,
@@ -56,6 +57,7 @@ pub struct Scored {
 
 /// The odds of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RecordingOdds {
     /// Name of the recording.
     pub recording: String,
@@ -73,6 +75,7 @@ pub struct RecordingOdds {
 
 /// How often the real end lies in a region of the runs' ends.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EndCoverage {
     /// What the region promises.
     pub level: f64,
@@ -82,6 +85,7 @@ pub struct EndCoverage {
 
 /// The odds of all recordings that end at rest, and what they were worth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Odds {
     /// Recordings that end at rest.
     pub recordings: usize,

@@ -42,6 +42,7 @@ pub struct EnsembleOptions {
 
 /// The repeats of one start.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EnsembleCase {
     /// The study's name, or the recording's where every recording has its own start.
     pub case: String,
@@ -64,6 +65,7 @@ pub struct EnsembleCase {
 
 /// What repeats of a study under noise say; its `Display` is for people.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EnsembleReport {
     /// Name of the study.
     pub study: String,

@@ -18,6 +18,7 @@ pub const PAGE_FILE: &str = "report.html";
 
 /// What a command keeps for the page of its results folder, beside its other files.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Kept {
     /// The command that makes the results again.
@@ -34,6 +35,7 @@ pub struct Kept {
 
 /// A path as it is compared: from the origin, net displacement along +x, points at equal steps of time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct KeptPath {
     /// Name of the recording.
@@ -46,6 +48,7 @@ pub struct KeptPath {
 
 /// A robot in motion, as the page's scripts read it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct KeptReplay {
     /// Robot, floor, names of the runs.

@@ -7,11 +7,11 @@ use serde::Serialize;
 use super::draft::publish;
 use super::kind::Kind;
 use crate::error::{Error, Result};
-use crate::file::write_atomic;
+use crate::file::{versioned_json, write_atomic};
 use crate::plot::{Caption, EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
 use crate::prediction::ensemble::{Behaviours, Ensemble, Envelope, Forecast, LEVELS};
 use crate::prediction::{Card, EnsembleReport};
-use crate::text::{cell, escaped_json};
+use crate::text::cell;
 use crate::trajectory::Source;
 
 /// More paths of one behaviour than this are not told apart in a picture.
@@ -38,9 +38,7 @@ pub(super) struct EnsembleResult<'a> {
 /// A full disk or an unwritable folder.
 pub fn write_report(folder: &Path, name: &str, report: &impl Serialize) -> Result<()> {
     make(folder)?;
-    let json = serde_json::to_string_pretty(report)
-        .map(escaped_json)
-        .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))?;
+    let json = versioned_json(report)?;
     write_atomic(folder.join(name), format!("{json}\n").as_bytes())
 }
 

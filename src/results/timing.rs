@@ -12,6 +12,7 @@ pub(super) const FILE: &str = "timing.json";
 
 /// What a run took; of a run that was resumed, what its last part took.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Timing {
     /// From beginning to end, seconds.
     pub wall_s: f64,

@@ -12,6 +12,7 @@ use crate::prediction::ensemble::Forecast;
 
 /// The robot that a search starts from, with the draws that rank the finalists: what searching has to beat.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Baseline {
     /// Its name.
     pub robot: String,

@@ -21,36 +21,54 @@ use crate::simulation::parameter::ParameterSet;
 
 /// What a body or a gait is taken from.
 #[derive(Debug, Clone, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 enum StartFile {
+    /// A genome's file, relative to this one.
     Genome(PathBuf),
+    /// A robot's file, relative to this one.
     Morphology(PathBuf),
 }
 
 /// A search file as written.
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Search")]
-struct SearchFile {
+pub(crate) struct SearchFile {
+    /// What is looked for, for people.
     #[serde(default)]
     description: String,
+    /// How it is looked for.
     strategy: StrategyFile,
+    /// The body or gait from which the search starts; some strategies need none.
     start: Option<StartFile>,
+    /// Time of each run, seconds.
     duration_s: f64,
+    /// How genes become a robot.
     #[serde(default)]
     development: Development,
+    /// Parameters with a fixed value, by name; `realgap parameters` lists all.
     #[serde(default, deserialize_with = "unique_keys")]
     set: BTreeMap<String, f64>,
+    /// What is not known exactly: every repeat draws from these ranges.
     #[serde(default)]
     parameters: Vec<UncertainRange>,
+    /// Results folder of a sweep, relative to this file: repeats draw from the points that cannot be told apart.
     indistinguishable: Option<PathBuf>,
+    /// How repeats differ.
     noise: Option<Noise>,
+    /// What is made large.
     #[serde(default)]
     objective: Objective,
+    /// Runs of each robot.
     #[serde(default = "eight")]
     repeats: usize,
+    /// What counts as a failure.
     #[serde(default)]
     failures: FailureRules,
+    /// How the best are looked at again.
     #[serde(default)]
     finalists: FinalsSettings,
+    /// Seed of everything random.
     #[serde(default = "one")]
     seed: u64,
 }

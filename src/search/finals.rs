@@ -18,6 +18,7 @@ use crate::{Error, Result};
 
 /// How the best are looked at again.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct FinalsSettings {
     /// How many robots.

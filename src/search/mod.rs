@@ -107,6 +107,8 @@ pub use builder::SearchBuilder;
 pub use descriptor::{Behaviour, DESCRIPTORS, Descriptor, descriptor_named};
 pub use failure::{Failure, FailureRules, Reason};
 pub use file::Overrides;
+#[cfg(feature = "schema")]
+pub(crate) use file::SearchFile;
 pub use finals::{Finalist, FinalsSettings, rank};
 pub use objective::{Aggregate, Measure, Objective, Travel};
 pub use problem::Search;

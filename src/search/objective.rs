@@ -10,6 +10,7 @@ use crate::{Error, Result};
 
 /// What is measured in one repeat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Measure {
     /// Distance from start to end in the plane, metres: the papers' fitness.
     Displacement,
@@ -25,6 +26,7 @@ pub enum Measure {
 
 /// One number for all repeats.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Aggregate {
     /// Their mean.
     Mean,
@@ -36,6 +38,7 @@ pub enum Aggregate {
 
 /// What is to be made large.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Objective {
     /// Of each repeat.

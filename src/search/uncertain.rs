@@ -11,6 +11,7 @@ use crate::{Error, Result};
 
 /// A parameter that is only known to be in a range.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Uncertain")]
 pub struct UncertainRange {
     /// Name, as `realgap parameters` lists it.

@@ -19,6 +19,7 @@ use crate::trajectory::{Interpolator, Trajectory};
 /// assert!(camera.check().is_ok() && !camera.is_zero());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default, rename = "Camera")]
 pub struct Camera {
     /// Error of each recorded position, each axis, metres.

@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 /// Distribution of an error. Every one is a monotonic function of a standard normal number, so that a field
 /// draws the same amount of randomness whatever its distribution, and the same seed the same quantile.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Distribution {
     /// Normal with mean 0 and this standard deviation.
     Normal(f64),

@@ -27,6 +27,7 @@ const OPEN_SHARE: f64 = 0.02;
 ///
 /// Work is positive where it adds to the robot's energy: `servo + gravity + contact + friction + joint + slack + residual = kinetic`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EnergyBalance {
     /// Work of all servos: what their motors gave minus what they took.
     pub servo_j: f64,

@@ -54,5 +54,7 @@ pub use posture::Posture;
 pub use run::{Run, run, watch};
 pub use scene::{SceneBody, SceneBox, SceneMotion};
 pub use settle::{Settling, settle};
+#[cfg(feature = "schema")]
+pub(crate) use vehicle::VehicleFile;
 pub use vehicle::{Drive, Vehicle};
 pub use watch::{HingeState, Push, Snapshot};

@@ -27,6 +27,7 @@ use crate::trajectory::Trajectory;
 /// assert!(noise.check().is_ok() && !noise.is_zero());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default, rename = "Noise")]
 pub struct Noise {
     /// Start position, x and y each, metres.

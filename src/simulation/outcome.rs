@@ -17,6 +17,7 @@ use crate::error::{Error, Result};
 /// assert_eq!(lost.into_result().unwrap_err().message(), "the simulation diverged at 1.500 s: it flew away");
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome<T> {
     /// The whole duration was simulated.
@@ -27,6 +28,7 @@ pub enum Outcome<T> {
 
 /// When and why a simulation was given up.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Divergence {
     /// When, seconds from the start (negative: while settling).
     pub at_s: f64,

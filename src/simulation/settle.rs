@@ -10,6 +10,7 @@ use crate::warning::{Code, Warning};
 
 /// What a robot did while it settled on the floor with its servos held at their first command.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Settling {
     /// How long it took, seconds; the whole limit if it never came to rest.
     pub taken_s: f64,
@@ -21,6 +22,7 @@ pub struct Settling {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 enum End {
     AtRest,

@@ -13,6 +13,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// The energy distance of two samples and how likely one as large is where they are drawn alike.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EnergyTest {
     /// ℰ = 2 E‖X − Y‖ − E‖X − X′‖ − E‖Y − Y′‖ over all pairs, each with itself included (Székely & Rizzo 2013, section 6), in
     /// the unit of the distances; 0 where the samples are the same.

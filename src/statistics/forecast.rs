@@ -27,6 +27,7 @@ pub fn brier(probabilities: &[f64], happened: usize) -> f64 {
 
 /// How often events happened that had about the same probability.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ReliabilityBin {
     /// Mean of the probabilities that were given.
     pub probability: f64,

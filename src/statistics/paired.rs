@@ -12,6 +12,7 @@ const EXACT_PAIRS: usize = 60;
 
 /// A two-sided test of differences, with the size of the effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PairedTest {
     /// Pairs that differ.
     pub pairs: usize,

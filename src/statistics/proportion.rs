@@ -5,6 +5,7 @@ use statrs::function::erf::erfc_inv;
 
 /// A share of trials with its Wilson score interval (Wilson 1927), which behaves at 0 and 1 and for few trials.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Proportion {
     /// How often it happened.
     pub count: usize,

@@ -16,6 +16,7 @@ const EXACT_PRODUCT: usize = 10_000;
 
 /// Where a p value comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum PValueMethod {
     /// All orders of the values were counted.
@@ -26,6 +27,7 @@ pub enum PValueMethod {
 
 /// A two-sided test of two samples.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SampleTest {
     /// The statistic: U of the first sample, the largest distance D, or the rank correlation ρ.
     pub statistic: f64,

@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 
 /// How long something took, or that it took longer than this.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Duration {
     /// Seconds, above 0.
     pub time_s: f64,
@@ -29,6 +30,7 @@ pub struct Duration {
 /// # Ok::<(), realgap::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct KaplanMeier {
     /// Times at which something was finished, seconds, increasing,
     pub times_s: Vec<f64>,

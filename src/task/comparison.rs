@@ -12,6 +12,7 @@ use crate::warning::{Code, Warning};
 
 /// Trials of one condition in one of the two worlds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SideReport {
     /// Trials,
     pub trials: usize,
@@ -34,6 +35,7 @@ pub struct SideReport {
 
 /// One condition.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ConditionReport {
     /// `robot=PER, mode=teleoperation`.
     pub condition: String,
@@ -58,6 +60,7 @@ pub struct ConditionReport {
 
 /// One factor: do real and simulated trials put its levels into the same order?
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FactorReport {
     /// Its name.
     pub factor: String,
@@ -73,6 +76,7 @@ pub struct FactorReport {
 
 /// Task times, real against simulated.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TaskComparison {
     /// Every condition of both logs.
     pub conditions: Vec<ConditionReport>,

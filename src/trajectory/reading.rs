@@ -69,6 +69,7 @@ impl<'de> Deserialize<'de> for QuaternionOrder {
 
 /// A part of every recording, in seconds since its first sample.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "crop")]
 pub struct Crop {
     /// Where it begins.
@@ -119,6 +120,7 @@ impl fmt::Display for Crop {
 
 /// The rows of one robot in a file that holds several.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "only")]
 pub struct Only {
     /// The column that says whose row it is.
@@ -162,6 +164,7 @@ impl std::str::FromStr for Only {
 /// # Ok::<(), realgap::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default, rename = "reading")]
 pub struct Reading {
     /// Which column holds what, where it is not called as here.

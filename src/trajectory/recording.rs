@@ -9,6 +9,7 @@ use crate::warning::Warning;
 
 /// Where the motion in a recording comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Source {
     /// Measured on a real robot.
     Real,
@@ -47,6 +48,7 @@ impl Source {
 
 /// Metadata of a set of recordings, from `meta.ron` beside the files.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Meta {
     /// Name of the robot (a morphology), e.g. `tripod`.

@@ -1,6 +1,9 @@
 //! Stories of tossed cubes: identification before contact, start states, evaluation, length scale, round edges.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+#[path = "../common/mod.rs"]
+mod common;
+
 mod command;
 mod flight;
 mod real;

@@ -193,7 +193,7 @@ fn the_command_prints_a_table_json_and_pictures() {
         let drawn = Grey::read(out.join(name)).unwrap();
         assert!(drawn.width() > 500, "{name}");
     }
-    let json: serde_json::Value = serde_json::from_str(&run(&["--format", "json"])).unwrap();
+    let json = common::schema::answer("vision-compare", &run(&["--format", "json"]));
     assert_eq!(json["extractors"][0]["verdict"]["answer"], "nearer");
     let sheet = root.path().join("steps.png");
     let done = common::realgap()

@@ -52,6 +52,7 @@ impl Default for CameraOptions {
 
 /// What pictures say of a setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Known {
     /// Its interval lies within what was searched.
@@ -66,6 +67,7 @@ pub enum Known {
 
 /// A setting that was found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TunedSetting {
     /// Its name, as in a scene's camera.
     pub name: &'static str,
@@ -87,6 +89,7 @@ pub struct TunedSetting {
 
 /// How far simulated pictures are from real ones, before and after.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Mismatch {
     /// What pictures look like: 1 is as far as views differ from each other after the fit.
     pub look_start: f64,
@@ -100,6 +103,7 @@ pub struct Mismatch {
 
 /// A camera that was tuned.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TunedCamera {
     /// The camera.
     #[serde(skip)]

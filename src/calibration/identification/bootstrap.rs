@@ -11,6 +11,7 @@ const TAIL: f64 = 0.025;
 
 /// An estimate with its 95 % confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Interval {
     /// The estimate from all recordings.
     pub value: f64,

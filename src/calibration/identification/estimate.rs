@@ -28,6 +28,7 @@ pub enum LengthReading {
 
 /// A recording without flight.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Grounded {
     /// Name of the recording.
     pub recording: String,
@@ -37,6 +38,7 @@ pub struct Grounded {
 
 /// Start of one recording as its flight tells it, in recorded lengths.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FlightStart {
     /// Name of the recording.
     pub recording: String,
@@ -63,6 +65,7 @@ pub struct FlightStart {
 
 /// What the estimate would be without the first samples, where trackers have transients.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Trimmed {
     /// Samples left out at the start of every flight.
     pub first_samples_left_out: usize,
@@ -76,6 +79,7 @@ pub struct Trimmed {
 
 /// What the flights say. Intervals: 95 %, bootstrap over recordings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Identification {
     /// Recordings looked at.
     pub recordings: usize,

@@ -34,6 +34,7 @@ const TAIL: f64 = 0.025;
 
 /// What flights say about one parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointVerdict {
     /// Name of the parameter.
     pub parameter: &'static str,
@@ -49,6 +50,7 @@ pub struct JointVerdict {
 
 /// How far flights are from recordings: medians over recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FlightErrors {
     /// Position of the tracked point, metres.
     pub position_m: f64,
@@ -60,6 +62,7 @@ pub struct FlightErrors {
 
 /// What the flights of a jointed robot say.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointIdentification {
     /// Recordings looked at.
     pub recordings: usize,

@@ -17,6 +17,7 @@ const REST_JOINT_RAD: f64 = 1e-2;
 
 /// How often a face of the tracked module ended down.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FaceCount {
     /// Name of the face in the tracked module's frame.
     pub face: &'static str,
@@ -26,6 +27,7 @@ pub struct FaceCount {
 
 /// Resting poses of many recordings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RestReport {
     /// Recordings that end at rest.
     pub at_rest: usize,

@@ -11,6 +11,7 @@ use crate::trajectory::{State, Trajectory};
 
 /// Which state of a recording a simulated run starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum StartState {
     /// The first sample as it is.
     #[default]

@@ -10,9 +10,8 @@ use realgap::sensing::range::RangeModel;
 use realgap::simulation::Vehicle;
 use realgap::text::shown;
 use realgap::unit::{counted, number};
-use serde_json::json;
 
-use super::{Contents, Kind, SHOWN};
+use super::{Contents, Kind, SHOWN, report};
 
 pub(super) fn arena(source: &Source) -> Result<Contents> {
     let arena = Arena::parse(source)?;
@@ -42,13 +41,13 @@ pub(super) fn arena(source: &Source) -> Result<Contents> {
             ) + &anchors,
             start,
         ],
-        details: json!({
-            "name": arena.name,
-            "size_m": arena.size_m,
-            "objects": arena.objects.len(),
-            "anchors": arena.anchors.iter().map(|a| &a.name).collect::<Vec<_>>(),
-            "start": arena.start,
-        }),
+        details: report::Contents::Arena {
+            size_m: arena.size_m,
+            objects: arena.objects.len(),
+            anchors: arena.anchors.iter().map(|a| a.name.clone()).collect(),
+            start: arena.start,
+            name: arena.name,
+        },
         warnings: Vec::new(),
     })
 }
@@ -70,12 +69,12 @@ pub(super) fn sensor(source: &Source) -> Result<Contents> {
                 sensor.spread.form.name()
             ),
         ],
-        details: json!({
-            "range": sensor.range,
-            "distance_unit": sensor.distance_unit,
-            "mean": sensor.mean.form.name(),
-            "spread": sensor.spread.form.name(),
-        }),
+        details: report::Contents::Sensor {
+            range: sensor.range,
+            distance_unit: sensor.distance_unit,
+            mean: sensor.mean.form.name(),
+            spread: sensor.spread.form.name(),
+        },
         warnings: Vec::new(),
     })
 }
@@ -90,7 +89,11 @@ pub(super) fn vehicle(path: &Path) -> Result<Contents> {
             vehicle.radius_m,
             shown(&vehicle.arena.name, SHOWN)
         )],
-        details: json!({ "name": vehicle.name, "radius_m": vehicle.radius_m, "arena": vehicle.arena.name }),
+        details: report::Contents::Vehicle {
+            radius_m: vehicle.radius_m,
+            arena: vehicle.arena.name.clone(),
+            name: vehicle.name,
+        },
         warnings: Vec::new(),
     })
 }
@@ -116,11 +119,11 @@ pub(super) fn radio(source: &Source) -> Result<Contents> {
             ),
             format!("  {}", parameters.join(", ")),
         ],
-        details: json!({
-            "propagation": model.propagation.name(),
-            "values": model.values,
-            "log_base": model.log_base.name(),
-        }),
+        details: report::Contents::Radio {
+            propagation: model.propagation.name(),
+            values: model.values,
+            log_base: model.log_base.name(),
+        },
         warnings: Vec::new(),
     })
 }

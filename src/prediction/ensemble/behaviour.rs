@@ -25,6 +25,7 @@ const IN_PLACE_TURN_RAD: f64 = std::f64::consts::FRAC_PI_4;
 
 /// What a behaviour is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// What the simulation without noise does.
@@ -48,6 +49,7 @@ impl Kind {
 
 /// A group of repeats that do the same.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Behaviour {
     /// Name, numbered where several are of one kind.
     pub name: String,
@@ -68,6 +70,7 @@ pub struct Behaviour {
 
 /// The behaviours of an ensemble, the prediction first, then the most likely first.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Behaviours {
     /// Distance at which two behaviours are two, metres.
     pub cut_m: f64,

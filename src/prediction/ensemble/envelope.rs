@@ -32,6 +32,7 @@ fn scored(paths: usize) -> usize {
 /// distribution with about probability p whatever that distribution is. The shape is only a shape: for
 /// two separate groups of paths the ellipse includes what lies between them.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Region {
     /// Mean position, prepared frame, metres.
     pub centre_m: [f64; 2],
@@ -117,6 +118,7 @@ impl Region {
 /// Central regions over time, one a prepared point: each holds its share at its own time ([`Envelope::new`]), or all together
 /// hold it for whole paths ([`Envelope::of_whole_paths`]).
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Envelope {
     /// Times, seconds from the start.
     pub times_s: Vec<f64>,

@@ -16,6 +16,7 @@ const LEVEL: f64 = 0.95;
 
 /// What an ensemble says.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Forecast {
     /// Repeats simulated.
     pub repeats: usize,

@@ -15,6 +15,7 @@ const INTERVAL: f64 = 0.95;
 
 /// One recorded run against the ensemble.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RealRun {
     /// Name of the recording.
     pub recording: String,
@@ -37,6 +38,7 @@ pub struct RealRun {
 
 /// How often reality lies in a central region that should hold it with probability `level`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Coverage {
     /// What the region promises.
     pub level: f64,
@@ -52,6 +54,7 @@ pub struct Coverage {
 
 /// An ensemble against recorded runs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reality {
     /// Coverage at each of [`LEVELS`].
     pub coverage: Vec<Coverage>,

@@ -21,6 +21,7 @@ const INTERVAL: f64 = 0.95;
 ///
 /// An ensemble that tells the truth has C(t) near 0.9 at all times; one that is off, or too sure of itself, drops.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Confidence {
     /// What the region promises.
     pub level: f64,

@@ -13,6 +13,7 @@ use crate::warning::{Code, Warning};
 
 /// A gap and how many noise floors it is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GapAndRatio {
     /// Mean distance over the recordings.
     pub gap: Estimate,
@@ -23,6 +24,7 @@ pub struct GapAndRatio {
 
 /// Noise floor, gap and gap ratio by one metric.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MetricGap {
     /// Name of the metric.
     pub metric: &'static str,
@@ -41,6 +43,7 @@ pub struct MetricGap {
 
 /// All gaps of a set of recordings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Distances {
     /// Number of recordings.
     pub recordings: usize,

@@ -10,6 +10,7 @@ pub const INTERVAL_LEVEL: f64 = 0.95;
 /// A number with its 95 % interval over recordings: Student's t with the jackknife of its logarithm
 /// ([`jackknife_interval`]), how often it holds: docs/fidelity/gap.md.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Estimate {
     /// The number.
     pub value: f64,

@@ -8,6 +8,7 @@ use crate::statistics::{SampleTest, kolmogorov_smirnov, mann_whitney, mean};
 
 /// Net displacements of the recordings against those of the repeats under noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fitness {
     /// Mean of the recordings, metres.
     pub real_mean_m: f64,

@@ -14,6 +14,7 @@ use crate::warning::{Code, Warning};
 
 /// The noise floor by one metric.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MetricFloor {
     /// Name of the metric.
     pub metric: &'static str,
@@ -25,6 +26,7 @@ pub struct MetricFloor {
 
 /// The noise floor of one set of repeats.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NoiseFloor {
     /// Number of recordings.
     pub recordings: usize,

@@ -14,6 +14,7 @@ type Predicted<'a> = dyn Fn(&CaseRuns, usize, usize) -> Option<[f64; 2]> + 'a;
 /// The distance is in the plane and the mean over the recordings. All paths are in the prepared frame, so that nothing but the
 /// shape of the path over time counts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OverTime {
     /// Times, seconds from the start; the mean recording's where they differ in length.
     pub times_s: Vec<f64>,

@@ -91,6 +91,7 @@ pub fn read_sets(overrides: &Overrides, group_column: Option<&str>) -> Result<Ve
 
 /// Noise floors of sets of recordings; its `Display` is for people.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FloorReport {
     /// Version of this crate.
     pub version: &'static str,
@@ -103,6 +104,7 @@ pub struct FloorReport {
 
 /// The noise floor of one set.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SetFloor {
     /// Name of the set.
     pub set: String,

@@ -39,6 +39,7 @@ pub struct GapOptions {
 
 /// How far a study's simulation is from its recordings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StudyGap {
     /// Name of the study.
     pub study: String,

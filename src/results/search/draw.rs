@@ -13,6 +13,7 @@ use crate::simulation::Experiment;
 
 /// One repeat for another engine, and how far it went here.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Draw {
     /// Number of the repeat, from 0.
     pub number: u64,

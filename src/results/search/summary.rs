@@ -12,6 +12,7 @@ use crate::warning::{Code, Warning};
 
 /// One of the best robots, in short.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BestRobot {
     /// From 1; survivors first.
     pub rank: usize,
@@ -50,6 +51,7 @@ pub struct BestRobot {
 
 /// A whole search in short: `summary.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SearchSummary {
     /// Name of the search.
     pub search: String,

@@ -11,6 +11,7 @@ use crate::{Error, Result};
 /// The papers give the side of the active module (about 58 mm) and up to five modules; everything else is
 /// assumed, with the masses and the servo of `morphologies/tripod.ron`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Development {
     /// Most modules of a robot, 1 to [`Genome::MAX_MODULES`].

@@ -25,12 +25,17 @@ pub struct Specimen {
 }
 
 #[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Genome")]
-struct SpecimenFile {
+pub(crate) struct SpecimenFile {
+    /// Name of the robot.
     #[serde(default = "unnamed")]
     name: String,
+    /// Number of modules, which is the number of genes.
     modules: usize,
+    /// Ten numbers from 0 to 1 for each module.
     genes: Vec<Vec<f64>>,
+    /// How genes become a robot.
     #[serde(default)]
     development: Development,
 }

@@ -58,6 +58,8 @@ mod sequence;
 
 pub use development::Development;
 pub use file::Specimen;
+#[cfg(feature = "schema")]
+pub(crate) use file::SpecimenFile;
 pub use locus::Locus;
 pub use misfit::Misfit;
 pub use sequence::{Gene, Genome};

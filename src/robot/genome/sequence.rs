@@ -93,6 +93,7 @@ pub(super) fn check_value(locus: Locus, value: f64) -> Result<()> {
 /// # Ok::<(), realgap::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(try_from = "Vec<[f64; Gene::LEN]>", into = "Vec<[f64; Gene::LEN]>")]
 pub struct Genome(Vec<Gene>);
 

@@ -16,22 +16,32 @@ use crate::Error;
 use crate::file::unknown_name;
 
 #[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "morphology")]
-pub(super) struct MorphologyFile {
+pub(crate) struct MorphologyFile {
+    /// Name of the robot: letters, digits, `_` and `-`.
     name: String,
+    /// What it is, for people.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     description: String,
+    /// What modules have that say nothing else.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     defaults: Option<DefaultsFile>,
+    /// The modules.
     modules: Vec<ModuleFile>,
+    /// Which module is glued on which face of which other.
     #[serde(default)]
     glue: Vec<GlueFile>,
+    /// Hinges between modules, stated by anchor and axis.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     hinges: Vec<PivotFile>,
+    /// Pairs of modules that never touch each other.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     never_touch: Vec<(String, String)>,
+    /// Where the first module is held in the world, metres; without it the robot moves freely.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     mount_m: Option<Triple>,
+    /// The module that recordings follow; else the first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     track: Option<String>,
 }
@@ -40,86 +50,127 @@ pub(super) struct MorphologyFile {
 type Triple = (f64, f64, f64);
 
 #[derive(Debug, Clone, Copy, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "defaults")]
 struct DefaultsFile {
+    /// Edge of a cube, metres.
     side_m: Option<f64>,
+    /// Mass of a module without its plate, kg.
     mass_kg: Option<f64>,
+    /// The servo.
     servo: Option<ServoFile>,
 }
 
 #[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "module")]
 struct ModuleFile {
+    /// Unique name: letters, digits, `_` and `-`.
     name: String,
+    /// With or without a servo.
     kind: KindFile,
 }
 
 #[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "kind")]
 #[allow(clippy::large_enum_variant, reason = "read once, then gone")]
 enum KindFile {
+    /// Without a servo.
     Passive {
+        /// Edge of a cube, metres; else that of `defaults`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         side_m: Option<f64>,
+        /// Edge lengths along x, y and z in place of `side_m`, metres.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         sides_m: Option<Triple>,
+        /// What it consists of within that box; none: the whole of it.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         boxes: Vec<BoxFile>,
+        /// Mass without the plate, kg; else that of `defaults`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         mass_kg: Option<f64>,
+        /// Principal moments about the centre of mass, along the module's axes, kg m2; else those of uniform boxes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         inertia_kg_m2: Option<Triple>,
+        /// Centre of mass in the module's frame, metres; else that of uniform boxes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         centre_of_mass_m: Option<Triple>,
     },
+    /// With a servo that moves one face.
     Active {
+        /// Edge of a cube, metres; else that of `defaults`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         side_m: Option<f64>,
+        /// Edge lengths along x, y and z in place of `side_m`, metres.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         sides_m: Option<Triple>,
+        /// What it consists of within that box; none: the whole of it.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         boxes: Vec<BoxFile>,
+        /// Mass without the plate, kg; else that of `defaults`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         mass_kg: Option<f64>,
+        /// Principal moments about the centre of mass, along the module's axes, kg m2; else those of uniform boxes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         inertia_kg_m2: Option<Triple>,
+        /// Centre of mass in the module's frame, metres; else that of uniform boxes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         centre_of_mass_m: Option<Triple>,
+        /// The driven face.
         face: Face,
+        /// How the face moves.
         axis: AxisFile,
+        /// Control law and limits; else those of `defaults`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         servo: Option<ServoFile>,
+        /// The command that the servo follows; without it it holds 0 rad.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         gait: Option<GaitFile>,
     },
 }
 
 #[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "box")]
 struct BoxFile {
+    /// Edge lengths along the module's axes, metres.
     sides_m: Triple,
+    /// Centre in the module's frame, metres.
     #[serde(default)]
     centre_m: Triple,
 }
 
 #[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "hinge")]
 struct PivotFile {
+    /// Unique name; joint columns of recordings have it.
     name: String,
+    /// The module that holds the hinge.
     parent: String,
+    /// The module that turns by the angle about the axis, right-handed.
     child: String,
+    /// A point on the axis, in the parent's frame, metres.
     anchor_m: Triple,
+    /// The same point in the child's frame, metres.
     #[serde(default)]
     child_anchor_m: Triple,
+    /// Direction of the axis in the parent's frame.
     axis: Triple,
+    /// Torque against the motion per speed, N m s/rad.
     #[serde(default)]
     viscous_nm_s_rad: f64,
+    /// Largest torque of dry friction, N m.
     #[serde(default)]
     dry_nm: f64,
+    /// Smallest and largest angle, radians; without it the hinge turns all round.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     limits_rad: Option<(f64, f64)>,
+    /// Control law and limits; without servo and gait the hinge is passive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     servo: Option<ServoFile>,
+    /// The command that the servo follows; without it it holds 0 rad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     gait: Option<GaitFile>,
 }
@@ -133,33 +184,48 @@ fn triple(v: &Vector3<f64>) -> Triple {
 }
 
 #[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "axis")]
 enum AxisFile {
+    /// The face spins about its own outward normal, right-handed.
     Normal {
+        /// The slab on the face; needed where no module is glued onto it.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         plate: Option<PlateFile>,
     },
+    /// The face bends like a hinge whose axis runs through its centre.
     Tangent {
+        /// Direction of the axis, right-handed, at right angles to the face.
         axis: Face,
     },
 }
 
 #[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "plate")]
 struct PlateFile {
+    /// Edge length, metres.
     side_m: f64,
+    /// Thickness, metres.
     thickness_m: f64,
+    /// Mass, kg.
     mass_kg: f64,
 }
 
 #[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "glue")]
 struct GlueFile {
+    /// The module that is there already.
     parent: String,
+    /// Its face.
     face: Face,
+    /// The module that is glued onto it.
     child: String,
+    /// The child's face; else the opposite one, so that both frames are parallel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     child_face: Option<Face>,
+    /// Turns of the child by 90 degrees about the outward normal of the parent's face, right-handed, 0 to 3.
     #[serde(default, skip_serializing_if = "is_zero")]
     quarter_turns: i64,
 }

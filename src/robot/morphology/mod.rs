@@ -141,7 +141,7 @@ pub use summary::Summary;
 
 use crate::file::{Source, parse_ron, write_ron};
 use crate::{Error, Result};
-use file::MorphologyFile;
+pub(crate) use file::MorphologyFile;
 use flaw::{Checked, Flaw};
 use layout::Placement;
 use tree::{Links, Tree};

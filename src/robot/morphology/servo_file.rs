@@ -6,36 +6,56 @@ use super::assembly::{Gait, Servo, ServoLaw};
 use super::motor::{GearFriction, Motor};
 
 #[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "servo")]
 pub(super) struct ServoFile {
+    /// Control law.
     law: LawFile,
+    /// Largest torque, N m.
     max_torque_nm: f64,
+    /// Largest commanded speed, rad/s; without it there is no limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     max_speed_rad_s: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "law")]
 pub(super) enum LawFile {
+    /// Velocity command `clamp(gain error, +- max speed)`, followed within the torque.
     Velocity {
+        /// Gain, 1/s.
         gain_1_s: f64,
     },
+    /// Torque `stiffness error - damping velocity`, within the torque.
     Torque {
+        /// Stiffness, N m/rad.
         stiffness_nm_rad: f64,
+        /// Damping, N m s/rad.
         damping_nm_s_rad: f64,
     },
+    /// A motor behind a gear: what a servo is made of.
     Motor {
+        /// Gain of the position loop, in the units of the servo's firmware.
         position_gain: f64,
+        /// Duty per radian of error and unit of gain, 1/rad.
         duty_1_rad: f64,
+        /// Voltage of the supply, V.
         supply_v: f64,
+        /// Torque per current behind the gear, N m/A.
         torque_constant_nm_a: f64,
+        /// Resistance of winding and driver, ohm.
         resistance_ohm: f64,
+        /// How much the supply gives way while the driver chops, ohm.
         #[serde(default)]
         ripple_ohm: f64,
+        /// Inertia of the rotor as the output shaft feels it, kg m2.
         #[serde(default)]
         armature_kg_m2: f64,
+        /// Largest change of the duty per second, 1/s; without it the duty may jump.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         slew_1_s: Option<f64>,
+        /// What the gear takes.
         #[serde(default)]
         friction: FrictionFile,
     },
@@ -43,22 +63,32 @@ pub(super) enum LawFile {
 
 /// What is left out is zero, but for the form of the Stribeck curve.
 #[derive(Debug, Clone, Copy, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default, rename = "friction")]
 pub(super) struct FrictionFile {
+    /// Coulomb friction, N m.
     dry_nm: f64,
+    /// Viscous friction, N m s/rad.
     viscous_nm_s_rad: f64,
+    /// Further dry friction at standstill, N m.
     #[serde(skip_serializing_if = "Option::is_none")]
     stribeck_nm: Option<f64>,
+    /// Speed at which the Stribeck parts have fallen to 1/e, rad/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     stribeck_speed_rad_s: Option<f64>,
+    /// How sharply they fall: 1 exponentially, 2 as a bell.
     #[serde(skip_serializing_if = "Option::is_none")]
     stribeck_shape: Option<f64>,
+    /// Share of the motor's torque that is lost.
     #[serde(skip_serializing_if = "Option::is_none")]
     motor_load: Option<f64>,
+    /// Share of the output's torque that is lost, below 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     output_load: Option<f64>,
+    /// Further share of both at standstill.
     #[serde(skip_serializing_if = "Option::is_none")]
     stribeck_load: Option<f64>,
+    /// Loss that grows with the square of the motor's torque, 1/(N m).
     #[serde(skip_serializing_if = "Option::is_none")]
     quadratic_1_nm: Option<f64>,
 }
@@ -101,12 +131,17 @@ impl From<GearFriction> for FrictionFile {
 }
 
 #[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "gait")]
 pub(super) struct GaitFile {
+    /// Mean angle, radians.
     #[serde(default)]
     offset_rad: f64,
+    /// Amplitude, radians.
     amplitude_rad: f64,
+    /// Frequency, Hz.
     frequency_hz: f64,
+    /// Phase, radians.
     #[serde(default)]
     phase_rad: f64,
 }

@@ -6,6 +6,7 @@ use super::Evaluated;
 
 /// One axis of an archive: a behaviour descriptor cut into equal cells. Values beyond the ends belong to the end cells.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Axis {
     /// What is described, with its unit, e.g. `height_m`.

@@ -10,6 +10,7 @@ use crate::{Error, Result};
 
 /// CMA-ES as a file names it: on the gait of the genome or the robot that the search starts from.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct CmaEsSettings {
     /// Robots of the whole search.

@@ -9,6 +9,7 @@ use crate::{Error, Result};
 
 /// A population over generations: the elites stay, children of selected parents take the other places.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Evolution {
     /// Robots of one generation.

@@ -9,6 +9,7 @@ use crate::{Error, Result};
 
 /// Values of one number of a gene, of one module or of all alike.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GeneValues {
     /// Which module, counted from 0; left out: all modules get the same value.
@@ -22,6 +23,7 @@ pub struct GeneValues {
 
 /// A grid as a file names it: around the genome or the robot that the search starts from.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct GridSettings {
     /// What varies; the first runs slowest.

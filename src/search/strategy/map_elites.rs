@@ -12,6 +12,7 @@ use crate::{Error, Result};
 
 /// Random robots first, then children of the elites of randomly chosen cells.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct MapElites {
     /// The axes of the archive, at least one.

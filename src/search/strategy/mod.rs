@@ -38,6 +38,7 @@ pub use variation::Variation;
 
 /// A genome and how it did.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Evaluated {
     /// The genome.
     pub genome: Genome,

@@ -16,8 +16,32 @@ macro_rules! strategies {
         pub const STRATEGIES: &[&str] = &[$(stringify!($name)),*];
 
         #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
         enum Name {
             $($name,)*
+        }
+
+        #[cfg(feature = "schema")]
+        impl schemars::JsonSchema for StrategyFile {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                "Strategy".into()
+            }
+
+            fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                let one = |name: &str, settings: schemars::Schema| {
+                    schemars::json_schema!({
+                        "type": "object",
+                        "properties": { name: settings },
+                        "required": [name],
+                        "additionalProperties": false,
+                    })
+                };
+                let all = [$(one(stringify!($name), generator.subschema_for::<$settings>())),*];
+                schemars::json_schema!({
+                    "description": "A strategy with its settings.",
+                    "oneOf": all,
+                })
+            }
         }
 
         fn settings<'de, A: VariantAccess<'de>>(

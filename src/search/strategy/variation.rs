@@ -9,6 +9,7 @@ use crate::{Error, Result};
 
 /// Crossover and mutation of a strategy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Variation {
     /// Name of the crossover, one of the [`OPERATORS`](crate::search::OPERATORS).

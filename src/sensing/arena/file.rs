@@ -9,70 +9,101 @@ use crate::error::{Error, Result};
 use crate::file::{Source, parse_ron};
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Arena")]
-struct ArenaFile {
+pub(crate) struct ArenaFile {
+    /// Its name.
     name: String,
+    /// Width and depth of the field, from (0, 0), metres.
     size_m: (f64, f64),
+    /// Whether there are walls around the field.
     boundary: Boundary,
     /// Corners of a closed wall around rooms, the last the first again.
     #[serde(default)]
     outline_m: Vec<(f64, f64)>,
+    /// Thickness of that wall, metres.
     #[serde(default = "thin")]
     outline_thickness_m: f64,
+    /// Straight walls.
     #[serde(default)]
     walls: Vec<WallFile>,
+    /// Boxes.
     #[serde(default)]
     boxes: Vec<BoxFile>,
+    /// Round things.
     #[serde(default)]
     circles: Vec<CircleFile>,
+    /// Radio stations.
     #[serde(default)]
     anchors: Vec<AnchorFile>,
+    /// Where robots start; else nowhere in particular.
     start: Option<StartFile>,
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Wall")]
 struct WallFile {
+    /// One end, metres.
     from_m: (f64, f64),
+    /// The other end, metres.
     to_m: (f64, f64),
+    /// Thickness, metres.
     #[serde(default = "thin")]
     thickness_m: f64,
+    /// What it is made of; radio models may have a loss for each material.
     #[serde(default)]
     material: String,
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Box")]
 struct BoxFile {
+    /// Centre, metres.
     centre_m: (f64, f64),
+    /// Half of its sides, metres.
     half_m: (f64, f64),
+    /// Turn to the left, degrees.
     #[serde(default)]
     turn_deg: f64,
+    /// What it is made of.
     #[serde(default)]
     material: String,
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Circle")]
 struct CircleFile {
+    /// Centre, metres.
     centre_m: (f64, f64),
+    /// Radius, metres.
     radius_m: f64,
+    /// What it is made of.
     #[serde(default)]
     material: String,
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Anchor")]
 struct AnchorFile {
+    /// Its name, as in radio logs.
     name: String,
+    /// Its place: x, y and height, metres.
     position_m: (f64, f64, f64),
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Start")]
 struct StartFile {
+    /// Place to the right, metres.
     x_m: f64,
+    /// Place up, metres.
     y_m: f64,
+    /// Heading from the x axis to the left, degrees.
     #[serde(default)]
     heading_deg: f64,
 }

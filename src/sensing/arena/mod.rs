@@ -17,9 +17,12 @@ mod file;
 use crate::error::{Error, Result};
 
 pub use cast::{Crossing, Hit};
+#[cfg(feature = "schema")]
+pub(crate) use file::ArenaFile;
 
 /// What ends the field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Boundary {
     /// Walls all round.
     Solid,

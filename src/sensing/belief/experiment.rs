@@ -45,6 +45,7 @@ impl Default for BeliefOptions {
 
 /// What is believed after the readings of many trials.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrialSet {
     /// Trials.
     pub trials: usize,
@@ -66,6 +67,7 @@ pub struct TrialSet {
 
 /// Simulated and real beliefs at one distance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Side {
     /// True distance at the end of a trial, in the model's unit.
     pub distance: f64,
@@ -86,6 +88,7 @@ pub struct Side {
 
 /// Beliefs at some distances.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BeliefReport {
     /// Symbol of the model's unit of length.
     pub unit: &'static str,

@@ -16,6 +16,7 @@ use crate::warning::{Code, Warning};
 
 /// One segment of the scan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SegmentReport {
     /// Middle of the segment, degrees counter-clockwise from straight ahead.
     pub segment_deg: f64,
@@ -43,6 +44,7 @@ pub struct SegmentReport {
 
 /// A sensorgraph held against a log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Evaluation {
     /// Mean absolute error over all segments of all scans, metres.
     pub mean_absolute_error_m: f64,

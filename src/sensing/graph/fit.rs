@@ -41,6 +41,7 @@ impl Default for GraphOptions {
 
 /// A fitted sensorgraph and what chose it.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FittedGraph {
     /// The model.
     #[serde(skip)]

@@ -11,6 +11,7 @@ use crate::file::{Source, parse_ron, write_ron};
 
 /// What the polynomials are of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Frame {
     /// One for each range of headings and each segment of the scan, as in paper 001.
     Robot,
@@ -21,6 +22,7 @@ pub enum Frame {
 
 /// One term of a polynomial.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Term {
     /// Powers of u and v.
@@ -37,6 +39,7 @@ pub struct Term {
 
 /// A polynomial in the place, kept within what its log has seen.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Polynomial {
     /// Samples that it was fitted to; 0 for a direction that the log never looked into, which gets the segment's mean.
@@ -61,6 +64,7 @@ impl Polynomial {
 
 /// A pose of the log with its medians: for the baselines, and for looking at.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LoggedPose {
     /// x and y in the world, metres, and heading, radians.
@@ -73,6 +77,7 @@ pub struct LoggedPose {
 
 /// What a scanner reads at a pose.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Sensorgraph")]
 pub struct Sensorgraph {
     /// What the polynomials are of.

@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 
 /// When no more terms are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Stop {
     /// At the least n ln(σ²) + 2 k (Akaike 1974).
     Aic,

@@ -15,6 +15,7 @@ use crate::warning::{Code, Warning};
 
 /// One anchor of the log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AnchorReport {
     /// Its name.
     pub anchor: String,
@@ -30,6 +31,7 @@ pub struct AnchorReport {
 
 /// Another way to say how strong a signal is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Guess {
     /// What it is.
     pub name: String,
@@ -39,6 +41,7 @@ pub struct Guess {
 
 /// A radio model held against a log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Evaluation {
     /// The model's name.
     pub propagation: String,

@@ -10,46 +10,67 @@ use crate::error::Result;
 use crate::file::{Source, parse_ron, write_ron};
 
 #[derive(Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Radio")]
-struct RadioFile {
+pub(crate) struct RadioFile {
+    /// Where its numbers come from.
     #[serde(default)]
     description: String,
+    /// How strength falls, by name; `realgap radio fit --help` lists the models.
     propagation: String,
+    /// Its parameters, in the order in which the fit prints them.
     values: Vec<f64>,
+    /// Distance d0 of P(d0), metres.
     #[serde(default = "one")]
     reference_distance_m: f64,
+    /// Base of the logarithm.
     #[serde(default)]
     log_base: LogBase,
+    /// C: walls beyond so many do not count.
     #[serde(default = "unlimited")]
     cap: usize,
+    /// Materials that have a loss of their own; none for models that do not ask.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     materials: Vec<String>,
+    /// Height of a robot's antenna above the floor, metres.
     #[serde(default)]
     robot_height_m: f64,
+    /// Standard deviation of what a place adds, dB: the same for all readings there.
     #[serde(default)]
     shadowing_sd_db: f64,
+    /// Distance at which two places share 1/e of it, metres.
     #[serde(default = "one")]
     shadowing_distance_m: f64,
+    /// Standard deviation of what one reading adds, dB.
     #[serde(default)]
     fading_sd_db: f64,
+    /// Half width of the interval that holds 90 % of the strengths at new places, dB.
     #[serde(default)]
     interval_90_db: f64,
+    /// Mean of all strengths of the log, dBm: the guess that knows nothing.
     #[serde(default)]
     mean_dbm: f64,
+    /// The weakest signal that is received, dBm.
     #[serde(default = "sensitivity")]
     sensitivity_dbm: f64,
+    /// Fits of the other models to the same log.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     others: Vec<OtherFile>,
 }
 
 /// A fit of another model to the same log.
 #[derive(Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct OtherFile {
+    /// How strength falls, by name.
     propagation: String,
+    /// Its parameters.
     values: Vec<f64>,
+    /// C: walls beyond so many do not count.
     #[serde(default = "unlimited")]
     cap: usize,
+    /// Materials that have a loss of their own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     materials: Vec<String>,
 }

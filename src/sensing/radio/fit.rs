@@ -43,6 +43,7 @@ impl Default for RadioOptions {
 
 /// A fitted parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FittedParameter {
     /// Its name.
     pub name: String,
@@ -63,6 +64,7 @@ pub struct FittedParameter {
 
 /// A model that was tried.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Candidate {
     /// Its name.
     pub propagation: &'static str,
@@ -76,6 +78,7 @@ pub struct Candidate {
 
 /// A log as a radio model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FittedRadio {
     /// The model.
     #[serde(skip)]

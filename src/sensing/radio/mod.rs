@@ -44,6 +44,8 @@ mod shadow;
 mod words;
 
 pub use evaluation::{AnchorReport, CELL_M, Evaluation, Guess};
+#[cfg(feature = "schema")]
+pub(crate) use file::RadioFile;
 pub use fingerprint::Fingerprints;
 pub use fit::{Candidate, FittedParameter, FittedRadio, RadioOptions, fit};
 pub use link::Link;

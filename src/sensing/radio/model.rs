@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 
 /// Base of the logarithm of distances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum LogBase {
     /// 10, as usual.
     #[default]

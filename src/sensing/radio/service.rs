@@ -58,6 +58,7 @@ pub struct Message {
 
 /// What becomes of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Delivery {
     /// It arrives.
     Delivered {
@@ -153,6 +154,7 @@ impl<'a> Service<'a> {
 
 /// What became of many messages.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ServiceReport {
     /// Messages,
     pub sent: usize,

@@ -40,6 +40,7 @@ const TOLERANCE: f64 = 0.125;
 
 /// A fitted number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Value {
     /// Its name, e.g. `slope`.
     pub name: String,
@@ -68,6 +69,7 @@ impl Value {
 
 /// What was read at one distance and one pair of angles.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DistanceReport {
     /// Distance, in the log's unit.
     pub distance: f64,
@@ -95,6 +97,7 @@ pub struct DistanceReport {
 
 /// How many distances are normal.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Normality {
     /// Distances with enough readings.
     pub tested: usize,
@@ -106,9 +109,11 @@ pub struct Normality {
 
 /// A log's model, and what it rests on.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Characterisation {
     /// The model.
     #[serde(serialize_with = "as_file")]
+    #[cfg_attr(feature = "schema", schemars(with = "Numbers<'static>"))]
     pub model: RangeModel,
     /// Form of the mean.
     pub mean_form: &'static str,
@@ -137,21 +142,22 @@ pub struct Characterisation {
 }
 
 /// The model as numbers that JSON can hold.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct Numbers<'a> {
+    distance_unit: LengthUnit,
+    reading_unit: &'a ReadingUnit,
+    range: (f64, f64),
+    sampling_time_s: Option<f64>,
+    incidence_per_deg: f64,
+    offset_per_deg: f64,
+    dropout: f64,
+    outliers: super::model::Outliers,
+}
 fn as_file<S: Serializer>(
     model: &RangeModel,
     serializer: S,
 ) -> std::result::Result<S::Ok, S::Error> {
-    #[derive(Serialize)]
-    struct Numbers<'a> {
-        distance_unit: LengthUnit,
-        reading_unit: &'a ReadingUnit,
-        range: (f64, f64),
-        sampling_time_s: Option<f64>,
-        incidence_per_deg: f64,
-        offset_per_deg: f64,
-        dropout: f64,
-        outliers: super::model::Outliers,
-    }
     Numbers {
         distance_unit: model.distance_unit,
         reading_unit: &model.reading_unit,

@@ -9,6 +9,7 @@ use super::form::Form;
 
 /// A pair of forms and how well it foretells.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Candidate {
     /// Form of the mean.
     pub mean: &'static str,

@@ -16,6 +16,8 @@ mod words;
 pub use characterisation::{Characterisation, DistanceReport, LEVEL, Normality, Options, Value};
 pub use choice::Candidate;
 pub use log::{LogOptions, Reading, ReadingLog};
+#[cfg(feature = "schema")]
+pub(crate) use model::ModelFile;
 pub use model::{
     Beam, Outliers, RangeModel, RangeSensor, ReadingUnit, find_sensor, sensor_by_name,
     shipped_sensors,

@@ -72,6 +72,7 @@ pub(in crate::sensing) fn log_normal_density(value: f64, mean: f64, sd: f64) -> 
 
 /// What the numbers of a sensor are.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ReadingUnit {
     /// Lengths.
     Length(LengthUnit),
@@ -91,6 +92,7 @@ impl ReadingUnit {
 
 /// Readings that have nothing to do with the distance.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Outliers {
     /// Their share of the readings that come.
@@ -132,33 +134,49 @@ pub struct RangeModel {
 
 /// The RON form.
 #[derive(Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "RangeSensor")]
-struct ModelFile {
+pub(crate) struct ModelFile {
+    /// Which sensor, and where the numbers come from.
     #[serde(default)]
     description: String,
+    /// Unit of distances in both curves.
     distance_unit: LengthUnit,
+    /// Unit of readings.
     reading_unit: ReadingUnit,
+    /// Shortest and longest distance of the log, in its unit.
     range: (f64, f64),
+    /// Time from one reading to the next, seconds, where known.
     #[serde(default)]
     sampling_time_s: Option<f64>,
+    /// Mean reading over the distance.
     mean: CurveFile,
+    /// Standard deviation over the distance.
     spread: CurveFile,
+    /// Change of the mean per degree of incidence.
     #[serde(default)]
     incidence_per_deg: f64,
+    /// Change of the mean per degree of offset.
     #[serde(default)]
     offset_per_deg: f64,
+    /// Probability that no reading comes.
     #[serde(default)]
     dropout: f64,
+    /// Readings that have nothing to do with the distance.
     #[serde(default)]
     outliers: Outliers,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct CurveFile {
+    /// Form of the curve, by name; `realgap characterise --help` lists them.
     form: String,
+    /// Distances between which its pieces lie, for forms made of pieces.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     knots: Vec<f64>,
+    /// Its parameters.
     values: Vec<f64>,
 }
 

@@ -7,6 +7,7 @@ use crate::random::Once;
 
 /// How much the histogram of a log of some size still changes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SizeStep {
     /// Readings.
     pub readings: usize,
@@ -17,6 +18,7 @@ pub struct SizeStep {
 
 /// The study of one distance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SampleSize {
     /// Distance, in the log's unit.
     pub distance: f64,

@@ -5,6 +5,7 @@ use super::picture::Grey;
 
 /// What distances between two pictures are relative to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum RelativeTo {
     /// What is known of each picture itself: pictures are turned and shifted over each other.

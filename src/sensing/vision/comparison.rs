@@ -27,6 +27,7 @@ const FEW_VIEWS: usize = 6;
 
 /// A mean over views with a 90 % interval (bootstrap over views; none for one view).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Mean {
     /// The mean.
     pub value: f64,
@@ -57,6 +58,7 @@ impl Mean {
 /// One view in the eyes of one extractor. Errors are distances from what is known to be there; the others are distances
 /// between what was found in two pictures, means where there are several pictures of a view.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ViewRow {
     /// The view.
     pub view: String,
@@ -78,6 +80,7 @@ pub struct ViewRow {
 
 /// Whether a simulated picture is nearer to a real one than a badly lit one is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Answer {
     /// It is.
@@ -90,6 +93,7 @@ pub enum Answer {
 
 /// The answer with its test.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verdict {
     /// In a word.
     pub answer: Answer,
@@ -105,6 +109,7 @@ pub struct Verdict {
 
 /// What one extractor says.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ExtractorReport {
     /// Its name.
     pub extractor: &'static str,
@@ -136,6 +141,7 @@ pub struct ExtractorReport {
 
 /// Simulated pictures against real ones.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct VisionReport {
     /// Where the "real" pictures come from.
     pub real: PictureSource,

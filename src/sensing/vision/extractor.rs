@@ -61,6 +61,7 @@ pub struct Extraction {
 
 /// What the numbers of an extractor are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Measure {
     /// In words, for a column.
     pub name: &'static str,

@@ -47,6 +47,8 @@ mod words;
 pub use album::Shots;
 pub use alignment::RelativeTo;
 pub use alphabet::Alphabet;
+#[cfg(feature = "schema")]
+pub(crate) use camera::{CameraFile, SceneFile};
 pub use comparison::{
     Answer, ExtractorReport, Mean, Verdict, ViewRow, VisionReport, compare_folders,
 };

@@ -16,6 +16,7 @@ pub const VIEWS_FILE: &str = "views.ron";
 
 /// Where pictures come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum PictureSource {
     /// A camera.
     #[default]
@@ -28,6 +29,7 @@ pub enum PictureSource {
 
 /// The text of `views.ron`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Views")]
 pub struct ViewsFile {
     /// Where the pictures come from.
@@ -49,6 +51,7 @@ pub struct ViewsFile {
 
 /// A learning picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Alphabet")]
 pub struct AlphabetFile {
     /// The picture.
@@ -59,6 +62,7 @@ pub struct AlphabetFile {
 
 /// What is known of one view.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "View")]
 pub struct ViewFile {
     /// The view, or one picture of it: the file's name without its ending.

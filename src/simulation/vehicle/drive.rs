@@ -7,6 +7,7 @@ use serde::Deserialize;
 /// An actuator goes on for a while after its command ends: distance = speed · t + coast for a command of t seconds. So the constants
 /// of the characterisation come once a command. Angles are positive to the left.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Drive {
     /// Speed straight ahead, m/s.

@@ -12,24 +12,34 @@ use crate::sensing::arena::Arena;
 use crate::sensing::range::find_sensor;
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Vehicle")]
-struct VehicleFile {
+pub(crate) struct VehicleFile {
+    /// Its name.
     name: String,
+    /// Radius of its round body, metres.
     radius_m: f64,
+    /// The arena's file, relative to this one; it says where robots start.
     arena: PathBuf,
+    /// Its range sensor: a file, relative to this one, or the name of one that comes with the program.
     sensor: String,
     /// Other robots of its kind in the same arena.
     #[serde(default)]
     others: Vec<PlaceFile>,
+    /// How it drives.
     #[serde(default)]
     drive: Drive,
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Place")]
 struct PlaceFile {
+    /// Place to the right, metres.
     x_m: f64,
+    /// Place up, metres.
     y_m: f64,
+    /// Heading from the x axis to the left, degrees.
     #[serde(default)]
     heading_deg: f64,
 }

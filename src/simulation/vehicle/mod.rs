@@ -16,6 +16,8 @@ use crate::sensing::arena::Arena;
 use crate::sensing::range::RangeModel;
 
 pub use drive::Drive;
+#[cfg(feature = "schema")]
+pub(crate) use file::VehicleFile;
 pub(super) use motion::run;
 
 /// A two-wheel robot in its arena.

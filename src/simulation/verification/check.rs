@@ -6,6 +6,7 @@ use crate::unit::Unit;
 
 /// How far a measured value may be from the expected one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Tolerance {
     /// As a share of the expected value.
@@ -16,6 +17,7 @@ pub enum Tolerance {
 
 /// Whether a check passed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The error is within the tolerance.
@@ -26,6 +28,7 @@ pub enum Verdict {
 
 /// One closed-form check and its outcome.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Check {
     /// Stable name, `theme.check[.case][.joint kind]`.
     pub name: String,

@@ -15,75 +15,112 @@ use crate::file::{Source, check_name, look_up, parse_ron};
 type Three = (f64, f64, f64);
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Scene")]
-struct SceneFile {
+pub(crate) struct SceneFile {
+    /// Its name.
     name: String,
+    /// The room, from the corner (0, 0, 0) to here, metres.
     room_m: Three,
+    /// Share of the light that comes back from walls, for red, green and blue.
     #[serde(default = "light_grey")]
     wall: Three,
+    /// As `wall`, from the floor.
     #[serde(default = "light_grey")]
     floor: Three,
+    /// As `wall`, from the ceiling.
     #[serde(default = "light_grey")]
     ceiling: Three,
+    /// Side of the floor's tiles, of which every other is darker, metres; 0 for none.
     #[serde(default)]
     tile_m: f64,
+    /// Boxes and cubes.
     #[serde(default)]
     blocks: Vec<BlockFile>,
+    /// Posters.
     #[serde(default)]
     posters: Vec<PosterFile>,
+    /// Lights, by name.
     lights: BTreeMap<String, LightFile>,
+    /// Cameras, by name.
     cameras: BTreeMap<String, CameraFile>,
+    /// Where pictures are taken.
     views: Vec<ViewFile>,
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Block")]
 struct BlockFile {
+    /// Centre, metres.
     centre_m: Three,
+    /// Half of its sides, metres.
     half_m: Three,
+    /// Turn to the left, degrees.
     #[serde(default)]
     turn_deg: f64,
+    /// Share of the light that comes back, for red, green and blue.
     #[serde(default = "light_grey")]
     colour: Three,
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Poster")]
 struct PosterFile {
+    /// Centre, metres.
     centre_m: Three,
+    /// Width, metres.
     width_m: f64,
+    /// Where it looks, degrees from the x axis to the left.
     facing_deg: f64,
+    /// What it shows.
     motif: MotifFile,
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 enum MotifFile {
+    /// A logo: three bars, a ring and a corner.
     Logo,
+    /// A disc.
     Disc,
+    /// The outline of a bottle.
     Bottle,
+    /// A text.
     Text(String),
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Light")]
 struct LightFile {
+    /// Illuminance from everywhere, lux.
     ambient_lux: f64,
+    /// Lamps.
     #[serde(default)]
     lamps: Vec<LampFile>,
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Lamp")]
 struct LampFile {
+    /// Where it hangs, metres.
     place_m: Three,
+    /// Luminous intensity, candela.
     intensity_cd: f64,
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "View")]
 struct ViewFile {
+    /// Its name, which pictures have.
     name: String,
+    /// Where the camera stands, metres.
     place_m: Three,
+    /// What it looks at, metres.
     look_at_m: Three,
 }
 

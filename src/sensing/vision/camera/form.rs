@@ -12,34 +12,50 @@ use crate::error::Result;
 use crate::file::{Source, parse_ron, write_ron};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Camera")]
-pub(super) struct CameraFile {
+pub(crate) struct CameraFile {
+    /// Whether it takes the place of a real one: its pictures are labelled so.
     #[serde(default)]
     stand_in: bool,
+    /// Columns and rows.
     #[serde(default = "resolution")]
     resolution_px: (usize, usize),
+    /// Horizontal field of view of the pinhole, degrees.
     #[serde(default = "field_of_view")]
     field_of_view_deg: f64,
+    /// First and second radial coefficient.
     #[serde(default)]
     distortion: (f64, f64),
+    /// Standard deviation of how far the lens spreads a point, pixels.
     #[serde(default)]
     blur_px: f64,
+    /// Time of exposure, seconds.
     exposure_s: f64,
+    /// Electrons in a second for one candela per square metre, each colour.
     electrons_per_cd_s: f64,
+    /// Electrons that a pixel holds; more is white.
     #[serde(default = "full_well")]
     full_well_e: f64,
+    /// Standard deviation of what reading adds, electrons.
     #[serde(default)]
     read_noise_e: f64,
+    /// Amplification: with 1, a full pixel is white.
     #[serde(default = "one")]
     gain: f64,
+    /// The camera raises the gain up to this where the picture would be dark; `gain` or less for never.
     #[serde(default = "one")]
     most_gain: f64,
+    /// Quality of the JPEG compression, 1 to 100; without it there is none.
     #[serde(default)]
     jpeg_quality: Option<u8>,
+    /// Standard deviation of where it stands, each axis, metres.
     #[serde(default)]
     place_sd_m: f64,
+    /// Standard deviation of where it looks, each axis, degrees.
     #[serde(default)]
     angle_sd_deg: f64,
+    /// Speed at which it turns while exposing, to the right and down, degrees per second.
     #[serde(default)]
     turning_deg_s: (f64, f64),
 }

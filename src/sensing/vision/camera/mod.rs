@@ -18,6 +18,10 @@ mod scene;
 mod truth;
 
 pub use exposure::Sensor;
+#[cfg(feature = "schema")]
+pub(crate) use file::SceneFile;
+#[cfg(feature = "schema")]
+pub(crate) use form::CameraFile;
 pub use lens::{Lens, Pose};
 pub use poster::Motif;
 pub use render::{expose, luminance, met_m, take};

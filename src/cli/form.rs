@@ -1,0 +1,97 @@
+//! What `--format json` prints: each answer has a form with a name, a schema in `schemas/answers/` and a version in itself.
+
+use realgap::calibration::identification::JointIdentification;
+use realgap::calibration::{
+    JointEvaluation, Report as Calibration, Sensitivity, camera::TunedCamera,
+};
+use realgap::plan::Status;
+use realgap::prediction::gap::{FloorReport, StudyGap};
+use realgap::prediction::{Card, EnsembleReport};
+use realgap::results::SearchSummary;
+use realgap::sensing::belief::BeliefReport;
+use realgap::sensing::graph::{Evaluation as GraphEvaluation, FittedGraph};
+use realgap::sensing::radio::{Evaluation as RadioEvaluation, FittedRadio, ServiceReport};
+use realgap::sensing::range::Characterisation;
+use realgap::sensing::vision::VisionReport;
+use realgap::task::TaskComparison;
+use serde::Serialize;
+
+use super::check::report::FileReport;
+use super::compare::{Compared, Scored};
+use super::develop::DevelopReport;
+use super::evaluate::Evaluated;
+use super::genome::GenomeReport;
+use super::identify::Identified;
+use super::parameters::ParameterRow;
+use super::record::RecordReport;
+use super::results::TrialRow;
+use super::simulate::SimulateReport;
+use super::verify::VerifyReport;
+
+/// What a command prints for machines.
+pub trait Answer: Serialize {}
+
+/// A form, for making its schema.
+#[cfg(all(test, feature = "schema"))]
+pub struct Form {
+    /// Name of its schema.
+    pub name: &'static str,
+    /// What it is, and what prints it.
+    pub doc: &'static str,
+    /// Whether it is printed as a list, an element for each row.
+    pub is_list: bool,
+    /// The schema of one element.
+    pub schema: fn() -> schemars::Schema,
+}
+
+/// Says of types that they are answers, and lists their forms.
+macro_rules! forms {
+    ($($name:literal $kind:ident $type:ty, $doc:literal;)*) => {
+        $(impl Answer for $type {})*
+
+        /// Every form.
+        #[cfg(all(test, feature = "schema"))]
+        pub const FORMS: &[Form] = &[$(Form {
+            name: $name,
+            doc: $doc,
+            is_list: matches!(stringify!($kind).as_bytes(), b"rows"),
+            schema: realgap::schema::answer::<$type>,
+        }),*];
+    };
+}
+
+// One line adds an answer: its name, whether it is one or rows, its type, what it is.
+forms! {
+    "belief" one BeliefReport, "what a Bayes filter believes after readings: `realgap belief`";
+    "characterise" one Characterisation, "a range sensor's model and what it rests on: `realgap characterise`";
+    "check" rows FileReport, "what files hold: `realgap check`";
+    "compare" rows Compared, "distances of trajectories in every metric: `realgap compare`";
+    "compare-metric" rows Scored, "distances of trajectories in one metric: `realgap compare --metric NAME`";
+    "develop" one DevelopReport, "the robot of a genome: `realgap develop`";
+    "ensemble" one EnsembleReport, "repeats under noise, and ensemble.json: `realgap ensemble`";
+    "evaluate" one Evaluated, "errors of fixed values: `realgap evaluate`";
+    "evaluate-joints" one JointEvaluation, "the same of recordings of joints alone";
+    "floor" one FloorReport, "noise floors of recordings alone, and their gap.json: `realgap gap --recordings`";
+    "gap" one StudyGap, "how many noise floors between simulation and reality, and gap.json: `realgap gap`";
+    "genome" one GenomeReport, "a drawn genome: `realgap genome random`";
+    "identify" one Identified<'_>, "parameters read from motion without a fit: `realgap identify`";
+    "identify-joints" one JointIdentification, "the same of bodies with joints";
+    "parameters" rows ParameterRow, "every parameter: `realgap parameters`";
+    "predict" one Card, "a prediction card, prediction.json, and those of a search: `realgap predict`";
+    "radio-evaluate" one RadioEvaluation, "a radio model against a log: `realgap radio evaluate`";
+    "radio-fit" one FittedRadio, "a radio model from a log: `realgap radio fit`";
+    "radio-send" one ServiceReport, "messages between two places: `realgap radio send`";
+    "record" one RecordReport, "stand-in recordings that were written: `realgap record`";
+    "results" rows TrialRow, "the trials of a folder: `realgap results`";
+    "search" one SearchSummary, "the best robots, and summary.json: `realgap search`";
+    "sensitivity" one Sensitivity, "which parameters matter: `realgap sensitivity`";
+    "sensorgraph-evaluate" one GraphEvaluation, "a sensorgraph against a log: `realgap sensorgraph evaluate`";
+    "sensorgraph-fit" one FittedGraph, "a sensorgraph from a log: `realgap sensorgraph fit`";
+    "simulate" one SimulateReport, "one run: `realgap simulate`";
+    "status" one Status, "how far a plan is: `realgap status` and `realgap plan`";
+    "sweep" one Calibration, "the best values and how sure that is, and summary.json: `realgap sweep` and `realgap tune`";
+    "tasks" one TaskComparison, "durations, real against simulated: `realgap tasks compare`";
+    "verify" one VerifyReport<'_>, "closed forms: `realgap verify`";
+    "vision-compare" one VisionReport, "pictures, real against simulated: `realgap vision compare`";
+    "vision-tune" one TunedCamera, "a camera's settings from pictures: `realgap vision tune`";
+}

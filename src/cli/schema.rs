@@ -1,0 +1,247 @@
+//! `realgap schema`: what files and answers may hold, for editors and machines.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Args;
+use realgap::file::{unknown_name, write_atomic};
+use realgap::plot::{Side, TextTable};
+use realgap::unit::counted;
+use realgap::{Error, Result};
+
+use super::terminal;
+
+/// Print the JSON Schema of a file or of an answer, or list all that there are
+///
+/// Files are RON, and every command that reads one reads the same as JSON, too: that is what the schemas of files describe
+/// (docs/files.md has their fields for people). Schemas of answers describe what `--format json` prints and what results
+/// folders hold; each answer says its `schema_version`.
+#[derive(Debug, Args)]
+pub struct SchemaCommand {
+    /// Which one, e.g. study or sweep; without it, all are listed
+    name: Option<String>,
+    /// Write all of them into this folder: files/NAME.json and answers/NAME.json
+    #[arg(short, long, value_name = "DIR", conflicts_with = "name")]
+    output: Option<PathBuf>,
+}
+
+/// A schema that comes with the program.
+struct Shipped {
+    folder: &'static str,
+    name: &'static str,
+    text: &'static str,
+}
+
+/// Writes the table of schemas of files; those of answers are in the order of their forms.
+macro_rules! shipped {
+    (files: $($file:literal)*; answers: $($answer:literal)*) => {
+        const SHIPPED: &[Shipped] = &[
+            $(Shipped {
+                folder: "files",
+                name: $file,
+                text: include_str!(concat!("../../schemas/files/", $file, ".json")),
+            },)*
+            $(Shipped {
+                folder: "answers",
+                name: $answer,
+                text: include_str!(concat!("../../schemas/answers/", $answer, ".json")),
+            },)*
+        ];
+    };
+}
+
+shipped! {
+    files: "robot" "study" "noise" "search" "meta" "reading" "genome" "parameters" "arena" "vehicle" "sensor" "sensorgraph"
+        "radio" "scene" "camera" "views" "basis" "plan";
+    answers: "belief" "characterise" "check" "compare" "compare-metric" "develop" "ensemble" "evaluate" "evaluate-joints"
+        "floor" "gap" "genome" "identify" "identify-joints" "parameters" "predict" "radio-evaluate" "radio-fit" "radio-send"
+        "record" "results" "search" "sensitivity" "sensorgraph-evaluate" "sensorgraph-fit" "simulate" "status" "sweep" "tasks"
+        "verify" "vision-compare" "vision-tune"
+}
+
+impl Shipped {
+    /// What it is called in full.
+    fn path(&self) -> String {
+        format!("{}/{}", self.folder, self.name)
+    }
+
+    /// What it is of, one sentence.
+    fn doc(&self) -> String {
+        let schema: serde_json::Value = serde_json::from_str(self.text).unwrap_or_default();
+        schema["description"]
+            .as_str()
+            .unwrap_or_default()
+            .to_owned()
+    }
+}
+
+/// The schema that a name means.
+fn find(name: &str) -> Result<&'static Shipped> {
+    let wanted = name.trim_end_matches(".json");
+    let found: Vec<&Shipped> = SHIPPED
+        .iter()
+        .filter(|one| one.name == wanted || one.path() == wanted)
+        .collect();
+    match *found {
+        [one] => Ok(one),
+        [] => Err(unknown_name("schema", name, SHIPPED.iter().map(|one| one.name)).into_usage()),
+        _ => {
+            let paths: Vec<String> = found.iter().map(|one| one.path()).collect();
+            Err(Error::usage("a file and an answer have this name")
+                .found(name)
+                .allowed(paths.join(" or ")))
+        }
+    }
+}
+
+impl SchemaCommand {
+    pub fn run(self) -> Result<ExitCode> {
+        match (&self.name, &self.output) {
+            (Some(name), _) => terminal::print(find(name)?.text.trim_end()),
+            (None, Some(folder)) => {
+                for one in SHIPPED {
+                    let file = folder.join(one.path()).with_extension("json");
+                    let parent = folder.join(one.folder);
+                    std::fs::create_dir_all(&parent)
+                        .map_err(|e| Error::io("make the folder", &parent, &e))?;
+                    write_atomic(&file, one.text.as_bytes())?;
+                }
+                let count = counted(SHIPPED.len(), "schema");
+                terminal::print(format!("{count} in {}", folder.display()));
+            }
+            (None, None) => {
+                let mut table = TextTable::new([("schema", Side::Left), ("of", Side::Left)]);
+                for one in SHIPPED {
+                    table.push([one.path(), one.doc()]);
+                }
+                let table = table.render(terminal::stdout_wants_colour());
+                terminal::print(table.trim_end());
+            }
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+#[cfg(all(test, feature = "schema"))]
+#[allow(clippy::unwrap_used, reason = "helpers of tests")]
+mod tests {
+    use std::path::{Path, PathBuf};
+
+    use realgap::file::SCHEMA_VERSION;
+    use serde_json::{Value, json};
+
+    use super::SHIPPED;
+    use crate::cli::form::FORMS;
+
+    /// What stands in the files: the types' own schemas with a title.
+    fn made() -> Vec<(String, Value)> {
+        let files = realgap::schema::files().into_iter().map(|kind| {
+            let path = format!("files/{}", kind.name);
+            (path, titled(kind.name, kind.doc, kind.schema.into(), false))
+        });
+        let answers = FORMS.iter().map(|form| {
+            let schema = versioned((form.schema)().into());
+            let path = format!("answers/{}", form.name);
+            (path, titled(form.name, form.doc, schema, form.is_list))
+        });
+        files.chain(answers).collect()
+    }
+
+    /// With title and description in front; of a list, the schema is that of its elements.
+    fn titled(name: &str, doc: &str, schema: Value, is_list: bool) -> Value {
+        let Value::Object(mut own) = schema else {
+            panic!("{name}: no object");
+        };
+        let mut whole = json!({
+            "$schema": own.remove("$schema"),
+            "title": format!("realgap {name}"),
+            "description": doc,
+        });
+        own.remove("title");
+        own.remove("description");
+        let definitions = own.remove("$defs");
+        let fields = whole.as_object_mut().unwrap();
+        if is_list {
+            fields.insert("type".to_owned(), "array".into());
+            fields.insert("items".to_owned(), own.into());
+        } else {
+            fields.extend(own);
+        }
+        if let Some(definitions) = definitions {
+            fields.insert("$defs".to_owned(), definitions);
+        }
+        whole
+    }
+
+    /// With the version that every answer says; numbers that are not finite are written as null.
+    fn versioned(schema: Value) -> Value {
+        let Value::Object(mut own) = nullable(schema) else {
+            panic!("no object");
+        };
+        let field = json!({
+            "description": "Version of the form.",
+            "const": SCHEMA_VERSION,
+        });
+        let fields = own.entry("properties").or_insert_with(|| json!({}));
+        fields
+            .as_object_mut()
+            .unwrap()
+            .insert("schema_version".to_owned(), field);
+        let required = own.entry("required").or_insert_with(|| json!([]));
+        required
+            .as_array_mut()
+            .unwrap()
+            .insert(0, "schema_version".into());
+        own.into()
+    }
+
+    fn nullable(schema: Value) -> Value {
+        match schema {
+            Value::Object(fields) => {
+                let is_number = fields.get("type") == Some(&json!("number"));
+                let mut fields: serde_json::Map<_, _> =
+                    fields.into_iter().map(|(k, v)| (k, nullable(v))).collect();
+                if is_number {
+                    fields.insert("type".to_owned(), json!(["number", "null"]));
+                }
+                fields.into()
+            }
+            Value::Array(all) => all.into_iter().map(nullable).collect(),
+            other => other,
+        }
+    }
+
+    fn project(path: &str) -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+    }
+
+    /// Compares a committed file with what it should hold; with REALGAP_BLESS=1 it is written.
+    fn must_hold(path: &str, text: &str) {
+        let file = project(path);
+        if std::env::var_os("REALGAP_BLESS").is_some_and(|value| value == "1") {
+            std::fs::write(&file, text).unwrap();
+        }
+        let found = std::fs::read_to_string(&file).unwrap_or_default();
+        assert!(
+            found == text,
+            "{path} is not what the types say; REALGAP_BLESS=1 cargo test --features schema --bin realgap schema writes it"
+        );
+    }
+
+    #[test]
+    fn committed_schemas_are_what_the_types_say() {
+        let made = made();
+        let paths: Vec<&String> = made.iter().map(|(path, _)| path).collect();
+        let shipped: Vec<String> = SHIPPED.iter().map(super::Shipped::path).collect();
+        assert_eq!(paths, shipped.iter().collect::<Vec<_>>());
+        for (path, schema) in made {
+            let text = serde_json::to_string_pretty(&schema).unwrap() + "\n";
+            must_hold(&format!("schemas/{path}.json"), &text);
+        }
+    }
+
+    #[test]
+    fn the_page_of_files_is_what_the_schemas_say() {
+        must_hold("docs/files.md", &realgap::schema::page());
+    }
+}

@@ -1,0 +1,51 @@
+//! JSON that says which form it is in.
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use crate::error::{Error, Result};
+use crate::text::escaped_json;
+
+/// Version of everything that is written as JSON for machines: it grows when a field goes away or means something else, not
+/// when one is added. `schemas/` has the forms.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// Pretty JSON of a value, without control characters. An object begins with `schema_version`; so does every object of a list.
+///
+/// # Errors
+/// A value that JSON cannot hold.
+pub fn versioned_json(value: &impl Serialize) -> Result<String> {
+    let fail = |e| Error::invalid(format!("cannot write JSON: {e}"));
+    let value = match serde_json::to_value(value).map_err(fail)? {
+        Value::Array(rows) => rows.into_iter().map(versioned).collect(),
+        other => versioned(other),
+    };
+    let text = serde_json::to_string_pretty(&value).map_err(fail)?;
+    Ok(escaped_json(text))
+}
+
+fn versioned(value: Value) -> Value {
+    let Value::Object(fields) = value else {
+        return value;
+    };
+    let version = ("schema_version".to_owned(), SCHEMA_VERSION.into());
+    let all: Map<String, Value> = std::iter::once(version).chain(fields).collect();
+    Value::Object(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::versioned_json;
+
+    #[test]
+    fn objects_say_their_version_first_alone_and_in_a_list() {
+        let one = serde_json::json!({ "b": 1.0, "a": f64::NAN });
+        assert_eq!(
+            versioned_json(&one).unwrap(),
+            "{\n  \"schema_version\": 1,\n  \"b\": 1.0,\n  \"a\": null\n}"
+        );
+        let rows = versioned_json(&[&one, &one]).unwrap();
+        assert_eq!(rows.matches("\"schema_version\": 1").count(), 2);
+        assert_eq!(versioned_json(&[1, 2]).unwrap(), "[\n  1,\n  2\n]");
+    }
+}

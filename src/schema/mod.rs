@@ -1,0 +1,120 @@
+//! JSON Schemas: what files and answers may hold, from the types that read and write them.
+//!
+//! A RON file as JSON: brackets with names are objects, brackets and lists without are arrays, a name alone is a text, a
+//! name with brackets an object with that one key, and what may be left out may be `null`. Everything that reads a RON
+//! file of ours reads that JSON, too. Only with the feature `schema`: the results are committed, in `schemas/`.
+
+mod page;
+mod text;
+
+pub use page::page;
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema};
+
+use crate::calibration;
+use crate::comparison;
+use crate::plan;
+use crate::robot::{genome, morphology};
+use crate::search;
+use crate::sensing::{arena, graph, radio, range, vision};
+use crate::simulation;
+use crate::trajectory;
+
+/// A kind of file.
+#[derive(Debug, Clone)]
+pub struct FileKind {
+    /// Name of its schema.
+    pub name: &'static str,
+    /// What it is, one sentence.
+    pub doc: &'static str,
+    /// Whether people write it, in RON; else the program does, in JSON.
+    pub is_ron: bool,
+    /// What it may hold.
+    pub schema: Schema,
+}
+
+fn ron<T: JsonSchema>(name: &'static str, doc: &'static str) -> FileKind {
+    let settings = SchemaSettings::draft2020_12().for_deserialize();
+    FileKind {
+        name,
+        doc,
+        is_ron: true,
+        schema: settings.into_generator().into_root_schema_for::<T>(),
+    }
+}
+
+fn json<T: JsonSchema>(name: &'static str, doc: &'static str) -> FileKind {
+    FileKind {
+        is_ron: false,
+        ..ron::<T>(name, doc)
+    }
+}
+
+/// The schema of what a type is written as.
+pub fn answer<T: JsonSchema>() -> Schema {
+    let settings = SchemaSettings::draft2020_12().for_serialize();
+    settings.into_generator().into_root_schema_for::<T>()
+}
+
+/// Every kind of file, those first that people begin with.
+pub fn files() -> Vec<FileKind> {
+    vec![
+        ron::<morphology::MorphologyFile>(
+            "robot",
+            "A robot: modules, servos, gait, what is glued where.",
+        ),
+        ron::<calibration::StudyFile>(
+            "study",
+            "A study: recordings, and what is varied to match them.",
+        ),
+        ron::<simulation::Noise>(
+            "noise",
+            "Noise: how repeats differ; part of a study or a search, or a file of its own.",
+        ),
+        ron::<search::SearchFile>("search", "A search for the best robot."),
+        ron::<trajectory::Meta>("meta", "`meta.ron` beside recordings: what they are."),
+        ron::<trajectory::Reading>(
+            "reading",
+            "How files of others are to be read; part of a study or of `meta.ron`, or a file of its own.",
+        ),
+        ron::<genome::SpecimenFile>(
+            "genome",
+            "A genome, from which `realgap develop` builds a robot.",
+        ),
+        ron::<calibration::BestFile>(
+            "parameters",
+            "Values of parameters: `best.ron` of a results folder, or your own.",
+        ),
+        ron::<arena::ArenaFile>(
+            "arena",
+            "An arena: walls, boxes, radio stations, seen from above.",
+        ),
+        ron::<simulation::VehicleFile>("vehicle", "A robot on two wheels."),
+        ron::<range::ModelFile>(
+            "sensor",
+            "A range sensor, as `realgap characterise` finds it.",
+        ),
+        ron::<graph::Sensorgraph>(
+            "sensorgraph",
+            "Polynomials that foretell a sensor's readings, as `realgap sensorgraph fit` finds them.",
+        ),
+        ron::<radio::RadioFile>("radio", "A radio model, as `realgap radio fit` finds it."),
+        ron::<vision::SceneFile>("scene", "A room to take pictures of."),
+        ron::<vision::CameraFile>(
+            "camera",
+            "A camera, as `realgap vision tune` finds it; in a scene, or a file of its own.",
+        ),
+        ron::<vision::ViewsFile>(
+            "views",
+            "`views.ron` beside pictures: what is to be seen in each.",
+        ),
+        json::<comparison::SavedBasis>(
+            "basis",
+            "`basis.json` of a results folder: principal components, so that scores of two comparisons can be compared.",
+        ),
+        json::<plan::Saved>(
+            "plan",
+            "`plan.json` of a plan's folder; written by `realgap plan`, not by hand.",
+        ),
+    ]
+}
