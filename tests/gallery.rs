@@ -35,6 +35,7 @@ fn gallery(robots: Vec<GalleryRobot>, columns: usize) -> Gallery {
         ),
         columns,
         robots,
+        gait_s: 2.0,
     }
 }
 

@@ -13,7 +13,8 @@ use realgap::plot::{
     Caption, Cloud, Overlay, OverlayPath, Side, TextTable, draw_lines, draw_overlay, plane,
     quantity,
 };
-use realgap::trajectory::{self, Recording, Source, cut_to_shortest};
+use realgap::results::{Timed, draw_over_time};
+use realgap::trajectory::{self, Prepared, Recording, Source, cut_to_shortest};
 use realgap::unit::Unit;
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
@@ -64,6 +65,10 @@ pub struct Compare {
     /// Draw the aligned trajectories into this .png or .svg
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    /// Draw the aligned trajectories over time, with their heights and distances from the reference, into this .png or .svg: what
+    /// --plot does not show of straight walkers and of tosses
+    #[arg(long, value_name = "FILE")]
+    over_time: Option<PathBuf>,
     /// Draw every trajectory as a dot in the plane of the first two principal components into this .png or .svg
     #[arg(long, value_name = "FILE")]
     plane: Option<PathBuf>,
@@ -103,13 +108,24 @@ pub struct Scored {
     warnings: Vec<Warning>,
 }
 
+fn timed<'a>(recording: &'a Recording, path: &'a Prepared) -> Timed<'a> {
+    Timed {
+        name: &recording.name,
+        path,
+        duration_s: recording.trajectory.duration_s(),
+    }
+}
+
 impl Compare {
     pub fn run(self) -> Result<ExitCode> {
         let chosen = match self.metric.as_str() {
             "all" => None,
             name => Some(comparison::by_name(name).map_err(Error::into_usage)?),
         };
-        for plot in self.plot.iter().chain(&self.plane) {
+        for plot in [&self.plot, &self.plane, &self.over_time]
+            .into_iter()
+            .flatten()
+        {
             realgap::plot::check_picture_path(plot)?;
         }
         let components = match (self.components, self.variance) {
@@ -169,6 +185,14 @@ impl Compare {
             let metric = chosen.unwrap_or(comparison::METRICS[0]);
             self.draw(plot, &comparison, metric, &reference, &others)?;
             terminal::note(format!("drawn: {}", plot.display()));
+        }
+        if let Some(file) = &self.over_time {
+            let paths = comparison.others_prepared().iter();
+            let others = others.iter().zip(paths).map(|(r, path)| timed(r, path));
+            let first = timed(&reference, comparison.reference_prepared());
+            let all: Vec<Timed<'_>> = std::iter::once(first).chain(others).collect();
+            draw_over_time(&all, "same start, same heading", file)?;
+            terminal::note(format!("drawn: {}", file.display()));
         }
         if let Some(plane) = &self.plane {
             self.draw_plane(plane, &comparison, &others)?;

@@ -3,16 +3,18 @@
 use std::path::Path;
 
 use plotters::backend::DrawingBackend;
+use plotters::style::RGBColor;
 
 use super::block::{
     ACTIVE, BEND, Block, BlockKind, Motion, PASSIVE, SPIN, draw_blocks, extent, project,
 };
 use super::canvas::{Align, Canvas, Letter, Point};
-use super::colour::{FAINT_INK, GRID, INK};
+use super::colour::{FAINT_INK, GRID, INK, line};
 use super::font::{Weight, shorten, wrap};
 use super::heading::{Caption, Heading};
 use super::picture::{self, Picture};
 use crate::Result;
+use crate::unit::number;
 
 const WIDTH: f64 = 1400.0;
 const MARGIN: f64 = 28.0;
@@ -27,8 +29,24 @@ const KEY: f64 = 92.0;
 /// Height of the room for a robot as a share of its width.
 const SHAPE: std::ops::RangeInclusive<f64> = 0.4..=1.05;
 const TALLEST: f64 = 620.0;
+/// Height of the room for a gait.
+const GAIT: f64 = 118.0;
+/// Widest name of a module, and the ground under it.
+const NAME_AT_MOST: f64 = 150.0;
+const NAME_GROUND: RGBColor = RGBColor(250, 250, 248);
 
-/// One robot: boxes and two texts.
+/// The name of a module, at a place in its robot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModuleName {
+    /// What it is called.
+    pub text: String,
+    /// Its centre, metres.
+    pub centre_m: [f64; 3],
+    /// Whether recordings follow this module.
+    pub is_tracked: bool,
+}
+
+/// One robot: boxes and two texts, its modules' names and its gait where they are to be seen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GalleryRobot {
     /// Its name.
@@ -37,6 +55,10 @@ pub struct GalleryRobot {
     pub note: String,
     /// Its boxes, z up, at zero servo angles.
     pub blocks: Vec<Block>,
+    /// Names that stand on the modules; none where the picture would be too small for them.
+    pub names: Vec<ModuleName>,
+    /// What each servo is told: angles over the time of [`Gallery::gait_s`], radians, evenly spaced; empty without a gait.
+    pub commands_rad: Vec<Vec<f64>>,
 }
 
 /// Robots in rows, filled from the top left.
@@ -48,6 +70,8 @@ pub struct Gallery {
     pub columns: usize,
     /// The robots, 1 to 60.
     pub robots: Vec<GalleryRobot>,
+    /// Time that the commands cover, seconds.
+    pub gait_s: f64,
 }
 
 /// Draws robots into a PNG or SVG file.
@@ -65,6 +89,8 @@ struct Layout {
     cell_width: f64,
     head: f64,
     room_height: f64,
+    /// Height of the room for commands; 0 where no robot has any.
+    gait_height: f64,
     /// Pixels to a metre, for all robots.
     scale: f64,
     key_top: f64,
@@ -110,8 +136,12 @@ impl Gallery {
             .map(|robot| robot.note_lines(cell_width - 2.0 * PADDING).len());
         let head = TITLE + NOTE_LINE * notes.max().unwrap_or(0) as f64 + 6.0;
         let top = (14.0 + heading.height() + 12.0).round();
+        let has_gait = self.robots.iter().any(|r| !r.commands_rad.is_empty());
+        let gait_height = if has_gait { GAIT } else { 0.0 };
+        let cell_height = head + room_height + gait_height;
         Layout {
-            key_top: top + rows * (head + room_height) + (rows - 1.0) * GAP + 14.0,
+            key_top: top + rows * cell_height + (rows - 1.0) * GAP + 14.0,
+            gait_height,
             heading,
             top,
             cell_width,
@@ -130,7 +160,7 @@ impl Gallery {
     ) {
         let (right, bottom) = (
             left + layout.cell_width,
-            top + layout.head + layout.room_height,
+            top + layout.head + layout.room_height + layout.gait_height,
         );
         canvas.outline((left, top), (right, bottom), 1.5, GRID);
         let (low, high) = robot.extent();
@@ -145,8 +175,13 @@ impl Gallery {
                 centre.1 + layout.scale * (y - middle.1),
             )
         };
-        let line = (0.03 * layout.scale * 0.058).clamp(1.0, 3.0);
-        draw_blocks(canvas, &robot.blocks, &place, line);
+        let edge = (0.03 * layout.scale * 0.058).clamp(1.0, 3.0);
+        draw_blocks(canvas, &robot.blocks, &place, edge);
+        draw_names(canvas, &robot.names, &place);
+        if layout.gait_height > 0.0 {
+            let under = (left + PADDING, bottom - GAIT);
+            self.draw_commands(canvas, robot, under, right - PADDING);
+        }
 
         let width = layout.cell_width - 2.0 * PADDING;
         let letter = Letter::new(TITLE_SIZE, Weight::Bold, INK);
@@ -157,6 +192,45 @@ impl Gallery {
             let baseline = top + TITLE + NOTE_LINE * (index as f64 + 0.75);
             canvas.text(line, (left + PADDING, baseline), Align::Left, letter);
         }
+    }
+
+    /// The commands of each servo over time, under the robot.
+    fn draw_commands<B: DrawingBackend>(
+        &self,
+        canvas: &mut Canvas<B>,
+        robot: &GalleryRobot,
+        (left, top): Point,
+        right: f64,
+    ) {
+        let letter = Letter::new(16.0, Weight::Regular, FAINT_INK);
+        let all = self.robots.iter().flat_map(|robot| &robot.commands_rad);
+        // One scale for all, so that they can be compared.
+        let largest_rad = all.flatten().fold(0.1, |most: f64, a| most.max(a.abs()));
+        let (low, high) = (top + 6.0, top + GAIT - 30.0);
+        let middle = 0.5 * (low + high);
+        canvas.cell((left, middle), (right, middle + 1.0), GRID);
+        for (index, command) in robot.commands_rad.iter().enumerate() {
+            let (colour, dash) = line(index);
+            let last = command.len().saturating_sub(1).max(1) as f64;
+            let points: Vec<Point> = command
+                .iter()
+                .enumerate()
+                .map(|(k, angle)| {
+                    let x = left + (right - left) * k as f64 / last;
+                    (x, middle - 0.5 * (high - low) * angle / largest_rad)
+                })
+                .collect();
+            canvas.path(&points, 2.2, colour, dash);
+        }
+        let text = match robot.commands_rad.is_empty() {
+            true => "no gait".to_owned(),
+            false => format!(
+                "gait, ±{:.0}° over {} s",
+                largest_rad.to_degrees(),
+                number(self.gait_s)
+            ),
+        };
+        canvas.text(&text, (left, top + GAIT - 10.0), Align::Left, letter);
     }
 
     fn draw_key<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, layout: &Layout) {
@@ -173,6 +247,21 @@ impl Gallery {
             (spins, SPIN, "driven face, spins"),
             (bends, BEND, "driven face, bends"),
         ];
+        if self
+            .robots
+            .iter()
+            .any(|r| r.names.iter().any(|n| n.is_tracked))
+        {
+            canvas.ring((left + 11.0, middle), 6.0, 2.5, INK);
+            canvas.disc((left + 11.0, middle), 2.0, INK);
+            canvas.text_beside(
+                "recordings follow it",
+                (left + 32.0, middle),
+                Align::Left,
+                letter,
+            );
+            left += 32.0 + letter.width("recordings follow it") + 34.0;
+        }
         for (_, colour, text) in entries.into_iter().filter(|entry| entry.0) {
             let (from, to) = ((left, middle - 11.0), (left + 22.0, middle + 11.0));
             canvas.fill(from, to, colour);
@@ -228,6 +317,30 @@ impl Gallery {
     }
 }
 
+/// Names on a pale ground, the tracked one with a ring in front.
+fn draw_names<B: DrawingBackend>(
+    canvas: &mut Canvas<B>,
+    names: &[ModuleName],
+    place: &impl Fn(Point) -> Point,
+) {
+    let letter = Letter::new(18.0, Weight::Regular, INK);
+    for name in names {
+        let (x, y) = place(project(name.centre_m));
+        let text = shorten(&name.text, Weight::Regular, letter.size, NAME_AT_MOST);
+        let ring = if name.is_tracked { 20.0 } else { 0.0 };
+        let half = 0.5 * (letter.width(&text) + ring) + 7.0;
+        let (from, to) = ((x - half, y - 14.0), (x + half, y + 14.0));
+        canvas.fill(from, to, NAME_GROUND);
+        if name.is_tracked {
+            let centre = (x - half + 15.0, y);
+            canvas.ring(centre, 6.0, 2.5, INK);
+            canvas.disc(centre, 2.0, INK);
+        }
+        let start = (x - half + 7.0 + ring, y);
+        canvas.text_beside(&text, start, Align::Left, letter);
+    }
+}
+
 impl Picture for Gallery {
     fn size(&self) -> (u32, u32) {
         (WIDTH as u32, (self.layout().key_top + KEY).ceil() as u32)
@@ -239,7 +352,8 @@ impl Picture for Gallery {
         for (index, robot) in self.robots.iter().enumerate() {
             let (row, column) = (index / self.columns, index % self.columns);
             let left = MARGIN + column as f64 * (layout.cell_width + GAP);
-            let top = layout.top + row as f64 * (layout.head + layout.room_height + GAP);
+            let height = layout.head + layout.room_height + layout.gait_height;
+            let top = layout.top + row as f64 * (height + GAP);
             self.draw_robot(canvas, robot, (left, top), &layout);
         }
         self.draw_key(canvas, &layout);

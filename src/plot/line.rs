@@ -29,6 +29,10 @@ const DASHED: Option<(f64, f64)> = Some((8.0, 6.0));
 pub enum SeriesKind {
     /// A line through the points.
     Line,
+    /// A line that keeps each value until the next point: the best so far.
+    Steps,
+    /// A thin line through the points: one of many.
+    Thin,
     /// A dot at each point.
     Dots,
     /// An area between each point's y and the second value given here, one a point.
@@ -86,108 +90,137 @@ fn is_finite(point: &Point) -> bool {
 
 impl LinePlot {
     fn check(&self) -> Result<()> {
-        for series in &self.series {
-            if let SeriesKind::Band(other) = &series.kind {
-                axis::check_length(&series.label, other.len(), series.points.len())?;
-            }
-        }
-        if self.points().next().is_none() {
+        check_bands(&self.series)?;
+        if finite_points(&self.series).next().is_none() {
             return Err(Error::invalid("there is nothing to draw")
                 .field(&self.caption.title)
                 .allowed("at least one finite point"));
         }
         Ok(())
     }
+}
 
-    /// Every finite point, both edges of bands.
-    fn points(&self) -> impl Iterator<Item = Point> + '_ {
-        self.series
-            .iter()
-            .flat_map(|series| {
-                let other = match &series.kind {
-                    SeriesKind::Band(other) => other.as_slice(),
-                    _ => &[],
-                };
-                let edge = series.points.iter().zip(other).map(|((x, _), y)| (*x, *y));
-                series.points.iter().copied().chain(edge)
-            })
-            .filter(is_finite)
+/// Checks that bands have two edges of one length.
+pub(super) fn check_bands(all: &[Series]) -> Result<()> {
+    for series in all {
+        if let SeriesKind::Band(other) = &series.kind {
+            axis::check_length(&series.label, other.len(), series.points.len())?;
+        }
     }
+    Ok(())
+}
 
-    fn legend(&self) -> Legend {
-        let entries = self.series.iter().filter(|series| !series.label.is_empty());
-        let entries = entries.map(|series| {
-            let (colour, dash) = line(series.colour);
-            let symbol = match series.kind {
-                SeriesKind::Line => Symbol::Line {
-                    colour,
-                    width: 3.5,
-                    dash,
-                },
-                SeriesKind::Dots => Symbol::Dot(colour),
-                SeriesKind::Band(_) => Symbol::Shade(tint(colour, 0.25)),
-                SeriesKind::Dashed => Symbol::Line {
-                    colour,
-                    width: 2.5,
-                    dash: DASHED,
-                },
-                SeriesKind::Level => Symbol::Line {
-                    colour: FAINT_INK,
-                    width: 2.0,
-                    dash: DASHED,
-                },
+/// Every finite point, both edges of bands.
+pub(super) fn finite_points(all: &[Series]) -> impl Iterator<Item = Point> + '_ {
+    all.iter()
+        .flat_map(|series| {
+            let other = match &series.kind {
+                SeriesKind::Band(other) => other.as_slice(),
+                _ => &[],
             };
-            (symbol, series.label.clone())
-        });
-        Legend::new(entries.collect(), WIDTH - 2.0 * MARGIN)
-    }
+            let edge = series.points.iter().zip(other).map(|((x, _), y)| (*x, *y));
+            series.points.iter().copied().chain(edge)
+        })
+        .filter(is_finite)
+}
 
-    fn draw_series<B: DrawingBackend>(
-        canvas: &mut Canvas<B>,
-        frame: &Frame,
-        series: &Series,
-        factor: f64,
-    ) {
+/// What the series that have a label are called, in rows no wider than this.
+pub(super) fn legend(series: &[Series], width: f64) -> Legend {
+    let entries = series.iter().filter(|series| !series.label.is_empty());
+    let entries = entries.map(|series| {
         let (colour, dash) = line(series.colour);
-        let at = |(x, y): Point| {
-            let share = frame.y.share(y * factor).clamp(0.0, 1.0);
-            (
-                frame.at_x(x),
-                frame.bottom - share * (frame.bottom - frame.top),
-            )
+        let symbol = match series.kind {
+            SeriesKind::Line | SeriesKind::Steps => Symbol::Line {
+                colour,
+                width: 3.5,
+                dash,
+            },
+            SeriesKind::Thin => Symbol::Line {
+                colour,
+                width: 2.0,
+                dash,
+            },
+            SeriesKind::Dots => Symbol::Dot(colour),
+            SeriesKind::Band(_) => Symbol::Shade(tint(colour, 0.25)),
+            SeriesKind::Dashed => Symbol::Line {
+                colour,
+                width: 2.5,
+                dash: DASHED,
+            },
+            SeriesKind::Level => Symbol::Line {
+                colour: FAINT_INK,
+                width: 2.0,
+                dash: DASHED,
+            },
         };
-        match &series.kind {
-            SeriesKind::Band(other) => {
-                let pairs: Vec<(Point, f64)> = series
-                    .points
-                    .iter()
-                    .copied()
-                    .zip(other.iter().copied())
-                    .collect();
-                let runs = pairs.split(|(point, y)| !is_finite(point) || !y.is_finite());
-                for run in runs {
-                    for pair in run.windows(2) {
-                        let [(a, a_other), (b, b_other)] = [pair[0], pair[1]];
-                        let corners = [a, b, (b.0, b_other), (a.0, a_other)].map(at);
-                        canvas.polygon(&corners, tint(colour, 0.25));
-                    }
+        (symbol, series.label.clone())
+    });
+    Legend::new(entries.collect(), width)
+}
+
+/// Each value kept until the next point.
+fn stepped(run: &[Point]) -> Vec<Point> {
+    let corners = run
+        .windows(2)
+        .flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
+    corners.chain(run.last().copied()).collect()
+}
+
+/// Draws a series whose values are shown in a unit of this size.
+pub(super) fn draw_series<B: DrawingBackend>(
+    canvas: &mut Canvas<B>,
+    frame: &Frame,
+    series: &Series,
+    factor: f64,
+) {
+    let (colour, dash) = line(series.colour);
+    let at = |(x, y): Point| {
+        let share = frame.y.share(y * factor).clamp(0.0, 1.0);
+        (
+            frame.at_x(x),
+            frame.bottom - share * (frame.bottom - frame.top),
+        )
+    };
+    match &series.kind {
+        SeriesKind::Band(other) => {
+            let pairs: Vec<(Point, f64)> = series
+                .points
+                .iter()
+                .copied()
+                .zip(other.iter().copied())
+                .collect();
+            let runs = pairs.split(|(point, y)| !is_finite(point) || !y.is_finite());
+            for run in runs {
+                for pair in run.windows(2) {
+                    let [(a, a_other), (b, b_other)] = [pair[0], pair[1]];
+                    let corners = [a, b, (b.0, b_other), (a.0, a_other)].map(at);
+                    canvas.polygon(&corners, tint(colour, 0.25));
                 }
             }
-            SeriesKind::Dots => {
-                for point in series.points.iter().filter(|point| is_finite(point)) {
-                    canvas.disc(at(*point), 4.5, tint(colour, 0.75));
-                }
+        }
+        SeriesKind::Dots => {
+            for point in series.points.iter().filter(|point| is_finite(point)) {
+                canvas.disc(at(*point), 4.5, tint(colour, 0.75));
             }
-            SeriesKind::Line | SeriesKind::Level | SeriesKind::Dashed => {
-                for run in series.points.split(|point| !is_finite(point)) {
-                    let run: Vec<Point> = run.iter().copied().map(at).collect();
-                    let (width, colour, dash) = match series.kind {
-                        SeriesKind::Level => (2.0, FAINT_INK, DASHED),
-                        SeriesKind::Dashed => (2.5, colour, DASHED),
-                        _ => (3.5, colour, dash),
-                    };
-                    canvas.path(&run, width, colour, dash);
-                }
+        }
+        SeriesKind::Line
+        | SeriesKind::Steps
+        | SeriesKind::Thin
+        | SeriesKind::Level
+        | SeriesKind::Dashed => {
+            for run in series.points.split(|point| !is_finite(point)) {
+                let run = match series.kind {
+                    SeriesKind::Steps => stepped(run),
+                    _ => run.to_vec(),
+                };
+                let run: Vec<Point> = run.into_iter().map(at).collect();
+                let (width, colour, dash) = match series.kind {
+                    SeriesKind::Level => (2.0, FAINT_INK, DASHED),
+                    SeriesKind::Dashed => (2.5, colour, DASHED),
+                    SeriesKind::Thin => (2.0, colour, dash),
+                    _ => (3.5, colour, dash),
+                };
+                canvas.path(&run, width, colour, dash);
             }
         }
     }
@@ -199,7 +232,7 @@ impl Picture for LinePlot {
     }
 
     fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
-        let (xs, ys): (Vec<f64>, Vec<f64>) = self.points().unzip();
+        let (xs, ys): (Vec<f64>, Vec<f64>) = finite_points(&self.series).unzip();
         let unit = DisplayUnit::for_values(self.y_unit, ys.iter().copied());
         let shown: Vec<f64> = ys.iter().map(|y| y * unit.factor).collect();
         let y = match self.y_range {
@@ -208,7 +241,7 @@ impl Picture for LinePlot {
         };
         let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
         heading.draw(canvas, MARGIN, 14.0);
-        let legend = self.legend();
+        let legend = legend(&self.series, WIDTH - 2.0 * MARGIN);
         let legend_top = HEIGHT - 16.0 - legend.height();
         legend.draw(canvas, MARGIN, legend_top);
 
@@ -251,11 +284,11 @@ impl Picture for LinePlot {
             .iter()
             .partition(|series| matches!(series.kind, SeriesKind::Band(_)));
         for series in bands {
-            Self::draw_series(canvas, &frame, series, unit.factor);
+            draw_series(canvas, &frame, series, unit.factor);
         }
         frame.draw_grid(canvas, &x_ticks, &y_ticks);
         for series in above {
-            Self::draw_series(canvas, &frame, series, unit.factor);
+            draw_series(canvas, &frame, series, unit.factor);
         }
         frame.draw_outline(canvas);
         frame.draw_x_axis(canvas, &x_ticks, &self.x.title());

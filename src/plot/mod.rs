@@ -9,6 +9,7 @@
 //! | [`Cloud`] | [`plane()`], [`draw_lines`] | recordings and simulations in the first two principal components |
 //! | [`BarChart`] | [`draw_bars`] | what each of many causes changes |
 //! | [`ColumnChart`] | [`draw_columns`] | a few values for each of several things |
+//! | [`Stack`] | [`draw_stack`] | several quantities over one axis, one above the other |
 //! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
 //! | [`EnsemblePlot`] | [`draw_ensemble`] | repeats by behaviour, their envelope over time, the real runs |
 //! | [`Gallery`] | [`draw_gallery`] | robots as shaded boxes |
@@ -39,6 +40,7 @@ mod path;
 mod picture;
 mod plane;
 mod scale;
+mod stack;
 #[cfg(test)]
 mod tests;
 
@@ -50,7 +52,7 @@ pub use block::{Block, BlockKind, DrivenFace, Motion};
 pub use column::{ColumnChart, ColumnSeries, draw_columns};
 pub use curve::{Curve, draw_curve};
 pub use ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
-pub use gallery::{Gallery, GalleryRobot, draw_gallery};
+pub use gallery::{Gallery, GalleryRobot, ModuleName, draw_gallery};
 pub use heading::Caption;
 pub use heatmap::{HeatMap, draw_heat_map};
 pub use line::{LinePlot, Series, SeriesKind, draw_lines};
@@ -60,3 +62,4 @@ pub use path::PathPoint;
 pub use picture::check_picture_path;
 pub use plane::{Cloud, plane};
 pub use scale::ScoreScale;
+pub use stack::{Stack, StackRow, draw_stack};

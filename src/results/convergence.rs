@@ -64,7 +64,7 @@ pub(super) fn draw(
         Series {
             label: "best so far".to_owned(),
             points: numbered(best_so_far(points)),
-            kind: SeriesKind::Line,
+            kind: SeriesKind::Steps,
             colour: 1,
         },
     ];

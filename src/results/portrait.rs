@@ -4,11 +4,51 @@ use std::path::Path;
 
 use crate::Result;
 use crate::plot::{
-    Block, BlockKind, Caption, DrivenFace, Gallery, GalleryRobot, Motion, draw_gallery, number,
+    Block, BlockKind, Caption, DrivenFace, Gallery, GalleryRobot, ModuleName, Motion, draw_gallery,
+    number,
 };
 use crate::robot::morphology::{DriveAxis, Morphology, Role};
 
-/// The boxes of a robot at zero servo angles, robot frame, with a title and a note to stand above them.
+/// Time over which a gait is drawn, seconds, and its points.
+pub(super) const GAIT_S: f64 = 2.0;
+const GAIT_POINTS: usize = 120;
+/// More names than this hide the robot.
+const NAMES_AT_MOST: usize = 12;
+
+/// What each servo is told, in the order of the hinges.
+fn commands_rad(robot: &Morphology) -> Vec<Vec<f64>> {
+    let time_s = |k: usize| GAIT_S * k as f64 / (GAIT_POINTS - 1) as f64;
+    let hinges = robot.assemble().hinges;
+    hinges
+        .iter()
+        .filter_map(|hinge| hinge.actuator)
+        .map(|actuator| {
+            (0..GAIT_POINTS)
+                .map(|k| actuator.gait.angle_rad(time_s(k)))
+                .collect()
+        })
+        .collect()
+}
+
+/// The names of its modules at their centres, if there are not too many.
+fn names(robot: &Morphology) -> Vec<ModuleName> {
+    let modules = robot.modules();
+    if modules.len() > NAMES_AT_MOST {
+        return Vec::new();
+    }
+    let assembly = robot.assemble();
+    let solids = assembly.parts.iter().flat_map(|part| &part.solids);
+    solids
+        .filter(|solid| solid.role == Role::Cube && solid.number == 0)
+        .map(|solid| ModuleName {
+            text: modules[solid.module].name.clone(),
+            centre_m: solid.robot_from_solid.translation.vector.into(),
+            is_tracked: solid.module == robot.track(),
+        })
+        .collect()
+}
+
+/// The boxes of a robot at zero servo angles, robot frame, and its gait, with a title and a note to stand above them.
 pub fn portrait(robot: &Morphology, note: impl Into<String>) -> GalleryRobot {
     let modules = robot.modules();
     let mut blocks = Vec::new();
@@ -47,6 +87,8 @@ pub fn portrait(robot: &Morphology, note: impl Into<String>) -> GalleryRobot {
         title: robot.name().to_owned(),
         note: note.into(),
         blocks,
+        names: Vec::new(),
+        commands_rad: commands_rad(robot),
     }
 }
 
@@ -73,8 +115,10 @@ pub fn draw(robot: &Morphology, path: impl AsRef<Path>) -> Result<()> {
         columns: 1,
         robots: vec![GalleryRobot {
             title: note,
+            names: names(robot),
             ..portrait(robot, "")
         }],
+        gait_s: GAIT_S,
     };
     draw_gallery(&gallery, path)
 }

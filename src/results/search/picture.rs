@@ -8,7 +8,7 @@ use crate::plot::{
     draw_heat_map, draw_lines, number,
 };
 use crate::results::ensemble::{EnsembleResult, draw_repeats};
-use crate::results::portrait::portrait;
+use crate::results::portrait::{GAIT_S, portrait};
 use crate::search::{Archive, Finalist, Search, SearchResults, descriptor_named};
 use crate::statistics::mean;
 use crate::unit::{Unit, counted};
@@ -130,7 +130,7 @@ fn fitness(search: &Search, results: &SearchResults) -> Option<LinePlot> {
         series: [
             ("a robot", dots, SeriesKind::Dots, 4),
             ("mean of those that walked", means, SeriesKind::Line, 1),
-            ("best so far", best, SeriesKind::Line, 0),
+            ("best so far", best, SeriesKind::Steps, 0),
         ]
         .into_iter()
         .filter(|(_, points, ..)| !points.is_empty())
@@ -258,7 +258,8 @@ fn gallery(search: &Search, finalists: &[Finalist]) -> Gallery {
                 format!("{}: the best robots", search.name())
             } else {
                 format!(
-                    "{}: the best robots, none of which walks the same in other settings",
+                    "{}: the best gait_s: GAIT_S,
+        robots, none of which walks the same in other settings",
                     search.name()
                 )
             },
