@@ -73,6 +73,7 @@ fn develop(criterion: &mut Criterion) {
         .take(12)
         .collect();
     let gallery = Gallery {
+        gait_s: 2.0,
         caption: Caption::new("twelve robots of five modules", ""),
         columns: 4,
         robots: robots

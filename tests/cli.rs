@@ -484,3 +484,31 @@ fn help_shows_the_defaults_that_are_used() {
         );
     }
 }
+
+/// What a picture from above does not show.
+#[test]
+fn trajectories_are_drawn_over_time_with_heights_and_distances() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("time.svg");
+    let runs = [0, 1].map(|k| format!("real_trajectories/tripod_standin/run_0{k}.csv"));
+    let output = realgap()
+        .arg("compare")
+        .args(&runs)
+        .arg("--over-time")
+        .arg(&file)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let drawn = std::fs::read_to_string(file).unwrap();
+    for word in [
+        "ahead (cm)",
+        "to the left",
+        "height",
+        "distance (",
+        "time (s)",
+        "not hardware",
+        "run_01",
+    ] {
+        assert!(drawn.contains(word), "{word}");
+    }
+}

@@ -142,3 +142,25 @@ fn no_robot_too_many_and_no_numbers_are_answered() {
     broken.blocks[0].upper_m[1] = f64::NAN;
     draw("gallery_broken", &gallery(vec![broken], 1));
 }
+
+/// Every module is named where it is seen, the tracked one marked, every servo with what it is told.
+#[test]
+fn a_portrait_names_modules_and_draws_what_servos_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("tripod.svg");
+    realgap::results::portrait::draw(&shipped("tripod"), &file).unwrap();
+    let drawn = std::fs::read_to_string(file).unwrap();
+    for word in [
+        "core",
+        "leg_a",
+        "leg_b",
+        "leg_c",
+        "recordings follow it",
+        "gait, ±92° over 2 s",
+    ] {
+        assert!(drawn.contains(word), "{word}");
+    }
+    let still = folder.path().join("cube.svg");
+    realgap::results::portrait::draw(&shipped("cube"), &still).unwrap();
+    assert!(!std::fs::read_to_string(still).unwrap().contains("gait"));
+}

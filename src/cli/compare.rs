@@ -188,10 +188,15 @@ impl Compare {
         }
         if let Some(file) = &self.over_time {
             let paths = comparison.others_prepared().iter();
-            let others = others.iter().zip(paths).map(|(r, path)| timed(r, path));
+            let rest = others.iter().zip(paths).map(|(r, path)| timed(r, path));
             let first = timed(&reference, comparison.reference_prepared());
-            let all: Vec<Timed<'_>> = std::iter::once(first).chain(others).collect();
-            draw_over_time(&all, "same start, same heading", file)?;
+            let all: Vec<Timed<'_>> = std::iter::once(first).chain(rest).collect();
+            let source = Source::of(std::iter::once(&reference).chain(&others));
+            let what = match source {
+                Source::StandIn => format!("; {}", source.recordings_label()),
+                Source::Real => String::new(),
+            };
+            draw_over_time(&all, &format!("same start, same heading{what}"), file)?;
             terminal::note(format!("drawn: {}", file.display()));
         }
         if let Some(plane) = &self.plane {

@@ -18,6 +18,7 @@ use serde::Serialize;
 use super::kind::{read_definition, read_study};
 use super::odds::OddsOption;
 use super::option::{Format, Jobs, Recordings, StartOption, Values};
+use super::page::PageFile;
 use super::{progress, terminal};
 
 /// Simulate a study once per recording with given values and report pose errors over the recordings
@@ -42,6 +43,8 @@ pub struct Evaluate {
     odds: OddsOption,
     #[command(flatten)]
     jobs: Jobs,
+    #[command(flatten)]
+    page: PageFile,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -59,6 +62,7 @@ pub struct Evaluated {
 
 impl Evaluate {
     pub fn run(self) -> Result<ExitCode> {
+        self.page.check()?;
         let mut overrides = Overrides {
             set: self.values.parameter_set()?,
             fitted_on: self.values.fitted_on()?,
@@ -95,16 +99,17 @@ impl Evaluate {
                 odds.rows.clear();
             }
         }
-        match (self.format, odds) {
-            (Format::Json, odds) => {
-                terminal::print_answer(&Evaluated { result, odds })?;
-            }
-            (Format::Table, odds) => {
-                print(&result);
-                if let Some(odds) = odds {
-                    terminal::print(odds.to_string());
-                }
-            }
+        let shown = |colour| {
+            let odds = odds.as_ref().map(|odds| format!("\n{odds}"));
+            words(&result, colour) + &odds.unwrap_or_default()
+        };
+        let (text, printed) = (shown(false), shown(terminal::stdout_wants_colour()));
+        let found = Evaluated { result, odds };
+        self.page
+            .write("evaluation", &self.study, &found, &text, self.odds.plot())?;
+        match self.format {
+            Format::Json => terminal::print_answer(&found)?,
+            Format::Table => terminal::print(printed),
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -114,36 +119,43 @@ impl Evaluate {
         if !self.rows {
             result.rows.clear();
         }
+        let text = words_of_joints(&result, false);
+        self.page
+            .write("evaluation", &self.study, &result, &text, [])?;
         match self.format {
             Format::Json => terminal::print_answer(&result)?,
-            Format::Table => print_joints(&result),
+            Format::Table => {
+                terminal::print(words_of_joints(&result, terminal::stdout_wants_colour()));
+            }
         }
         Ok(ExitCode::SUCCESS)
     }
 }
 
-fn print_joints(result: &JointEvaluation) {
+/// For people.
+fn words_of_joints(result: &JointEvaluation, colour: bool) -> String {
     let mut table = TextTable::new([("recording", Side::Left), ("joints, mrad", Side::Right)]);
     for row in &result.rows {
         let value = row.angle_mrad;
         let value = value.map_or("diverged".to_owned(), |v| format!("{v:.1}"));
         table.push([row.recording.clone(), value]);
     }
-    if !result.rows.is_empty() {
-        terminal::print(table.render(terminal::stdout_wants_colour()).trim_end());
-    }
-    terminal::print(format!(
-        "{}: joints {:.1} +- {:.1} mrad (median {:.1}); {:.2} CPU ms per simulated second",
+    let rows = match result.rows.is_empty() {
+        true => String::new(),
+        false => format!("\n{}", table.render(colour).trim_end()),
+    };
+    format!(
+        "{}: joints {:.1} +- {:.1} mrad (median {:.1}); {:.2} CPU ms per simulated second{rows}",
         counted(result.recordings, "recording"),
         result.angle_mrad.mean,
         result.angle_mrad.standard_error,
         result.angle_mrad.median,
         result.cpu_ms_per_s
-    ));
+    )
 }
 
-fn print(result: &Evaluation) {
-    let colour = terminal::stdout_wants_colour();
+/// For people.
+fn words(result: &Evaluation, colour: bool) -> String {
     let mut table = TextTable::new([
         ("error", Side::Left),
         ("mean", Side::Right),
@@ -185,7 +197,7 @@ fn print(result: &Evaluation) {
             odds.both.to_string(),
         ]);
     }
-    terminal::print(format!(
+    let found = format!(
         "{}, start: {}\n{}\n{} of {} end over 45 deg off; {:.2} CPU ms per simulated second\n{}",
         counted(result.recordings, "recording"),
         result.start,
@@ -194,9 +206,9 @@ fn print(result: &Evaluation) {
         result.recordings,
         result.cpu_ms_per_s,
         faces.render(colour).trim_end()
-    ));
+    );
     if result.rows.is_empty() {
-        return;
+        return found;
     }
     let mut rows = TextTable::new([
         ("recording", Side::Left),
@@ -215,5 +227,5 @@ fn print(result: &Evaluation) {
             text(row.final_rotation_deg),
         ]);
     }
-    terminal::print(rows.render(colour).trim_end());
+    format!("{found}\n{}", rows.render(colour).trim_end())
 }

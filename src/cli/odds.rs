@@ -30,6 +30,11 @@ pub struct OddsOption {
 }
 
 impl OddsOption {
+    /// The picture that is drawn of them.
+    pub fn plot(&self) -> Option<&PathBuf> {
+        self.plot.as_ref()
+    }
+
     /// The odds, drawn where that is asked for; `None` where nobody asks.
     pub fn odds(&self, study: &Study, file: &Path, jobs: usize) -> Result<Option<Odds>> {
         let Some(runs) = self.odds else {

@@ -95,6 +95,22 @@ impl Block {
         all.all(|value| value.is_finite())
     }
 
+    /// Whether the way from a point to the viewer leads through the box.
+    fn hides(&self, point: [f64; 3]) -> bool {
+        const TOUCH_M: f64 = 1e-4;
+        let (sin_a, cos_a) = AZIMUTH_DEG.to_radians().sin_cos();
+        let (sin_e, cos_e) = ELEVATION_DEG.to_radians().sin_cos();
+        let ahead = [cos_a * cos_e, sin_a * cos_e, sin_e];
+        let (mut enters, mut leaves) = (TOUCH_M, f64::INFINITY);
+        for axis in 0..3 {
+            let to = |wall: f64| (wall - point[axis]) / ahead[axis];
+            let (a, b) = (to(self.lower_m[axis]), to(self.upper_m[axis]));
+            enters = f64::max(enters, a.min(b));
+            leaves = f64::min(leaves, a.max(b));
+        }
+        leaves > enters + TOUCH_M
+    }
+
     /// True if there is a plane between the two with this one on the far side: then it cannot hide `other`.
     fn is_beyond(&self, other: &Self) -> bool {
         const TOUCH_M: f64 = 2e-6;
@@ -129,6 +145,22 @@ impl Block {
             corner
         })
     }
+}
+
+/// The middle of a face of this box that no block stands before: the top, else a side; else its centre.
+pub(super) fn seen_at(blocks: &[Block], lower_m: [f64; 3], upper_m: [f64; 3]) -> [f64; 3] {
+    let centre: [f64; 3] = std::array::from_fn(|axis| 0.5 * (lower_m[axis] + upper_m[axis]));
+    let faces = [2, 1, 0].map(|axis| {
+        let mut face = centre;
+        face[axis] = if VISIBLE_POSITIVE[axis] {
+            upper_m[axis]
+        } else {
+            lower_m[axis]
+        };
+        face
+    });
+    let is_seen = |face: &[f64; 3]| !blocks.iter().any(|block| block.hides(*face));
+    faces.into_iter().find(is_seen).unwrap_or(centre)
 }
 
 /// Corners of the picture of all boxes and of their floor before scaling, metres; `None` without any finite box.

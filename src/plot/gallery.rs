@@ -6,7 +6,7 @@ use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
 use super::block::{
-    ACTIVE, BEND, Block, BlockKind, Motion, PASSIVE, SPIN, draw_blocks, extent, project,
+    ACTIVE, BEND, Block, BlockKind, Motion, PASSIVE, SPIN, draw_blocks, extent, project, seen_at,
 };
 use super::canvas::{Align, Canvas, Letter, Point};
 use super::colour::{FAINT_INK, GRID, INK, line};
@@ -14,7 +14,6 @@ use super::font::{Weight, shorten, wrap};
 use super::heading::{Caption, Heading};
 use super::picture::{self, Picture};
 use crate::Result;
-use crate::unit::number;
 
 const WIDTH: f64 = 1400.0;
 const MARGIN: f64 = 28.0;
@@ -35,15 +34,26 @@ const GAIT: f64 = 118.0;
 const NAME_AT_MOST: f64 = 150.0;
 const NAME_GROUND: RGBColor = RGBColor(250, 250, 248);
 
-/// The name of a module, at a place in its robot.
+/// The name of a module, on its cube.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModuleName {
     /// What it is called.
     pub text: String,
-    /// Its centre, metres.
-    pub centre_m: [f64; 3],
+    /// Lower corner of the cube, metres.
+    pub lower_m: [f64; 3],
+    /// Upper corner of the cube, metres.
+    pub upper_m: [f64; 3],
     /// Whether recordings follow this module.
     pub is_tracked: bool,
+}
+
+/// What a servo is told.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Command {
+    /// Its name.
+    pub servo: String,
+    /// Angles over the time of [`Gallery::gait_s`], radians, evenly spaced.
+    pub angles_rad: Vec<f64>,
 }
 
 /// One robot: boxes and two texts, its modules' names and its gait where they are to be seen.
@@ -57,8 +67,8 @@ pub struct GalleryRobot {
     pub blocks: Vec<Block>,
     /// Names that stand on the modules; none where the picture would be too small for them.
     pub names: Vec<ModuleName>,
-    /// What each servo is told: angles over the time of [`Gallery::gait_s`], radians, evenly spaced; empty without a gait.
-    pub commands_rad: Vec<Vec<f64>>,
+    /// What each servo is told; empty without a gait.
+    pub commands: Vec<Command>,
 }
 
 /// Robots in rows, filled from the top left.
@@ -136,7 +146,7 @@ impl Gallery {
             .map(|robot| robot.note_lines(cell_width - 2.0 * PADDING).len());
         let head = TITLE + NOTE_LINE * notes.max().unwrap_or(0) as f64 + 6.0;
         let top = (14.0 + heading.height() + 12.0).round();
-        let has_gait = self.robots.iter().any(|r| !r.commands_rad.is_empty());
+        let has_gait = self.robots.iter().any(|r| !r.commands.is_empty());
         let gait_height = if has_gait { GAIT } else { 0.0 };
         let cell_height = head + room_height + gait_height;
         Layout {
@@ -177,7 +187,7 @@ impl Gallery {
         };
         let edge = (0.03 * layout.scale * 0.058).clamp(1.0, 3.0);
         draw_blocks(canvas, &robot.blocks, &place, edge);
-        draw_names(canvas, &robot.names, &place);
+        draw_names(canvas, robot, &place);
         if layout.gait_height > 0.0 {
             let under = (left + PADDING, bottom - GAIT);
             self.draw_commands(canvas, robot, under, right - PADDING);
@@ -203,16 +213,18 @@ impl Gallery {
         right: f64,
     ) {
         let letter = Letter::new(16.0, Weight::Regular, FAINT_INK);
-        let all = self.robots.iter().flat_map(|robot| &robot.commands_rad);
+        let all = self.robots.iter().flat_map(|robot| &robot.commands);
+        let all = all.flat_map(|command| &command.angles_rad);
         // One scale for all, so that they can be compared.
-        let largest_rad = all.flatten().fold(0.1, |most: f64, a| most.max(a.abs()));
+        let largest_rad = all.fold(0.1, |most: f64, a| most.max(a.abs()));
         let (low, high) = (top + 6.0, top + GAIT - 30.0);
         let middle = 0.5 * (low + high);
         canvas.cell((left, middle), (right, middle + 1.0), GRID);
-        for (index, command) in robot.commands_rad.iter().enumerate() {
+        for (index, command) in robot.commands.iter().enumerate() {
             let (colour, dash) = line(index);
-            let last = command.len().saturating_sub(1).max(1) as f64;
+            let last = command.angles_rad.len().saturating_sub(1).max(1) as f64;
             let points: Vec<Point> = command
+                .angles_rad
                 .iter()
                 .enumerate()
                 .map(|(k, angle)| {
@@ -222,15 +234,26 @@ impl Gallery {
                 .collect();
             canvas.path(&points, 2.2, colour, dash);
         }
-        let text = match robot.commands_rad.is_empty() {
-            true => "no gait".to_owned(),
-            false => format!(
-                "gait, ±{:.0}° over {} s",
-                largest_rad.to_degrees(),
-                number(self.gait_s)
-            ),
-        };
-        canvas.text(&text, (left, top + GAIT - 10.0), Align::Left, letter);
+        let baseline = top + GAIT - 10.0;
+        if robot.commands.is_empty() {
+            canvas.text("no gait", (left, baseline), Align::Left, letter);
+            return;
+        }
+        let degrees = largest_rad.to_degrees();
+        let text = format!("gait, ±{degrees:.0}° over {} s", self.gait_s);
+        canvas.text(&text, (left, baseline), Align::Left, letter);
+        // Whose line is which, as far as there is room.
+        let mut from = left + letter.width(&text) + 24.0;
+        for (index, command) in robot.commands.iter().enumerate() {
+            let (colour, _) = line(index);
+            let letter = Letter::new(16.0, Weight::Bold, colour);
+            let width = letter.width(&command.servo);
+            if from + width > right {
+                break;
+            }
+            canvas.text(&command.servo, (from, baseline), Align::Left, letter);
+            from += width + 18.0;
+        }
     }
 
     fn draw_key<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, layout: &Layout) {
@@ -317,15 +340,15 @@ impl Gallery {
     }
 }
 
-/// Names on a pale ground, the tracked one with a ring in front.
+/// Names on a pale ground, each on a face of its cube that is seen, the tracked one with a ring in front.
 fn draw_names<B: DrawingBackend>(
     canvas: &mut Canvas<B>,
-    names: &[ModuleName],
+    robot: &GalleryRobot,
     place: &impl Fn(Point) -> Point,
 ) {
     let letter = Letter::new(18.0, Weight::Regular, INK);
-    for name in names {
-        let (x, y) = place(project(name.centre_m));
+    for name in &robot.names {
+        let (x, y) = place(project(seen_at(&robot.blocks, name.lower_m, name.upper_m)));
         let text = shorten(&name.text, Weight::Regular, letter.size, NAME_AT_MOST);
         let ring = if name.is_tracked { 20.0 } else { 0.0 };
         let half = 0.5 * (letter.width(&text) + ring) + 7.0;

@@ -52,7 +52,7 @@ pub use block::{Block, BlockKind, DrivenFace, Motion};
 pub use column::{ColumnChart, ColumnSeries, draw_columns};
 pub use curve::{Curve, draw_curve};
 pub use ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
-pub use gallery::{Gallery, GalleryRobot, ModuleName, draw_gallery};
+pub use gallery::{Command, Gallery, GalleryRobot, ModuleName, draw_gallery};
 pub use heading::Caption;
 pub use heatmap::{HeatMap, draw_heat_map};
 pub use line::{LinePlot, Series, SeriesKind, draw_lines};

@@ -5,7 +5,7 @@ use std::path::Path;
 use plotters::backend::DrawingBackend;
 
 use super::axis::{self, AxisSpec};
-use super::canvas::{Canvas, Point};
+use super::canvas::Canvas;
 use super::frame::{BELOW_LABEL, Frame, left_of_label};
 use super::heading::{Caption, Heading};
 use super::line::{Series, check_bands, draw_series, finite_points, legend};
@@ -136,6 +136,7 @@ impl Picture for Stack {
 
 #[cfg(test)]
 mod tests {
+    use super::super::canvas::Point;
     use super::*;
     use crate::plot::SeriesKind;
 

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
+use nalgebra::Vector3;
+
 use crate::Result;
 use crate::plot::{
-    Block, BlockKind, Caption, DrivenFace, Gallery, GalleryRobot, ModuleName, Motion, draw_gallery,
-    number,
+    Block, BlockKind, Caption, Command, DrivenFace, Gallery, GalleryRobot, ModuleName, Motion,
+    draw_gallery, number,
 };
-use crate::robot::morphology::{DriveAxis, Morphology, Role};
+use crate::robot::morphology::{DriveAxis, Morphology, Role, Solid};
 
 /// Time over which a gait is drawn, seconds, and its points.
 pub(super) const GAIT_S: f64 = 2.0;
@@ -16,21 +18,30 @@ const GAIT_POINTS: usize = 120;
 const NAMES_AT_MOST: usize = 12;
 
 /// What each servo is told, in the order of the hinges.
-fn commands_rad(robot: &Morphology) -> Vec<Vec<f64>> {
+fn commands(robot: &Morphology) -> Vec<Command> {
     let time_s = |k: usize| GAIT_S * k as f64 / (GAIT_POINTS - 1) as f64;
-    let hinges = robot.assemble().hinges;
-    hinges
-        .iter()
-        .filter_map(|hinge| hinge.actuator)
-        .map(|actuator| {
-            (0..GAIT_POINTS)
-                .map(|k| actuator.gait.angle_rad(time_s(k)))
-                .collect()
-        })
-        .collect()
+    let hinges = robot.assemble().hinges.into_iter();
+    let told = hinges.filter_map(|hinge| Some((hinge.name, hinge.actuator?.gait)));
+    told.map(|(servo, gait)| Command {
+        servo,
+        angles_rad: (0..GAIT_POINTS)
+            .map(|k| gait.angle_rad(time_s(k)))
+            .collect(),
+    })
+    .collect()
 }
 
-/// The names of its modules at their centres, if there are not too many.
+fn centre_m(solid: &Solid) -> Vector3<f64> {
+    solid.robot_from_solid.translation.vector
+}
+
+/// Half of its sides along the robot's axes.
+fn half_m(solid: &Solid) -> Vector3<f64> {
+    let turn = solid.robot_from_solid.rotation.to_rotation_matrix();
+    turn.matrix().abs() * solid.half_extents_m
+}
+
+/// The names of its modules, if there are not too many.
 fn names(robot: &Morphology) -> Vec<ModuleName> {
     let modules = robot.modules();
     if modules.len() > NAMES_AT_MOST {
@@ -42,7 +53,8 @@ fn names(robot: &Morphology) -> Vec<ModuleName> {
         .filter(|solid| solid.role == Role::Cube && solid.number == 0)
         .map(|solid| ModuleName {
             text: modules[solid.module].name.clone(),
-            centre_m: solid.robot_from_solid.translation.vector.into(),
+            lower_m: (centre_m(solid) - half_m(solid)).into(),
+            upper_m: (centre_m(solid) + half_m(solid)).into(),
             is_tracked: solid.module == robot.track(),
         })
         .collect()
@@ -58,8 +70,7 @@ pub fn portrait(robot: &Morphology, note: impl Into<String>) -> GalleryRobot {
             continue;
         }
         let turn = solid.robot_from_solid.rotation;
-        let half_m = (turn.to_rotation_matrix().matrix().abs()) * solid.half_extents_m;
-        let centre_m = solid.robot_from_solid.translation.vector;
+        let (centre_m, half_m) = (centre_m(solid), half_m(solid));
         let drive = modules[solid.module].drive.filter(|_| solid.number == 0);
         let driven = drive.map(|drive| {
             let normal = turn * drive.face.normal();
@@ -88,7 +99,7 @@ pub fn portrait(robot: &Morphology, note: impl Into<String>) -> GalleryRobot {
         note: note.into(),
         blocks,
         names: Vec::new(),
-        commands_rad: commands_rad(robot),
+        commands: commands(robot),
     }
 }
 

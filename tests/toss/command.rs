@@ -80,7 +80,10 @@ fn identify_feeds_evaluate() {
         ];
         json(&[&base, &contact[..], extra].concat())
     };
-    let ignorant = evaluate(&[]);
+    let page = folder.path().join("page.html");
+    let ignorant = evaluate(&["--report", page.to_str().unwrap()]);
+    let page = std::fs::read_to_string(page).unwrap();
+    assert!(page.contains("<p class=\"kicker\">evaluation</p>") && page.contains("face down"));
     let informed = evaluate(&["--parameters", &body]);
     let flown = evaluate(&["--parameters", &body, "--start", "flight", "--rows"]);
     let mean = |value: &Value| value["position_percent"]["mean"].as_f64().unwrap();

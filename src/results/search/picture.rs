@@ -253,13 +253,13 @@ fn gallery(search: &Search, finalists: &[Finalist]) -> Gallery {
         })
         .collect();
     Gallery {
+        gait_s: GAIT_S,
         caption: Caption::new(
             if finalists.iter().any(|finalist| finalist.finals.survives) {
                 format!("{}: the best robots", search.name())
             } else {
                 format!(
-                    "{}: the best gait_s: GAIT_S,
-        robots, none of which walks the same in other settings",
+                    "{}: the best robots, none of which walks the same in other settings",
                     search.name()
                 )
             },
