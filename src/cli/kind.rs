@@ -125,6 +125,16 @@ pub fn is_search(path: &Path) -> bool {
     source.and_then(|source| Kind::of_ron(&source)) == Some(Kind::Search)
 }
 
+/// Whether a file looks like a study, or the best values of one.
+pub fn is_study(path: &Path) -> bool {
+    if path.extension().is_none_or(|ending| ending != "ron") {
+        return false;
+    }
+    let source = Source::read(path, "file").ok();
+    let kind = source.and_then(|source| Kind::of_ron(&source));
+    kind == Some(Kind::Study) || (kind == Some(Kind::Parameters) && study_of(path).is_some())
+}
+
 /// Reads a search.
 pub fn read_search(path: &Path, overrides: &search::Overrides) -> Result<Search> {
     Search::read(path, overrides).map_err(|error| explain(path, Kind::Search, error))

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use clap::Args;
-use realgap::calibration::{Answer, Case, Definition, Repeatable, StartRule, Study, Target};
+use realgap::calibration::{
+    Answer, Case, Definition, RepeatCase, Repeatable, StartRule, Study, Target,
+};
 use realgap::file::write_atomic;
 use realgap::optimization::Ending;
 use realgap::report::{
@@ -233,18 +235,31 @@ fn recorded(definition: &Definition, case: &Case, scale: f64) -> (Vec<KeptPath>,
     (paths, seen)
 }
 
+/// Recordings of a case to be seen beside its run, in true lengths.
+pub fn recordings_of(study: &Repeatable, case: &RepeatCase) -> Vec<Recording> {
+    let scale = case.experiment.recording_length_scale;
+    let is_of_case = |r: &&Recording| case.real.iter().any(|(name, _)| *name == r.name);
+    let shown = study.definition.recordings.iter().filter(is_of_case);
+    shown
+        .filter(|recording| !recording.trajectory.is_of_joints())
+        .filter_map(|recording| {
+            Some(Recording {
+                trajectory: recording.trajectory.scaled(1.0 / scale).ok()?,
+                bodies: Vec::new(),
+                ..recording.clone()
+            })
+        })
+        .take(GHOSTS)
+        .collect()
+}
+
 /// What the page of repeats shows beside them: the first start's run without noise.
 pub fn of_repeats(study: &Repeatable) -> Kept {
     let Some(case) = study.cases.first() else {
         return Kept::default();
     };
     let is_settled = study.definition.start == StartRule::Settled;
-    let shown = study.definition.recordings.iter();
-    let recordings: Vec<Recording> = shown
-        .take(if is_settled { GHOSTS } else { 1 })
-        .filter(|recording| !recording.trajectory.is_of_joints())
-        .cloned()
-        .collect();
+    let recordings = recordings_of(study, case);
     Kept {
         duration_s: case.experiment.duration_s,
         reality: study.definition.source().reality_label().to_owned(),

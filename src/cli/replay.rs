@@ -4,28 +4,32 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use realgap::file::{check_writable, sha256, write_atomic};
+use realgap::calibration::{Overrides, RepeatCase, Repeatable, StartRule};
+use realgap::comparison;
+use realgap::file::{check_writable, look_up, sha256, write_atomic};
 use realgap::report::{Replay, SIMULATION};
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{self, Divergence, Experiment, Film, Floor, Outcome, Sampling, film};
 use realgap::trajectory::{self, Reading, Recording};
 use realgap::{Error, Result, Warning};
 
-use super::kind::read_morphology;
+use super::kind::{self, read_morphology, read_repeatable};
 use super::option::{Values, recording_unused};
+use super::page;
 use super::reading::ReadingOptions;
 use super::terminal;
 
 /// Show a run in space, over its recordings: one HTML file that needs no network
 ///
-/// Of a robot's file the run is simulated from rest, as `simulate` does. Of a recorded or simulated run the motion is shown
+/// Of a robot's file the run is simulated from rest, as `simulate` does. Of a study, or the best.ron of one, it is the study's own
+/// run: with its settings, its scene and, where runs start from a recording, that recording's start. Of a recorded or simulated run the motion is shown
 /// as it is: all parts where the file has them (`simulate --parts`), else what the tracked module's orientation and the joints
 /// tell, else a point.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct ReplayCommand {
-    /// A robot (.ron), or a run (.csv or .tum)
-    #[arg(value_name = "RUN|MORPHOLOGY")]
+    /// A robot or a study (.ron), or a run (.csv or .tum)
+    #[arg(value_name = "RUN|MORPHOLOGY|STUDY")]
     run: PathBuf,
     /// The robot that made the run; without it a point is shown
     #[arg(long, value_name = "MORPHOLOGY")]
@@ -33,6 +37,9 @@ pub struct ReplayCommand {
     /// Recorded runs to be shown over it (repeatable)
     #[arg(long, value_name = "RECORDING", num_args = 1..)]
     against: Vec<PathBuf>,
+    /// Of a study whose runs start from recordings: from which one, by its name [default: the first]
+    #[arg(long, value_name = "RECORDING")]
+    start: Option<String>,
     /// Keep recordings where their files say, instead of moving and turning them onto the run's start and direction
     #[arg(long)]
     as_recorded: bool,
@@ -51,6 +58,17 @@ pub struct ReplayCommand {
 impl ReplayCommand {
     pub fn run(self) -> Result<ExitCode> {
         check_page(&self.output)?;
+        if kind::is_study(&self.run) {
+            self.of_study()?;
+            return Ok(ExitCode::SUCCESS);
+        }
+        if self.start.is_some() {
+            return Err(
+                Error::usage("only a study says how runs start from recordings")
+                    .field("--start")
+                    .found(self.run.display()),
+            );
+        }
         let recordings = read_recordings(&self.against, &self.reading.reading()?)?;
         let mut files: Vec<&Path> = vec![&self.run];
         files.extend(self.robot.as_deref());
@@ -97,6 +115,64 @@ impl ReplayCommand {
             warnings: &warnings,
             files,
         })
+    }
+
+    /// The run of a study.
+    fn of_study(&self) -> Result<()> {
+        let overrides = Overrides {
+            set: self.values.parameter_set()?,
+            fitted_on: self.values.fitted_on()?,
+            recordings: self
+                .against
+                .iter()
+                .map(|path| path.display().to_string())
+                .collect(),
+            reading: self.reading.reading()?,
+            // Nothing is scored here, so no metric can refuse a recording.
+            metric: Some(comparison::by_name("rms")?),
+            ..Overrides::default()
+        };
+        let study = read_repeatable(&self.run, &overrides)?;
+        let case = self.case(&study)?;
+        let mut experiment = case.experiment.clone();
+        if let Some(duration_s) = self.duration {
+            experiment.duration_s = duration_s;
+            experiment.sampling = Sampling::Rate(60.0);
+        }
+        experiment.check().map_err(Error::into_usage)?;
+        let (run, film) = film(&experiment)?;
+        if let Outcome::Diverged(divergence) = run.outcome {
+            return Err(diverged(&divergence, &self.run));
+        }
+        let Some(film) = film else {
+            return Err(Error::invalid("this robot has no parts to show")
+                .at_file(&self.run)
+                .hint("name a study of modules"));
+        };
+        let is_settled = study.definition.start == StartRule::Settled;
+        let recordings = page::recordings_of(&study, case);
+        self.write(&Shown {
+            morphology: Some(&study.definition.morphology),
+            film: &film,
+            name: SIMULATION,
+            experiment: Some(&experiment),
+            recordings: &recordings,
+            align: is_settled && !self.as_recorded,
+            warnings: &[study.warnings.clone(), run.warnings].concat(),
+            files: &[&self.run],
+        })
+    }
+
+    /// The start that is asked for.
+    fn case<'a>(&self, study: &'a Repeatable) -> Result<&'a RepeatCase> {
+        match &self.start {
+            None => study
+                .cases
+                .first()
+                .ok_or_else(|| Error::invalid("the study has no run to show").at_file(&self.run)),
+            Some(name) => look_up("recording", name, &study.cases, |case| &case.name)
+                .map_err(Error::into_usage),
+        }
     }
 
     /// A run from a file.

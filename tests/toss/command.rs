@@ -276,3 +276,30 @@ fn an_impossible_part_is_wrong_usage() {
     .clone();
     assert!(String::from_utf8_lossy(&error).contains("offsets from 0"));
 }
+
+/// A toss is shown from where it was thrown, over its recording; values take the place of the best.
+#[test]
+fn a_toss_is_replayed_from_its_recorded_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let glob = write(folder.path(), &tosses(&cube(), &EXACT, 3));
+    let study = study().to_string_lossy().into_owned();
+    let page = folder.path().join("toss.html");
+    let file = page.to_str().unwrap();
+    let show = |more: &[&str]| {
+        let args = ["replay", &study, "--against", &glob, "-o", file];
+        realgap(&[&args, more].concat())
+    };
+    show(&["--start", "toss_01", "--set", "floor.friction=0.3"]).success();
+    let shown = std::fs::read_to_string(&page).unwrap();
+    assert!(
+        shown.contains("toss_01") && !shown.contains("toss_02"),
+        "the recording of another"
+    );
+    let said = show(&["--start", "tos_01"])
+        .code(2)
+        .get_output()
+        .stderr
+        .clone();
+    let said = common::text(&said);
+    assert!(said.contains("did you mean `toss_01`"), "{said}");
+}
