@@ -212,7 +212,7 @@ fn known_parameters_lie_in_their_intervals_and_new_places_in_theirs() {
         ..RadioOptions::default()
     };
     let (mut held, mut asked, mut covered) = (0, 0, Vec::new());
-    let logs = 60;
+    let logs = std::env::var("WALKS").map_or(24, |n| n.parse().unwrap());
     for seed in 0..logs {
         let log = drawn(&truth, &arena, seed, 400);
         let found = fit(&log, &arena, &arena.anchors, &options).unwrap();
@@ -230,8 +230,8 @@ fn known_parameters_lie_in_their_intervals_and_new_places_in_theirs() {
         "{held} of {asked} intervals hold the truth; {:.1} % of new strengths",
         100.0 * mean(&covered)
     );
-    // Short of the nine of ten that they promise; the page says so.
-    assert!(held as f64 >= 0.75 * f64::from(asked), "{held} of {asked}");
+    // Nine of ten are promised; two dozen walks are few, and one walk decides on three.
+    assert!(held as f64 >= 0.8 * f64::from(asked), "{held} of {asked}");
     assert!((0.88..0.97).contains(&mean(&covered)), "{}", mean(&covered));
 }
 

@@ -13,7 +13,7 @@ use super::propagation::{PROPAGATIONS, Propagation};
 use super::shadow::{self, Spread};
 use crate::error::{Error, Result};
 use crate::sensing::arena::{Anchor, Arena};
-use crate::statistics::{mean, normal_quantile, standard_deviation};
+use crate::statistics::{mean, standard_deviation, student_quantile};
 use crate::unit::counted;
 use crate::warning::{Code, Warning};
 
@@ -422,6 +422,9 @@ fn parameters(
         .filter(|link| link.walls() > 0)
         .count();
     let share = crossing as f64 / material.links.len() as f64;
+    // What errors are like is known from so many places at most.
+    let degrees = material.places.saturating_sub(best.values.len()).max(1);
+    let quantile = student_quantile(0.5 * (1.0 + LEVEL), degrees as f64);
     model
         .parameters()
         .into_iter()
@@ -431,7 +434,7 @@ fn parameters(
             let sd = covariance
                 .as_ref()
                 .map_or(f64::INFINITY, |c| c[(index, index)].max(0.0).sqrt());
-            let half = normal_quantile(0.5 * (1.0 + LEVEL)) * sd;
+            let half = quantile * sd;
             let (low, high) = (value - half, value + half);
             let is_strength = index == 0;
             let why = if is_strength {

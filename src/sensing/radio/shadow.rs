@@ -30,13 +30,19 @@ const CORRECTIONS: usize = 4;
 
 /// Splits residuals (in the log's order) into what spots share and what they do not; the covariance s² exp(−h/L) of the former is
 /// fitted to products of spots' means by distance h (Gudmundson 1991). A fit takes a part of what spots share as its own: that part,
-/// the rows times the parameters' covariance, is added back.
+/// the rows times the parameters' covariance, is added back. Together both are at least as large as the residuals.
 pub(super) fn estimate(log: &RadioLog, residuals_db: &[f64], rows: &[Vec<f64>]) -> Spread {
     let mut spread = split(log, residuals_db, rows, None);
     for _ in 0..CORRECTIONS {
         let covariance = covariance(log, rows, &spread);
         spread = split(log, residuals_db, rows, covariance.as_ref());
     }
+    // Where nothing was read twice and few places are near each other, the split finds less than there is.
+    let parameters = rows.first().map_or(0, Vec::len);
+    let squares: f64 = residuals_db.iter().map(|r| r * r).sum();
+    let all = squares / residuals_db.len().saturating_sub(parameters).max(1) as f64;
+    let found = spread.shadowing_sd_db.powi(2) + spread.fading_sd_db.powi(2);
+    spread.fading_sd_db = spread.fading_sd_db.hypot((all - found).max(0.0).sqrt());
     spread
 }
 
@@ -137,8 +143,9 @@ fn spots(log: &RadioLog, residuals_db: &[f64], rows: &[Vec<f64>], anchor: usize)
     cells.into_iter().map(of).collect()
 }
 
-/// Waves that make a field.
-const WAVES: usize = 256;
+/// Waves that make a field. Of 256 one field's own covariance is off by 0.04 at any distance, which is as much as all its places
+/// tell of a model's parameters: their 90 % intervals held 84 % even where the covariance was known.
+const WAVES: usize = 2048;
 
 /// A random field over pairs of places with covariance exp(−h/L) and variance 1, the same in both directions of a link.
 ///
