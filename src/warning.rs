@@ -84,10 +84,12 @@ codes! {
     InsideWall "inside-wall" "Scans were taken where an arena has a wall." "correct the arena's walls or the logged places";
     KnownLimit "known-limit" "A result depends on something that the engine is known to do wrongly." "see docs/limits.md; check the result by another engine or by experiment";
     LackOfFit "lack-of-fit" "A fitted form misses the data by more than chance." "allow a form with more terms";
+    LongTask "long-task" "A task took more than a week." "give durations in seconds";
     LostSamples "lost-samples" "Samples without numbers are left out." "look for gaps of the recorder; fine if they are few";
     MassRatio "mass-ratio" "A joint holds a very light and a very heavy part." "make the light part heavier, or use more substeps";
     MovingAtEnd "moving-at-end" "Recordings that end while moving are left out, as the study asks." "record until the body rests";
     NoCamera "no-camera" "The noise has no camera, and recordings have one." "give the noise a `camera`, so that it knows what recording adds";
+    NoEdges "no-edges" "A picture has no edges." "check that it is the right picture, and sharp";
     NoEffect "no-effect" "Something that was set changes nothing." "remove it, or check its name with `realgap parameters`";
     NoFlight "no-flight" "No free flight was found." "record tosses in which the body flies for some samples";
     NoInterval "no-interval" "A model states no interval, so that its coverage says nothing." "fit a model that states one";
@@ -105,6 +107,7 @@ codes! {
     OneRecording "one-recording" "One recording does not know its own spread." "record at least two more repeats of the same run";
     OnlyDistributions "only-distributions" "Small differences grow so fast that single runs do not compare." "compare distributions (`realgap ensemble`, `realgap gap`) rather than single runs";
     OtherRobot "other-robot" "A recording names another robot." "check that the recording is of this robot";
+    OutlineOutside "outline-outside" "A known outline lies outside of its picture." "give outlines in pixels of this picture, from its upper left corner";
     OutsideArena "outside-arena" "Readings were taken outside of the arena." "correct the arena's size or the logged places";
     Overfitted "overfitted" "Recordings that were held out are fitted worse." "free fewer parameters, or record more";
     PicturesUnpaired "pictures-unpaired" "Pictures have no partner of the same name and are left out." "give both pictures of a pair one name";

@@ -174,7 +174,20 @@ fn bad_logs_arenas_and_models_are_refused_with_what_is_allowed() {
         &write("d.csv", "x_m,y_m,anchor_1_dbm\n0,1,5\n1,1,0\n1,1,100\n"),
         flat,
         &[],
-        &["nothing was heard"],
+        &["nothing was heard", "3 of 0 dBm or more", "-120 and 0 dBm"],
+    );
+    refused(&write("empty.csv", ""), flat, &[], &["the log is empty"]);
+    refused(
+        &write("rows.csv", "x_m,y_m,anchor_1_dbm\n"),
+        flat,
+        &[],
+        &["no rows"],
+    );
+    refused(
+        &write("nan.csv", "x_m,y_m,anchor_1_dbm\nNaN,1,-50\n"),
+        flat,
+        &[],
+        &["nan.csv:2", "NaN", "a finite number"],
     );
     refused(
         &write("e.csv", "x_m,y_m,anchor_9_dbm\n1,1,-50\n"),
@@ -223,4 +236,59 @@ fn bad_logs_arenas_and_models_are_refused_with_what_is_allowed() {
         &bad,
     ]);
     assert!(code == 1 && said.contains("wall_loss_db"), "{said}");
+}
+
+/// What can be fitted for all that is fitted, with a warning, and without being sure of anything that six strengths cannot say.
+#[test]
+fn doubtful_logs_and_arenas_are_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let rows = "x_m,y_m,anchor_1_dbm\n1,1,-50\n3,1,-60\n5,5,-62\n7,6,-64\n1,6,-65\n4,3,-60\n";
+    let (good, loud) = (
+        write("good.csv", rows),
+        write("loud.csv", &format!("{rows}2,2,5\n3,3,0\n")),
+    );
+    let arena = |name: &str, walls: &str| {
+        let anchors = "anchors: [(name: \"1\", position_m: (1, 1, 1))]";
+        let text = format!(
+            "Arena(name: \"a\", size_m: (10, 10), boundary: Open, walls: [{walls}], {anchors})"
+        );
+        write(name, &text)
+    };
+    let open = arena("open.ron", "");
+    let walled = arena(
+        "walled.ron",
+        "(from_m: (0.5, 1), to_m: (1.8, 1), thickness_m: 0.3), (from_m: (0, 4.5), to_m: (10, 4.5), thickness_m: 0.1)",
+    );
+    let fitted = |log: &str, arena: &str, more: &[&str], warnings: &[&str]| {
+        let mut args = vec!["radio", "fit", log, "--arena", arena, "--format", "json"];
+        args.extend(more);
+        let (code, json, said) = run(&args);
+        assert_eq!(code, 0, "{said}");
+        for code in warnings {
+            assert!(said.contains(code), "{code} is missing in {said}");
+        }
+        serde_json::from_str::<serde_json::Value>(&json).unwrap()
+    };
+    let found = fitted(&loud, &open, &[], &["impossible-readings", "no-walls"]);
+    assert_eq!(
+        (&found["readings"], &found["missing"]),
+        (&6.into(), &2.into())
+    );
+    fitted(&good, &walled, &[], &["anchor-in-wall", "few-places"]);
+    let (code, _, said) = run(&["radio", "fit", &good, "--arena", &open, "--model", "walls"]);
+    assert!(
+        code == 1 && said.contains("no link crosses a wall") && said.contains("without walls"),
+        "{said}"
+    );
+    // Six readings of six places, 1.7 dB off: no parameter is known without doubt.
+    let found = fitted(&good, &open, &["--model", "log-distance"], &[]);
+    for parameter in found["parameters"].as_array().unwrap() {
+        let [low, high] = ["low", "high"].map(|key| parameter[key].as_f64().unwrap());
+        assert!(high - low > 1.0, "{parameter}");
+    }
 }

@@ -255,6 +255,12 @@ fn the_command_compares_draws_and_times_and_refuses_with_what_is_allowed() {
     for (text, expected) in [
         ("robot\na\n", "duration_s"),
         ("duration_s\n-1\n", "above 0"),
+        ("duration_s\n0\n", "above 0"),
+        ("duration_s\nNaN\n", "a finite number"),
+        ("duration_s\ninf\n", "a finite number"),
+        ("duration_s\n1e300\n", "at most 1000000000"),
+        ("", "the log is empty"),
+        ("time\n3\n", "no column `duration_s`"),
         ("duration_s\nfast\n", "not a number"),
         ("duration_s,finished\n3,perhaps\n", "yes or no"),
         ("duration_s\n", "no trials"),
@@ -263,5 +269,27 @@ fn the_command_compares_draws_and_times_and_refuses_with_what_is_allowed() {
         let bad = write("bad.csv", text);
         let (code, _, said) = run(&["tasks", "compare", &real, &bad]);
         assert!(code == 1 && said.contains(expected), "{expected}: {said}");
+        assert!(
+            said.contains("bad.csv") || said.contains("no condition"),
+            "{said}"
+        );
+    }
+    let slow = write("slow.csv", "duration_s\n700000\n3\n");
+    let (code, _, said) = run(&["tasks", "compare", &slow, &slow]);
+    assert!(
+        code == 0 && said.contains("long-task") && !said.contains("--time-unit"),
+        "{said}"
+    );
+    for (reach, within) in [
+        ("NaN,0", "0.5"),
+        ("2", "0.5"),
+        ("2,0", "NaN"),
+        ("0,0", "0.5"),
+    ] {
+        let (code, _, said) = run(&["tasks", "time", &way, "--reach", reach, "--within", within]);
+        assert!(
+            code != 0 && said.contains("error"),
+            "{reach} {within}: {said}"
+        );
     }
 }

@@ -61,6 +61,11 @@ impl LogTable {
             .iter()
             .map(str::to_owned)
             .collect();
+        if header.iter().all(String::is_empty) {
+            return Err(Error::invalid("the log is empty")
+                .at_file(path)
+                .allowed("CSV with the names of its columns in the first line"));
+        }
         let mut rows = Vec::new();
         for row in reader.records() {
             if rows.len() == MAX_ROWS {

@@ -41,12 +41,14 @@ const NUMBERS: [&str; 8] = [
 ];
 /// Times beyond this are not seconds of a task (a week).
 const LONG_S: f64 = 604_800.0;
+/// And these are not times of a task at all (thirty years).
+const LONGEST_S: f64 = 1e9;
 
 impl TaskLog {
     /// Reads a log.
     ///
     /// # Errors
-    /// A missing file, no column `duration_s`, durations that are not above 0, a `finished` that is neither yes nor no, no rows.
+    /// A missing file, no column `duration_s`, durations that are not above 0 (or above thirty years), a `finished` that is neither yes nor no, no rows.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::parse(path, &read_log_text(path)?)
@@ -70,11 +72,11 @@ impl TaskLog {
         let mut trials = Vec::with_capacity(table.len());
         for row in 0..table.len() {
             let time_s = table.number(row, duration)?;
-            if time_s <= 0.0 {
+            if !(time_s > 0.0 && time_s <= LONGEST_S) {
                 let error = Error::invalid("not a duration")
                     .field("duration_s")
                     .found(time_s)
-                    .allowed("seconds above 0");
+                    .allowed(format!("seconds above 0, at most {LONGEST_S}"));
                 return Err(table.at(row, error));
             }
             let finished = match finished.map(|column| table.text(row, column)) {
@@ -102,7 +104,7 @@ impl TaskLog {
         let mut warnings = Vec::new();
         if trials.iter().any(|t| t.duration.time_s > LONG_S) {
             warnings.push(Warning::new(
-                Code::UnlikelyTime,
+                Code::LongTask,
                 format!(
                     "{}: a task of more than a week; durations are read as seconds",
                     path.display()

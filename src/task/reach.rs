@@ -17,13 +17,19 @@ pub struct Goal {
 /// Between samples it moves straight.
 ///
 /// # Errors
-/// A reach that is not above 0, a robot that begins at the goal.
+/// A reach that is not above 0, a place that is no place, a robot that begins at the goal.
 pub fn time_to_reach(motion: &Trajectory, goal: &Goal) -> Result<Duration> {
     if !(goal.within_m > 0.0 && goal.within_m.is_finite()) {
         return Err(Error::usage("not a reach")
             .field("within")
             .found(goal.within_m)
             .allowed("metres above 0"));
+    }
+    if !goal.position_world_m.iter().all(|v| v.is_finite()) {
+        return Err(Error::usage("not a place")
+            .field("reach")
+            .found(format!("{:?}", goal.position_world_m))
+            .allowed("metres, finite"));
     }
     let times = motion.times_s();
     let off: Vec<[f64; 2]> = motion

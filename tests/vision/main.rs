@@ -15,6 +15,7 @@ mod outline;
 mod reading;
 mod tuning;
 mod unreadable;
+mod walk;
 
 use realgap::sensing::vision::Grey;
 

@@ -158,7 +158,8 @@ pub fn tune_camera(
     let shots = Shots::read(folder.as_ref(), &names)?;
     let pictures = read(&shots)?;
     let mut warnings = Vec::new();
-    let (fitted_views, held_views) = split(&names, &shots, options, &mut warnings)?;
+    let (fitted_views, held_views) =
+        split(&names, &shots, options, &mut warnings).map_err(|e| e.at_file(folder.as_ref()))?;
     let mut start = start.clone();
     start.lens.width_px = pictures[0].grey.width();
     start.lens.height_px = pictures[0].grey.height();

@@ -159,7 +159,12 @@ impl RadioLog {
         if log.readings.is_empty() {
             return Err(Error::invalid("nothing was heard in the whole log")
                 .at_file(path)
-                .allowed("strengths between -120 and 0 dBm"));
+                .found(format!(
+                    "{} empty, {impossible} of 0 dBm or more or under -120 dBm",
+                    log.missing - impossible
+                ))
+                .allowed("strengths between -120 and 0 dBm")
+                .hint(COLUMNS));
         }
         if impossible > 0 {
             log.warnings.push(Warning::new(

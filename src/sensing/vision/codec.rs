@@ -12,8 +12,8 @@ use super::picture::{Grey, Picture, check_size};
 use crate::error::{Error, Result};
 use crate::file::{png_bytes, read_limited, write_atomic};
 
-/// Largest file that is read, bytes: 64 megapixels of 16-bit colour with transparency, not compressed.
-const MOST_BYTES: u64 = 520_000_000;
+/// Largest file that is read, bytes: 32 megapixels of 16-bit colour with transparency, not compressed.
+const MOST_BYTES: u64 = 260_000_000;
 const PNG_START: &[u8] = b"\x89PNG\r\n\x1a\n";
 const JPEG_START: &[u8] = b"\xff\xd8\xff";
 
@@ -22,18 +22,10 @@ impl Picture {
     /// laid on white.
     ///
     /// # Errors
-    /// A missing file, anything that is not a picture, broken pictures, more than 64 megapixels.
+    /// A missing file, anything that is not a picture, broken pictures, more than 32 megapixels.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let bytes = read_limited(path, MOST_BYTES, "picture")?;
-        if bytes.len() as u64 > MOST_BYTES {
-            return Err(
-                Error::invalid("cannot read the picture: the file is too large")
-                    .at_file(path)
-                    .allowed(format!("at most {MOST_BYTES} bytes")),
-            );
-        }
-        Self::decode(&bytes).map_err(|e| e.at_file(path))
+        Self::decode(&bytes_of(path)?).map_err(|e| e.at_file(path))
     }
 
     /// The picture in the bytes of a PNG or JPEG file.
@@ -46,15 +38,7 @@ impl Picture {
         } else if bytes.starts_with(JPEG_START) {
             decode_jpeg(bytes)
         } else {
-            let start: Vec<String> = bytes.iter().take(4).map(|b| format!("{b:02x}")).collect();
-            Err(Error::invalid("not a picture")
-                .found(if start.is_empty() {
-                    "an empty file".to_owned()
-                } else {
-                    format!("a file that starts with {}", start.join(" "))
-                })
-                .allowed("PNG and JPEG")
-                .hint("convert other formats, e.g. to PNG"))
+            Err(no_picture(bytes))
         }
     }
 
@@ -109,19 +93,66 @@ impl Grey {
     }
 }
 
+/// Columns and rows of a picture, of which nothing but the header is decoded.
+///
+/// # Errors
+/// As [`Picture::read`], but for what the header does not say.
+pub(super) fn size_of(path: &Path) -> Result<(usize, usize)> {
+    let bytes = bytes_of(path)?;
+    let size = if bytes.starts_with(PNG_START) {
+        png_header(&bytes)
+            .map(|reader| (reader.info().width as usize, reader.info().height as usize))
+    } else if bytes.starts_with(JPEG_START) {
+        jpeg_header(&bytes).map(|(_, width, height)| (width, height))
+    } else {
+        Err(no_picture(&bytes))
+    };
+    size.map_err(|e| e.at_file(path))
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>> {
+    let bytes = read_limited(path, MOST_BYTES, "picture")?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(
+            Error::invalid("cannot read the picture: the file is too large")
+                .at_file(path)
+                .allowed(format!("at most {MOST_BYTES} bytes")),
+        );
+    }
+    Ok(bytes)
+}
+
+fn no_picture(bytes: &[u8]) -> Error {
+    let start: Vec<String> = bytes.iter().take(4).map(|b| format!("{b:02x}")).collect();
+    Error::invalid("not a picture")
+        .found(if start.is_empty() {
+            "an empty file".to_owned()
+        } else {
+            format!("a file that starts with {}", start.join(" "))
+        })
+        .allowed("PNG and JPEG")
+        .hint("convert other formats, e.g. to PNG")
+}
+
 fn broken(error: impl std::fmt::Display) -> Error {
     Error::invalid("the picture cannot be decoded").found(error)
 }
 
-fn decode_png(bytes: &[u8]) -> Result<Picture> {
+/// Nothing that is too large is decoded.
+fn png_header(bytes: &[u8]) -> Result<png::Reader<Cursor<&[u8]>>> {
     let limits = png::Limits {
         bytes: MOST_BYTES as usize,
     };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
     decoder.set_transformations(png::Transformations::normalize_to_color8());
-    let mut reader = decoder.read_info().map_err(broken)?;
+    let reader = decoder.read_info().map_err(broken)?;
+    check_size(reader.info().width as usize, reader.info().height as usize)?;
+    Ok(reader)
+}
+
+fn decode_png(bytes: &[u8]) -> Result<Picture> {
+    let mut reader = png_header(bytes)?;
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);
-    check_size(width, height)?;
     let size = reader
         .output_buffer_size()
         .ok_or_else(|| broken("its size overflows"))?;
@@ -147,7 +178,10 @@ fn decode_png(bytes: &[u8]) -> Result<Picture> {
     Picture::new(width, height, rgb)
 }
 
-fn decode_jpeg(bytes: &[u8]) -> Result<Picture> {
+type Jpeg<'a> = JpegDecoder<ZCursor<&'a [u8]>>;
+
+/// As [`png_header`]; with columns and rows.
+fn jpeg_header(bytes: &[u8]) -> Result<(Jpeg<'_>, usize, usize)> {
     let options = DecoderOptions::default()
         .jpeg_set_out_colorspace(ColorSpace::RGB)
         .set_max_width(65_535)
@@ -158,6 +192,11 @@ fn decode_jpeg(bytes: &[u8]) -> Result<Picture> {
         .dimensions()
         .ok_or_else(|| broken("it has no size"))?;
     check_size(width, height)?;
+    Ok((decoder, width, height))
+}
+
+fn decode_jpeg(bytes: &[u8]) -> Result<Picture> {
+    let (mut decoder, width, height) = jpeg_header(bytes)?;
     let pixels = decoder.decode().map_err(broken)?;
     let rgb = match decoder.output_colorspace() {
         Some(ColorSpace::Luma) => pixels.iter().flat_map(|v| [*v; 3]).collect(),

@@ -7,14 +7,16 @@ use serde::Serialize;
 
 use super::album::Album;
 use super::alignment::{Motion, RelativeTo};
+use super::codec::size_of;
 use super::extractor::{Extractor, Feature, Measure, Sought};
-use super::picture::Grey;
+use super::picture::{Grey, MOST_PIXELS};
 use super::registry::EXTRACTORS;
 use super::views::PictureSource;
 use crate::error::{Error, Result};
 use crate::statistics::{
     PairedTest, mean, percentile_interval, smaller_resamples, wilcoxon_signed_rank,
 };
+use crate::unit::counted;
 use crate::warning::{Code, Warning};
 
 /// Resamples behind an interval, and the share of them below and above it.
@@ -185,26 +187,24 @@ pub fn compare_folders(
     let badly_lit = badly_lit.map(Album::read).transpose()?;
     let mut warnings = Vec::new();
     let views = paired(&simulated, &real, badly_lit.as_ref(), &mut warnings)?;
-    let found: Vec<(Vec<Found>, Vec<Warning>)> =
-        views.par_iter().map(look_at).collect::<Result<_>>()?;
+    let mut of_extractor: Vec<Vec<ViewRow>> = EXTRACTORS.iter().map(|_| Vec::new()).collect();
+    for few in views.chunks(at_once(&views)?) {
+        let found: Vec<(Vec<Option<ViewRow>>, Vec<Warning>)> = few
+            .par_iter()
+            .map(|view| look_at(view, relative_to))
+            .collect::<Result<_>>()?;
+        for (its, own_warnings) in found {
+            for (rows, row) in of_extractor.iter_mut().zip(its) {
+                rows.extend(row);
+            }
+            warnings.extend(own_warnings);
+        }
+    }
     let mut extractors = Vec::new();
-    for (index, extractor) in EXTRACTORS.iter().enumerate() {
-        let rows: Vec<ViewRow> = views
-            .iter()
-            .zip(&found)
-            .filter(|(view, _)| {
-                view.groups[0]
-                    .iter()
-                    .all(|(_, sought)| extractor.is_sought(sought))
-            })
-            .map(|(view, (found, _))| row(*extractor, view, &found[index], relative_to))
-            .collect();
+    for (extractor, rows) in EXTRACTORS.iter().zip(of_extractor) {
         if !rows.is_empty() {
             extractors.push(report(*extractor, rows, seed)?);
         }
-    }
-    for (_, its) in found {
-        warnings.extend(its);
     }
     if real.source() == PictureSource::StandIn {
         warnings.push(Warning::new(
@@ -222,8 +222,8 @@ pub fn compare_folders(
         warnings.push(Warning::new(
             Code::FewRecordings,
             format!(
-                "{} views: fewer than {FEW_VIEWS} cannot answer at 5 %, whatever they show",
-                views.len()
+                "{}: fewer than {FEW_VIEWS} cannot answer at 5 %, whatever they show",
+                counted(views.len(), "view")
             ),
         ));
     }
@@ -323,8 +323,19 @@ fn merged(own: Sought, model: &Sought) -> Sought {
     }
 }
 
-/// Every extractor on every picture of a view.
-fn look_at(view: &View) -> Result<(Vec<Found>, Vec<Warning>)> {
+/// How many views are looked at at once, so that memory does not grow with their number: one picture of each is within
+/// [`MOST_PIXELS`] together.
+fn at_once(views: &[View]) -> Result<usize> {
+    let mut largest = 1;
+    for (path, _) in views.iter().flat_map(|view| &view.groups[0]) {
+        let (width, height) = size_of(path)?;
+        largest = largest.max(width * height);
+    }
+    Ok((MOST_PIXELS / largest).max(1))
+}
+
+/// Every extractor on every picture of a view: a row for each extractor that has something to find there.
+fn look_at(view: &View, relative_to: RelativeTo) -> Result<(Vec<Option<ViewRow>>, Vec<Warning>)> {
     let mut size = None;
     let mut warnings = Vec::new();
     let mut found: Vec<Found> = EXTRACTORS.iter().map(|_| Found::default()).collect();
@@ -363,7 +374,14 @@ fn look_at(view: &View) -> Result<(Vec<Found>, Vec<Warning>)> {
             }
         }
     }
-    Ok((found, warnings))
+    let is_sought = |extractor: &dyn Extractor| {
+        let all = &view.groups[0];
+        all.iter().all(|(_, sought)| extractor.is_sought(sought))
+    };
+    let rows = EXTRACTORS.iter().zip(&found).map(|(extractor, found)| {
+        is_sought(*extractor).then(|| row(*extractor, view, found, relative_to))
+    });
+    Ok((rows.collect(), warnings))
 }
 
 fn row(extractor: &dyn Extractor, view: &View, found: &Found, relative_to: RelativeTo) -> ViewRow {

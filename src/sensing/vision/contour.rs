@@ -87,6 +87,21 @@ impl Extractor for Contour {
             settled.stuck.len() as f64 / count as f64,
         );
         let mut warnings = Vec::new();
+        let is_in = |[x, y]: &[f64; 2]| {
+            (0.0..=picture.width() as f64).contains(x)
+                && (0.0..=picture.height() as f64).contains(y)
+        };
+        if !sought.outline_px.is_empty() && !sought.outline_px.iter().any(is_in) {
+            let [x, y] = sought.outline_px[0];
+            warnings.push(Warning::new(
+                Code::OutlineOutside,
+                format!(
+                    "the outline that a contour should come to, from ({x}, {y}) px on, lies outside of {} x {} px",
+                    picture.width(),
+                    picture.height()
+                ),
+            ));
+        }
         if share > MANY_STUCK {
             warnings.push(Warning::new(
                 Code::ContourStuck,

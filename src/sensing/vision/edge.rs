@@ -4,6 +4,7 @@ use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::filter::{gauss, length, sobel};
 use super::picture::Grey;
 use crate::error::Result;
+use crate::warning::{Code, Warning};
 
 /// Canny's edges.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -167,7 +168,11 @@ impl Extractor for Edges {
                 map: Some(edges),
                 ..Feature::default()
             },
-            warnings: Vec::new(),
+            warnings: if on == 0 {
+                vec![Warning::new(Code::NoEdges, "there are no edges")]
+            } else {
+                Vec::new()
+            },
         })
     }
 

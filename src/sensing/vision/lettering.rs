@@ -20,7 +20,7 @@ const MARGIN_EM: f64 = 0.6;
 /// ```
 ///
 /// # Errors
-/// A picture of more than 64 megapixels.
+/// A picture of more than 32 megapixels.
 pub fn print_text(text: &str, size_px: f64, tracking_em: f64) -> Result<Grey> {
     font::check()?;
     let advance = |c: char| {

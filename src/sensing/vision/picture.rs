@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 
 /// Most pixels of a picture.
-pub const MOST_PIXELS: usize = 64_000_000;
+pub const MOST_PIXELS: usize = 32_000_000;
 
 /// A picture in colour, 8 bits a channel, sRGB, row by row from the top.
 #[derive(Debug, Clone, PartialEq, Eq)]
