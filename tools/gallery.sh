@@ -43,6 +43,62 @@ once gap/confidence.png "$realgap" gap sweeps/tripod_floor.ron "${best[@]}" \
 once robot.png "$realgap" check morphologies/tripod.ron --plot "$work/robot.png"
 once search/gallery.png "$realgap" search sweeps/best_robot.ron -o "$work/search"
 
+# Stand-ins: a camera with other, hidden settings.
+once simulated/door.png "$realgap" picture scenes/room.ron -o "$work/simulated"
+once real/door_1.png "$realgap" picture scenes/room.ron --camera standin --repeats 2 --seed 2 \
+    -o "$work/real"
+once real_dark/door.png "$realgap" picture scenes/room.ron --camera standin --light badly \
+    --seed 3 -o "$work/real_dark"
+once vision/template.png "$realgap" vision compare "$work/simulated" "$work/real" \
+    --badly-lit "$work/real_dark" --relative-to view -o "$work/vision"
+once steps.png "$realgap" vision extract "$work/simulated/door.png" "$work/real/door_1.png" \
+    --extractor contour -o "$work/steps.png"
+once run.csv "$realgap" simulate morphologies/tripod.ron --duration 20 -o "$work/run.csv"
+once ride/t_005.000.png "$realgap" picture scenes/room.ron --ride tripod --run "$work/run.csv" \
+    --every 5 -o "$work/ride"
+
+# The fit of docs/fidelity/radio.md; its recordings are not part of this repository.
+cat > "$work/radio.ron" <<'RON'
+(
+    description: "docs/fidelity/radio.md", propagation: "thickness",
+    values: [-43.9, 1.56, 7.63, 5.38], cap: 1, robot_height_m: 0.3,
+)
+RON
+once map.png "$realgap" radio map --arena arenas/flat.ron --parameters "$work/radio.ron" \
+    --anchor 6 --plot "$work/map.png"
+
+# Trials of one robot on its way to a place, behind those of others: LOG ROBOT PLACE TRAJECTORY...
+trials() {
+    local log=$1 robot=$2 place=$3 first=1
+    shift 3
+    [ ! -s "$log" ] || first=2
+    "$realgap" tasks time "$@" --reach="$place" --within 0.3 --condition "robot=$robot" \
+        | tail -n "+$first" >> "$log"
+}
+
+if [ ! -e "$work/times.png" ]; then
+    rm -f "$work/real.csv" "$work/simulated.csv"
+    for task in tripod:-0.2,-0.45 two_module:-0.5,0.1 chain5:-1.0,0.0; do
+        robot=${task%%:*}
+        runs=()
+        for friction in 0.3 0.4 0.5 0.6 0.7; do
+            runs+=("$work/${robot}_$friction.csv")
+            "$realgap" simulate "morphologies/$robot.ron" --duration 20 \
+                --set "floor.friction=$friction" -o "${runs[-1]}" > "$work/simulate.txt"
+        done
+        trials "$work/real.csv" "$robot" "${task#*:}" "real_trajectories/${robot}_mujoco"/*.csv
+        trials "$work/simulated.csv" "$robot" "${task#*:}" "${runs[@]}"
+    done
+    "$realgap" tasks compare "$work/real.csv" "$work/simulated.csv" --plot "$work/times.png" \
+        --curves "$work/curves.png"
+fi
+
+keep vision/template.png template.png
+keep steps.png steps.png
+keep ride/t_005.000.png ride.png
+keep map.png map.png
+keep times.png times.png
+keep curves.png curves.png
 keep sweep/heatmap.png heatmap.png
 keep sweep/trajectories.png trajectories.png
 keep sweep/profile_floor_friction.png profile.png

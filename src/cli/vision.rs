@@ -1,6 +1,6 @@
 //! `realgap vision`: what is found in pictures, and whether it is the same in simulated and in real ones.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Subcommand, ValueEnum};
@@ -9,7 +9,8 @@ use realgap::file::{check_writable, write_atomic};
 use realgap::results::draw_vision;
 use realgap::sensing::vision::camera::Scene;
 use realgap::sensing::vision::{
-    EXTRACTORS, Grey, RelativeTo, Views, compare_folders, contact_sheet, extractor_by_name,
+    EXTRACTORS, Extractor, Grey, RelativeTo, Step, Views, compare_folders, contact_sheet,
+    extractor_by_name, stacked,
 };
 use realgap::{Error, Result};
 
@@ -48,7 +49,7 @@ struct Compare {
     /// Folder of real pictures of the same views, badly lit
     #[arg(long, value_name = "DIR")]
     badly_lit: Option<PathBuf>,
-    /// Draw edges.png, template.png, contour.png and text.png into this folder (as figures 5, 6, 8 and 11)
+    /// Draw edges, template, contour and text as .png and .svg into this folder (as figures 5, 6, 8 and 11)
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Whether where each camera stood counts (view) or is taken out by what views.ron says of each picture (own)
@@ -73,18 +74,19 @@ enum Relative {
     View,
 }
 
-/// Show what one extractor finds in one picture, step by step
+/// Show what one extractor finds in pictures, step by step
 #[derive(Debug, Args)]
 struct Extract {
-    /// The picture; views.ron beside it says what is to be found
-    picture: PathBuf,
+    /// The pictures; views.ron beside each says what is to be found in it
+    #[arg(required = true, value_name = "PICTURE")]
+    pictures: Vec<PathBuf>,
     /// edges, template, contour or text
     #[arg(long, value_name = "NAME", default_value = "edges")]
     extractor: String,
     /// The view of views.ron [default: the picture's name]
     #[arg(long, value_name = "NAME")]
     view: Option<String>,
-    /// Draw the steps side by side into this .png (as figures 2, 3, 4 and 9)
+    /// Draw the steps side by side into this .png, a row for each picture (as figures 2, 3, 4, 7, 9, 10 and 12)
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -226,24 +228,35 @@ impl Extract {
         if let Some(output) = &self.output {
             check_writable(output)?;
         }
-        let picture = Grey::read(&self.picture)?;
-        let folder = self.picture.parent().filter(|p| !p.as_os_str().is_empty());
-        let views = Views::read(folder.unwrap_or(std::path::Path::new(".")))?;
-        let own = self
-            .picture
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy();
+        let mut rows = Vec::new();
+        for path in &self.pictures {
+            if self.pictures.len() > 1 {
+                terminal::print(format!("{}:", path.display()));
+            }
+            let steps = self.look_at(extractor, path)?;
+            if self.output.is_some() {
+                rows.push(contact_sheet(&steps));
+            }
+        }
+        if let Some(output) = &self.output {
+            stacked(&rows)?.picture().write_png(output)?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// Says what is found in one picture; the steps.
+    fn look_at(&self, extractor: &dyn Extractor, path: &Path) -> Result<Vec<Step>> {
+        let picture = Grey::read(path)?;
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+        let views = Views::read(folder.unwrap_or(Path::new(".")))?;
+        let own = path.file_stem().unwrap_or_default().to_string_lossy();
         let sought = views.sought(self.view.as_deref().unwrap_or(&own));
         let sought = sought.cloned().unwrap_or_default();
         let found = extractor.extract(&picture, &sought).map_err(|e| {
-            e.at_file(&self.picture)
+            e.at_file(path)
                 .or_hint("views.ron beside it says what to look for")
         })?;
         terminal::print_warnings(&found.warnings);
-        if let Some(output) = &self.output {
-            contact_sheet(&found.steps).picture().write_png(output)?;
-        }
         for remark in &found.remarks {
             terminal::print(remark);
         }
@@ -256,6 +269,6 @@ impl Extract {
         ) {
             terminal::print(format!("{}: {error:.3} {}", measure.name, measure.unit).trim_end());
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(found.steps)
     }
 }

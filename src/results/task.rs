@@ -21,6 +21,23 @@ pub fn draw_task_times(found: &TaskComparison, path: impl AsRef<Path>) -> Result
         .enumerate()
         .map(|(index, c)| format!("{}: {}", index + 1, c.condition))
         .collect();
+    let mut subtitle = names.join("; ");
+    let never: Vec<String> = found
+        .conditions
+        .iter()
+        .zip(1..)
+        .flat_map(|(c, number)| {
+            [
+                (&c.real, number, "real"),
+                (&c.simulated, number, "simulated"),
+            ]
+        })
+        .filter(|(side, ..)| side.median_s.is_none())
+        .map(|(_, number, world)| format!("{number} {world}"))
+        .collect();
+    if !never.is_empty() {
+        subtitle += &format!("; not half finished: {}", never.join(", "));
+    }
     let mut series = Vec::new();
     for (colour, label) in ["real", "simulated"].into_iter().enumerate() {
         let sides = found.conditions.iter().enumerate().map(|(index, c)| {
@@ -57,7 +74,7 @@ pub fn draw_task_times(found: &TaskComparison, path: impl AsRef<Path>) -> Result
         colour: 0,
     });
     let plot = LinePlot {
-        caption: Caption::new("Task times, real and simulated", names.join("; ")),
+        caption: Caption::new("Task times, real and simulated", subtitle),
         x: AxisSpec::new("condition", Unit::One).whole(),
         y_label: "time".to_owned(),
         y_unit: Unit::Second,
@@ -73,6 +90,12 @@ pub fn draw_task_times(found: &TaskComparison, path: impl AsRef<Path>) -> Result
 /// # Errors
 /// A path that is no picture's, a full disk.
 pub fn draw_task_curves(found: &TaskComparison, path: impl AsRef<Path>) -> Result<()> {
+    let sides = found
+        .conditions
+        .iter()
+        .flat_map(|c| [&c.real, &c.simulated]);
+    let last = sides.flat_map(|side| side.curve.times_s.last().copied());
+    let end_s = last.fold(0.0, f64::max);
     let steps = |side: &SideReport| {
         let mut points = vec![(0.0, 1.0)];
         let mut share = 1.0;
@@ -80,6 +103,8 @@ pub fn draw_task_curves(found: &TaskComparison, path: impl AsRef<Path>) -> Resul
             points.extend([(*time, share), (*time, *after)]);
             share = *after;
         }
+        // Who gave up is not finished to the end.
+        points.push((end_s, share));
         points
     };
     let series = found.conditions.iter().enumerate().flat_map(|(colour, c)| {
@@ -103,7 +128,7 @@ pub fn draw_task_curves(found: &TaskComparison, path: impl AsRef<Path>) -> Resul
         y_label: "share not finished".to_owned(),
         y_unit: Unit::One,
         scale: ScoreScale::Linear,
-        y_range: Some((0.0, 1.0)),
+        y_range: Some((0.0, 1.05)),
         series: series.collect(),
     };
     draw_lines(&plot, path)

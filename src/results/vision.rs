@@ -75,7 +75,7 @@ fn chart(report: &ExtractorReport, source: PictureSource) -> ColumnChart {
     }
 }
 
-/// Draws one picture an extractor into an existing folder, `NAME.png`; says which.
+/// Draws one picture an extractor into an existing folder, `NAME.png` and the same as `NAME.svg`; says which `.png` there are.
 ///
 /// # Errors
 /// A folder that cannot be written.
@@ -88,6 +88,7 @@ pub fn draw_vision(report: &VisionReport, folder: impl AsRef<Path>) -> Result<Ve
         }
         let path = folder.as_ref().join(format!("{}.png", extractor.extractor));
         draw_columns(&chart, &path)?;
+        draw_columns(&chart, path.with_extension("svg"))?;
         drawn.push(path);
     }
     Ok(drawn)

@@ -13,6 +13,7 @@ mod contract;
 mod golden;
 mod outline;
 mod reading;
+mod ride;
 mod tuning;
 mod unreadable;
 mod walk;

@@ -61,7 +61,7 @@ pub use matching::{correlate, correlation_map};
 pub use picture::{Grey, MOST_PIXELS, Picture, Region};
 pub use registry::{EXTRACTORS, extractor_by_name};
 pub use script::{Script, character_error_rate, edit_distance};
-pub use sheet::contact_sheet;
+pub use sheet::{contact_sheet, stacked};
 pub use snake::{Ending, Settled, Snake, evenly, mean_distance_px};
 pub use template::{Match, Template};
 pub use views::{AlphabetFile, PictureSource, VIEWS_FILE, ViewFile, Views, ViewsFile};

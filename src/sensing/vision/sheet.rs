@@ -1,7 +1,8 @@
 //! The steps of an extractor side by side: figures 2, 3, 4 and 9 of paper 002.
 
 use super::extractor::Step;
-use super::picture::Grey;
+use super::picture::{Grey, check_size};
+use crate::error::Result;
 use crate::font::{self, Weight};
 
 /// Height of a step, of its caption's letters, and the space around, pixels.
@@ -54,4 +55,24 @@ pub fn contact_sheet(steps: &[Step]) -> Grey {
         left += column(picture, name) + SPACE;
     }
     Grey::from_fn(width, height, |x, y| values[y * width + x])
+}
+
+/// Pictures below each other, on white.
+///
+/// # Errors
+/// More than a picture can hold.
+pub fn stacked(rows: &[Grey]) -> Result<Grey> {
+    let width = rows.iter().map(Grey::width).max().unwrap_or(1);
+    let height = rows.iter().map(Grey::height).sum::<usize>().max(1);
+    check_size(width, height)?;
+    let mut values = vec![1.0_f32; width * height];
+    let mut top = 0;
+    for row in rows {
+        for (y, line) in row.values().chunks_exact(row.width()).enumerate() {
+            let to = (top + y) * width;
+            values[to..to + row.width()].copy_from_slice(line);
+        }
+        top += row.height();
+    }
+    Grey::new(width, height, values)
 }

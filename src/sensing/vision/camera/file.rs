@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::form::CameraFile;
 use super::lens::Pose;
 use super::poster::{Motif, Texture};
-use super::scene::{Block, Camera, Lamp, Light, Poster, Scene, View};
+use super::scene::{Block, Camera, Lamp, Light, Mount, Poster, Scene, View};
 use crate::error::{Error, Result};
 use crate::file::{Source, check_name, look_up, parse_ron};
 
@@ -46,6 +46,8 @@ pub(crate) struct SceneFile {
     cameras: BTreeMap<String, CameraFile>,
     /// Where pictures are taken.
     views: Vec<ViewFile>,
+    #[serde(default)]
+    mounts: BTreeMap<String, MountFile>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -122,6 +124,24 @@ struct ViewFile {
     place_m: Three,
     /// What it looks at, metres.
     look_at_m: Three,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Mount")]
+struct MountFile {
+    #[serde(default)]
+    body: Option<String>,
+    #[serde(default)]
+    place_m: Three,
+    #[serde(default = "forwards")]
+    ahead: Three,
+    start_m: (f64, f64),
+    #[serde(default)]
+    facing_deg: f64,
+}
+
+fn forwards() -> Three {
+    (1.0, 0.0, 0.0)
 }
 
 fn light_grey() -> Three {
@@ -247,6 +267,37 @@ impl Reader<'_> {
             texture,
         })
     }
+
+    fn mount(&self, name: String, file: MountFile) -> Result<Mount> {
+        let at = |field: &str| format!("mounts.{name}.{field}");
+        let (ahead, place) = (three(file.ahead), three(file.place_m));
+        let level = ahead[0].hypot(ahead[1]);
+        let length = level.hypot(ahead[2]);
+        if !(length.is_finite() && level > 1e-3 * length) {
+            return Err(self.wrong(
+                &at("ahead"),
+                "not where a camera can look",
+                format!("{ahead:?}"),
+                "a direction that is not right up or down",
+            ));
+        }
+        for value in place {
+            self.within(&at("place_m"), value, -LARGEST_M, LARGEST_M, "m")?;
+        }
+        let (start_x, start_y) = file.start_m;
+        for value in [start_x, start_y] {
+            self.within(&at("start_m"), value, -LARGEST_M, LARGEST_M, "m")?;
+        }
+        let facing = self.within(&at("facing_deg"), file.facing_deg, -360.0, 360.0, "degrees")?;
+        Ok(Mount {
+            body: file.body,
+            place_body_m: place,
+            ahead_body: ahead.map(|v| v / length),
+            start_m: [start_x, start_y],
+            facing_rad: facing.to_radians(),
+            name,
+        })
+    }
 }
 
 impl Scene {
@@ -286,6 +337,7 @@ impl Scene {
             lights: Vec::new(),
             cameras: Vec::new(),
             views: Vec::new(),
+            mounts: Vec::new(),
         };
         for (index, block) in file.blocks.iter().enumerate() {
             scene
@@ -357,6 +409,9 @@ impl Scene {
                 pose,
             });
         }
+        for (name, mount) in file.mounts {
+            scene.mounts.push(reader.mount(name, mount)?);
+        }
         for (field, is_empty) in [
             ("lights", scene.lights.is_empty()),
             ("cameras", scene.cameras.is_empty()),
@@ -377,6 +432,14 @@ impl Scene {
         look_up("camera", name, &self.cameras, |camera| camera.name.as_str())
     }
 
+    /// The mount of this name.
+    ///
+    /// # Errors
+    /// An unknown name; the error lists the known ones.
+    pub fn mount(&self, name: &str) -> Result<&Mount> {
+        look_up("mount", name, &self.mounts, |mount| mount.name.as_str())
+    }
+
     /// The light of this name.
     ///
     /// # Errors
@@ -387,7 +450,7 @@ impl Scene {
 }
 
 impl Block {
-    fn holds(&self, point: [f64; 3]) -> bool {
+    pub(super) fn holds(&self, point: [f64; 3]) -> bool {
         let [cos, sin] = self.turn;
         let off = [0, 1, 2].map(|i| point[i] - self.centre_m[i]);
         let local = [

@@ -14,6 +14,7 @@ mod form;
 mod lens;
 mod poster;
 mod render;
+mod ride;
 mod scene;
 mod truth;
 
@@ -25,5 +26,6 @@ pub(crate) use form::CameraFile;
 pub use lens::{Lens, Pose};
 pub use poster::Motif;
 pub use render::{expose, luminance, met_m, take};
-pub use scene::{Block, Camera, Lamp, Light, Poster, Scene, View};
+pub use ride::Ride;
+pub use scene::{Block, Camera, Lamp, Light, Mount, Poster, Scene, View};
 pub use truth::{ALPHABET_TEXT, alphabet_picture, known};

@@ -60,6 +60,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Where pictures are taken.
     pub views: Vec<View>,
+    /// How cameras ride on bodies, by name.
+    pub mounts: Vec<Mount>,
 }
 
 /// A box turned about the vertical.
@@ -150,4 +152,21 @@ pub struct View {
     pub name: String,
     /// From where, and where to.
     pub pose: Pose,
+}
+
+/// How a camera rides on a body, and where the body's motion begins in the room.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mount {
+    /// Its name.
+    pub name: String,
+    /// The body: a name of the motion's file; `None` for the tracked one.
+    pub body: Option<String>,
+    /// Where the camera is on the body, metres, in the body's axes.
+    pub place_body_m: [f64; 3],
+    /// Where it looks, in the body's axes.
+    pub ahead_body: [f64; 3],
+    /// Where the motion begins, metres.
+    pub start_m: [f64; 2],
+    /// Where the motion's x axis points in the room, anticlockwise from the room's.
+    pub facing_rad: f64,
 }
