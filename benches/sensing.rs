@@ -1,4 +1,4 @@
-//! Cost of beams, of two-wheel runs, of a sensorgraph, and of pictures.
+//! Cost of beams, of two-wheel runs, and of a sensorgraph.
 //!
 //! `cargo bench --bench sensing`; read the ratios, machines differ.
 
@@ -18,7 +18,6 @@ use realgap::random::Numbered;
 use realgap::robot::morphology::Morphology;
 use realgap::sensing::arena::Arena;
 use realgap::sensing::graph::regression::{Stop, count, estimate, monomial, monomials, order};
-use realgap::sensing::vision::camera::{Scene, take};
 use realgap::simulation::{Experiment, Noise, Vehicle, run};
 
 /// A hundred walls in a field of 10 × 10 m.
@@ -107,37 +106,5 @@ fn polynomials(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The shipped room with ninety more cubes.
-fn pictures(criterion: &mut Criterion) {
-    let cube = |k: usize| {
-        let at = |step: usize, from: f64, size: f64| from + size * (k * step % 100) as f64 / 100.0;
-        format!(
-            "(centre_m: ({:.2}, {:.2}, {:.2}), half_m: (0.08, 0.08, 0.08), turn_deg: {}),",
-            at(37, 0.3, 5.4),
-            at(61, 1.8, 2.8),
-            at(23, 0.1, 2.5),
-            k
-        )
-    };
-    let text = std::fs::read_to_string("scenes/room.ron").expect("a shipped scene");
-    let cubes: String = (0..90).map(cube).collect();
-    let text = text.replacen("blocks: [", &format!("blocks: [{cubes}"), 1);
-    let scene = Scene::parse(&Source::new("crowd.ron", text)).expect("a sound scene");
-    let (camera, light) = (scene.camera("model"), scene.light("well"));
-    let (camera, light) = (camera.expect("named"), light.expect("named"));
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    let mut group = criterion.benchmark_group("camera");
-    group.sample_size(10);
-    group.bench_function("640 x 480 pixels, 100 things, one thread", |b| {
-        pool.as_ref().expect("one thread").install(|| {
-            b.iter(|| {
-                let taken = take(&scene, camera, &scene.views[1], light, 1, 0);
-                black_box(taken.expect("a sound picture"))
-            });
-        });
-    });
-    group.finish();
-}
-
-criterion_group!(benches, beams, runs, polynomials, pictures);
+criterion_group!(benches, beams, runs, polynomials);
 criterion_main!(benches);
