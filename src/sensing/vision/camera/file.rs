@@ -46,6 +46,7 @@ pub(crate) struct SceneFile {
     cameras: BTreeMap<String, CameraFile>,
     /// Where pictures are taken.
     views: Vec<ViewFile>,
+    /// How cameras ride on bodies (`realgap picture --ride`), by name.
     #[serde(default)]
     mounts: BTreeMap<String, MountFile>,
 }
@@ -127,15 +128,21 @@ struct ViewFile {
 }
 
 #[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Mount")]
 struct MountFile {
+    /// The body: a part in the file of `realgap simulate --parts`; without it the tracked one.
     #[serde(default)]
     body: Option<String>,
+    /// Where the camera is on the body, metres, in the body's axes.
     #[serde(default)]
     place_m: Three,
+    /// Where it looks, in the body's axes.
     #[serde(default = "forwards")]
     ahead: Three,
+    /// Where in the room the motion begins, metres.
     start_m: (f64, f64),
+    /// Where the motion's x axis points in the room, degrees from the room's to the left.
     #[serde(default)]
     facing_deg: f64,
 }
