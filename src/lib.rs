@@ -177,16 +177,22 @@ pub mod guide {
 [docs/images/compare.png]: ../../../../../docs/images/compare.png
 [docs/images/confidence.png]: ../../../../../docs/images/confidence.png
 [docs/images/convergence.png]: ../../../../../docs/images/convergence.png
+[docs/images/curves.png]: ../../../../../docs/images/curves.png
 [docs/images/ensemble.png]: ../../../../../docs/images/ensemble.png
 [docs/images/fitness.png]: ../../../../../docs/images/fitness.png
 [docs/images/gallery.png]: ../../../../../docs/images/gallery.png
 [docs/images/heatmap.png]: ../../../../../docs/images/heatmap.png
 [docs/images/histograms.png]: ../../../../../docs/images/histograms.png
+[docs/images/map.png]: ../../../../../docs/images/map.png
 [docs/images/paths.png]: ../../../../../docs/images/paths.png
 [docs/images/profile.png]: ../../../../../docs/images/profile.png
+[docs/images/ride.png]: ../../../../../docs/images/ride.png
 [docs/images/robot.png]: ../../../../../docs/images/robot.png
 [docs/images/sensitivity.png]: ../../../../../docs/images/sensitivity.png
 [docs/images/sensor.png]: ../../../../../docs/images/sensor.png
+[docs/images/steps.png]: ../../../../../docs/images/steps.png
+[docs/images/template.png]: ../../../../../docs/images/template.png
+[docs/images/times.png]: ../../../../../docs/images/times.png
 [docs/images/trajectories.png]: ../../../../../docs/images/trajectories.png
 "
         };

@@ -48,16 +48,18 @@ fn seen(scene: &Scene, motion: &Trajectory) -> Grey {
 
 /// Mean square of the change from column to column: in the left and right quarter of the picture, and in its middle.
 fn sharpness(picture: &Grey) -> [f64; 2] {
-    let mean = |columns: &[std::ops::Range<i64>]| {
+    let mean = |columns: Vec<i64>| {
         let all: Vec<f64> = columns
-            .iter()
-            .flat_map(|c| c.clone())
+            .into_iter()
             .flat_map(|x| (0..picture.height() as i64).map(move |y| (x, y)))
             .map(|(x, y)| f64::from(picture.at(x + 1, y) - picture.at(x, y)).powi(2))
             .collect();
         realgap::statistics::mean(&all)
     };
-    [mean(&[0..40, 120..159]), mean(&[60..100])]
+    [
+        mean((0..40).chain(120..159).collect()),
+        mean((60..100).collect()),
+    ]
 }
 
 #[test]
