@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Args, Subcommand, ValueEnum};
 use realgap::file::{check_writable, write_atomic};
 use realgap::plot::check_picture_path;
-use realgap::results::draw_segment;
+use realgap::results::{draw_segment, draw_visits, draw_way};
 use realgap::sensing::arena::Arena;
 use realgap::sensing::graph::regression::Stop;
 use realgap::sensing::graph::{
@@ -186,6 +186,12 @@ struct Fit {
     frame: FrameOption,
     #[command(flatten)]
     part: Part,
+    /// Draw where its scans were taken into this .png or .svg (as figures 4, 8 and 9 of paper 001)
+    #[arg(long, value_name = "FILE")]
+    way: Option<PathBuf>,
+    /// Draw how often each place and heading was visited into this .png or .svg (as figures 5 to 7)
+    #[arg(long, value_name = "FILE")]
+    visits: Option<PathBuf>,
     #[command(flatten)]
     page: PageFile,
     /// How to print
@@ -276,6 +282,9 @@ impl Log {
 impl Fit {
     fn run(self) -> Result<ExitCode> {
         self.page.check()?;
+        for plot in self.way.iter().chain(&self.visits) {
+            check_picture_path(plot)?;
+        }
         if let Some(output) = &self.output {
             check_writable(output)?;
         }
@@ -299,11 +308,23 @@ impl Fit {
         let log = self.part.read(&self.log)?;
         let found = fit(&log, &options).map_err(|e| e.at_file(&self.log))?;
         terminal::print_warnings(&found.warnings);
+        if let Some(plot) = &self.way {
+            draw_way(&log, plot)?;
+        }
+        if let Some(plot) = &self.visits {
+            draw_visits(&log, plot)?;
+        }
         if let Some(output) = &self.output {
             write_atomic(output, found.model.to_ron()?.as_bytes())?;
         }
-        self.page
-            .write("sensorgraph", &self.log, &found, &found.to_string(), [])?;
+        let pictures = self.way.iter().chain(&self.visits);
+        self.page.write(
+            "sensorgraph",
+            &self.log,
+            &found,
+            &found.to_string(),
+            pictures,
+        )?;
         match self.format {
             Print::Json => terminal::print_answer(&found)?,
             Print::Table => terminal::print(found.to_string()),

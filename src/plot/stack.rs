@@ -5,7 +5,7 @@ use std::path::Path;
 use plotters::backend::DrawingBackend;
 
 use super::axis::{self, AxisSpec};
-use super::canvas::Canvas;
+use super::canvas::{Canvas, Point};
 use super::frame::{BELOW_LABEL, Frame, left_of_label};
 use super::heading::{Caption, Heading};
 use super::line::{Series, check_bands, draw_series, finite_points, legend};
@@ -22,6 +22,8 @@ const MARGIN: f64 = 34.0;
 /// One quantity of a [`Stack`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct StackRow {
+    /// Its own horizontal quantity; `None` where it shares that of the stack.
+    pub x: Option<AxisSpec>,
     /// What the quantity is.
     pub y_label: String,
     /// Unit of the y values given; they are shown in one of handy size.
@@ -75,7 +77,27 @@ impl<'a> Axis<'a> {
     }
 }
 
+fn x_scale(points: impl Iterator<Item = Point>) -> Scale {
+    let ends = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = points.fold(ends, |(low, high), (x, _)| (low.min(x), high.max(x)));
+    match low <= high {
+        true => Scale::linear(low, high),
+        false => Scale::linear(0.0, 1.0),
+    }
+}
+
 impl Stack {
+    /// Height of all rows with their axes.
+    fn rows_height(&self) -> f64 {
+        let own = self.rows.iter().filter(|row| row.x.is_some()).count() as f64;
+        let gaps = self.rows.len().saturating_sub(1) as f64;
+        self.rows.len() as f64 * ROW_HEIGHT + gaps * GAP + own * BELOW_LABEL
+    }
+
+    fn is_last(&self, index: usize) -> bool {
+        index + 1 == self.rows.len()
+    }
+
     fn first(&self) -> &[Series] {
         self.rows.first().map_or(&[], |row| &row.series)
     }
@@ -85,10 +107,9 @@ impl Picture for Stack {
     fn size(&self) -> (u32, u32) {
         let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
         let legend = legend(self.first(), WIDTH - 2.0 * MARGIN);
-        let rows = self.rows.len() as f64;
-        let plots = rows * ROW_HEIGHT + (rows - 1.0) * GAP;
-        let height =
-            14.0 + heading.height() + 22.0 + plots + BELOW_LABEL + 14.0 + legend.height() + 16.0;
+        let shared = self.rows.last().is_some_and(|row| row.x.is_none());
+        let plots = self.rows_height() + if shared { BELOW_LABEL } else { 0.0 };
+        let height = 14.0 + heading.height() + 22.0 + plots + 14.0 + legend.height() + 16.0;
         (WIDTH as u32, height.ceil() as u32)
     }
 
@@ -99,11 +120,8 @@ impl Picture for Stack {
         let legend = legend(self.first(), WIDTH - 2.0 * MARGIN);
         legend.draw(canvas, MARGIN, height - 16.0 - legend.height());
 
-        let points = || self.rows.iter().flat_map(|row| finite_points(&row.series));
-        let low = points().map(|(x, _)| x).fold(f64::INFINITY, f64::min);
-        let high = points().map(|(x, _)| x).fold(f64::NEG_INFINITY, f64::max);
-        let x = Scale::linear(low, high);
-        let x_ticks = axis::round_ticks(&self.x, &x, 9);
+        let shared = self.rows.iter().filter(|row| row.x.is_none());
+        let shared_x = x_scale(shared.flat_map(|row| finite_points(&row.series)));
         let axes: Vec<Axis<'_>> = self.rows.iter().map(Axis::new).collect();
         let left = axes
             .iter()
@@ -112,6 +130,11 @@ impl Picture for Stack {
         let mut top = 14.0 + heading.height() + 22.0;
         for (index, axis) in axes.iter().enumerate() {
             let y_ticks = axis.y.ticks(5);
+            let (spec, x) = match &axis.row.x {
+                Some(own) => (own, x_scale(finite_points(&axis.row.series))),
+                None => (&self.x, shared_x),
+            };
+            let x_ticks = axis::round_ticks(spec, &x, 9);
             let frame = Frame {
                 left,
                 top,
@@ -126,17 +149,21 @@ impl Picture for Stack {
             }
             frame.draw_outline(canvas);
             frame.draw_y_axis(canvas, &y_ticks, &axis.unit.label(&axis.row.y_label));
-            if index + 1 == axes.len() {
-                frame.draw_x_axis(canvas, &x_ticks, &self.x.title());
+            if axis.row.x.is_some() || self.is_last(index) {
+                frame.draw_x_axis(canvas, &x_ticks, &spec.title());
             }
-            top += ROW_HEIGHT + GAP;
+            let below = if axis.row.x.is_some() {
+                BELOW_LABEL
+            } else {
+                0.0
+            };
+            top += ROW_HEIGHT + GAP + below;
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::canvas::Point;
     use super::*;
     use crate::plot::SeriesKind;
 
@@ -148,6 +175,7 @@ mod tests {
             colour: 0,
         };
         let row = |label: &str| StackRow {
+            x: None,
             y_label: label.to_owned(),
             y_unit: Unit::Metre,
             series: vec![series.clone()],

@@ -42,6 +42,7 @@ mod table;
 mod task;
 mod timing;
 mod vision;
+mod visit;
 
 use std::path::Path;
 
@@ -59,6 +60,7 @@ pub use sensor::{draw_arena, draw_belief, draw_histograms, draw_segment, draw_se
 pub use task::{draw_task_curves, draw_task_times};
 pub use timing::{Timing, write_timing};
 pub use vision::draw_vision;
+pub use visit::{draw_visits, draw_way};
 
 /// Writes what an answer holds into `folder`, next to the store where there is one: tables, pictures, the report, the best
 /// values. They take the place of older results once all of them are written.

@@ -44,6 +44,7 @@ pub fn draw_over_time(all: &[Timed<'_>], subtitle: &str, path: impl AsRef<Path>)
         });
         let series: Vec<Series> = series.collect();
         (!series.is_empty()).then(|| StackRow {
+            x: None,
             y_label: label.to_owned(),
             y_unit: Unit::Metre,
             series,

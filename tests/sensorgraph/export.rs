@@ -101,7 +101,16 @@ fn the_commands_fit_evaluate_and_print() {
         "0.7",
         "-o",
         &path("model.ron"),
+        "--way",
+        &path("from_above.svg"),
+        "--visits",
+        &path("visits.svg"),
     ]);
+    let drawn = |name: &str| std::fs::read_to_string(path(name)).unwrap();
+    assert!(drawn("from_above.svg").contains("280 scans"));
+    for axis in ["x (m)", "y (m)", "heading (deg)"] {
+        assert!(drawn("visits.svg").contains(axis), "{axis}");
+    }
     let json = run(&[
         "sensorgraph",
         "evaluate",
