@@ -108,7 +108,7 @@ fn the_commands_fit_evaluate_and_print() {
     ]);
     let drawn = |name: &str| std::fs::read_to_string(path(name)).unwrap();
     assert!(drawn("from_above.svg").contains("280 scans"));
-    for axis in ["x (m)", "y (m)", "heading (deg)"] {
+    for axis in ["x (m)", "y (m)", "heading (°)"] {
         assert!(drawn("visits.svg").contains(axis), "{axis}");
     }
     let json = run(&[
