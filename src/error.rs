@@ -110,6 +110,8 @@ pub enum Advice {
     SkipLost,
     /// Begin to read below the first lines.
     SkipLines,
+    /// Say how many samples a second a recording without times has.
+    Rate,
     /// Read another part of a recording.
     Crop,
     /// Say in which unit a recording measures time.
@@ -145,6 +147,7 @@ impl fmt::Display for Advice {
             Self::SortSamples => f.write_str("sort them: `sort: true` in `reading`"),
             Self::SkipLost => f.write_str("leave lost samples out: `skip_lost: true` in `reading`"),
             Self::SkipLines => f.write_str("begin below them: `skip_lines: N` in `reading`"),
+            Self::Rate => f.write_str("say how many samples a second there are: `rate_hz: 10` in `reading`"),
             Self::Crop => {
                 f.write_str("choose another part: `crop: (from_s: ..., to_s: ...)` in `reading`")
             }

@@ -135,6 +135,7 @@ codes! {
     UncertainParameters "uncertain-parameters" "Parameters that tuning left open were drawn." "fit with more recordings, so that fewer values are left open";
     UndefinedHeading "undefined-heading" "A path that goes nowhere has no heading." "compare with a metric that needs no heading, or let the robot walk farther";
     UnequalMoments "unequal-moments" "Moments of inertia differ where a method takes them as equal." "use a body whose moments are equal, or do not rely on spins";
+    UnknownAxes "unknown-axes" "A recording does not say which way its axes point." "say it when reading: `axes: \"world\"` (z up) or `axes: \"camera\"` (z forward, y down)";
     UnlikelyLength "unlikely-length" "Lengths do not fit the robot, or each other." "name the unit of lengths when reading";
     UnlikelyTime "unlikely-time" "Times do not look like seconds." "name the unit of time when reading";
     UnmatchedConditions "unmatched-conditions" "A condition stands in one of two logs only." "log the same conditions in both";

@@ -17,7 +17,6 @@ use realgap::robot::morphology::Morphology;
 use realgap::search::{Search, generator};
 use realgap::simulation::{Experiment, run};
 use realgap::trajectory::{self, Reading, prepare, read_meta};
-use realgap::unit::LengthUnit;
 use realgap::{Error, Result};
 
 /// Rounds that once found a fault.
@@ -132,6 +131,14 @@ fn corpus() -> Vec<(PathBuf, Vec<u8>)> {
             "0 0 0 0 0 0 0 1\n0.1 0.1 0 0 0 0 0 1\n0.2 0.2 0 0 0 0 0 1\n",
         ),
         (
+            "poses.kitti",
+            "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n",
+        ),
+        (
+            "data.csv",
+            "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\n0,1,2,3,1,0,0,0\n2000,1,2,4,1,0,0,0\n",
+        ),
+        (
             "set.csv",
             "condition,run,t_s,x_m,y_m\na,1,0,0,0\na,1,1,1,1\na,1,2,2,1\nb,1,0,0,0\nb,1,1,1,0\nb,1,2,3,0\n",
         ),
@@ -220,9 +227,13 @@ fn read(path: &Path, bytes: &[u8], simulates: bool) -> Vec<Error> {
     note(read_noise(path).map(drop));
     note(source().and_then(|source| Reading::parse(&source).map(drop)));
     note(read_meta(path).map(drop));
-    for name in ["run.csv", "run.tum"] {
+    for name in ["run.csv", "run.tum", "run.kitti"] {
         let path = path.with_file_name(name);
-        let read = trajectory::parse_all(&path, bytes.to_vec(), LengthUnit::Metre);
+        let reading = Reading {
+            rate_hz: Some(10.0),
+            ..Reading::default()
+        };
+        let read = trajectory::parse_all(&path, bytes.to_vec(), reading);
         note(read.and_then(|all| {
             all.iter()
                 .try_for_each(|recording| prepare(&recording.trajectory).map(drop))

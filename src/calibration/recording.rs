@@ -144,7 +144,7 @@ pub fn recording_paths(globs: &[String], base: &Path) -> Result<Vec<PathBuf>> {
             return Err(Error::invalid("no file matches")
                 .field("recordings")
                 .found(whole.display())
-                .allowed("a glob that matches at least one .csv or .tum file")
+                .allowed("a glob that matches at least one recording, e.g. a .csv or .tum file")
                 .hint(if base == Path::new("") {
                     "the glob starts at the current folder; in a shell, quote it"
                 } else {
@@ -265,10 +265,11 @@ fn in_short(mut warnings: Vec<Warning>) -> Vec<Warning> {
 }
 
 /// What is said of single recordings.
-const OF_ONE_RECORDING: [Code; 5] = [
+const OF_ONE_RECORDING: [Code; 6] = [
     Code::Hole,
     Code::QuaternionOrder,
     Code::Standstill,
+    Code::UnknownAxes,
     Code::UnlikelyLength,
     Code::UnlikelyTime,
 ];

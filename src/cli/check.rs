@@ -31,7 +31,7 @@ use report::{FileReport, Motion, Varied};
 /// Validate morphologies, genomes, studies, searches, parameter files and trajectories, and print what they hold
 #[derive(Debug, Args)]
 pub struct Check {
-    /// Files: .ron, .csv or .tum
+    /// Files: .ron, or recordings such as .csv and .tum
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     #[command(flatten)]

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use realgap::trajectory::{Columns, Crop, Only, QuaternionOrder, Reading};
+use realgap::trajectory::{Axes, Columns, Crop, Only, QuaternionOrder, Reading};
 use realgap::unit::{AngleUnit, LengthUnit, TimeUnit};
 use realgap::{Error, Result};
 
@@ -44,6 +44,12 @@ pub struct ReadingOptions {
     /// Lines before the one that names the columns
     #[arg(long, value_name = "N", help_heading = READING)]
     skip_lines: Option<usize>,
+    /// Samples a second, of files that hold no times (KITTI)
+    #[arg(long, value_name = "HZ", help_heading = READING)]
+    rate_hz: Vec<f64>,
+    /// Which way the axes of poses point: world (z up) or camera (x right, y down, z forward)
+    #[arg(long, value_name = "AXES", help_heading = READING)]
+    axes: Vec<Axes>,
 }
 
 const READING: &str = "How recordings are read (docs/recordings.md)";
@@ -87,6 +93,8 @@ impl ReadingOptions {
             sort: self.sort_samples.then_some(true),
             skip_lost: self.skip_lost.then_some(true),
             skip_lines: self.skip_lines,
+            rate_hz: pick(&self.rate_hz, "rate_hz", index, files)?,
+            axes: pick(&self.axes, "axes", index, files)?,
         };
         match pick(&self.reading_files, "reading", index, files)? {
             Some(path) if path.as_os_str() != "-" => Ok(own.or(&Reading::read(path)?)),

@@ -75,7 +75,10 @@ impl Format for Csv {
     }
 
     fn applied(&self, text: &str, reading: &Reading) -> Reading {
-        let mut applied = reading.clone();
+        let mut applied = Reading {
+            rate_hz: None,
+            ..reading.clone()
+        };
         let columns = self.columns(text, reading);
         let is_mapped = |column: &str| columns.contains(&column);
         if !reading.columns.is_empty() && !reading.columns.iter().any(|(_, c)| is_mapped(&c.name)) {

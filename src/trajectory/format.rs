@@ -1,9 +1,10 @@
 //! What a file format of trajectories is.
 
 use super::column::Columns;
+use super::text::decode_text;
 use super::{QuaternionOrder, Reading, Trajectory};
 use crate::error::{Error, Result};
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// What a format found in a text.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +35,19 @@ pub trait Format: Sync {
     fn doc(&self) -> &'static str;
     /// File extensions in lower case, without the dot; the first one is preferred.
     fn extensions(&self) -> &'static [&'static str];
+    /// Whether a file is clearly of this format, where others have the same extension and it is not theirs alone.
+    fn recognises(&self, bytes: &[u8]) -> bool {
+        let _ = bytes;
+        false
+    }
+    /// The text that the other methods read: that of the file, or the table that is in a file which is no text.
+    ///
+    /// # Errors
+    /// Bytes that are not UTF-8, or not a file of this format.
+    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<String> {
+        let _ = reading;
+        decode_text(bytes)
+    }
     /// Reads `text` as `reading` says; what it does not say is as this format has it.
     ///
     /// # Errors
@@ -46,6 +60,7 @@ pub trait Format: Sync {
             columns: Columns::default(),
             only: None,
             skip_lines: None,
+            rate_hz: None,
             ..reading.clone()
         }
     }
@@ -81,4 +96,33 @@ impl std::fmt::Debug for dyn Format {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Format({})", self.name())
     }
+}
+
+/// Warnings about what files of a format that holds poses only cannot say of this trajectory.
+pub(super) fn beyond_poses(files: &str, trajectory: &Trajectory) -> Vec<Warning> {
+    let found = [
+        (
+            !trajectory.joints().is_empty(),
+            "angles of joints, which are left out",
+        ),
+        (
+            trajectory.velocities_world_m_s().is_some(),
+            "velocities; they are left out",
+        ),
+        (
+            trajectory.is_planar(),
+            "that z is unknown; it is written as 0",
+        ),
+        (
+            trajectory.orientations_world_from_body().is_none(),
+            "that orientation is unknown; it is written as no rotation",
+        ),
+    ];
+    let lost = found.into_iter().filter(|(is_lost, _)| *is_lost);
+    lost.map(|(_, what)| not_written(files, what)).collect()
+}
+
+/// The warning that files of a format cannot say something.
+pub(super) fn not_written(files: &str, what: &str) -> Warning {
+    Warning::new(Code::NotWritten, format!("{files} cannot say {what}"))
 }

@@ -1,16 +1,19 @@
 //! Recorded and simulated motion: types, file formats, resampling, preparation for comparison.
 //!
-//! [`read`] and [`write()`] know CSV and TUM text ([`FORMATS`]); [`prepare`] brings a path into the
-//! form in which paths are compared.
+//! [`read`] and [`write()`] know the file formats of [`FORMATS`]; [`prepare`] brings a path into the form in
+//! which paths are compared.
 
 mod align;
+mod axes;
 mod body_column;
 mod column;
 mod crop;
 mod csv;
+mod euroc;
 mod format;
 mod header;
 mod joint_column;
+mod kitti;
 mod meta;
 mod prepare;
 mod reading;
@@ -24,10 +27,13 @@ mod suspicion;
 mod text;
 mod tum;
 
+pub use axes::Axes;
 pub use column::{Column, Columns, Role};
 pub use crop::{clip, cut_to_shortest};
 pub use csv::Csv;
+pub use euroc::Euroc;
 pub use format::{Format, Parsed, Rendered};
+pub use kitti::Kitti;
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
 pub use prepare::{POINTS, Prepared, prepare};
 pub use reading::{Crop, Only, QuaternionOrder, Reading};

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::axes::Axes;
 use super::column::{Columns, Measure, Role};
 use crate::error::{Error, Result};
 use crate::file::{Source, parse_ron};
@@ -197,6 +198,12 @@ pub struct Reading {
     /// How many lines stand before the one that names the columns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skip_lines: Option<usize>,
+    /// Samples a second, of files that hold no times.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rate_hz: Option<f64>,
+    /// Which way the axes of poses point.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axes: Option<Axes>,
 }
 
 impl From<LengthUnit> for Reading {
@@ -237,12 +244,21 @@ impl Reading {
 
     /// What is wrong with it, and in which field.
     pub fn fault(&self) -> Option<(&'static str, Error)> {
-        self.crop.filter(|crop| !crop.is_sound()).map(|crop| {
-            let error = Error::invalid("this part holds nothing")
+        if let Some(crop) = self.crop.filter(|crop| !crop.is_sound()) {
+            let error = Error::invalid("this part holds nothing");
+            let error = error
                 .found(crop)
                 .allowed("from_s of 0 or more, to_s after it");
-            ("crop", error)
-        })
+            return Some(("crop", error));
+        }
+        let is_rate = |rate_hz: &f64| (1e-6..=1e9).contains(rate_hz);
+        self.rate_hz
+            .filter(|rate_hz| !is_rate(rate_hz))
+            .map(|rate_hz| {
+                let error = Error::invalid("no tracker takes so many samples a second");
+                let error = error.found(rate_hz).allowed("from 1e-6 to 1e9");
+                ("rate_hz", error)
+            })
     }
 
     /// This, and what `other` says where this says nothing.
@@ -259,6 +275,8 @@ impl Reading {
             sort: self.sort.or(other.sort),
             skip_lost: self.skip_lost.or(other.skip_lost),
             skip_lines: self.skip_lines.or(other.skip_lines),
+            rate_hz: self.rate_hz.or(other.rate_hz),
+            axes: self.axes.or(other.axes),
         }
     }
 
@@ -317,6 +335,8 @@ impl fmt::Display for Reading {
         if self.skip_lost == Some(true) {
             said.push("without lost samples".to_owned());
         }
+        said.extend(self.rate_hz.map(|rate| format!("{rate} samples a second")));
+        said.extend(self.axes.map(|axes| axes.to_string()));
         said.extend(self.crop.map(|crop| crop.to_string()));
         f.write_str(&said.join("; "))
     }

@@ -9,9 +9,11 @@ use super::body_column;
 use super::column::{Columns, Role};
 use super::crop::cropped;
 use super::csv::Csv;
+use super::euroc::Euroc;
 use super::format::{Format, Parsed};
+use super::kitti::Kitti;
 use super::meta::read_meta_beside;
-use super::text::{MAX_FILE_BYTES, decode_text, read_text};
+use super::text::{MAX_FILE_BYTES, check_size};
 use super::tum::Tum;
 use super::{Meta, Reading, Recording, Trajectory, suspicion};
 use crate::error::{Error, Result};
@@ -22,27 +24,41 @@ use crate::warning::{Code, Warning};
 pub const GROUP_COLUMNS: [&str; 2] = ["condition", "run"];
 
 /// Every known format.
-pub const FORMATS: &[&dyn Format] = &[&Csv, &Tum];
+pub const FORMATS: &[&dyn Format] = &[&Csv, &Tum, &Euroc, &Kitti];
 
-/// The format that the extension of `path` names.
+fn extension_of(path: &Path) -> Option<String> {
+    let extension = path.extension()?;
+    Some(extension.to_string_lossy().to_ascii_lowercase())
+}
+
+/// The format that a file is read in: of those with its extension the one that recognises it, else the first.
+fn format_in(path: &Path, bytes: &[u8]) -> Result<&'static dyn Format> {
+    let named = format_of(path)?;
+    let extension = extension_of(path).unwrap_or_default();
+    let mut all = FORMATS.iter().copied();
+    let own = all.find(|f| f.extensions().contains(&extension.as_str()) && f.recognises(bytes));
+    Ok(own.unwrap_or(named))
+}
+
+/// The format that the extension of `path` names; the first of several with the same one.
 ///
 /// # Errors
 /// An unknown extension, or none.
 pub fn format_of(path: &Path) -> Result<&'static dyn Format> {
-    let extension = path
-        .extension()
-        .map(|e| e.to_string_lossy().to_ascii_lowercase());
+    let extension = extension_of(path);
     let wanted = extension.as_deref().unwrap_or_default();
     FORMATS
         .iter()
         .copied()
         .find(|format| format.extensions().contains(&wanted))
         .ok_or_else(|| {
-            let known: Vec<String> = FORMATS
-                .iter()
-                .flat_map(|format| format.extensions())
-                .map(|e| format!(".{e}"))
-                .collect();
+            let mut known: Vec<String> = Vec::new();
+            for extension in FORMATS.iter().flat_map(|format| format.extensions()) {
+                let extension = format!(".{extension}");
+                if !known.contains(&extension) {
+                    known.push(extension);
+                }
+            }
             let found = extension.map_or_else(|| "no extension".to_owned(), |e| format!(".{e}"));
             let known = known.iter().map(String::as_str);
             unknown_name("kind of trajectory file", &found, known).at_file(path)
@@ -60,8 +76,7 @@ pub fn format_of(path: &Path) -> Result<&'static dyn Format> {
 pub fn read(path: impl AsRef<Path>, reading: impl Into<Reading>) -> Result<Recording> {
     let path = path.as_ref();
     format_of(path)?;
-    let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
-    File::new(path, &text, reading)?.single()
+    File::new(path, read_bytes(path)?, reading)?.single()
 }
 
 /// Reads every recording in a CSV file with grouping columns, e.g. `condition,run,sample,t_s,x_m,y_m`.
@@ -78,8 +93,7 @@ pub fn read_groups(
 ) -> Result<Vec<Recording>> {
     let path = path.as_ref();
     format_of(path)?;
-    let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
-    File::new(path, &text, reading)?.groups(group_columns)
+    File::new(path, read_bytes(path)?, reading)?.groups(group_columns)
 }
 
 /// Reads whatever is in the file: its groups if it is a CSV file with a column `run`, else one recording.
@@ -111,9 +125,7 @@ pub fn parse_all(
     reading: impl Into<Reading>,
 ) -> Result<Vec<Recording>> {
     let path = path.as_ref();
-    format_of(path)?;
-    let text = decode_text(path, bytes, MAX_FILE_BYTES, "trajectory")?;
-    let file = File::new(path, &text, reading)?;
+    let file = File::new(path, bytes, reading)?;
     let columns = file.columns();
     let [_, run] = file.group_columns();
     if columns.contains(&run) {
@@ -137,8 +149,7 @@ pub fn read_sets(
 ) -> Result<Vec<(String, Recording)>> {
     let path = path.as_ref();
     format_of(path)?;
-    let text = read_text(path, MAX_FILE_BYTES, "trajectory")?;
-    let file = File::new(path, &text, reading)?;
+    let file = File::new(path, read_bytes(path)?, reading)?;
     let [outer, run] = file.group_columns();
     let columns = file.columns();
     let has = |name: &str| columns.contains(&name);
@@ -177,15 +188,15 @@ pub fn read_sets(
 /// A file's text, and how it is read.
 struct File<'a> {
     path: &'a Path,
-    text: &'a str,
+    text: String,
     format: &'static dyn Format,
     reading: Reading,
     meta: Option<Meta>,
 }
 
 impl<'a> File<'a> {
-    fn new(path: &'a Path, text: &'a str, reading: impl Into<Reading>) -> Result<Self> {
-        let format = format_of(path)?;
+    fn new(path: &'a Path, bytes: Vec<u8>, reading: impl Into<Reading>) -> Result<Self> {
+        let format = format_in(path, &bytes)?;
         let meta = read_meta_beside(path)?;
         let mut reading: Reading = reading.into();
         if let Some(meta) = &meta {
@@ -194,8 +205,10 @@ impl<'a> File<'a> {
         if let Some((field, error)) = reading.fault() {
             return Err(error.at_file(path).field(field));
         }
+        let text = check_size(&bytes).and_then(|()| format.decode(bytes, &reading));
+        let text = text.map_err(|error| error.at_file(path))?;
         Ok(Self {
-            reading: format.applied(text, &reading),
+            reading: format.applied(&text, &reading),
             path,
             text,
             format,
@@ -203,8 +216,8 @@ impl<'a> File<'a> {
         })
     }
 
-    fn columns(&self) -> Vec<&'a str> {
-        self.format.columns(self.text, &self.reading)
+    fn columns(&self) -> Vec<&str> {
+        self.format.columns(&self.text, &self.reading)
     }
 
     /// [`GROUP_COLUMNS`] as this file calls them.
@@ -226,16 +239,16 @@ impl<'a> File<'a> {
         let columns = self.columns();
         let mut names = body_column::names(&columns);
         if names.is_empty() {
-            return self.recording(self.stem(), parse(self.text, &self.reading)?);
+            return self.recording(self.stem(), parse(&self.text, &self.reading)?);
         }
         // Where only bodies with names have columns, the first of them is the tracked one, unless somebody says which is.
         let all = names.clone();
         let is_said = !self.reading.columns.is_empty() || body_column::has_plain(&columns);
         let mut parsed = if is_said {
-            parse(self.text, &self.reading)?
+            parse(&self.text, &self.reading)?
         } else {
             parse(
-                &body_column::as_if_alone(self.text, &names.remove(0)),
+                &body_column::as_if_alone(&self.text, &names.remove(0)),
                 &self.reading,
             )?
         };
@@ -249,11 +262,8 @@ impl<'a> File<'a> {
         };
         let mut bodies = Vec::with_capacity(names.len());
         for name in names {
-            let mut motion = parse(&body_column::as_if_alone(self.text, &name), &plain)?.trajectory;
-            if let Some(crop) = self.reading.crop {
-                motion = cropped(&motion, crop).map_err(|e| e.at_file(self.path))?;
-            }
-            bodies.push((name, motion));
+            let motion = parse(&body_column::as_if_alone(&self.text, &name), &plain)?.trajectory;
+            bodies.push((name, self.brought_here(motion)?));
         }
         Ok(Recording {
             bodies,
@@ -269,7 +279,7 @@ impl<'a> File<'a> {
     /// Its groups, each with the value of the outermost column.
     fn keyed(&self, group_columns: &[&str]) -> Result<Vec<(String, Recording)>> {
         self.format
-            .parse_groups(self.text, &self.reading, group_columns)
+            .parse_groups(&self.text, &self.reading, group_columns)
             .map_err(|error| error.at_file(self.path))?
             .into_iter()
             .map(|(key, parsed)| {
@@ -280,14 +290,23 @@ impl<'a> File<'a> {
             .collect()
     }
 
-    fn recording(&self, name: String, parsed: Parsed) -> Result<Recording> {
-        let Parsed {
-            mut trajectory,
-            mut warnings,
-        } = parsed;
+    /// The part that is asked for, z up.
+    fn brought_here(&self, mut trajectory: Trajectory) -> Result<Trajectory> {
         if let Some(crop) = self.reading.crop {
             trajectory = cropped(&trajectory, crop).map_err(|e| e.at_file(self.path))?;
         }
+        match self.reading.axes {
+            Some(axes) => (axes.to_world(trajectory)).map_err(|e| e.at_file(self.path)),
+            None => Ok(trajectory),
+        }
+    }
+
+    fn recording(&self, name: String, parsed: Parsed) -> Result<Recording> {
+        let Parsed {
+            trajectory,
+            mut warnings,
+        } = parsed;
+        let trajectory = self.brought_here(trajectory)?;
         if !self.reading.is_usual() {
             let how = format!("recordings are read with {}", self.reading);
             warnings.push(Warning::new(Code::ReadAs, how));
@@ -296,7 +315,7 @@ impl<'a> File<'a> {
             &name,
             &trajectory,
             &self.reading,
-            self.format.order(self.text, &self.reading),
+            self.format.order(&self.text, &self.reading),
         ));
         Ok(Recording {
             name,

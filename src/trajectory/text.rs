@@ -1,9 +1,6 @@
 //! Text files of numbers: read within limits, cut into cells that know their line and column.
 
-use std::path::Path;
-
 use crate::error::{Advice, Error, Result};
-use crate::file::read_limited;
 
 /// Largest recording that is read, in bytes (256 MB).
 pub const MAX_FILE_BYTES: u64 = 256_000_000;
@@ -14,47 +11,50 @@ pub const MAX_ROWS: usize = 5_000_000;
 /// Most columns in one line; ours have at most 14.
 pub const MAX_COLUMNS: usize = 1_000;
 
-/// The text of `path`, without a byte order mark.
-///
-/// # Errors
-/// Unreadable, a folder, more than `limit` bytes, or not UTF-8 (with line and column).
-pub(super) fn read_text(path: &Path, limit: u64, kind: &str) -> Result<String> {
-    decode_text(path, read_limited(path, limit, kind)?, limit, kind)
-}
-
-/// The text in the bytes of the file at `path`, without a byte order mark.
-///
-/// # Errors
-/// More than `limit` bytes, or not UTF-8 (with line and column).
-pub(super) fn decode_text(
-    path: &Path,
-    mut bytes: Vec<u8>,
-    limit: u64,
-    kind: &str,
-) -> Result<String> {
-    let doing = format!("read the {kind}");
-    if bytes.len() as u64 > limit {
+/// Refuses more than [`MAX_FILE_BYTES`].
+pub(super) fn check_size(bytes: &[u8]) -> Result<()> {
+    if bytes.len() as u64 > MAX_FILE_BYTES {
         return Err(
-            Error::invalid(format!("cannot {doing}: the file is too large"))
-                .at_file(path)
-                .found(format!("more than {limit} bytes"))
-                .allowed(format!("at most {limit} bytes"))
+            Error::invalid("cannot read the trajectory: the file is too large")
+                .found(format!("more than {MAX_FILE_BYTES} bytes"))
+                .allowed(format!("at most {MAX_FILE_BYTES} bytes"))
                 .hint("split it, or record at a lower rate"),
         );
     }
-    if bytes.starts_with(b"\xef\xbb\xbf") {
-        bytes.drain(..3);
+    Ok(())
+}
+
+/// The text in the bytes of a file, without a byte order mark.
+///
+/// # Errors
+/// Not UTF-8 (with line and column).
+pub(super) fn decode_text(mut bytes: Vec<u8>) -> Result<String> {
+    if bytes.starts_with(BYTE_ORDER_MARK) {
+        bytes.drain(..BYTE_ORDER_MARK.len());
     }
     String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&error.as_bytes()[..good]);
         let line = before.matches('\n').count() + 1;
         let column = before.rsplit('\n').next().map_or(0, |l| l.chars().count()) + 1;
-        Error::invalid(format!("cannot {doing}: the file is not UTF-8 text"))
-            .at_file(path)
+        Error::invalid("cannot read the trajectory: the file is not UTF-8 text")
             .at_line(line, column)
             .hint("save it as UTF-8 text")
     })
+}
+
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// The first line that is not blank, of what may be no text at all; no more than a few thousand bytes of it.
+pub(super) fn first_line(bytes: &[u8]) -> &str {
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+    let start = &bytes[..bytes.len().min(4096)];
+    let text = match std::str::from_utf8(start) {
+        Ok(text) => text,
+        Err(error) => std::str::from_utf8(&start[..error.valid_up_to()]).unwrap_or_default(),
+    };
+    let mut lines = text.lines().map(str::trim);
+    lines.find(|line| !line.is_empty()).unwrap_or_default()
 }
 
 /// One value of a line.

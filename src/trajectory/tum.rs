@@ -4,12 +4,11 @@ use nalgebra::UnitQuaternion;
 
 use super::Trajectory;
 use super::column::Measure;
-use super::format::{Format, Parsed, Rendered};
+use super::format::{Format, Parsed, Rendered, beyond_poses};
 use super::reading::{QuaternionOrder, Reading};
 use super::sample::{Layout, Samples};
 use super::text::{Separator, cut, push_number};
 use crate::error::Result;
-use crate::warning::{Code, Warning};
 
 /// The text format of the TUM RGB-D benchmark, which evo and many SLAM programs read.
 ///
@@ -73,32 +72,7 @@ impl Format for Tum {
     }
 
     fn render(&self, trajectory: &Trajectory) -> Rendered {
-        let mut warnings = Vec::new();
-        let mut lost = |yes: bool, what: &str| {
-            if yes {
-                warnings.push(Warning::new(
-                    Code::NotWritten,
-                    format!("TUM files cannot say {what}"),
-                ));
-            }
-        };
-        lost(
-            !trajectory.joints().is_empty(),
-            "angles of joints, which are left out",
-        );
-        lost(
-            trajectory.velocities_world_m_s().is_some(),
-            "velocities; they are left out",
-        );
-        lost(
-            trajectory.is_planar(),
-            "that z is unknown; it is written as 0",
-        );
         let orientations = trajectory.orientations_world_from_body();
-        lost(
-            orientations.is_none(),
-            "that orientation is unknown; it is written as no rotation",
-        );
         let mut text = String::from("# timestamp tx ty tz qx qy qz qw\n");
         for (index, (time_s, p)) in trajectory
             .times_s()
@@ -114,6 +88,9 @@ impl Format for Tum {
             }
             text.push('\n');
         }
-        Rendered { text, warnings }
+        Rendered {
+            text,
+            warnings: beyond_poses("TUM files", trajectory),
+        }
     }
 }

@@ -122,7 +122,7 @@ pub fn python_with(package: &str) -> Option<String> {
         .is_ok_and(|done| done.status.success());
     if !importable {
         skipped(&format!(
-            "{python} cannot import {package} and numpy (tools/requirements-engines.txt, REALGAP_PYTHON)"
+            "{python} cannot import {package} and numpy (tools/requirements-*.txt, REALGAP_PYTHON)"
         ));
     }
     importable.then_some(python)
