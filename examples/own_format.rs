@@ -48,17 +48,18 @@ impl Format for Track {
             warnings: Vec::new(),
         })
     }
-    fn render(&self, trajectory: &Trajectory) -> Rendered {
+    fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
         let samples = trajectory
             .times_s()
             .iter()
             .zip(trajectory.positions_world_m());
-        Rendered {
-            text: samples
-                .map(|(t, p)| format!("{t}: {} {}\n", p.x, p.y))
-                .collect(),
+        let lines: String = samples
+            .map(|(t, p)| format!("{t}: {} {}\n", p.x, p.y))
+            .collect();
+        Ok(Rendered {
+            bytes: lines.into_bytes(),
             warnings: Vec::new(),
-        }
+        })
     }
 }
 
@@ -66,6 +67,7 @@ fn main() -> Result<()> {
     let written = "0: 0 0\n1: 100 0\n2: 200 50\n";
     let parsed = Track.parse(written, &LengthUnit::Centimetre.into())?;
     // One line in FORMATS does the same for every file that ends in `.track`.
-    print!("{}", Track.render(&parsed.trajectory).text);
+    let file = Track.render(&parsed.trajectory)?;
+    print!("{}", String::from_utf8_lossy(&file.bytes));
     Ok(())
 }

@@ -112,6 +112,8 @@ pub enum Advice {
     SkipLines,
     /// Say how many samples a second a recording without times has.
     Rate,
+    /// Say which topic of a log holds the recording.
+    Topic,
     /// Read another part of a recording.
     Crop,
     /// Say in which unit a recording measures time.
@@ -148,6 +150,9 @@ impl fmt::Display for Advice {
             Self::SkipLost => f.write_str("leave lost samples out: `skip_lost: true` in `reading`"),
             Self::SkipLines => f.write_str("begin below them: `skip_lines: N` in `reading`"),
             Self::Rate => f.write_str("say how many samples a second there are: `rate_hz: 10` in `reading`"),
+            Self::Topic => f.write_str(
+                "choose one: `topic: \"/NAME\"` in `reading`, and `child_frame: \"NAME\"` of transforms",
+            ),
             Self::Crop => {
                 f.write_str("choose another part: `crop: (from_s: ..., to_s: ...)` in `reading`")
             }

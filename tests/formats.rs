@@ -81,12 +81,18 @@ fn same_but_for_warnings(
     warnings: &[Warning],
 ) -> Result<(), TestCaseError> {
     let is_named = |what: &str| warnings.iter().any(|w| w.message.contains(what));
+    // What can begin at 0 only is moved there.
+    let moved_s = if is_named("times before 0") {
+        written.times_s()[0]
+    } else {
+        0.0
+    };
     prop_assert_eq!(back.positions_world_m(), written.positions_world_m());
     if is_named("finer than a nanosecond") {
         for (a, b) in back.times_s().iter().zip(written.times_s()) {
-            prop_assert!((a - b).abs() < 0.6e-9, "{a} {b}");
+            prop_assert!((a - (b - moved_s)).abs() < 0.6e-9, "{a} {b}");
         }
-    } else if !is_named("times;") {
+    } else if !is_named("times;") && !is_named("times before 0") {
         prop_assert_eq!(back.times_s(), written.times_s());
     }
     let Some(turns) = written.orientations_world_from_body() else {
@@ -116,7 +122,9 @@ proptest! {
         let reading = Reading { rate_hz: Some(50.0), axes: Some(Axes::World), ..Reading::default() };
         for format in FORMATS {
             let written = format.render(&trajectory);
-            let text = format.decode(written.text.into_bytes(), &reading).unwrap();
+            prop_assert_eq!(written.is_ok(), format.writes(), "{}", format.name());
+            let Ok(written) = written else { continue };
+            let text = format.decode(written.bytes, &reading).unwrap();
             let back = format.parse(&text, &format.applied(&text, &reading)).unwrap();
             let (back, warnings) = (back.trajectory, back.warnings);
             prop_assert!(warnings.is_empty(), "{}: {warnings:?}", format.name());
@@ -130,7 +138,7 @@ proptest! {
 
     #[test]
     fn csv_loses_nothing_at_all(trajectory in any_trajectory()) {
-        prop_assert!(FORMATS[0].render(&trajectory).warnings.is_empty());
+        prop_assert!(FORMATS[0].render(&trajectory).unwrap().warnings.is_empty());
     }
 
     #[test]
@@ -226,7 +234,7 @@ fn errors_name_file_line_column_and_what_to_do() {
     );
     let error = refuse("run.xlsx", "");
     assert!(
-        error.contains(".csv, .tum, .txt, .euroc, .kitti"),
+        error.contains(".csv, .tum, .txt, .euroc, .kitti, .mcap, .db3"),
         "{error}"
     );
 }

@@ -227,7 +227,7 @@ fn read(path: &Path, bytes: &[u8], simulates: bool) -> Vec<Error> {
     note(read_noise(path).map(drop));
     note(source().and_then(|source| Reading::parse(&source).map(drop)));
     note(read_meta(path).map(drop));
-    for name in ["run.csv", "run.tum", "run.kitti"] {
+    for name in ["run.csv", "run.tum", "run.kitti", "run.mcap", "run.db3"] {
         let path = path.with_file_name(name);
         let reading = Reading {
             rate_hz: Some(10.0),

@@ -18,7 +18,8 @@ const PERMITTED: &[(&str, &[&str])] = &[
     ("font", &["error"]),
     ("statistics", &["error", "random"]),
     ("file", &["error", "text"]),
-    ("trajectory", &["error", "warning", "unit", "file"]),
+    ("store", &["error", "file"]),
+    ("trajectory", &["error", "warning", "unit", "file", "store"]),
     (
         "comparison",
         &["error", "warning", "unit", "file", "trajectory"],
@@ -103,7 +104,6 @@ const PERMITTED: &[(&str, &[&str])] = &[
         ],
     ),
     ("import", &["error", "file", "robot::morphology"]),
-    ("store", &["error", "file"]),
     (
         "optimization",
         &["error", "file", "statistics", "quantity", "store"],
@@ -355,6 +355,9 @@ const OWNED: &[(&str, &str)] = &[
     ("plotters", "plot"),
     ("rusqlite", "store"),
     ("parquet", "store"),
+    ("ruzstd", "file"),
+    ("lz4_flex", "file"),
+    ("crc32fast", "file"),
     ("roxmltree", "import"),
     ("comfy_table", "table"),
     ("ab_glyph", "font"),

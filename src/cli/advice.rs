@@ -73,6 +73,7 @@ fn option(advice: &Advice) -> String {
         Advice::SkipLost => "leave lost samples out with --skip-lost".to_owned(),
         Advice::SkipLines => "begin below them with --skip-lines N".to_owned(),
         Advice::Rate => "say how many samples a second there are, e.g. --rate-hz 10".to_owned(),
+        Advice::Topic => "choose one with --topic, and --child-frame of transforms".to_owned(),
         Advice::Crop => "choose another part with --crop FROM:TO".to_owned(),
         Advice::TimeUnit => "say their unit, e.g. --time-unit ms".to_owned(),
         Advice::Recordings => "name them with --recordings 'FOLDER/*.csv'".to_owned(),

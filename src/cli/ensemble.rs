@@ -176,7 +176,7 @@ fn replay(
             ))
             .hint("name one with --recordings"));
     };
-    trajectory::format_of(file)?;
+    trajectory::check_output(file)?;
     check_writable(file)?;
     let run = ensemble::repeat(&case.experiment, &options.noise, options.seed, number)?;
     terminal::print_warnings(&run.warnings);

@@ -47,6 +47,12 @@ pub struct ReadingOptions {
     /// Samples a second, of files that hold no times (KITTI)
     #[arg(long, value_name = "HZ", help_heading = READING)]
     rate_hz: Vec<f64>,
+    /// The topic whose poses are read (MCAP, bags of ROS 2), e.g. /odom
+    #[arg(long, value_name = "NAME", help_heading = READING)]
+    topic: Vec<String>,
+    /// The frame whose transforms are read (MCAP, bags of ROS 2), e.g. base_link
+    #[arg(long, value_name = "NAME", help_heading = READING)]
+    child_frame: Vec<String>,
     /// Which way the axes of poses point: world (z up) or camera (x right, y down, z forward)
     #[arg(long, value_name = "AXES", help_heading = READING)]
     axes: Vec<Axes>,
@@ -94,6 +100,8 @@ impl ReadingOptions {
             skip_lost: self.skip_lost.then_some(true),
             skip_lines: self.skip_lines,
             rate_hz: pick(&self.rate_hz, "rate_hz", index, files)?,
+            topic: pick(&self.topic, "topic", index, files)?,
+            child_frame: pick(&self.child_frame, "child_frame", index, files)?,
             axes: pick(&self.axes, "axes", index, files)?,
         };
         match pick(&self.reading_files, "reading", index, files)? {

@@ -170,11 +170,11 @@ impl Simulate {
             experiment.solver.joint = JointKind::from(joint);
         }
         if let Some(output) = &self.output {
-            trajectory::format_of(output)?;
+            trajectory::check_output(output)?;
             check_writable(output)?;
         }
         if let Some(parts) = &self.parts {
-            trajectory::format_of(parts)?;
+            trajectory::check_output(parts)?;
             check_writable(parts)?;
         }
         if let Some(page) = &self.replay {

@@ -6,6 +6,8 @@
 //! The folder is locked while a process writes into it, and a [`Fingerprint`] of everything that
 //! decides the results refuses to mix two studies in one folder.
 //!
+//! Databases and tables of others are read here, too: bags of ROS 2 are SQLite.
+//!
 //! ```
 //! use realgap::store::{Fingerprint, RobotOutcome, RobotRow, Store};
 //!
@@ -23,6 +25,7 @@
 //! # Ok::<(), realgap::Error>(())
 //! ```
 
+mod bag;
 mod checksum;
 mod connection;
 mod content;
@@ -47,6 +50,7 @@ mod storage;
 mod tests;
 mod trial;
 
+pub(crate) use bag::read_bag;
 pub use database::{STORE_FILE, Store};
 pub use fingerprint::Fingerprint;
 pub use listing::{Cell, Column, ColumnKind, Listing};

@@ -77,6 +77,8 @@ impl Format for Csv {
     fn applied(&self, text: &str, reading: &Reading) -> Reading {
         let mut applied = Reading {
             rate_hz: None,
+            topic: None,
+            child_frame: None,
             ..reading.clone()
         };
         let columns = self.columns(text, reading);
@@ -144,67 +146,72 @@ impl Format for Csv {
         Ok(parsed)
     }
 
-    fn render(&self, trajectory: &Trajectory) -> Rendered {
-        let mut header = vec!["t_s", "x_m", "y_m"];
-        let orientations = trajectory.orientations_world_from_body();
-        let velocities = trajectory
-            .velocities_world_m_s()
-            .zip(trajectory.angular_velocities_body_rad_s());
-        if !trajectory.is_planar() {
-            header.push("z_m");
+    fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
+        Ok(Rendered {
+            bytes: text_of(trajectory).into_bytes(),
+            warnings: Vec::new(),
+        })
+    }
+}
+
+/// A trajectory as a table; nothing of it is lost.
+pub(super) fn text_of(trajectory: &Trajectory) -> String {
+    let mut header = vec!["t_s", "x_m", "y_m"];
+    let orientations = trajectory.orientations_world_from_body();
+    let velocities = trajectory
+        .velocities_world_m_s()
+        .zip(trajectory.angular_velocities_body_rad_s());
+    if !trajectory.is_planar() {
+        header.push("z_m");
+    }
+    if orientations.is_some() {
+        header.extend(QUATERNION);
+    }
+    if velocities.is_some() {
+        header.extend(["vx_m_s", "vy_m_s", "vz_m_s"]);
+        header.extend(ANGULAR);
+    }
+    let mut text = header.join(",");
+    for joint in trajectory.joints() {
+        text.push_str(&format!(",{}_rad", joint.name));
+        if joint.speeds_rad_s.is_some() {
+            text.push_str(&format!(",{}_rad_s", joint.name));
         }
-        if orientations.is_some() {
-            header.extend(QUATERNION);
+    }
+    text.push('\n');
+    let dimensions = if trajectory.is_planar() { 2 } else { 3 };
+    for (index, (time_s, position)) in trajectory
+        .times_s()
+        .iter()
+        .zip(trajectory.positions_world_m())
+        .enumerate()
+    {
+        push_number(&mut text, *time_s);
+        let mut push = |value: f64| {
+            text.push(',');
+            push_number(&mut text, value);
+        };
+        position
+            .iter()
+            .take(dimensions)
+            .copied()
+            .for_each(&mut push);
+        if let Some(q) = orientations.map(|all| all[index]) {
+            [q.w, q.i, q.j, q.k].into_iter().for_each(&mut push);
         }
-        if velocities.is_some() {
-            header.extend(["vx_m_s", "vy_m_s", "vz_m_s"]);
-            header.extend(ANGULAR);
+        if let Some((linear, angular)) = velocities {
+            linear[index].iter().copied().for_each(&mut push);
+            angular[index].iter().copied().for_each(&mut push);
         }
-        let mut text = header.join(",");
         for joint in trajectory.joints() {
-            text.push_str(&format!(",{}_rad", joint.name));
-            if joint.speeds_rad_s.is_some() {
-                text.push_str(&format!(",{}_rad_s", joint.name));
+            push(joint.angles_rad[index]);
+            if let Some(speeds) = &joint.speeds_rad_s {
+                push(speeds[index]);
             }
         }
         text.push('\n');
-        let dimensions = if trajectory.is_planar() { 2 } else { 3 };
-        for (index, (time_s, position)) in trajectory
-            .times_s()
-            .iter()
-            .zip(trajectory.positions_world_m())
-            .enumerate()
-        {
-            push_number(&mut text, *time_s);
-            let mut push = |value: f64| {
-                text.push(',');
-                push_number(&mut text, value);
-            };
-            position
-                .iter()
-                .take(dimensions)
-                .copied()
-                .for_each(&mut push);
-            if let Some(q) = orientations.map(|all| all[index]) {
-                [q.w, q.i, q.j, q.k].into_iter().for_each(&mut push);
-            }
-            if let Some((linear, angular)) = velocities {
-                linear[index].iter().copied().for_each(&mut push);
-                angular[index].iter().copied().for_each(&mut push);
-            }
-            for joint in trajectory.joints() {
-                push(joint.angles_rad[index]);
-                if let Some(speeds) = &joint.speeds_rad_s {
-                    push(speeds[index]);
-                }
-            }
-            text.push('\n');
-        }
-        Rendered {
-            text,
-            warnings: Vec::new(),
-        }
     }
+    text
 }
 
 /// The one path of a text, and what the reader should know.

@@ -91,7 +91,7 @@ impl Format for Euroc {
         Csv.parse(text, &self.mapped(text, reading)?)
     }
 
-    fn render(&self, trajectory: &Trajectory) -> Rendered {
+    fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
         let mut warnings = beyond_poses("EuRoC files", trajectory);
         let orientations = trajectory.orientations_world_from_body();
         let mut text = format!("{HEADER}\n");
@@ -112,6 +112,9 @@ impl Format for Euroc {
             let what = "times finer than a nanosecond; they are rounded";
             warnings.push(not_written("EuRoC files", what));
         }
-        Rendered { text, warnings }
+        Ok(Rendered {
+            bytes: text.into_bytes(),
+            warnings,
+        })
     }
 }

@@ -15,11 +15,11 @@ pub struct Parsed {
     pub warnings: Vec<Warning>,
 }
 
-/// A trajectory as text.
+/// A trajectory as a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rendered {
     /// The whole file.
-    pub text: String,
+    pub bytes: Vec<u8>,
     /// What the format could not hold.
     pub warnings: Vec<Warning>,
 }
@@ -61,6 +61,8 @@ pub trait Format: Sync {
             only: None,
             skip_lines: None,
             rate_hz: None,
+            topic: None,
+            child_frame: None,
             ..reading.clone()
         }
     }
@@ -88,8 +90,15 @@ pub trait Format: Sync {
         let _ = (text, reading, group_columns);
         Err(Error::invalid("files of this format hold one recording each").found(self.name()))
     }
+    /// Whether files of this format are written here, too.
+    fn writes(&self) -> bool {
+        true
+    }
     /// Writes a trajectory, in metres.
-    fn render(&self, trajectory: &Trajectory) -> Rendered;
+    ///
+    /// # Errors
+    /// A format whose files are only read ([`Format::writes`]).
+    fn render(&self, trajectory: &Trajectory) -> Result<Rendered>;
 }
 
 impl std::fmt::Debug for dyn Format {

@@ -163,7 +163,7 @@ impl Format for Kitti {
         })
     }
 
-    fn render(&self, trajectory: &Trajectory) -> Rendered {
+    fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
         let mut warnings = beyond_poses("KITTI files", trajectory);
         warnings.push(not_written("KITTI files", "times; they are left out"));
         let orientations = trajectory.orientations_world_from_body();
@@ -180,6 +180,9 @@ impl Format for Kitti {
             text.pop();
             text.push('\n');
         }
-        Rendered { text, warnings }
+        Ok(Rendered {
+            bytes: text.into_bytes(),
+            warnings,
+        })
     }
 }

@@ -14,6 +14,7 @@ mod format;
 mod header;
 mod joint_column;
 mod kitti;
+mod log;
 mod meta;
 mod prepare;
 mod reading;
@@ -34,13 +35,14 @@ pub use csv::Csv;
 pub use euroc::Euroc;
 pub use format::{Format, Parsed, Rendered};
 pub use kitti::Kitti;
+pub use log::{Mcap, Rosbag};
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
 pub use prepare::{POINTS, Prepared, prepare};
 pub use reading::{Crop, Only, QuaternionOrder, Reading};
 pub use recording::{Meta, Recording, Source};
 pub use registry::{
-    FORMATS, GROUP_COLUMNS, format_of, parse_all, read, read_all, read_bytes, read_groups,
-    read_sets, write, write_with_bodies,
+    FORMATS, GROUP_COLUMNS, check_output, format_of, parse_all, read, read_all, read_bytes,
+    read_groups, read_sets, write, write_with_bodies,
 };
 pub use resample::{Interpolator, resample};
 pub use state::{JointTrack, State, Trajectory};

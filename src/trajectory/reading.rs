@@ -201,6 +201,12 @@ pub struct Reading {
     /// Samples a second, of files that hold no times.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
+    /// The topic whose poses are read, of files with messages of several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub topic: Option<String>,
+    /// The frame whose transforms are read, of files with those of several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub child_frame: Option<String>,
     /// Which way the axes of poses point.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axes: Option<Axes>,
@@ -276,6 +282,8 @@ impl Reading {
             skip_lost: self.skip_lost.or(other.skip_lost),
             skip_lines: self.skip_lines.or(other.skip_lines),
             rate_hz: self.rate_hz.or(other.rate_hz),
+            topic: self.topic.or_else(|| other.topic.clone()),
+            child_frame: self.child_frame.or_else(|| other.child_frame.clone()),
             axes: self.axes.or(other.axes),
         }
     }
@@ -336,6 +344,9 @@ impl fmt::Display for Reading {
             said.push("without lost samples".to_owned());
         }
         said.extend(self.rate_hz.map(|rate| format!("{rate} samples a second")));
+        said.extend(self.topic.iter().map(|topic| format!("topic {topic}")));
+        let frame = self.child_frame.iter();
+        said.extend(frame.map(|frame| format!("transforms of {frame}")));
         said.extend(self.axes.map(|axes| axes.to_string()));
         said.extend(self.crop.map(|crop| crop.to_string()));
         f.write_str(&said.join("; "))

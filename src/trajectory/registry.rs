@@ -8,10 +8,11 @@ use std::path::Path;
 use super::body_column;
 use super::column::{Columns, Role};
 use super::crop::cropped;
-use super::csv::Csv;
+use super::csv::{self, Csv};
 use super::euroc::Euroc;
 use super::format::{Format, Parsed};
 use super::kitti::Kitti;
+use super::log::{Mcap, Rosbag};
 use super::meta::read_meta_beside;
 use super::text::{MAX_FILE_BYTES, check_size};
 use super::tum::Tum;
@@ -24,7 +25,7 @@ use crate::warning::{Code, Warning};
 pub const GROUP_COLUMNS: [&str; 2] = ["condition", "run"];
 
 /// Every known format.
-pub const FORMATS: &[&dyn Format] = &[&Csv, &Tum, &Euroc, &Kitti];
+pub const FORMATS: &[&dyn Format] = &[&Csv, &Tum, &Euroc, &Kitti, &Mcap, &Rosbag];
 
 fn extension_of(path: &Path) -> Option<String> {
     let extension = path.extension()?;
@@ -329,6 +330,21 @@ impl<'a> File<'a> {
     }
 }
 
+/// Checks that [`write()`] knows how to write a file of this extension.
+///
+/// # Errors
+/// Unknown extension, or that of a format that is only read.
+pub fn check_output(path: &Path) -> Result<()> {
+    if format_of(path)?.writes() {
+        return Ok(());
+    }
+    let written = FORMATS.iter().filter(|format| format.writes());
+    let first: Vec<String> = written.map(|f| format!(".{}", f.extensions()[0])).collect();
+    Err(Error::usage("files of this format are read, not written")
+        .at_file(path)
+        .allowed(first.join(", ")))
+}
+
 /// Writes `trajectory` to `path`, in metres; the extension chooses the format.
 ///
 /// The file appears whole or not at all: it is written under another name in the same folder, then
@@ -338,8 +354,9 @@ impl<'a> File<'a> {
 /// Unknown extension, unwritable folder, full disk.
 pub fn write(path: impl AsRef<Path>, trajectory: &Trajectory) -> Result<Vec<Warning>> {
     let path = path.as_ref();
-    let rendered = format_of(path)?.render(trajectory);
-    write_atomic(path, rendered.text.as_bytes())?;
+    check_output(path)?;
+    let rendered = format_of(path)?.render(trajectory)?;
+    write_atomic(path, &rendered.bytes)?;
     Ok(rendered.warnings)
 }
 
@@ -359,12 +376,12 @@ pub fn write_with_bodies(
             .at_file(path)
             .allowed("a .csv file"));
     }
-    let mut text = Csv.render(trajectory).text;
+    let mut text = csv::text_of(trajectory);
     for (name, motion) in bodies {
         if motion.times_s() != trajectory.times_s() {
             return Err(Error::invalid("bodies in one file share their times").field(name));
         }
-        text = body_column::beside(&text, name, &Csv.render(motion).text);
+        text = body_column::beside(&text, name, &csv::text_of(motion));
     }
     write_atomic(path, text.as_bytes())
 }

@@ -71,7 +71,7 @@ impl Format for Tum {
         })
     }
 
-    fn render(&self, trajectory: &Trajectory) -> Rendered {
+    fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
         let orientations = trajectory.orientations_world_from_body();
         let mut text = String::from("# timestamp tx ty tz qx qy qz qw\n");
         for (index, (time_s, p)) in trajectory
@@ -88,9 +88,9 @@ impl Format for Tum {
             }
             text.push('\n');
         }
-        Rendered {
-            text,
+        Ok(Rendered {
+            bytes: text.into_bytes(),
             warnings: beyond_poses("TUM files", trajectory),
-        }
+        })
     }
 }

@@ -1,34 +1,11 @@
-//! Files of others' formats: KITTI and EuRoC, as their own tools write them.
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+//! KITTI and EuRoC, and TUM as evo writes it.
 
-mod common;
-
-use std::path::Path;
-
-use common::{python_with, realgap, text};
 use nalgebra::{UnitQuaternion, Vector3};
-use realgap::trajectory::{Axes, Reading, Recording, read, write};
+use realgap::trajectory::{Axes, Reading, read, write};
 use realgap::warning::Code;
 
-/// Runs Python in `folder`; the script is to do something there.
-fn python(program: &str, folder: &Path, script: &str) {
-    let done = std::process::Command::new(program)
-        .args(["-c", script])
-        .current_dir(folder)
-        .output()
-        .unwrap();
-    assert!(done.status.success(), "{}", text(&done.stderr));
-}
-
-fn put(folder: &Path, name: &str, content: &str) -> std::path::PathBuf {
-    let path = folder.join(name);
-    std::fs::write(&path, content).unwrap();
-    path
-}
-
-fn codes(recording: &Recording) -> Vec<Code> {
-    recording.warnings.iter().map(|w| w.code).collect()
-}
+use super::common::{python_with, realgap, text};
+use super::{codes, put, python};
 
 const FORWARD: &str = "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 -0.5 0 0 1 2\n";
 

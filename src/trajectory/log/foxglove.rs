@@ -1,0 +1,133 @@
+//! Messages of Foxglove in JSON that hold poses.
+
+use serde::Deserialize;
+
+use super::stream::{Frames, Log, Said, Sample};
+
+#[derive(Deserialize)]
+struct Time {
+    sec: i64,
+    nsec: i64,
+}
+
+#[derive(Deserialize)]
+struct Vector {
+    x: f64,
+    y: f64,
+    z: f64,
+}
+
+#[derive(Deserialize)]
+struct Turn {
+    x: f64,
+    y: f64,
+    z: f64,
+    w: f64,
+}
+
+#[derive(Deserialize)]
+struct Pose {
+    position: Vector,
+    orientation: Turn,
+}
+
+#[derive(Deserialize)]
+struct PoseInFrame {
+    timestamp: Time,
+    pose: Pose,
+}
+
+#[derive(Deserialize)]
+struct FrameTransform {
+    timestamp: Time,
+    parent_frame_id: String,
+    child_frame_id: String,
+    translation: Vector,
+    rotation: Turn,
+}
+
+#[derive(Deserialize)]
+struct FrameTransforms {
+    transforms: Vec<FrameTransform>,
+}
+
+/// What a message says, by the name of its schema.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Pose,
+    Transform,
+    Transforms,
+}
+
+const KINDS: [(&str, Kind); 3] = [
+    ("foxglove.PoseInFrame", Kind::Pose),
+    ("foxglove.FrameTransform", Kind::Transform),
+    ("foxglove.FrameTransforms", Kind::Transforms),
+];
+
+/// Names of the schemas that hold poses.
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    KINDS.iter().map(|(name, _)| *name)
+}
+
+/// What messages of this schema say; `None` for all that are no poses.
+pub(super) fn kind(name: &str) -> Option<Kind> {
+    let known = KINDS.iter().find(|(known, _)| *known == name);
+    known.map(|(_, kind)| *kind)
+}
+
+fn sample(time: &Time, place: &Vector, turn: &Turn, log_ns: i64) -> Option<Sample> {
+    let stamp_ns = time
+        .sec
+        .checked_mul(1_000_000_000)?
+        .checked_add(time.nsec)?;
+    Some(Sample {
+        stamp_ns,
+        log_ns,
+        place_m: [place.x, place.y, place.z],
+        turn_xyzw: [turn.x, turn.y, turn.z, turn.w],
+        twist: None,
+    })
+}
+
+fn transform(transform: FrameTransform, log_ns: i64) -> Option<(Frames, Sample)> {
+    let place = &transform.translation;
+    let sample = sample(&transform.timestamp, place, &transform.rotation, log_ns)?;
+    let frames = (transform.parent_frame_id, transform.child_frame_id);
+    Some((Some(frames), sample))
+}
+
+/// Adds what a message says to the log; `None` where it is not what its schema says.
+pub(super) fn push(
+    log: &mut Log<'_>,
+    said: Said<'_>,
+    kind: Kind,
+    log_ns: i64,
+    data: &[u8],
+) -> Option<()> {
+    match kind {
+        Kind::Pose => {
+            let message: PoseInFrame = serde_json::from_slice(data).ok()?;
+            let pose = &message.pose;
+            let sample = sample(
+                &message.timestamp,
+                &pose.position,
+                &pose.orientation,
+                log_ns,
+            )?;
+            log.push(said, None, sample);
+        }
+        Kind::Transform => {
+            let (frames, sample) = transform(serde_json::from_slice(data).ok()?, log_ns)?;
+            log.push(said, frames, sample);
+        }
+        Kind::Transforms => {
+            let message: FrameTransforms = serde_json::from_slice(data).ok()?;
+            for one in message.transforms {
+                let (frames, sample) = transform(one, log_ns)?;
+                log.push(said, frames, sample);
+            }
+        }
+    }
+    Some(())
+}
