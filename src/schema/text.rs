@@ -6,7 +6,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
 use crate::calibration::StartUsed;
 use crate::prediction::SuccessRule;
-use crate::trajectory::{Columns, QuaternionOrder, Role};
+use crate::trajectory::{Axes, Columns, QuaternionOrder, Role};
 use crate::unit::{AngleUnit, LengthUnit, TimeUnit, Unit};
 use crate::warning::Code;
 
@@ -40,6 +40,8 @@ as_text! {
     Code, "Code", "What a warning is about; docs/cli.md explains each.", Code::ALL.iter().map(|code| code.name());
     QuaternionOrder, "QuaternionOrder", "Whether the real part of a quaternion comes first.",
         [QuaternionOrder::Wxyz, QuaternionOrder::Xyzw].into_iter().map(QuaternionOrder::name);
+    Axes, "Axes", "Which way the axes of poses point.",
+        [Axes::World, Axes::Camera].into_iter().map(Axes::name);
     LengthUnit, "LengthUnit", "A unit of length.", LengthUnit::ALL.iter().map(|unit| unit.symbol());
     TimeUnit, "TimeUnit", "A unit of time.", TimeUnit::ALL.iter().map(|unit| unit.symbol());
     AngleUnit, "AngleUnit", "A unit of angles.", AngleUnit::ALL.iter().map(|unit| unit.symbol());
