@@ -1,4 +1,4 @@
-//! `realgap replay`: a robot in motion and its recorded runs, as one page.
+//! `realgap replay`: a robot in motion and its recorded runs, as a page, an animation, or a file for another program.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -19,7 +19,7 @@ use super::page;
 use super::reading::ReadingOptions;
 use super::terminal;
 
-/// Show a run in space, over its recordings: one HTML file that needs no network
+/// Show a run in space, over its recordings: a page that needs no network, an animation, or a file for Foxglove or a 3D program
 ///
 /// Of a robot's file the run is simulated from rest, as `simulate` does. Of a study, or the best.ron of one, it is the study's own
 /// run: with its settings, its scene and, where runs start from a recording, that recording's start. Of a recorded or simulated run the motion is shown
@@ -50,14 +50,14 @@ pub struct ReplayCommand {
     values: Values,
     #[command(flatten)]
     reading: ReadingOptions,
-    /// The page
+    /// What is written, by its ending: .html (a page), .png (an animation), .mcap (Foxglove), .glb (glTF)
     #[arg(short, long, value_name = "FILE", default_value = "replay.html")]
     output: PathBuf,
 }
 
 impl ReplayCommand {
     pub fn run(self) -> Result<ExitCode> {
-        check_page(&self.output)?;
+        check_replay(&self.output)?;
         if kind::is_study(&self.run) {
             self.of_study()?;
             return Ok(ExitCode::SUCCESS);
@@ -210,9 +210,10 @@ impl ReplayCommand {
         terminal::print_warnings(shown.recordings.iter().flat_map(|r| &r.warnings));
         let bytes = shown.write(&self.output)?;
         terminal::print(format!(
-            "written {} ({} kB): open it in a browser",
+            "written {} ({} kB): open it in {}",
             self.output.display(),
-            bytes.div_ceil(1000)
+            bytes.div_ceil(1000),
+            Show::of(&self.output)?.viewer(),
         ));
         Ok(())
     }
@@ -243,7 +244,9 @@ impl Shown<'_> {
     pub fn write(&self, path: &Path) -> Result<usize> {
         let mut warnings = self.warnings.to_vec();
         warnings.extend(self.recordings.iter().flat_map(|r| r.warnings.clone()));
-        let page = Replay {
+        let show = Show::of(path)?;
+        let provenance = self.provenance()?;
+        let replay = Replay {
             robot: self.morphology,
             run: self.film,
             run_name: self.name,
@@ -252,11 +255,16 @@ impl Shown<'_> {
             floor: self.experiment.map_or_else(Floor::default, |e| e.floor),
             scene: self.experiment.map_or(&[], |e| &e.scene),
             warnings: &warnings,
-            provenance: &self.provenance()?,
-        }
-        .page()?;
-        write_atomic(path, page.as_bytes())?;
-        Ok(page.len())
+            provenance: &provenance,
+        };
+        let bytes = match show {
+            Show::Page => replay.page()?.into_bytes(),
+            Show::Log => replay.mcap()?,
+            Show::Model => replay.gltf()?,
+            Show::Animation => replay.animation()?,
+        };
+        write_atomic(path, &bytes)?;
+        Ok(bytes.len())
     }
 
     fn provenance(&self) -> Result<Vec<(String, String)>> {
@@ -284,6 +292,46 @@ pub fn diverged(divergence: &Divergence, file: &Path) -> Error {
     Error::invalid(format!("the simulation diverged {divergence}"))
         .at_file(file)
         .hint("try a shorter --timestep or more --substeps; check masses, sizes and servo limits")
+}
+
+/// What a replay is written as, by the ending of its file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Show {
+    Page,
+    Log,
+    Model,
+    Animation,
+}
+
+impl Show {
+    fn of(path: &Path) -> Result<Self> {
+        let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+        match ending.as_deref().and_then(std::ffi::OsStr::to_str) {
+            Some("html") => Ok(Self::Page),
+            Some("mcap") => Ok(Self::Log),
+            Some("glb") => Ok(Self::Model),
+            Some("png" | "apng") => Ok(Self::Animation),
+            _ => Err(Error::usage("a replay cannot be written as such a file")
+                .at_file(path)
+                .allowed("a name that ends in .html (a page), .png (an animation), .mcap (Foxglove) or .glb (glTF)")),
+        }
+    }
+
+    /// What opens it.
+    fn viewer(self) -> &'static str {
+        match self {
+            Self::Page => "a browser",
+            Self::Log => "Foxglove",
+            Self::Model => "a viewer of glTF",
+            Self::Animation => "a browser",
+        }
+    }
+}
+
+/// Checks before the work that a replay can be written there.
+pub fn check_replay(path: &Path) -> Result<()> {
+    Show::of(path)?;
+    check_writable(path)
 }
 
 /// Checks before the work that a page can be written there.

@@ -21,7 +21,7 @@ use super::kind::read_morphology;
 use super::option::{
     Format, Joint, Values, joint_help, recording_unused, substeps_help, timestep_help,
 };
-use super::replay::{Shown, check_page, diverged};
+use super::replay::{Shown, check_replay, diverged};
 use super::terminal;
 
 /// Simulate one run of a robot from rest and print what it did
@@ -59,7 +59,7 @@ pub struct Simulate {
     /// Write the motion of every part and hinge to this .csv file
     #[arg(long, value_name = "FILE")]
     parts: Option<PathBuf>,
-    /// Write a page to this .html file that shows the run in space
+    /// Write what shows the run in space to this file: .html, .png, .mcap or .glb, as `replay` does
     #[arg(long, value_name = "FILE")]
     replay: Option<PathBuf>,
     /// How to print
@@ -178,7 +178,7 @@ impl Simulate {
             check_writable(parts)?;
         }
         if let Some(page) = &self.replay {
-            check_page(page)?;
+            check_replay(page)?;
         }
         if self.energy {
             experiment.energy_from_s = Some(0.0);

@@ -43,7 +43,7 @@ mod source;
 mod suggestion;
 mod unique;
 
-pub(crate) use bitmap::png_bytes;
+pub(crate) use bitmap::{Animated, png_bytes};
 pub use decode::{parse_ron, write_ron};
 pub use hash::sha256;
 pub(crate) use input::read_limited;

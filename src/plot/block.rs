@@ -52,8 +52,8 @@ pub struct Block {
 
 /// Where the viewer stands: this far round from +x, and this high. Not 45 degrees: corners of different cubes would
 /// fall onto each other.
-const AZIMUTH_DEG: f64 = -58.0;
-const ELEVATION_DEG: f64 = 27.0;
+pub(super) const AZIMUTH_DEG: f64 = -58.0;
+pub(super) const ELEVATION_DEG: f64 = 27.0;
 
 pub(super) const PASSIVE: RGBColor = RGBColor(226, 221, 211);
 pub(super) const ACTIVE: RGBColor = RGBColor(120, 178, 216);
@@ -340,7 +340,7 @@ fn draw_turn<B: DrawingBackend>(
     canvas.polygon(&[at(276.0, 0.17), tip, at(276.0, 0.38)], white);
 }
 
-fn darken(colour: RGBColor, share: f64) -> RGBColor {
+pub(super) fn darken(colour: RGBColor, share: f64) -> RGBColor {
     let scale = |channel: u8| (f64::from(channel) * share).round() as u8;
     RGBColor(scale(colour.0), scale(colour.1), scale(colour.2))
 }

@@ -12,6 +12,7 @@
 //! | [`Stack`] | [`draw_stack`] | several quantities over one axis, one above the other |
 //! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
 //! | [`EnsemblePlot`] | [`draw_ensemble`] | repeats by behaviour, their envelope over time, the real runs |
+//! | [`Animation`] | [`draw_animation`] | a robot in motion, as the bytes of an animated PNG |
 //! | [`Gallery`] | [`draw_gallery`] | robots as shaded boxes |
 //! | [`TextTable`] | [`TextTable::render`] | a table for the terminal |
 //!
@@ -19,12 +20,14 @@
 //! it is not there, and the same data give the same bytes. Nothing here knows where the data come
 //! from: callers fill the structs. This is the only room that names `plotters`.
 
+mod animation;
 mod axis;
 mod bar;
 mod block;
 mod canvas;
 mod colour;
 mod column;
+mod cuboid;
 mod curve;
 mod ensemble;
 mod font;
@@ -46,10 +49,12 @@ mod tests;
 
 pub use crate::table::{Side, TextTable};
 pub use crate::unit::{DisplayUnit, number, quantity};
+pub use animation::{Animation, Look, Moment, Trace, draw_animation};
 pub use axis::{AxisSpec, Truth};
 pub use bar::{Bar, BarChart, draw_bars};
 pub use block::{Block, BlockKind, DrivenFace, Motion};
 pub use column::{ColumnChart, ColumnSeries, draw_columns};
+pub use cuboid::Cuboid;
 pub use curve::{Curve, draw_curve};
 pub use ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
 pub use gallery::{Command, Gallery, GalleryRobot, ModuleName, draw_gallery};

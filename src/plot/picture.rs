@@ -82,14 +82,19 @@ pub(super) fn write(picture: &impl Picture, path: &Path) -> Result<()> {
 
 fn png(picture: &impl Picture) -> Result<Vec<u8>> {
     let (width, height) = picture.size();
+    png_bytes(width, height, &pixels(picture)?)
+}
+
+/// The pixels of a picture, three bytes each, row by row.
+pub(super) fn pixels(picture: &impl Picture) -> Result<Vec<u8>> {
+    let (width, height) = picture.size();
     let large = (width * PNG_OVERSAMPLING, height * PNG_OVERSAMPLING);
     let mut pixels = vec![255; large.0 as usize * large.1 as usize * 3];
     let backend = BitMapBackend::with_buffer(&mut pixels, large);
     let mut canvas = Canvas::new(backend, Medium::Pixels, PNG_OVERSAMPLING);
     picture.draw(&mut canvas);
     canvas.finish()?;
-    let pixels = average(&pixels, width as usize, height as usize);
-    png_bytes(width, height, &pixels)
+    Ok(average(&pixels, width as usize, height as usize))
 }
 
 /// The mean of each block of `PNG_OVERSAMPLING` × `PNG_OVERSAMPLING` pixels.

@@ -5,12 +5,15 @@
 //! the page's own scripts may run, named by their hashes in its content policy; texts of others are escaped. Same data, same
 //! bytes.
 
+mod animation;
 mod base64;
 mod block;
 mod chart;
 mod ensemble;
 mod folder;
+mod foxglove;
 mod gap;
+mod gltf;
 mod heat;
 mod kept;
 mod leaf;
@@ -23,6 +26,7 @@ mod replay;
 mod search;
 mod section;
 mod sheet;
+mod stage;
 mod story;
 mod study;
 mod track;

@@ -1,10 +1,11 @@
 //! A run in motion as numbers: boxes of the robot and of other bodies, and where they are over time.
 
-use nalgebra::{Isometry3, UnitQuaternion};
+use nalgebra::{Isometry3, Vector3};
 use serde_json::{Value, json};
 
 use super::block::Block;
-use crate::robot::morphology::{DriveAxis, Morphology, Role};
+use super::stage::continuous;
+use crate::robot::morphology::{Drive, DriveAxis, Morphology, Role};
 use crate::simulation::{Film, SceneBody, SceneMotion, part_from_solid};
 
 /// Steps that numbers in the page are rounded to; also said on the page.
@@ -20,34 +21,75 @@ fn pose_json(pose: &Isometry3<f64>) -> Value {
     json!([t.x, t.y, t.z, q.w, q.i, q.j, q.k])
 }
 
+/// What a box of a robot is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum BoxKind {
+    Passive,
+    Active,
+    Plate,
+}
+
+/// A box of a robot.
+pub(super) struct RobotBox<'a> {
+    pub(super) part: usize,
+    pub(super) half_m: Vector3<f64>,
+    pub(super) part_from_box: Isometry3<f64>,
+    pub(super) kind: BoxKind,
+    /// Of the first cube of a module: its name.
+    name: &'a str,
+    drive: Option<Drive>,
+    is_tracked: bool,
+}
+
 /// The boxes of a robot in the frames of their parts.
-pub(super) fn boxes(robot: &Morphology) -> Vec<Value> {
+pub(super) fn robot_boxes(robot: &Morphology) -> Vec<RobotBox<'_>> {
     let assembly = robot.assemble();
     let mut all = Vec::new();
     for (part, cluster) in assembly.parts.iter().enumerate() {
         // A plate with a module glued onto it is inside of that module.
         for solid in cluster.solids.iter().filter(|solid| solid.collides) {
             let module = &robot.modules()[solid.module];
-            let drive = module
-                .drive
-                .filter(|_| solid.number == 0 && solid.role == Role::Cube);
-            all.push(json!({
-                "part": part,
-                "half": solid.half_extents_m.as_slice(),
-                "pose": pose_json(&part_from_solid(&assembly, part, solid)),
-                "name": if solid.number == 0 && solid.role == Role::Cube { module.name.as_str() } else { "" },
-                "kind": match (solid.role, drive.is_some()) {
-                    (Role::Plate, _) => "plate",
-                    (Role::Cube, true) => "active",
-                    (Role::Cube, false) => "passive",
+            let is_first = solid.number == 0 && solid.role == Role::Cube;
+            let drive = module.drive.filter(|_| is_first);
+            all.push(RobotBox {
+                part,
+                half_m: solid.half_extents_m,
+                part_from_box: part_from_solid(&assembly, part, solid),
+                kind: match (solid.role, drive.is_some()) {
+                    (Role::Plate, _) => BoxKind::Plate,
+                    (Role::Cube, true) => BoxKind::Active,
+                    (Role::Cube, false) => BoxKind::Passive,
                 },
-                "tracked": solid.module == robot.track() && solid.role == Role::Cube,
-                "normal": drive.map(|drive| drive.face.normal().as_slice().to_vec()),
-                "spins": drive.map(|drive| matches!(drive.axis, DriveAxis::Normal { .. })),
-            }));
+                name: if is_first { &module.name } else { "" },
+                drive,
+                is_tracked: solid.module == robot.track() && solid.role == Role::Cube,
+            });
         }
     }
     all
+}
+
+/// The same as the page has them.
+pub(super) fn boxes(robot: &Morphology) -> Vec<Value> {
+    let boxes = robot_boxes(robot).into_iter();
+    boxes
+        .map(|one| {
+            json!({
+                "part": one.part,
+                "half": one.half_m.as_slice(),
+                "pose": pose_json(&one.part_from_box),
+                "name": one.name,
+                "kind": match one.kind {
+                    BoxKind::Plate => "plate",
+                    BoxKind::Active => "active",
+                    BoxKind::Passive => "passive",
+                },
+                "tracked": one.is_tracked,
+                "normal": one.drive.map(|drive| drive.face.normal().as_slice().to_vec()),
+                "spins": one.drive.map(|drive| matches!(drive.axis, DriveAxis::Normal { .. })),
+            })
+        })
+        .collect()
 }
 
 /// The boxes of a body that stands still, in the world.
@@ -125,25 +167,10 @@ pub(super) fn push_film(block: &mut Block, film: &Film, scene: &[SceneBody], mos
             );
         }
         let turns = continuous(picks.iter().map(|k| poses[*k].rotation));
+        let turns: Vec<[f64; 4]> = turns.map(|q| [q.w, q.i, q.j, q.k]).collect();
         for axis in 0..4 {
             block.push(turns.iter().map(|turn| turn[axis]), TURN_STEP);
         }
     }
     every
-}
-
-/// Orientations, real part first, each with the sign that is nearer to the one before: both signs are the same turn.
-fn continuous(turns: impl Iterator<Item = UnitQuaternion<f64>>) -> Vec<[f64; 4]> {
-    let mut all: Vec<[f64; 4]> = Vec::new();
-    for turn in turns {
-        let mut next = [turn.w, turn.i, turn.j, turn.k];
-        if let Some(last) = all.last() {
-            let dot: f64 = last.iter().zip(&next).map(|(a, b)| a * b).sum();
-            if dot < 0.0 {
-                next = next.map(|value| -value);
-            }
-        }
-        all.push(next);
-    }
-    all
 }

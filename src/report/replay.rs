@@ -10,6 +10,7 @@ use super::page::{
     BAR, BLOCK, CHART, CLOCK, Page, REPLAY, SCENE, STYLE, THREE, fill, html, script_json,
 };
 use super::section::{body, warning_section};
+use super::stage::Stage;
 use super::track::{CURVE, distances, laid_onto, mean, spread};
 use super::value::{entries, pairs_of};
 use crate::error::Result;
@@ -109,6 +110,14 @@ impl Replay<'_> {
         (block.text(), kept)
     }
 
+    /// Who moves in it and how, at most so many samples of each run.
+    pub(super) fn stage(&self, most: usize) -> Result<Stage> {
+        let ghosts = self.ghosts()?;
+        let run = std::iter::once((self.run_name, self.run));
+        let all = run.chain(ghosts.iter().map(|ghost| (ghost.name, &ghost.film)));
+        Ok(Stage::new(self.robot, all, self.floor, self.scene, most))
+    }
+
     fn ghosts(&self) -> Result<Vec<Ghost<'_>>> {
         let assembly = self.robot.map(Morphology::assemble);
         self.recordings
@@ -136,7 +145,7 @@ impl Replay<'_> {
             .collect()
     }
 
-    fn reality(&self) -> &'static str {
+    pub(super) fn reality(&self) -> &'static str {
         Source::of(self.recordings).reality_label()
     }
 
