@@ -97,7 +97,7 @@ impl Model {
             .push(json!({ "buffer": 0, "byteOffset": offset, "byteLength": length }));
         content["bufferView"] = json!(self.views.len() - 1);
         self.accessors.push(content);
-        while self.bytes.len() % 4 != 0 {
+        while !self.bytes.len().is_multiple_of(4) {
             self.bytes.push(0);
         }
         self.accessors.len() - 1
@@ -273,7 +273,7 @@ impl Model {
             "animations": [{ "name": stage.actors[0].name, "samplers": self.samplers, "channels": self.channels }],
         });
         let mut text = document.to_string().into_bytes();
-        while text.len() % 4 != 0 {
+        while !text.len().is_multiple_of(4) {
             text.push(b' ');
         }
         let chunks = [(b"JSON", text), (b"BIN\0", self.bytes)];
