@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
 pub mod browser;
+pub mod ron;
 pub mod schema;
 
 use std::collections::BTreeMap;
