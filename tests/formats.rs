@@ -234,7 +234,7 @@ fn errors_name_file_line_column_and_what_to_do() {
     );
     let error = refuse("run.xlsx", "");
     assert!(
-        error.contains(".csv, .tum, .txt, .euroc, .kitti, .mcap, .db3"),
+        error.contains(".csv, .tum, .txt, .euroc, .kitti, .mcap, .db3, .parquet"),
         "{error}"
     );
 }

@@ -39,6 +39,8 @@ mod merge;
 mod opening;
 #[cfg(feature = "parquet")]
 mod parquet;
+#[cfg(feature = "parquet")]
+mod parquet_table;
 mod part;
 mod robot;
 mod row;
@@ -59,6 +61,8 @@ pub use merge::{Absorbed, Merger};
 pub use opening::Mode;
 #[cfg(feature = "parquet")]
 pub use parquet::to_parquet;
+#[cfg(feature = "parquet")]
+pub(crate) use parquet_table::parquet_table;
 pub use part::Part;
 pub use robot::{RobotOutcome, RobotRow, TravelRow};
 pub use row::Row;

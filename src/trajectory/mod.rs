@@ -7,6 +7,7 @@ mod align;
 mod axes;
 mod body_column;
 mod column;
+mod columnar;
 mod crop;
 mod csv;
 mod euroc;
@@ -30,6 +31,7 @@ mod tum;
 
 pub use axes::Axes;
 pub use column::{Column, Columns, Role};
+pub use columnar::Parquet;
 pub use crop::{clip, cut_to_shortest};
 pub use csv::Csv;
 pub use euroc::Euroc;

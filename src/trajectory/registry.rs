@@ -7,6 +7,7 @@ use std::path::Path;
 
 use super::body_column;
 use super::column::{Columns, Role};
+use super::columnar::Parquet;
 use super::crop::cropped;
 use super::csv::{self, Csv};
 use super::euroc::Euroc;
@@ -25,7 +26,7 @@ use crate::warning::{Code, Warning};
 pub const GROUP_COLUMNS: [&str; 2] = ["condition", "run"];
 
 /// Every known format.
-pub const FORMATS: &[&dyn Format] = &[&Csv, &Tum, &Euroc, &Kitti, &Mcap, &Rosbag];
+pub const FORMATS: &[&dyn Format] = &[&Csv, &Tum, &Euroc, &Kitti, &Mcap, &Rosbag, &Parquet];
 
 fn extension_of(path: &Path) -> Option<String> {
     let extension = path.extension()?;

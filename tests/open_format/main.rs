@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod log;
+mod parquet;
 mod text;
 mod tool;
 
