@@ -220,6 +220,13 @@ fn a_model_moves_every_part_as_the_run_did() {
         };
         let ([times, places], [_, turns]) = (of("translation"), of("rotation"));
         assert_eq!(times.len(), run.track.len());
+        let start = nodes[node]["translation"].as_array().unwrap();
+        let start = start.iter().map(|value| value.as_f64().unwrap() as f32);
+        assert_eq!(
+            start.collect::<Vec<_>>(),
+            places[0],
+            "without animation it stands at its start"
+        );
         for (k, pose) in poses.as_ref().unwrap().iter().enumerate() {
             assert!((f64::from(times[k][0]) - run.track.times_s()[k]).abs() < 1e-6);
             let near = |rows: &[f32], wanted: &[f64]| {

@@ -235,7 +235,13 @@ impl Model {
         times: usize,
         poses: impl Iterator<Item = Isometry3<f64>> + Clone,
     ) -> usize {
-        let mut node = json!({ "name": name });
+        // Who plays no animation sees the start.
+        let start = poses.clone().next().unwrap_or_default();
+        let mut node = json!({
+            "name": name,
+            "translation": vector(&start.translation.vector),
+            "rotation": quaternion(&start.rotation),
+        });
         if !children.is_empty() {
             node["children"] = json!(children);
         }
