@@ -178,7 +178,6 @@ pub fn tune_camera(
         lens: true,
     };
     let (camera, placed) = placed_of(scene, &start, light, &fitted, &before)?;
-    let lens = lens_settings(&start, &camera, &fitted, &placed, &before);
 
     let (compression, quality) = compression(&start, &fitted)?;
     let mut camera = camera;
@@ -192,12 +191,20 @@ pub fn tune_camera(
         budget: options.budget.max(20),
     };
     let found = search.run()?;
+    // Now that the blur is known, corners are found better.
+    let (camera, placed) = placed_of(
+        scene,
+        &search.camera_at(&found.shares),
+        light,
+        &fitted,
+        &before,
+    )?;
     let camera = Camera {
         name: "tuned".to_owned(),
         is_stand_in: false,
-        ..search.camera_at(&found.shares)
+        ..camera
     };
-    let mut all = lens;
+    let mut all = lens_settings(&start, &camera, &fitted, &placed, &before);
     all.extend(sensor_settings(&search, &found, fitted_views.len()));
     all.push(compression);
     let judge = |own: &[&Shot]| -> Result<Mismatch> {
@@ -232,7 +239,7 @@ pub fn tune_camera(
     }
     warnings.push(Warning::new(
         Code::KnownLimit,
-        "intervals are too narrow, those of exposure, gain, read noise and field of view by most; those of blur and JPEG quality are not (docs/fidelity/vision.md)",
+        "how brightness is shared between exposure, gain and read noise, and the two numbers of distortion, are known less well than their intervals say (docs/fidelity/vision.md)",
     ));
     let length = |off: &[f64]| off.iter().map(|v| v * v).sum::<f64>().sqrt();
     let offs = |from: usize| {

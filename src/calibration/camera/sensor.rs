@@ -134,10 +134,14 @@ const BEFORE: f64 = 0.5;
 /// No number is known better than this, however alike all views are.
 const LEAST: f64 = 0.01;
 /// Steps of differences, as shares of ranges: wide enough for values that are rounded and compressed.
-const STEP: f64 = 0.03;
+const STEP: f64 = 0.1;
+/// Simulated pictures of each real one: compression makes single ones jump from value to value.
+const DRAWS: u64 = 4;
+/// Numbers of further simulated pictures lie this far apart.
+const APART: u64 = 1 << 20;
 /// Steps of Gauss and Newton after the search, and what each must gain at least.
 const ROUNDS: usize = 8;
-const ENOUGH: f64 = 0.01;
+const ENOUGH: f64 = 0.1;
 
 impl Search<'_> {
     pub(super) fn camera_at(&self, shares: &[f64]) -> Camera {
@@ -294,9 +298,13 @@ impl Near {
 /// Real less simulated numbers of some pictures, a row a view.
 pub(super) fn apart(camera: &Camera, pictures: &[Real], seed: u64) -> Result<Vec<Vec<f64>>> {
     let of = |real: &Real| -> Result<(usize, Vec<f64>)> {
-        let picture = expose(camera, &real.light, seed, real.number)?;
-        let said = look(&picture, &real.parts);
-        let apart = real.found.iter().zip(said).map(|(r, s)| r - s).collect();
+        let mut apart = real.found.clone();
+        for draw in 0..DRAWS {
+            let picture = expose(camera, &real.light, seed, real.number + draw * APART)?;
+            for (apart, said) in apart.iter_mut().zip(look(&picture, &real.parts)) {
+                *apart -= said / DRAWS as f64;
+            }
+        }
         Ok((real.view, apart))
     };
     let all: Vec<(usize, Vec<f64>)> = pictures.par_iter().map(of).collect::<Result<_>>()?;

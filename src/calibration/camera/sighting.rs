@@ -48,8 +48,10 @@ pub(super) fn sightings(
     let mut small = camera.clone();
     small.lens.width_px = width;
     small.lens.height_px = height;
-    let model = toned(&luminance(scene, &small, pose, light))?;
-    let model = gauss(&model, SMOOTH_PX);
+    // As blurred as the real one, as far as that is known: a patch that is sharper fits best a little beside its place.
+    let blurred = luminance(scene, &small, pose, light)
+        .map(|plane| gauss(&plane, camera.lens.blur_px / factor as f64));
+    let model = gauss(&toned(&blurred)?, SMOOTH_PX);
     let real_small = gauss(&real.resized(width, height), SMOOTH_PX);
     let ratio = [
         real.width() as f64 / width as f64,
