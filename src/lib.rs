@@ -192,7 +192,9 @@ pub mod guide {
 [docs/images/sensor.png]: ../../../../../docs/images/sensor.png
 [docs/images/steps.png]: ../../../../../docs/images/steps.png
 [docs/images/template.png]: ../../../../../docs/images/template.png
+[docs/images/time.png]: ../../../../../docs/images/time.png
 [docs/images/times.png]: ../../../../../docs/images/times.png
+[docs/images/visits.png]: ../../../../../docs/images/visits.png
 [docs/images/trajectories.png]: ../../../../../docs/images/trajectories.png
 "
         };

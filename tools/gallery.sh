@@ -40,6 +40,12 @@ once ensemble/ensemble.png "$realgap" ensemble sweeps/tripod_floor.ron "${best[@
     --repeats 100 --model-error off -o "$work/ensemble"
 once gap/confidence.png "$realgap" gap sweeps/tripod_floor.ron "${best[@]}" \
     --repeats 100 -o "$work/gap"
+once time.png "$realgap" compare "${recordings[@]}" --metric rms --over-time "$work/time.png"
+once walk.csv "$realgap" sensorgraph log arenas/cartons.ron --samples 1400 -o "$work/walk.csv"
+once visits.png "$realgap" sensorgraph fit "$work/walk.csv" --stop terms --visits "$work/visits.png"
+once readings.csv "$realgap" sense ultrasonic -o "$work/readings.csv"
+once sensor.png "$realgap" characterise "$work/readings.csv" --plot "$work/sensor.png" \
+    --histograms "$work/histograms.png"
 once robot.png "$realgap" check morphologies/tripod.ron --plot "$work/robot.png"
 once search/gallery.png "$realgap" search sweeps/best_robot.ron -o "$work/search"
 
@@ -107,6 +113,10 @@ keep sensitivity.png sensitivity.png
 keep compare.png compare.png
 keep ensemble/ensemble.png ensemble.png
 keep gap/confidence.png confidence.png
+keep time.png time.png
+keep visits.png visits.png
+keep sensor.png sensor.png
+keep histograms.png histograms.png
 keep robot.png robot.png
 keep search/gallery.png gallery.png
 keep search/fitness.png fitness.png
