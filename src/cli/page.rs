@@ -55,6 +55,10 @@ impl PageOption {
     /// Writes `report.html` into a finished results folder. What cannot be shown is a warning: the results are there.
     pub fn write(self, folder: &Path, keep: impl FnOnce() -> Kept) {
         if self.no_report {
+            for name in [PAGE_FILE, Kept::FILE] {
+                // There may be none.
+                let _ignored = std::fs::remove_file(folder.join(name));
+            }
             return;
         }
         let kept = Kept {

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::kind::Kind;
+use super::kind::{Kind, PAGE};
 use super::timing;
 use crate::error::{Error, Result};
 
@@ -30,6 +30,12 @@ pub(super) fn publish<T>(
         let _ignored = remove_draft(&draft);
     })?;
     let new = files(&draft)?;
+    // A page of the same results is theirs: it stays until another takes its place, so that whoever is killed before that
+    // has one.
+    let is_as_before = new.iter().all(|name| {
+        let [made, there] = [&draft, folder].map(|place| fs::read(place.join(name)).ok());
+        made.is_some() && made == there
+    });
     for name in &new {
         let (from, to) = (draft.join(name), folder.join(name));
         if let Some(parent) = to.parent() {
@@ -39,9 +45,10 @@ pub(super) fn publish<T>(
     }
     remove_draft(&draft)?;
     for name in files(folder)?.difference(&new) {
+        let stays = |name: &str| name == timing::FILE || (is_as_before && PAGE.contains(&name));
         if name
             .to_str()
-            .is_some_and(|name| name != timing::FILE && kind.has(name))
+            .is_some_and(|name| kind.has(name) && !stays(name))
         {
             let old = folder.join(name);
             fs::remove_file(&old).map_err(|e| Error::io("remove an old result", &old, &e))?;
@@ -129,6 +136,29 @@ mod tests {
             "new"
         );
         assert!(!folder.path().join(DRAFT).exists());
+    }
+
+    /// Who is killed between results and page has the old page, if that says what the results say.
+    #[test]
+    fn a_page_goes_with_the_results_that_it_is_of() {
+        let folder = tempfile::tempdir().unwrap();
+        let publish_points = |text: &str| {
+            publish(folder.path(), Kind::Study, |draft| {
+                fs::write(draft.join("points.csv"), text).unwrap();
+                Ok(())
+            })
+            .unwrap();
+            names(folder.path())
+        };
+        publish_points("one");
+        for name in PAGE {
+            fs::write(folder.path().join(name), "page of one").unwrap();
+        }
+        assert_eq!(
+            publish_points("one"),
+            ["page.json", "points.csv", "report.html"]
+        );
+        assert_eq!(publish_points("two"), ["points.csv"]);
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub enum Kind {
 }
 
 /// What a command leaves for people to open, and what it keeps for that.
-const PAGE: [&str; 2] = ["report.html", "page.json"];
+pub(super) const PAGE: [&str; 2] = ["report.html", "page.json"];
 
 impl Kind {
     /// Whether results of this kind are in a file of this name (its path inside of the folder).
