@@ -108,6 +108,15 @@ pub struct Scored {
     warnings: Vec<Warning>,
 }
 
+/// What pictures say of recordings that are none of hardware, behind a semicolon.
+fn stand_in(reference: &Recording, others: &[Recording]) -> String {
+    let source = Source::of(std::iter::once(reference).chain(others));
+    match source {
+        Source::StandIn => format!("; {}", source.recordings_label()),
+        Source::Real => String::new(),
+    }
+}
+
 fn timed<'a>(recording: &'a Recording, path: &'a Prepared) -> Timed<'a> {
     Timed {
         name: &recording.name,
@@ -191,11 +200,7 @@ impl Compare {
             let rest = others.iter().zip(paths).map(|(r, path)| timed(r, path));
             let first = timed(&reference, comparison.reference_prepared());
             let all: Vec<Timed<'_>> = std::iter::once(first).chain(rest).collect();
-            let source = Source::of(std::iter::once(&reference).chain(&others));
-            let what = match source {
-                Source::StandIn => format!("; {}", source.recordings_label()),
-                Source::Real => String::new(),
-            };
+            let what = stand_in(&reference, &others);
             draw_over_time(&all, &format!("same start, same heading{what}"), file)?;
             terminal::note(format!("drawn: {}", file.display()));
         }
@@ -396,7 +401,6 @@ impl Compare {
         others: &[Recording],
     ) -> Result<()> {
         let scores = self.scores(comparison, metric, others)?;
-        let source = Source::of(std::iter::once(reference).chain(others));
         let overlay = Overlay {
             caption: Caption::new(
                 format!(
@@ -408,14 +412,7 @@ impl Compare {
                     },
                     reference.name
                 ),
-                format!(
-                    "metric {}{}",
-                    metric.name(),
-                    match source {
-                        Source::StandIn => format!("; {}", source.recordings_label()),
-                        Source::Real => String::new(),
-                    }
-                ),
+                format!("metric {}{}", metric.name(), stand_in(reference, others)),
             ),
             reference: OverlayPath {
                 name: reference.name.clone(),

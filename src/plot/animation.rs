@@ -1,9 +1,10 @@
 //! A robot in motion as an animated PNG: the view of the static pictures of robots, paths growing behind.
 
 use plotters::backend::DrawingBackend;
+use plotters::style::RGBColor;
 use rayon::prelude::*;
 
-use super::block::{ACTIVE, PASSIVE, SPIN};
+use super::block::{ACTIVE, FLOOR, PASSIVE, SPIN};
 use super::canvas::{Align, Canvas, Letter, Point};
 use super::colour::{BLUE, FAINT_INK, GRID, INK, tint};
 use super::cuboid::{Cuboid, draw_cuboid, draw_outline, far_first, project, shadow};
@@ -11,8 +12,6 @@ use super::font::{Weight, shorten};
 use super::picture::{self, Picture};
 use crate::Result;
 use crate::file::Animated;
-
-use plotters::style::RGBColor;
 
 const WIDTH: f64 = 760.0;
 const MARGIN: f64 = 20.0;
@@ -23,7 +22,6 @@ const SHAPE: std::ops::RangeInclusive<f64> = 0.42..=0.8;
 /// What was recorded, as on the pages.
 const RECORDED: RGBColor = RGBColor(0, 138, 100);
 const OTHER: RGBColor = RGBColor(169, 163, 154);
-const FLOOR: RGBColor = RGBColor(243, 243, 241);
 const SHADOW: RGBColor = RGBColor(222, 222, 219);
 /// Frames that are drawn at once.
 const AT_ONCE: usize = 16;

@@ -59,8 +59,15 @@ pub(super) const PASSIVE: RGBColor = RGBColor(226, 221, 211);
 pub(super) const ACTIVE: RGBColor = RGBColor(120, 178, 216);
 pub(super) const SPIN: RGBColor = VERMILLION;
 pub(super) const BEND: RGBColor = RGBColor(240, 228, 66);
-const FLOOR: RGBColor = RGBColor(243, 243, 241);
+pub(super) const FLOOR: RGBColor = RGBColor(243, 243, 241);
 const SHADOW: RGBColor = RGBColor(214, 214, 211);
+
+/// Towards the viewer.
+pub(super) fn view() -> [f64; 3] {
+    let (sin_a, cos_a) = AZIMUTH_DEG.to_radians().sin_cos();
+    let (sin_e, cos_e) = ELEVATION_DEG.to_radians().sin_cos();
+    [cos_a * cos_e, sin_a * cos_e, sin_e]
+}
 
 /// Where a point of a robot is in the picture before scaling: to the right and down, metres.
 pub(super) fn project([x, y, z]: [f64; 3]) -> Point {
@@ -98,9 +105,7 @@ impl Block {
     /// Whether the way from a point to the viewer leads through the box.
     fn hides(&self, point: [f64; 3]) -> bool {
         const TOUCH_M: f64 = 1e-4;
-        let (sin_a, cos_a) = AZIMUTH_DEG.to_radians().sin_cos();
-        let (sin_e, cos_e) = ELEVATION_DEG.to_radians().sin_cos();
-        let ahead = [cos_a * cos_e, sin_a * cos_e, sin_e];
+        let ahead = view();
         let (mut enters, mut leaves) = (TOUCH_M, f64::INFINITY);
         for axis in 0..3 {
             let to = |wall: f64| (wall - point[axis]) / ahead[axis];
@@ -210,6 +215,15 @@ fn far_first(blocks: &[Block]) -> Vec<usize> {
     let hides = |near: usize, far: usize| {
         blocks[far].is_beyond(&blocks[near]) && !blocks[near].is_beyond(&blocks[far])
     };
+    nothing_hidden_later(left, hides)
+}
+
+/// The same numbers in an order in which none is drawn before what it hides: `hides(near, far)`. Where they hide each other in a
+/// circle, the first that is left comes first.
+pub(super) fn nothing_hidden_later(
+    mut left: Vec<usize>,
+    hides: impl Fn(usize, usize) -> bool,
+) -> Vec<usize> {
     let mut order = Vec::with_capacity(left.len());
     while !left.is_empty() {
         let free = left

@@ -4,7 +4,7 @@ use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
 pub(super) use super::block::project;
-use super::block::{AZIMUTH_DEG, ELEVATION_DEG, darken};
+use super::block::{darken, nothing_hidden_later, view};
 use super::canvas::{Canvas, Point};
 use super::colour::INK;
 
@@ -24,13 +24,6 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 fn unit(v: [f64; 3]) -> [f64; 3] {
     let length = dot(v, v).sqrt().max(1e-12);
     v.map(|value| value / length)
-}
-
-/// Towards the viewer.
-fn view() -> [f64; 3] {
-    let (sin_a, cos_a) = AZIMUTH_DEG.to_radians().sin_cos();
-    let (sin_e, cos_e) = ELEVATION_DEG.to_radians().sin_cos();
-    [cos_a * cos_e, sin_a * cos_e, sin_e]
 }
 
 impl Cuboid {
@@ -117,14 +110,7 @@ pub(super) fn far_first(cuboids: &[Cuboid]) -> Vec<usize> {
         .map(|far| beyond(far).collect())
         .collect();
     let hides = |near: usize, far: usize| beyond[far][near] && !beyond[near][far];
-    let mut order = Vec::with_capacity(left.len());
-    while !left.is_empty() {
-        let free = left
-            .iter()
-            .position(|&candidate| !left.iter().any(|&other| hides(candidate, other)));
-        order.push(left.remove(free.unwrap_or(0)));
-    }
-    order
+    nothing_hidden_later(left, hides)
 }
 
 /// Draws a box with shaded faces.

@@ -32,10 +32,12 @@ pub(super) fn publish<T>(
     let new = files(&draft)?;
     // A page of the same results is theirs: it stays until another takes its place, so that whoever is killed before that
     // has one.
-    let is_as_before = new.iter().all(|name| {
-        let [made, there] = [&draft, folder].map(|place| fs::read(place.join(name)).ok());
-        made.is_some() && made == there
-    });
+    let has_page = PAGE.iter().any(|name| folder.join(name).exists());
+    let is_as_before = has_page
+        && new.iter().all(|name| {
+            let [made, there] = [&draft, folder].map(|place| fs::read(place.join(name)).ok());
+            made.is_some() && made == there
+        });
     for name in &new {
         let (from, to) = (draft.join(name), folder.join(name));
         if let Some(parent) = to.parent() {

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::stream::{Frames, Log, Said, Sample};
+use super::stream::{Frames, Kinds, Log, Said, Sample};
 
 #[derive(Deserialize)]
 struct Time {
@@ -59,22 +59,11 @@ pub(super) enum Kind {
     Transforms,
 }
 
-const KINDS: [(&str, Kind); 3] = [
+pub(super) const KINDS: Kinds<Kind> = Kinds(&[
     ("foxglove.PoseInFrame", Kind::Pose),
     ("foxglove.FrameTransform", Kind::Transform),
     ("foxglove.FrameTransforms", Kind::Transforms),
-];
-
-/// Names of the schemas that hold poses.
-pub(super) fn names() -> impl Iterator<Item = &'static str> {
-    KINDS.iter().map(|(name, _)| *name)
-}
-
-/// What messages of this schema say; `None` for all that are no poses.
-pub(super) fn kind(name: &str) -> Option<Kind> {
-    let known = KINDS.iter().find(|(known, _)| *known == name);
-    known.map(|(_, kind)| *kind)
-}
+]);
 
 fn sample(time: &Time, place: &Vector, turn: &Turn, log_ns: i64) -> Option<Sample> {
     let stamp_ns = time

@@ -1,7 +1,7 @@
 //! Messages of ROS 2 that hold poses.
 
 use super::cdr::Cdr;
-use super::stream::{Frames, Log, Said, Sample};
+use super::stream::{Frames, Kinds, Log, Said, Sample};
 
 /// What a message says, by the name of its type; the last part of `geometry_msgs/msg/PoseStamped`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,7 +14,7 @@ pub(super) enum Kind {
 }
 
 /// Types of messages, as ROS 2 calls them.
-const KINDS: [(&str, Kind); 6] = [
+pub(super) const KINDS: Kinds<Kind> = Kinds(&[
     ("geometry_msgs/msg/PoseStamped", Kind::Pose),
     // The covariance stands behind.
     ("geometry_msgs/msg/PoseWithCovarianceStamped", Kind::Pose),
@@ -22,18 +22,7 @@ const KINDS: [(&str, Kind); 6] = [
     ("geometry_msgs/msg/TransformStamped", Kind::Transform),
     ("tf2_msgs/msg/TFMessage", Kind::Transforms),
     ("nav_msgs/msg/Path", Kind::Path),
-];
-
-/// Names of the types that hold poses.
-pub(super) fn names() -> impl Iterator<Item = &'static str> {
-    KINDS.iter().map(|(name, _)| *name)
-}
-
-/// What messages of this type say; `None` for all that are no poses.
-pub(super) fn kind(name: &str) -> Option<Kind> {
-    let known = KINDS.iter().find(|(known, _)| *known == name);
-    known.map(|(_, kind)| *kind)
-}
+]);
 
 /// Time and frame.
 fn header(cdr: &mut Cdr<'_>) -> Option<(i64, String)> {

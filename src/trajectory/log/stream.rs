@@ -13,6 +13,21 @@ use crate::unit::counted;
 /// Most streams that a message lists.
 const LISTED: usize = 12;
 
+/// Names of the types of messages that hold poses, and what each says.
+pub(super) struct Kinds<K: 'static>(pub(super) &'static [(&'static str, K)]);
+
+impl<K: Copy> Kinds<K> {
+    fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.0.iter().map(|(name, _)| *name)
+    }
+
+    /// `None` for all that are no poses.
+    fn of(&self, name: &str) -> Option<K> {
+        let known = self.0.iter().find(|(known, _)| *known == name);
+        known.map(|(_, kind)| *kind)
+    }
+}
+
 /// One pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Sample {
@@ -84,10 +99,12 @@ impl<'a> Log<'a> {
         data: &[u8],
     ) -> Result<()> {
         let done = match encoding {
-            "cdr" => ros::kind(said.kind).map(|kind| ros::push(self, said, kind, log_ns, data)),
-            "json" => {
-                foxglove::kind(said.kind).map(|kind| foxglove::push(self, said, kind, log_ns, data))
-            }
+            "cdr" => ros::KINDS
+                .of(said.kind)
+                .map(|kind| ros::push(self, said, kind, log_ns, data)),
+            "json" => foxglove::KINDS
+                .of(said.kind)
+                .map(|kind| foxglove::push(self, said, kind, log_ns, data)),
             _ => None,
         };
         match done {
@@ -228,7 +245,7 @@ impl<'a> Log<'a> {
                 .found(found)
                 .advise(Advice::Topic);
         }
-        let kinds: Vec<&str> = ros::names().chain(foxglove::names()).collect();
+        let kinds: Vec<&str> = ros::KINDS.names().chain(foxglove::KINDS.names()).collect();
         Error::invalid("the file holds no poses that change")
             .found(found)
             .allowed(format!("messages of {}", kinds.join(", ")))
