@@ -113,8 +113,8 @@ struct Tune {
     /// Standard deviation of where the camera was put down, each axis, centimetres
     #[arg(long, value_name = "CM", default_value_t = 2.0)]
     place_sd: f64,
-    /// How often all pictures are simulated in the search
-    #[arg(long, value_name = "N", default_value_t = 150, value_parser = clap::value_parser!(u32).range(20..=100_000))]
+    /// How often all pictures may be simulated in the search, about
+    #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u32).range(20..=100_000))]
     budget: u32,
     /// Seed of the simulated noise and of the search
     #[arg(long, value_name = "SEED", default_value_t = 1)]

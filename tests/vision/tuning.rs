@@ -77,11 +77,7 @@ fn tuned(seed: u64) -> (Camera, TunedCamera) {
     let truth = pictures(&scene, root.path(), seed);
     let start = scene.camera("model").unwrap();
     let light = scene.light("well").unwrap();
-    let options = CameraOptions {
-        budget: 30,
-        ..CameraOptions::default()
-    };
-    let found = tune_camera(&scene, start, light, root.path(), &options).unwrap();
+    let found = tune_camera(&scene, start, light, root.path(), &CameraOptions::default()).unwrap();
     (truth, found)
 }
 
@@ -180,7 +176,6 @@ fn a_gain_that_the_camera_sets_itself_is_not_determined() {
     start.sensor.most_gain = 24.0;
     let start = start.clone();
     let options = CameraOptions {
-        budget: 20,
         held_out: Some(vec!["door".to_owned(), "left".to_owned()]),
         ..CameraOptions::default()
     };

@@ -11,6 +11,7 @@ mod shot;
 mod sighting;
 mod words;
 
+use std::cell::Cell;
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -23,7 +24,7 @@ use crate::statistics::{mean, student_quantile};
 use crate::warning::{Code, Warning};
 
 use placing::{Before, Placed, miss_px, place};
-use sensor::{Search, apart, mismatch, settings};
+use sensor::{DRAWS, Search, apart, mismatch, settings};
 use shot::{Shot, placed_of, read, reals_of, split};
 
 /// How a camera is tuned.
@@ -33,7 +34,7 @@ pub struct CameraOptions {
     pub held_out: Option<Vec<String>>,
     /// Standard deviation of where the camera was put down, each axis, metres.
     pub place_sd_m: f64,
-    /// How often all pictures are simulated in the search, the steps after it not counted.
+    /// How often all pictures may be simulated in the search, about; it ends by itself where nothing gets better.
     pub budget: usize,
     /// Seed of simulated noise and of the search.
     pub seed: u64,
@@ -44,7 +45,7 @@ impl Default for CameraOptions {
         Self {
             held_out: None,
             place_sd_m: 0.02,
-            budget: 150,
+            budget: 400,
             seed: 1,
         }
     }
@@ -188,9 +189,19 @@ pub fn tune_camera(
         camera: camera.clone(),
         pictures: &reals,
         seed: options.seed,
-        budget: options.budget.max(20),
+        budget: options.budget,
+        tried: Cell::new(0),
     };
     let found = search.run()?;
+    if !found.is_ended {
+        warnings.push(Warning::new(
+            Code::Incomplete,
+            format!(
+                "the search had more to try when its budget of {} was spent",
+                options.budget
+            ),
+        ));
+    }
     // Now that the blur is known, corners are found better.
     let (camera, placed) = placed_of(
         scene,
@@ -215,7 +226,7 @@ pub fn tune_camera(
         let of = |camera: &Camera| -> Result<(f64, f64)> {
             let (camera, placed) = placed_of(scene, camera, light, own, &fixed)?;
             let reals = reals_of(scene, &camera, light, own, &placed)?;
-            let rows = apart(&camera, &reals, options.seed)?;
+            let rows = apart(&camera, &reals, options.seed, DRAWS)?;
             Ok((
                 mismatch(&rows, &found.scale),
                 miss_px(&camera.lens, &placed),

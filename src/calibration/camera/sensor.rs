@@ -4,14 +4,15 @@
 //! counted in what it differs by from view to view (McFadden 1989, "A method of simulated moments"). Simulated pictures keep their
 //! noise from point to point, so that the score is smooth.
 
+use std::cell::Cell;
+
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::look::{Parts, kind, look};
 use crate::error::Result;
-use crate::optimization::{Brief, minimise, optimizer_by_name};
 use crate::sensing::vision::Grey;
-use crate::sensing::vision::camera::{Camera, expose};
+use crate::sensing::vision::camera::{Camera, focused};
 use crate::statistics::{mean, standard_deviation};
 
 /// One real picture: the light where it was taken, its numbers, and its view.
@@ -102,6 +103,9 @@ pub(super) fn settings(start: &Camera) -> Vec<Setting> {
     ]
 }
 
+/// Where the blur is among the settings.
+const BLUR: usize = 3;
+
 fn starts(start: &Camera) -> [f64; 4] {
     [
         start.sensor.exposure_s,
@@ -118,6 +122,8 @@ pub(super) struct Search<'a> {
     pub settings: Vec<Setting>,
     pub seed: u64,
     pub budget: usize,
+    /// How often all pictures were simulated so far.
+    pub tried: Cell<usize>,
 }
 
 /// Settings with their covariance, in shares of their ranges.
@@ -127,20 +133,38 @@ pub(super) struct Found {
     pub sd: Vec<f64>,
     /// By how much each number differs from view to view.
     pub scale: Vec<f64>,
+    /// Whether the search ended by itself.
+    pub is_ended: bool,
 }
 
 /// Before anything is seen a setting is as likely as within this share of its range about the start (one standard deviation).
 const BEFORE: f64 = 0.5;
 /// No number is known better than this, however alike all views are.
 const LEAST: f64 = 0.01;
-/// Steps of differences, as shares of ranges: wide enough for values that are rounded and compressed.
-const STEP: f64 = 0.1;
-/// Simulated pictures of each real one: compression makes single ones jump from value to value.
-const DRAWS: u64 = 4;
+/// Ways along which the search goes, as shares of the ranges of exposure, gain, read noise and blur: brightness, how it is shared,
+/// noise, blur. Brightness is known well and the others are not, so that each has its own length for differences: wide enough for
+/// values that are rounded and compressed.
+const WAYS: [[f64; 4]; 4] = [
+    [0.01, 0.01, 0.0, 0.0],
+    [0.1, -0.1, 0.0, 0.0],
+    [0.0, 0.0, 0.1, 0.0],
+    [0.0, 0.0, 0.0, 0.05],
+];
+/// In which order ways are looked along at first, at how many places on either side, and how far.
+const WALKS: [usize; 5] = [0, 3, 1, 2, 0];
+const PLACES: i32 = 8;
+const REACH: f64 = 0.4;
+/// A blur below this share changes nothing in a picture, so that its slope says nothing.
+const LEAST_BLUR: f64 = 0.1;
+/// Simulated pictures of each real one, at first and at last: compression makes single ones jump from value to value, which holds a
+/// search where it is.
+const FEW: u64 = 4;
+pub(super) const DRAWS: u64 = 16;
 /// Numbers of further simulated pictures lie this far apart.
 const APART: u64 = 1 << 20;
-/// Steps of Gauss and Newton after the search, and what each must gain at least.
-const ROUNDS: usize = 8;
+/// Steps of Gauss and Newton: damping at first, how often it is raised before the search ends, and what a step must gain at least.
+const DAMPING: f64 = 0.01;
+const RAISED: usize = 3;
 const ENOUGH: f64 = 0.1;
 
 impl Search<'_> {
@@ -153,8 +177,13 @@ impl Search<'_> {
     }
 
     /// Real less simulated numbers, a row a view.
-    fn apart(&self, camera: &Camera) -> Result<Vec<Vec<f64>>> {
-        apart(camera, self.pictures, self.seed)
+    fn apart(&self, shares: &[f64], draws: u64) -> Result<Vec<Vec<f64>>> {
+        self.tried.set(self.tried.get() + 1);
+        apart(&self.camera_at(shares), self.pictures, self.seed, draws)
+    }
+
+    fn is_spent(&self) -> bool {
+        self.tried.get() >= self.budget
     }
 
     fn score(&self, rows: &[Vec<f64>], scale: &[f64], shares: &[f64], start: &[f64]) -> f64 {
@@ -167,7 +196,7 @@ impl Search<'_> {
         numbers.sum::<f64>() + before.map(|(s, b)| ((s - b) / BEFORE).powi(2)).sum::<f64>()
     }
 
-    /// Finds the settings.
+    /// Finds the settings: walks along one way after the other, then damped steps of Gauss and Newton (Levenberg 1944, Marquardt 1963).
     pub(super) fn run(&self) -> Result<Found> {
         let start: Vec<f64> = self
             .settings
@@ -175,85 +204,130 @@ impl Search<'_> {
             .zip(starts(&self.camera))
             .map(|(setting, value)| setting.share(value))
             .collect();
-        let scale = spread(&self.apart(&self.camera_at(&start))?);
-        let brief = Brief {
-            points: vec![2; start.len()],
-            budget: self.budget,
-            seed: self.seed,
-        };
-        let score = |shares: &Vec<f64>| {
-            let rows = self.apart(&self.camera_at(shares)).ok()?;
-            Some(self.score(&rows, &scale, shares, &start))
-        };
-        let told = minimise(optimizer_by_name("cma-es")?, &brief, score)?;
-        let best = told.iter().filter_map(|t| Some((t.score?, &t.point)));
-        let best = best.min_by(|a, b| a.0.total_cmp(&b.0));
-        let mut shares = best.map_or_else(|| start.clone(), |(_, point)| point.clone());
-        for _ in 0..ROUNDS {
-            let Some(next) = self.step(&shares, &start)? else {
-                break;
-            };
-            shares = next;
+        let mut shares = start.clone();
+        for way in WALKS {
+            shares = self.walk(&shares, &start, way)?;
         }
-        let near = self.near(&shares)?;
+        shares[BLUR] = shares[BLUR].max(LEAST_BLUR);
+        let (shares, _) = self.descend(shares, &start, FEW)?;
+        let (shares, near) = self.descend(shares, &start, DRAWS)?;
         Ok(Found {
             sd: near.sd(),
             scale: near.scale,
             start,
             shares,
+            is_ended: !self.is_spent(),
         })
     }
 
-    /// A step of Gauss and Newton; `None` where none makes the score smaller.
-    fn step(&self, shares: &[f64], start: &[f64]) -> Result<Option<Vec<f64>>> {
-        let near = self.near(shares)?;
+    /// Steps until none makes the score smaller.
+    fn descend(&self, from: Vec<f64>, start: &[f64], draws: u64) -> Result<(Vec<f64>, Near)> {
+        let (mut shares, mut damping) = (from, DAMPING);
+        let mut near = self.near(&shares, draws)?;
+        while let Some(next) = self.step(&near, &shares, start, &mut damping, draws)? {
+            shares = next;
+            near = self.near(&shares, draws)?;
+        }
+        Ok((shares, near))
+    }
+
+    /// The best of some places along a way, so that steps begin where slopes mean something.
+    fn walk(&self, shares: &[f64], start: &[f64], way: usize) -> Result<Vec<f64>> {
+        let scale = spread(&self.apart(shares, 1)?);
+        let far = WAYS[way].iter().copied().fold(0.0, f64::max);
+        let mut best = (f64::INFINITY, shares.to_vec());
+        for place in -PLACES..=PLACES {
+            let by = REACH * f64::from(place) / f64::from(PLACES) / far;
+            let there = shares.iter().zip(WAYS[way]);
+            let there: Vec<f64> = there.map(|(share, step)| share + by * step).collect();
+            if self.is_spent() || there.iter().any(|s| !(0.0..=1.0).contains(s)) {
+                continue;
+            }
+            let score = self.score(&self.apart(&there, 1)?, &scale, &there, start);
+            if score < best.0 {
+                best = (score, there);
+            }
+        }
+        Ok(best.1)
+    }
+
+    /// A step; `None` where none makes the score smaller.
+    fn step(
+        &self,
+        near: &Near,
+        shares: &[f64],
+        start: &[f64],
+        damping: &mut f64,
+        draws: u64,
+    ) -> Result<Option<Vec<f64>>> {
         let before = DVector::from_fn(shares.len(), |k, _| {
             (start[k] - shares[k]) * BEFORE.powi(-2)
         });
         let right = near.slope.transpose() * &near.means * -near.views + before;
-        let Some(way) = near.flat().try_inverse().map(|inverse| inverse * right) else {
-            return Ok(None);
-        };
+        let flat = near.flat();
         let now = self.score(&near.rows, &near.scale, shares, start);
-        for part in [1.0, 0.5, 0.25, 0.1] {
+        for _ in 0..=RAISED {
+            if self.is_spent() {
+                break;
+            }
+            let mut damped = flat.clone();
+            for k in 0..shares.len() {
+                damped[(k, k)] *= 1.0 + *damping;
+            }
+            let Some(way) = damped.try_inverse().map(|inverse| inverse * &right) else {
+                break;
+            };
             let next = shares.iter().zip(way.iter());
-            let next: Vec<f64> = next.map(|(s, w)| (s + part * w).clamp(0.0, 1.0)).collect();
-            let rows = self.apart(&self.camera_at(&next))?;
+            let next: Vec<f64> = next.map(|(s, w)| (s + w).clamp(0.0, 1.0)).collect();
+            let rows = self.apart(&next, draws)?;
             if self.score(&rows, &near.scale, &next, start) < now - ENOUGH {
+                *damping *= 0.1;
                 return Ok(Some(next));
             }
+            *damping *= 10.0;
         }
         Ok(None)
     }
 
     /// How the numbers change with the settings about here.
-    fn near(&self, shares: &[f64]) -> Result<Near> {
-        let rows = self.apart(&self.camera_at(shares))?;
+    fn near(&self, shares: &[f64], draws: u64) -> Result<Near> {
+        let rows = self.apart(shares, draws)?;
         let scale = spread(&rows);
         let views = rows.len() as f64;
         let mean = |rows: &[Vec<f64>], j: usize| rows.iter().map(|r| r[j]).sum::<f64>() / views;
-        let mut slope = DMatrix::zeros(scale.len(), shares.len());
-        for k in 0..shares.len() {
-            let ends = [STEP, -STEP].map(|step| {
-                let mut ends = shares.to_vec();
-                ends[k] = (ends[k] + step).clamp(0.0, 1.0);
-                ends
-            });
-            let up = self.apart(&self.camera_at(&ends[0]))?;
-            let down = self.apart(&self.camera_at(&ends[1]))?;
+        let ways = DMatrix::from_fn(shares.len(), shares.len(), |k, way| WAYS[way][k]);
+        let mut along = DMatrix::zeros(scale.len(), shares.len());
+        for (k, way) in WAYS.iter().enumerate() {
+            let ends = [1.0, -1.0].map(|sign| end(shares, &way.map(|step| sign * step)));
+            let [(up_by, up), (down_by, down)] = &ends;
+            let (up, down) = (self.apart(up, draws)?, self.apart(down, draws)?);
             for j in 0..scale.len() {
                 let change = mean(&up, j) - mean(&down, j);
-                slope[(j, k)] = change / (ends[0][k] - ends[1][k]) / scale[j];
+                along[(j, k)] = change / (up_by + down_by) / scale[j];
             }
         }
+        let across = ways.try_inverse();
         Ok(Near {
             means: DVector::from_fn(scale.len(), |j, _| mean(&rows, j) / scale[j]),
             rows,
             scale,
-            slope,
+            slope: across.map_or(along.clone(), |across| along * across),
             views,
         })
     }
+}
+
+/// A step from some shares, shortened where one of them would leave its range: the part of it that is left, and its end.
+fn end(shares: &[f64], step: &[f64]) -> (f64, Vec<f64>) {
+    let room = shares.iter().zip(step).map(|(share, step)| match *step {
+        step if step > 0.0 => (1.0 - share) / step,
+        step if step < 0.0 => -share / step,
+        _ => 1.0,
+    });
+    let part = room.fold(1.0, f64::min).max(0.0);
+    let ends = shares.iter().zip(step);
+    let ends = ends.map(|(share, step)| (share + part * step).clamp(0.0, 1.0));
+    (part, ends.collect())
 }
 
 /// The numbers about some settings: real less simulated, a row a view; how far views differ; how they change with each setting.
@@ -296,13 +370,20 @@ impl Near {
 }
 
 /// Real less simulated numbers of some pictures, a row a view.
-pub(super) fn apart(camera: &Camera, pictures: &[Real], seed: u64) -> Result<Vec<Vec<f64>>> {
+pub(super) fn apart(
+    camera: &Camera,
+    pictures: &[Real],
+    seed: u64,
+    draws: u64,
+) -> Result<Vec<Vec<f64>>> {
     let of = |real: &Real| -> Result<(usize, Vec<f64>)> {
+        let light = focused(camera, &real.light);
         let mut apart = real.found.clone();
-        for draw in 0..DRAWS {
-            let picture = expose(camera, &real.light, seed, real.number + draw * APART)?;
+        for draw in 0..draws {
+            let number = real.number + draw * APART;
+            let picture = camera.sensor.picture(&light, seed, number)?;
             for (apart, said) in apart.iter_mut().zip(look(&picture, &real.parts)) {
-                *apart -= said / DRAWS as f64;
+                *apart -= said / draws as f64;
             }
         }
         Ok((real.view, apart))

@@ -16,17 +16,48 @@ pub fn gauss(picture: &Grey, sigma_px: f64) -> Grey {
         .collect();
     let sum: f64 = weights.iter().sum();
     weights.iter_mut().for_each(|w| *w /= sum);
-    let along = |from: &Grey, dx: i64, dy: i64| {
-        Grey::from_fn(from.width(), from.height(), |x, y| {
-            let (x, y) = (x as i64, y as i64);
-            weights
-                .iter()
-                .zip(-reach..)
-                .map(|(w, i)| w * f64::from(from.at(x + i * dx, y + i * dy)))
-                .sum::<f64>() as f32
-        })
+    across(&down(picture, &weights), &weights)
+}
+
+/// Weighted sums of columns, every row at once.
+fn down(picture: &Grey, weights: &[f64]) -> Grey {
+    let (width, last) = (picture.width(), picture.height() as i64 - 1);
+    let reach = (weights.len() / 2) as i64;
+    let row = |y: i64| {
+        let from = y.clamp(0, last) as usize * width;
+        &picture.values()[from..from + width]
     };
-    along(&along(picture, 0, 1), 1, 0)
+    let rows = (0..=last).map(|y| {
+        let mut sums = vec![0.0; width];
+        for (weight, i) in weights.iter().zip(-reach..) {
+            for (sum, value) in sums.iter_mut().zip(row(y + i)) {
+                *sum += weight * f64::from(*value);
+            }
+        }
+        sums
+    });
+    Grey::from_rows(width, rows)
+}
+
+/// Weighted sums of rows.
+fn across(picture: &Grey, weights: &[f64]) -> Grey {
+    let (width, reach) = (picture.width(), weights.len() / 2);
+    let rows = picture.values().chunks_exact(width).map(|row| {
+        let beyond = |value: f32| std::iter::repeat_n(value, reach);
+        let longer: Vec<f64> = beyond(row[0])
+            .chain(row.iter().copied())
+            .chain(beyond(row[width - 1]))
+            .map(f64::from)
+            .collect();
+        let mut sums = vec![0.0; width];
+        for (k, weight) in weights.iter().enumerate() {
+            for (sum, value) in sums.iter_mut().zip(&longer[k..]) {
+                *sum += weight * value;
+            }
+        }
+        sums
+    });
+    Grey::from_rows(width, rows)
 }
 
 /// Sobel's differences to the right and down, per pixel (the kernel divided by 8).

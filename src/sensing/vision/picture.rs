@@ -140,6 +140,16 @@ impl Grey {
         }
     }
 
+    /// Rows of one width, rounded to what a pixel holds; at least one.
+    pub(super) fn from_rows(width: usize, rows: impl Iterator<Item = Vec<f64>>) -> Self {
+        let values: Vec<f32> = rows.flatten().map(|value| value as f32).collect();
+        Self {
+            width,
+            height: values.len() / width,
+            values,
+        }
+    }
+
     /// Columns.
     pub fn width(&self) -> usize {
         self.width

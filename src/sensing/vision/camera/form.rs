@@ -43,8 +43,8 @@ pub(crate) struct CameraFile {
     /// Amplification: with 1, a full pixel is white.
     #[serde(default = "one")]
     gain: f64,
-    /// The camera raises the gain up to this where the picture would be dark; `gain` or less for never.
-    #[serde(default = "one")]
+    /// The camera raises the gain up to this where the picture would be dark; 0, or anything up to `gain`, for never.
+    #[serde(default)]
     most_gain: f64,
     /// Quality of the JPEG compression, 1 to 100; without it there is none.
     #[serde(default)]
@@ -136,7 +136,7 @@ impl CameraFile {
                 full_well_e: number("full_well_e", self.full_well_e, 1.0, 1e9, "electrons")?,
                 read_noise_e: number("read_noise_e", self.read_noise_e, 0.0, 1e6, "electrons")?,
                 gain: number("gain", self.gain, 1e-3, 1e4, "")?,
-                most_gain: number("most_gain", self.most_gain, 1e-3, 1e4, "")?,
+                most_gain: number("most_gain", self.most_gain, 0.0, 1e4, "")?,
                 jpeg_quality: self.jpeg_quality,
             },
             place_sd_m: number("place_sd_m", self.place_sd_m, 0.0, 1.0, "m")?,

@@ -25,6 +25,7 @@ pub(crate) use file::SceneFile;
 pub(crate) use form::CameraFile;
 pub use lens::{Lens, Pose};
 pub use poster::Motif;
+pub(crate) use render::focused;
 pub use render::{expose, luminance, met_m, take};
 pub use ride::Ride;
 pub use scene::{Block, Camera, Lamp, Light, Mount, Poster, Scene, View};

@@ -76,11 +76,15 @@ pub fn luminance(scene: &Scene, camera: &Camera, pose: &Pose, light: &Light) -> 
 /// # Errors
 /// None for planes of one size.
 pub fn expose(camera: &Camera, light: &[Grey; 3], seed: u64, number: u64) -> Result<Picture> {
+    camera.sensor.picture(&focused(camera, light), seed, number)
+}
+
+/// The light on the sensor: blurred, and smeared where the camera turns.
+pub(crate) fn focused(camera: &Camera, light: &[Grey; 3]) -> [Grey; 3] {
     let shift = camera
         .turning_rad_s
         .map(|speed| speed * camera.sensor.exposure_s * camera.lens.focal_px());
-    let seen = [0, 1, 2].map(|i| moved(&gauss(&light[i], camera.lens.blur_px), shift));
-    camera.sensor.picture(&seen, seed, number)
+    [0, 1, 2].map(|i| moved(&gauss(&light[i], camera.lens.blur_px), shift))
 }
 
 /// What the rays through some places of a picture end at, metres.
