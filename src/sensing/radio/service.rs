@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::link::Link;
 use super::model::RadioModel;
+use super::pair::{Between, Pairs};
 use super::shadow::ShadowField;
 use crate::error::{Error, Result};
 use crate::random::Numbered;
@@ -80,12 +81,16 @@ pub enum Delivery {
 }
 
 /// Delivers messages, or does not. The same message has the same fate whatever else is sent, and in whatever order.
+///
+/// Walls and shadow between two places are kept for the next message between them, of at most
+/// [`MOST_PAIRS`](super::MOST_PAIRS) pairs.
 #[derive(Debug)]
 pub struct Service<'a> {
     model: &'a RadioModel,
     arena: &'a Arena,
     options: ServiceOptions,
     shadow: ShadowField,
+    pairs: Pairs,
 }
 
 impl<'a> Service<'a> {
@@ -112,6 +117,7 @@ impl<'a> Service<'a> {
             arena,
             options,
             shadow: ShadowField::new(options.seed, model.shadowing_distance_m),
+            pairs: Pairs::default(),
         })
     }
 
@@ -121,12 +127,11 @@ impl<'a> Service<'a> {
         let mut rng = Numbered::Message.generator(options.seed, message.number);
         let (fading, late): (f64, f64) = (rng.sample(StandardNormal), rng.sample(StandardNormal));
         let chance: f64 = rng.random();
-        let link = Link::new(self.arena, message.from_m, message.to_m);
-        let mut strength_dbm = self.model.strength_dbm(&link);
+        let between = self.between(message.from_m, message.to_m);
+        let mut strength_dbm = between.mean_dbm;
         if options.noise {
-            let [a, b] = [message.from_m, message.to_m].map(|[x, y, _]| [x, y]);
-            strength_dbm += self.model.shadowing_sd_db * self.shadow.at(a, b)
-                + self.model.fading_sd_db * fading;
+            strength_dbm +=
+                self.model.shadowing_sd_db * between.shadow + self.model.fading_sd_db * fading;
         }
         let margin_db = strength_dbm - self.model.sensitivity_dbm;
         if margin_db < 0.0 {
@@ -140,6 +145,31 @@ impl<'a> Service<'a> {
             at_s: message.at_s + latency_s,
             strength_dbm,
         }
+    }
+
+    /// How many pairs of places it has kept, each direction for itself; at most [`MOST_PAIRS`](super::MOST_PAIRS).
+    pub fn kept_pairs(&self) -> usize {
+        self.pairs.len()
+    }
+
+    fn between(&self, from_m: [f64; 3], to_m: [f64; 3]) -> Between {
+        if let Some(between) = self.pairs.get(from_m, to_m) {
+            return between;
+        }
+        let shadow = match self.pairs.get(to_m, from_m) {
+            // Bit by bit the same: a sum of two does not depend on their order. Walls are met in another order, and may.
+            Some(back) => back.shadow,
+            None if self.options.noise => {
+                let [a, b] = [from_m, to_m].map(|[x, y, _]| [x, y]);
+                self.shadow.at(a, b)
+            }
+            None => 0.0,
+        };
+        let link = Link::new(self.arena, from_m, to_m);
+        let mean_dbm = self.model.strength_dbm(&link);
+        let between = Between { mean_dbm, shadow };
+        self.pairs.keep(from_m, to_m, between);
+        between
     }
 
     /// Probability that a message of this margin above the sensitivity is lost.

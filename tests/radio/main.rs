@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(clippy::print_stdout, reason = "the numbers in docs/fidelity/radio.md")]
 
+#[path = "../common/mod.rs"]
 mod common;
+mod service;
 
 use rand::RngExt;
 use rand_distr::StandardNormal;
@@ -11,8 +13,8 @@ use realgap::random::Numbered;
 use realgap::sensing::arena::Arena;
 use realgap::sensing::radio::propagation::{PROPAGATIONS, propagation_by_name};
 use realgap::sensing::radio::{
-    Delivery, Evaluation, Fingerprints, Link, LogBase, Message, RadioLog, RadioLogOptions,
-    RadioModel, RadioOptions, Service, ServiceOptions, ServiceReport, ShadowField, fit,
+    Evaluation, Fingerprints, Link, LogBase, RadioLog, RadioLogOptions, RadioModel, RadioOptions,
+    ShadowField, fit,
 };
 use realgap::statistics::{mean, standard_deviation};
 
@@ -327,82 +329,6 @@ fn shadows_are_alike_nearby_and_the_same_in_both_directions() {
     assert!(mean(&all).abs() < 0.1 && (standard_deviation(&all) - 1.0).abs() < 0.08);
     // exp(-1) a correlation distance away.
     assert!((mean(&near) - 0.368).abs() < 0.08, "{}", mean(&near));
-}
-
-#[test]
-fn messages_are_delivered_by_strength_whatever_else_is_sent() {
-    let (arena, model) = (
-        rooms(),
-        RadioModel {
-            sensitivity_dbm: -64.0,
-            ..known()
-        },
-    );
-    let message = |number: u64| Message {
-        number,
-        from_m: [1.0, 1.0, 0.3],
-        to_m: [9.0, 1.0, 0.3],
-        at_s: 2.0,
-    };
-    let quiet = Service::new(
-        &model,
-        &arena,
-        ServiceOptions {
-            noise: false,
-            ..ServiceOptions::default()
-        },
-    )
-    .unwrap();
-    let link = Link::new(&arena, message(0).from_m, message(0).to_m);
-    let expected = model.strength_dbm(&link);
-    assert!(expected < -64.0);
-    assert_eq!(
-        quiet.send(&message(0)),
-        Delivery::TooWeak {
-            strength_dbm: expected
-        }
-    );
-    let options = ServiceOptions {
-        seed: 2,
-        loss_half_db: 2.0,
-        loss_width_db: 2.0,
-        latency_s: 0.01,
-        latency_sd_s: 0.002,
-        ..ServiceOptions::default()
-    };
-    let service = Service::new(&model, &arena, options).unwrap();
-    let sent: Vec<_> = (0..4000)
-        .map(|k| (message(k), service.send(&message(k))))
-        .collect();
-    // Order does not matter.
-    for (message, delivery) in sent.iter().rev().step_by(97) {
-        assert_eq!(service.send(message), *delivery);
-    }
-    let report = ServiceReport::new(&sent);
-    assert_eq!(report.delivered + report.lost + report.too_weak, 4000);
-    assert!(
-        report.delivered > 100 && report.lost > 100 && report.too_weak > 100,
-        "{report}"
-    );
-    for (_, delivery) in &sent {
-        match delivery {
-            Delivery::TooWeak { strength_dbm } => assert!(*strength_dbm < -64.0),
-            Delivery::Delivered { at_s, strength_dbm } => {
-                assert!(*strength_dbm >= -64.0 && (2.0..2.03).contains(at_s));
-            }
-            Delivery::Lost { strength_dbm } => assert!(*strength_dbm >= -64.0),
-        }
-    }
-    // As many are lost above the sensitivity as the curve says.
-    let strong = sent.iter().filter_map(|(_, delivery)| match delivery {
-        Delivery::Delivered { strength_dbm, .. } | Delivery::Lost { strength_dbm } => {
-            Some(service.loss(strength_dbm + 64.0))
-        }
-        Delivery::TooWeak { .. } => None,
-    });
-    let expected: f64 = strong.sum();
-    assert!((report.lost as f64 - expected).abs() < 4.0 * expected.sqrt());
-    assert!((service.loss(2.0) - 0.5).abs() < 1e-12);
 }
 
 /// Session 0 of a real flat fitted, session 2 foretold (docs/fidelity/radio.md).
