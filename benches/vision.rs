@@ -10,16 +10,18 @@
 use std::hint::black_box;
 use std::sync::Arc;
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, Criterion, criterion_group, criterion_main};
 use realgap::file::Source;
 use realgap::sensing::arena::Arena;
 use realgap::sensing::radio::{
-    Link, LogBase, RadioLog, RadioLogOptions, RadioModel, RadioOptions, ShadowField, fit,
+    Link, LogBase, Message, RadioLog, RadioLogOptions, RadioModel, RadioOptions, Service,
+    ServiceOptions, ShadowField, fit,
 };
 use realgap::sensing::vision::camera::{
     ALPHABET_TEXT, Motif, Scene, alphabet_picture, known, take,
 };
-use realgap::sensing::vision::{Alphabet, EXTRACTORS, Sought};
+use realgap::sensing::vision::{Alphabet, Sought, own_extractors};
 
 fn room(more: &str) -> Scene {
     let text = std::fs::read_to_string("scenes/room.ron").expect("a shipped scene");
@@ -92,7 +94,7 @@ fn extractors(criterion: &mut Criterion) {
     let pool = one_thread();
     let mut group = criterion.benchmark_group("extractors, 640 x 480 pixels, one thread");
     group.sample_size(10);
-    for extractor in EXTRACTORS {
+    for extractor in own_extractors() {
         group.bench_function(extractor.name(), |b| {
             pool.install(|| {
                 b.iter(|| {
@@ -150,7 +152,31 @@ fn radio(criterion: &mut Criterion) {
     group.bench_function("a shadow", |b| {
         b.iter(|| black_box(field.at(black_box([1.0, 2.0]), black_box([3.0, 4.0]))));
     });
+    messages(&mut group, &arena, &truth);
     group.finish();
+}
+
+/// One message: between places that no message was sent between, and between places where one was.
+fn messages(group: &mut BenchmarkGroup<'_, WallTime>, arena: &Arena, model: &RadioModel) {
+    let service = Service::new(model, arena, ServiceOptions::default());
+    let service = service.expect("sound options");
+    let mut number = 0;
+    let mut message = |is_new: bool| {
+        number += 1;
+        // Another height is another place.
+        let height_m = if is_new { 1e-9 * number as f64 } else { 0.3 };
+        Message {
+            number,
+            from_m: [1.0, 1.0, height_m],
+            to_m: [7.0, 6.0, 0.3],
+            at_s: 0.0,
+        }
+    };
+    for (name, is_new) in [("new places", true), ("known places", false)] {
+        group.bench_function(format!("a message between {name}"), |b| {
+            b.iter(|| black_box(service.send(&message(is_new))));
+        });
+    }
 }
 
 criterion_group!(benches, pictures, extractors, radio);

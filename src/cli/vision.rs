@@ -9,8 +9,8 @@ use realgap::file::{check_writable, write_atomic};
 use realgap::results::draw_vision;
 use realgap::sensing::vision::camera::Scene;
 use realgap::sensing::vision::{
-    EXTRACTORS, Extractor, Grey, RelativeTo, Step, Views, compare_folders, contact_sheet,
-    extractor_by_name, stacked,
+    EXTRACTORS, Extractor, Grey, RelativeTo, Step, Views, VisionOptions, compare_folders,
+    contact_sheet, extractor_by_name, own_extractors, stacked,
 };
 use realgap::{Error, Result};
 
@@ -49,6 +49,9 @@ struct Compare {
     /// Folder of real pictures of the same views, badly lit
     #[arg(long, value_name = "DIR")]
     badly_lit: Option<PathBuf>,
+    /// Only this extractor; may be given several times [default: edges, template, contour and text]
+    #[arg(long, value_name = "NAME")]
+    extractor: Vec<String>,
     /// Draw edges, template, contour and text as .png and .svg into this folder (as figures 5, 6, 8 and 11)
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -80,7 +83,7 @@ struct Extract {
     /// The pictures; views.ron beside each says what is to be found in it
     #[arg(required = true, value_name = "PICTURE")]
     pictures: Vec<PathBuf>,
-    /// edges, template, contour or text
+    /// edges, template, contour or text; tesseract in a build with `--features tesseract`
     #[arg(long, value_name = "NAME", default_value = "edges")]
     extractor: String,
     /// The view of views.ron [default: the picture's name]
@@ -137,9 +140,33 @@ impl VisionCommand {
     }
 }
 
+/// The extractor that an option names.
+fn extractor_named(name: &str) -> Result<&'static dyn Extractor> {
+    extractor_by_name(name).map_err(|e| {
+        let names: Vec<&str> = EXTRACTORS.iter().map(|e| e.name()).collect();
+        e.field("--extractor")
+            .allowed(names.join(", "))
+            .into_usage()
+    })
+}
+
 impl Compare {
+    /// Those that are named, each once, in the order of the registry.
+    fn extractors(&self) -> Result<Vec<&'static dyn Extractor>> {
+        if self.extractor.is_empty() {
+            return Ok(own_extractors());
+        }
+        let named = self.extractor.iter().map(|name| extractor_named(name));
+        let named: Vec<&str> = named
+            .map(|extractor| Ok(extractor?.name()))
+            .collect::<Result<_>>()?;
+        let asked = EXTRACTORS.iter().filter(|e| named.contains(&e.name()));
+        Ok(asked.copied().collect())
+    }
+
     fn run(self) -> Result<ExitCode> {
         self.page.check()?;
+        let extractors = self.extractors()?;
         if let Some(folder) = &self.output {
             std::fs::create_dir_all(folder)
                 .map_err(|e| Error::io("make the folder", folder, &e))?;
@@ -153,8 +180,11 @@ impl Compare {
             &self.simulated,
             &self.real,
             badly_lit,
-            relative_to,
-            self.seed,
+            &VisionOptions {
+                extractors,
+                relative_to,
+                seed: self.seed,
+            },
         )?;
         let pictures = match &self.output {
             Some(folder) => draw_vision(&report, folder)?,
@@ -219,12 +249,10 @@ impl Tune {
 
 impl Extract {
     fn run(self) -> Result<ExitCode> {
-        let extractor = extractor_by_name(&self.extractor).map_err(|e| {
-            let names: Vec<&str> = EXTRACTORS.iter().map(|e| e.name()).collect();
-            e.field("--extractor")
-                .allowed(names.join(", "))
-                .into_usage()
-        })?;
+        let extractor = extractor_named(&self.extractor)?;
+        if let Some(program) = extractor.program() {
+            program.version()?;
+        }
         if let Some(output) = &self.output {
             check_writable(output)?;
         }

@@ -5,7 +5,7 @@ use std::path::Path;
 use rand::RngExt;
 use realgap::random::Numbered;
 use realgap::sensing::vision::{
-    Answer, Grey, PictureSource, RelativeTo, ViewFile, ViewsFile, compare_folders,
+    Answer, Grey, PictureSource, ViewFile, ViewsFile, VisionOptions, compare_folders,
 };
 
 use crate::{around, common, ellipse, grey};
@@ -68,7 +68,7 @@ fn folders(root: &Path) -> [std::path::PathBuf; 3] {
 fn a_simulated_picture_is_nearer_than_a_badly_lit_one_where_it_is_made_so() {
     let root = tempfile::tempdir().unwrap();
     let [simulated, real, bad] = folders(root.path());
-    let report = compare_folders(&simulated, &real, Some(&bad), RelativeTo::Own, 1).unwrap();
+    let report = compare_folders(&simulated, &real, Some(&bad), &VisionOptions::default()).unwrap();
     println!("{report}");
     assert_eq!(report.views.len(), VIEWS);
     let names: Vec<&str> = report.extractors.iter().map(|e| e.extractor).collect();
@@ -84,7 +84,7 @@ fn a_simulated_picture_is_nearer_than_a_badly_lit_one_where_it_is_made_so() {
         assert!(extractor.gap_ratio.unwrap() > 0.0);
     }
     // The same folders the other way round: what is badly lit is no nearer.
-    let other = compare_folders(&bad, &real, Some(&simulated), RelativeTo::Own, 1).unwrap();
+    let other = compare_folders(&bad, &real, Some(&simulated), &VisionOptions::default()).unwrap();
     assert_eq!(other.extractors[0].verdict.unwrap().answer, Answer::Farther);
 }
 
@@ -92,8 +92,13 @@ fn a_simulated_picture_is_nearer_than_a_badly_lit_one_where_it_is_made_so() {
 fn the_same_pictures_have_no_gap_and_leave_the_question_open() {
     let root = tempfile::tempdir().unwrap();
     let [simulated, ..] = folders(root.path());
-    let report =
-        compare_folders(&simulated, &simulated, Some(&simulated), RelativeTo::Own, 1).unwrap();
+    let report = compare_folders(
+        &simulated,
+        &simulated,
+        Some(&simulated),
+        &VisionOptions::default(),
+    )
+    .unwrap();
     for extractor in &report.extractors {
         assert_eq!(extractor.gap.unwrap().value, 0.0);
         let verdict = extractor.verdict.unwrap();
@@ -107,7 +112,7 @@ fn pictures_without_a_partner_are_named_and_none_at_all_is_an_error() {
     let root = tempfile::tempdir().unwrap();
     let [simulated, real, bad] = folders(root.path());
     std::fs::remove_file(bad.join("view3.png")).unwrap();
-    let report = compare_folders(&simulated, &real, Some(&bad), RelativeTo::Own, 1).unwrap();
+    let report = compare_folders(&simulated, &real, Some(&bad), &VisionOptions::default()).unwrap();
     assert_eq!(report.views.len(), VIEWS - 1);
     let warned = report
         .warnings
@@ -116,7 +121,7 @@ fn pictures_without_a_partner_are_named_and_none_at_all_is_an_error() {
     assert!(warned, "{:?}", report.warnings);
     let other = root.path().join("other");
     write(&other, "kitchen", &grey(150, 110, |_, _| 0.5));
-    let error = compare_folders(&simulated, &other, None, RelativeTo::Own, 1)
+    let error = compare_folders(&simulated, &other, None, &VisionOptions::default())
         .unwrap_err()
         .to_string();
     assert!(
@@ -125,7 +130,7 @@ fn pictures_without_a_partner_are_named_and_none_at_all_is_an_error() {
     );
     let empty = root.path().join("empty");
     std::fs::create_dir(&empty).unwrap();
-    let error = compare_folders(&simulated, &empty, None, RelativeTo::Own, 1)
+    let error = compare_folders(&simulated, &empty, None, &VisionOptions::default())
         .unwrap_err()
         .to_string();
     assert!(error.contains("there are no pictures"), "{error}");
@@ -136,7 +141,7 @@ fn pictures_of_one_view_with_different_sizes_are_refused() {
     let root = tempfile::tempdir().unwrap();
     let [simulated, real, _] = folders(root.path());
     write(&real, "view2_1", &grey(80, 60, |_, _| 0.5));
-    let error = compare_folders(&simulated, &real, None, RelativeTo::Own, 1)
+    let error = compare_folders(&simulated, &real, None, &VisionOptions::default())
         .unwrap_err()
         .to_string();
     assert!(
@@ -151,7 +156,7 @@ fn a_list_of_views_that_is_wrong_says_where() {
     let [simulated, real, _] = folders(root.path());
     let refused = |text: &str| {
         std::fs::write(simulated.join("views.ron"), text).unwrap();
-        compare_folders(&simulated, &real, None, RelativeTo::Own, 1)
+        compare_folders(&simulated, &real, None, &VisionOptions::default())
             .unwrap_err()
             .to_string()
     };

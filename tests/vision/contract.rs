@@ -4,14 +4,30 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use realgap::sensing::vision::{
-    Alphabet, EXTRACTORS, Feature, Grey, Sought, extractor_by_name, print_text,
+    Alphabet, EXTRACTORS, Extractor, Feature, Grey, Sought, extractor_by_name, own_extractors,
+    print_text,
 };
 
-use crate::{around, ellipse, grey};
+#[cfg(feature = "tesseract")]
+use realgap::sensing::vision::{VisionOptions, compare_folders};
+
+use crate::{around, common, ellipse, grey};
 
 const LETTERS: &str = "ABCDEFGHIJKLM\nNOPQRSTUVWXYZ\n0123456789";
 const DISC: [f64; 4] = [90.0, 160.0, 40.0, 40.0];
 const SIGN: [usize; 2] = [170, 120];
+
+/// Every extractor whose program, where it needs one, is installed; says which are left out.
+fn usable() -> Vec<&'static dyn Extractor> {
+    let is_usable = |extractor: &&dyn Extractor| match extractor.program().map(|p| p.version()) {
+        Some(Err(error)) => {
+            common::skipped(&format!("the extractor {}: {error}", extractor.name()));
+            false
+        }
+        _ => true,
+    };
+    EXTRACTORS.iter().copied().filter(is_usable).collect()
+}
 
 /// A disc, a sign and a line of text, and where they are.
 fn scene() -> (Grey, Sought) {
@@ -73,12 +89,27 @@ fn names_are_found_again_and_every_extractor_has_its_own() {
 }
 
 #[test]
+fn an_extractor_that_is_another_program_is_asked_only_where_it_is_named() {
+    let own: Vec<&str> = own_extractors().iter().map(|e| e.name()).collect();
+    assert_eq!(own, ["edges", "template", "contour", "text"]);
+    match extractor_by_name("tesseract") {
+        Ok(extractor) => assert!(cfg!(feature = "tesseract") && extractor.program().is_some()),
+        Err(error) => assert!(
+            error.to_string().contains("--features tesseract"),
+            "{error}"
+        ),
+    }
+}
+
+#[test]
 fn every_extractor_finds_its_feature_and_shows_its_steps() {
     let (picture, sought) = scene();
-    for extractor in EXTRACTORS {
+    for extractor in usable() {
         assert!(extractor.is_sought(&sought), "{}", extractor.name());
         let found = extractor.extract(&picture, &sought).unwrap();
-        assert!(found.steps.len() >= 4, "{}", extractor.name());
+        // Another program shows what it is given.
+        let fewest = if extractor.program().is_some() { 1 } else { 4 };
+        assert!(found.steps.len() >= fewest, "{}", extractor.name());
         for step in &found.steps {
             let is_shown = step.picture.values().iter().all(|v| v.is_finite());
             assert!(is_shown && !step.name.is_empty(), "{}", step.name);
@@ -103,7 +134,7 @@ fn every_extractor_finds_its_feature_and_shows_its_steps() {
 fn a_distance_is_0_to_itself_the_same_from_both_sides_and_above_0_to_another() {
     let (picture, sought) = scene();
     let blank = grey(320, 240, |x, _| 0.3 + 0.001 * x as f32);
-    for extractor in EXTRACTORS {
+    for extractor in usable() {
         let of = |picture: &Grey| extractor.extract(picture, &sought).unwrap().feature;
         let (a, b, none) = (of(&picture), of(&worse(&picture)), of(&blank));
         assert_eq!(
@@ -143,6 +174,76 @@ fn without_what_is_sought_an_extractor_says_so() {
         );
         if let Err(error) = extracted {
             assert!(error.to_string().contains("there is no"), "{error}");
+        }
+    }
+}
+
+/// Found in pictures of two folders, here the same; the program's version is part of the answer.
+#[test]
+#[cfg(feature = "tesseract")]
+fn what_another_program_reads_is_compared_like_everything_else_with_its_version() {
+    let named = extractor_by_name("tesseract").unwrap();
+    if !usable().iter().any(|e| e.name() == named.name()) {
+        return;
+    }
+    let (picture, sought) = scene();
+    let folder = tempfile::tempdir().unwrap();
+    for k in 0..6 {
+        let path = folder.path().join(format!("door{k}.png"));
+        picture.picture().write_png(path).unwrap();
+    }
+    let region = sought.text_region.unwrap();
+    let views = (0..6).map(|k| {
+        format!(
+            "(name: \"door{k}\", text: \"ROOM 43\", text_region: (x_px: 20, y_px: 10, width_px: {}, height_px: {})),",
+            region.width_px, region.height_px
+        )
+    });
+    let views = format!("Views(views: [{}])", views.collect::<String>());
+    std::fs::write(folder.path().join("views.ron"), views).unwrap();
+    let compared = |extractors: Vec<&'static dyn Extractor>| {
+        let options = VisionOptions {
+            extractors,
+            ..VisionOptions::default()
+        };
+        compare_folders(folder.path(), folder.path(), None, &options).unwrap()
+    };
+    let report = compared(vec![named]);
+    let [only] = &report.extractors[..] else {
+        panic!("{report}");
+    };
+    assert!(only.program.as_ref().unwrap().starts_with("tesseract "));
+    assert!((only.simulated_error.unwrap().value - 1.0 / 7.0).abs() < 1e-12);
+    assert_eq!(only.gap.unwrap().value, 0.0);
+    assert!(report.to_string().contains("installed program tesseract"));
+    let report = compared(own_extractors());
+    assert!(report.extractors.iter().all(|e| e.program.is_none()));
+}
+
+#[test]
+#[cfg(feature = "tesseract")]
+fn where_the_program_is_not_installed_that_is_said_before_any_picture_is_read() {
+    for args in [
+        [
+            "extract",
+            "nowhere.png",
+            "--extractor",
+            "tesseract",
+            "--view=a",
+        ],
+        [
+            "compare",
+            "nowhere",
+            "elsewhere",
+            "--extractor",
+            "tesseract",
+        ],
+    ] {
+        let mut command = common::realgap();
+        let done = command.arg("vision").args(args).env("PATH", "").output();
+        let said = common::text(&done.unwrap().stderr);
+        for word in ["tesseract is not installed", "apt install", "leave out"] {
+            assert!(said.contains(word), "{word} is missing in {said}");
         }
     }
 }

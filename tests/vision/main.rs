@@ -12,6 +12,7 @@ mod comparison;
 mod contract;
 mod golden;
 mod outline;
+mod program;
 mod reading;
 mod ride;
 mod tuning;

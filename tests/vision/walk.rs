@@ -107,6 +107,14 @@ fn folders_that_hold_no_pictures_of_these_views_are_refused() {
         ],
     );
     desk.refused(
+        &["vision", "compare", "good", "good", "--extractor", "snake"],
+        &["--extractor", "snake", "edges, template, contour, text"],
+    );
+    desk.refused(
+        &["vision", "compare", "good", "good", "--extractor", "text"],
+        &["good", "nothing to look for", "text", "views.ron says"],
+    );
+    desk.refused(
         &["vision", "compare", "good", "small"],
         &[
             "small/door.png",

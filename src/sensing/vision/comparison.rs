@@ -9,8 +9,9 @@ use super::album::Album;
 use super::alignment::{Motion, RelativeTo};
 use super::codec::size_of;
 use super::extractor::{Extractor, Feature, Measure, Sought};
+use super::option::VisionOptions;
 use super::picture::{Grey, MOST_PIXELS};
-use super::registry::EXTRACTORS;
+use super::program::Program;
 use super::views::PictureSource;
 use crate::error::{Error, Result};
 use crate::statistics::{
@@ -115,6 +116,8 @@ pub struct Verdict {
 pub struct ExtractorReport {
     /// Its name.
     pub extractor: &'static str,
+    /// The other program that did the work, with its version; `None` for what is done here.
+    pub program: Option<String>,
     /// The figure of paper 002 that shows the same.
     pub figure: u8,
     /// What errors measure.
@@ -179,19 +182,22 @@ pub fn compare_folders(
     simulated: impl AsRef<Path>,
     real: impl AsRef<Path>,
     badly_lit: Option<&Path>,
-    relative_to: RelativeTo,
-    seed: u64,
+    options: &VisionOptions,
 ) -> Result<VisionReport> {
+    let relative_to = options.relative_to;
+    let programs = options.extractors.iter().filter_map(|e| e.program());
+    // Before anything is read: a program that is missing is missing for all pictures.
+    programs.map(Program::version).collect::<Result<Vec<_>>>()?;
     let simulated = Album::read(simulated.as_ref())?;
     let real = Album::read(real.as_ref())?;
     let badly_lit = badly_lit.map(Album::read).transpose()?;
     let mut warnings = Vec::new();
     let views = paired(&simulated, &real, badly_lit.as_ref(), &mut warnings)?;
-    let mut of_extractor: Vec<Vec<ViewRow>> = EXTRACTORS.iter().map(|_| Vec::new()).collect();
+    let mut of_extractor: Vec<Vec<ViewRow>> = vec![Vec::new(); options.extractors.len()];
     for few in views.chunks(at_once(&views)?) {
         let found: Vec<(Vec<Option<ViewRow>>, Vec<Warning>)> = few
             .par_iter()
-            .map(|view| look_at(view, relative_to))
+            .map(|view| look_at(view, options))
             .collect::<Result<_>>()?;
         for (its, own_warnings) in found {
             for (rows, row) in of_extractor.iter_mut().zip(its) {
@@ -201,10 +207,18 @@ pub fn compare_folders(
         }
     }
     let mut extractors = Vec::new();
-    for (extractor, rows) in EXTRACTORS.iter().zip(of_extractor) {
+    for (extractor, rows) in options.extractors.iter().zip(of_extractor) {
         if !rows.is_empty() {
-            extractors.push(report(*extractor, rows, seed)?);
+            extractors.push(report(*extractor, rows, options.seed)?);
         }
+    }
+    if extractors.is_empty() {
+        let names: Vec<&str> = options.extractors.iter().map(|e| e.name()).collect();
+        return Err(Error::invalid("there is nothing to look for")
+            .at_file(simulated.folder)
+            .field("extractor")
+            .found(names.join(", "))
+            .hint("views.ron says what to look for in each view"));
     }
     if real.source() == PictureSource::StandIn {
         warnings.push(Warning::new(
@@ -335,10 +349,11 @@ fn at_once(views: &[View]) -> Result<usize> {
 }
 
 /// Every extractor on every picture of a view: a row for each extractor that has something to find there.
-fn look_at(view: &View, relative_to: RelativeTo) -> Result<(Vec<Option<ViewRow>>, Vec<Warning>)> {
+fn look_at(view: &View, options: &VisionOptions) -> Result<(Vec<Option<ViewRow>>, Vec<Warning>)> {
+    let extractors = &options.extractors;
     let mut size = None;
     let mut warnings = Vec::new();
-    let mut found: Vec<Found> = EXTRACTORS.iter().map(|_| Found::default()).collect();
+    let mut found: Vec<Found> = vec![Found::default(); extractors.len()];
     for (group, pictures) in view.groups.iter().enumerate() {
         for (path, sought) in pictures {
             let picture = Grey::read(path)?;
@@ -357,7 +372,7 @@ fn look_at(view: &View, relative_to: RelativeTo) -> Result<(Vec<Option<ViewRow>>
                         .hint("scale or crop them to the same size"),
                 );
             }
-            for (extractor, found) in EXTRACTORS.iter().zip(&mut found) {
+            for (extractor, found) in extractors.iter().zip(&mut found) {
                 if !extractor.is_sought(sought) {
                     found[group].push(None);
                     continue;
@@ -378,8 +393,8 @@ fn look_at(view: &View, relative_to: RelativeTo) -> Result<(Vec<Option<ViewRow>>
         let all = &view.groups[0];
         all.iter().all(|(_, sought)| extractor.is_sought(sought))
     };
-    let rows = EXTRACTORS.iter().zip(&found).map(|(extractor, found)| {
-        is_sought(*extractor).then(|| row(*extractor, view, found, relative_to))
+    let rows = extractors.iter().zip(&found).map(|(extractor, found)| {
+        is_sought(*extractor).then(|| row(*extractor, view, found, options.relative_to))
     });
     Ok((rows.collect(), warnings))
 }
@@ -455,6 +470,10 @@ fn report(extractor: &dyn Extractor, views: Vec<ViewRow>, seed: u64) -> Result<E
     };
     Ok(ExtractorReport {
         extractor: extractor.name(),
+        program: match extractor.program() {
+            Some(program) => Some(program.version()?.to_owned()),
+            None => None,
+        },
         figure: extractor.figure(),
         error_measure: extractor.error_measure(),
         distance_measure: extractor.distance_measure(),

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::picture::{Grey, Region};
+use super::program::Program;
 use super::script::Alphabet;
 use crate::error::Result;
 use crate::warning::Warning;
@@ -79,6 +80,12 @@ pub trait Extractor: Sync {
 
     /// The figure of paper 002 that shows it for several pictures.
     fn figure(&self) -> u8;
+
+    /// The other program that does the work, where it is not done here. Such an extractor is asked only where it is named: what a
+    /// build can do must not change results.
+    fn program(&self) -> Option<&'static Program> {
+        None
+    }
 
     /// What [`Extractor::error`] measures; `None` where nothing can be known beforehand.
     fn error_measure(&self) -> Option<Measure>;

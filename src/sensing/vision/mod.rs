@@ -2,7 +2,8 @@
 //!
 //! Four extractors, each with its steps as pictures: [`Edges`] (Canny), [`Template`] (normalised correlation in the Fourier
 //! domain over a pyramid of sizes), [`Contour`] (a greedy snake) and [`Script`] (text by a learned alphabet). [`EXTRACTORS`]
-//! lists them; another one is a file and a line there.
+//! lists them; another one is a file and a line there. Another [`Program`] that reads text may be one: with the feature
+//! `tesseract` there is a fifth extractor, which is asked only where it is named.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -35,12 +36,16 @@ mod filter;
 mod glyph;
 mod lettering;
 mod matching;
+mod option;
 mod picture;
+mod program;
 mod registry;
 mod script;
 mod sheet;
 mod snake;
 mod template;
+#[cfg(feature = "tesseract")]
+mod tesseract;
 mod views;
 mod words;
 
@@ -58,10 +63,14 @@ pub use extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 pub use filter::{gauss, otsu, sobel, steepness};
 pub use lettering::print_text;
 pub use matching::{correlate, correlation_map};
+pub use option::VisionOptions;
 pub use picture::{Grey, MOST_PIXELS, Picture, Region};
-pub use registry::{EXTRACTORS, extractor_by_name};
+pub use program::Program;
+pub use registry::{EXTRACTORS, extractor_by_name, own_extractors};
 pub use script::{Script, character_error_rate, edit_distance};
 pub use sheet::{contact_sheet, stacked};
 pub use snake::{Ending, Settled, Snake, evenly, mean_distance_px};
 pub use template::{Match, Template};
+#[cfg(feature = "tesseract")]
+pub use tesseract::Tesseract;
 pub use views::{AlphabetFile, PictureSource, VIEWS_FILE, ViewFile, Views, ViewsFile};

@@ -5,16 +5,26 @@ use super::edge::Edges;
 use super::extractor::Extractor;
 use super::script::Script;
 use super::template::Template;
+#[cfg(feature = "tesseract")]
+use super::tesseract::Tesseract;
 use crate::error::Result;
 use crate::file::look_up;
 
-/// Every extractor, in the order of the paper.
+/// Every extractor, in the order of the paper; then other programs.
 pub const EXTRACTORS: &[&dyn Extractor] = &[
     &Edges::PAPER,
     &Template::PAPER,
     &Contour::PAPER,
     &Script::PAPER,
+    #[cfg(feature = "tesseract")]
+    &Tesseract,
 ];
+
+/// The extractors that need no other program: those that are asked where none is named.
+pub fn own_extractors() -> Vec<&'static dyn Extractor> {
+    let own = EXTRACTORS.iter().filter(|e| e.program().is_none());
+    own.copied().collect()
+}
 
 /// The extractor of this name.
 ///
@@ -32,5 +42,13 @@ pub fn extractor_by_name(name: &str) -> Result<&'static dyn Extractor> {
     look_up("extractor", name, EXTRACTORS.iter().copied(), |extractor| {
         extractor.name()
     })
-    .map_err(|error| error.field("extractor"))
+    .map_err(|error| {
+        let error = error.field("extractor");
+        if cfg!(not(feature = "tesseract")) && name == "tesseract" {
+            return error.hint(
+                "this program was built without it: `cargo install --path . --features tesseract`",
+            );
+        }
+        error
+    })
 }

@@ -65,6 +65,37 @@ pub fn character_error_rate(read: &str, truth: &str) -> f64 {
     edit_distance(&read, &truth) as f64 / truth.chars().count().max(1) as f64
 }
 
+/// What errors and distances of text measure, whoever has read it.
+pub(super) const ERROR_RATE: Measure = Measure {
+    name: "character error rate",
+    unit: "",
+};
+pub(super) const DISTANCE: Measure = Measure {
+    name: "edits between the texts, per character",
+    unit: "",
+};
+
+/// The part of a picture where text is.
+pub(super) fn text_part(picture: &Grey, sought: &Sought) -> Result<Grey> {
+    match sought.text_region {
+        Some(region) => picture.cropped(region),
+        None => Ok(picture.clone()),
+    }
+}
+
+pub(super) fn error_rate(found: &Feature, sought: &Sought) -> Option<f64> {
+    Some(character_error_rate(
+        found.text.as_ref()?,
+        sought.text.as_ref()?,
+    ))
+}
+
+pub(super) fn distance(a: &Feature, b: &Feature) -> Option<f64> {
+    let (a, b) = (tidy(a.text.as_ref()?), tidy(b.text.as_ref()?));
+    let longest = a.chars().count().max(b.chars().count());
+    Some(edit_distance(&a, &b) as f64 / longest.max(1) as f64)
+}
+
 impl Extractor for Script {
     fn name(&self) -> &'static str {
         "text"
@@ -79,17 +110,11 @@ impl Extractor for Script {
     }
 
     fn error_measure(&self) -> Option<Measure> {
-        Some(Measure {
-            name: "character error rate",
-            unit: "",
-        })
+        Some(ERROR_RATE)
     }
 
     fn distance_measure(&self) -> Measure {
-        Measure {
-            name: "edits between the texts, per character",
-            unit: "",
-        }
+        DISTANCE
     }
 
     fn is_sought(&self, sought: &Sought) -> bool {
@@ -101,10 +126,7 @@ impl Extractor for Script {
             .alphabet
             .as_ref()
             .ok_or_else(|| Error::invalid("there is no alphabet to read with").field("alphabet"))?;
-        let part = match sought.text_region {
-            Some(region) => picture.cropped(region)?,
-            None => picture.clone(),
-        };
+        let part = text_part(picture, sought)?;
         let ink = inked(&part);
         let angle_rad = hough_angle_rad(&ink, self.most_turn_rad);
         let upright = if angle_rad.abs() < LEAST_TURN_RAD {
@@ -141,15 +163,10 @@ impl Extractor for Script {
     }
 
     fn error(&self, found: &Feature, sought: &Sought) -> Option<f64> {
-        Some(character_error_rate(
-            found.text.as_ref()?,
-            sought.text.as_ref()?,
-        ))
+        error_rate(found, sought)
     }
 
     fn distance(&self, a: &Feature, b: &Feature) -> Option<f64> {
-        let (a, b) = (tidy(a.text.as_ref()?), tidy(b.text.as_ref()?));
-        let longest = a.chars().count().max(b.chars().count());
-        Some(edit_distance(&a, &b) as f64 / longest.max(1) as f64)
+        distance(a, b)
     }
 }

@@ -63,12 +63,18 @@ fn errors(report: &VisionReport) -> TextTable {
         ("real", Side::Right),
         ("badly lit", Side::Right),
     ]);
+    let measures: Vec<_> = report.extractors.iter().map(|e| e.error_measure).collect();
     for e in &report.extractors {
         let Some(measure) = e.error_measure else {
             continue;
         };
+        // Two may measure the same.
+        let alike = measures.iter().filter(|m| **m == e.error_measure).count();
         table.push([
-            measure.name.to_owned(),
+            match alike {
+                1 => measure.name.to_owned(),
+                _ => format!("{}: {}", e.extractor, measure.name),
+            },
             mean(e.simulated_error, measure.unit),
             mean(e.real_error, measure.unit),
             mean(e.badly_lit_error, measure.unit),
@@ -156,6 +162,11 @@ impl fmt::Display for VisionReport {
                 RelativeTo::View => "distances as the pictures are: where each camera stood counts",
             }
         )?;
+        for e in &self.extractors {
+            if let Some(program) = &e.program {
+                writeln!(f, "{} is the installed program {program}", e.extractor)?;
+            }
+        }
         let answered: Vec<_> = self
             .extractors
             .iter()
