@@ -55,6 +55,7 @@ codes! {
     CoarseGrid "coarse-grid" "Beliefs are narrower than the cells of their grid." "give the belief more cells";
     ColumnsIgnored "columns-ignored" "A recording has columns that nothing uses." "say what the columns are when reading, or leave them out of the file";
     ComponentsMissDifference "components-miss-difference" "The kept principal components hardly see how two runs differ." "use the metric `rms`, or keep more components";
+    CompressionUnknown "compression-unknown" "Pictures do not say with which quality they were compressed." "give pictures as the camera wrote them, and begin with a camera of its `jpeg_quality`";
     ContourStuck "contour-stuck" "A contour came to rest where there is no edge, or did not come to rest." "start the contour nearer to the edge, or look at the picture's contrast";
     DifferentDurations "different-durations" "Recordings of one comparison last differently long." "crop recordings to one length, or compare at equal times";
     DifferentRobots "different-robots" "Recordings of one comparison name different robots." "check that every recording is of the robot that is simulated";

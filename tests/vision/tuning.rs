@@ -96,22 +96,14 @@ fn truths(camera: &Camera) -> [f64; 8] {
 }
 
 #[test]
-fn a_hidden_lens_blur_and_quality_are_found_within_their_intervals_and_held_out_views_agree() {
+fn hidden_settings_are_found_within_their_intervals_and_held_out_views_agree() {
     let (truth, found) = tuned(1);
     println!("{found}");
     for (setting, value) in found.settings.iter().zip(truths(&truth)) {
         let is_in = setting.low <= value && value <= setting.high;
         println!("{} {value:.4} {is_in}", setting.name);
-        // These are found too surely (docs/fidelity/vision.md); a warning says so.
-        let is_shared = ["exposure_s", "gain", "read_noise_e"].contains(&setting.name);
-        assert!(is_in || is_shared, "{} {value}", setting.name);
+        assert!(is_in, "{} {value}", setting.name);
     }
-    assert!(
-        found
-            .warnings
-            .iter()
-            .any(|w| w.code.name() == "known-limit")
-    );
     let brightness = |camera: &Camera| camera.sensor.exposure_s * camera.sensor.gain;
     let ratio = brightness(&found.camera) / brightness(&truth);
     assert!((ratio - 1.0).abs() < 0.03, "{ratio}");
@@ -139,7 +131,8 @@ fn intervals_of_camera_settings_hold_the_truth_as_often_as_they_promise() {
     let (mut held, mut asked) = ([0; 8], 0);
     let count = std::env::var("CAMERAS").map_or(20, |n| n.parse().unwrap());
     let mut names = Vec::new();
-    for seed in 100..100 + count {
+    let from: u64 = std::env::var("FROM").map_or(100, |n| n.parse().unwrap());
+    for seed in from..from + count {
         let (truth, found) = tuned(seed);
         asked += 1;
         names = found.settings.iter().map(|s| s.name).collect();
@@ -158,7 +151,7 @@ fn intervals_of_camera_settings_hold_the_truth_as_often_as_they_promise() {
     }
     let all: usize = held.iter().sum();
     println!("{all} of {}", 8 * asked);
-    assert!(all as f64 >= 0.8 * f64::from(8 * asked), "{all}");
+    assert!(all as f64 >= 0.85 * f64::from(8 * asked), "{all}");
 }
 
 /// What cannot be seen is not said: where the camera sets its own gain, pictures look the same with any.

@@ -4,6 +4,8 @@
 //! pictures look like where they were taken. Views that were left out judge the result.
 
 mod compression;
+mod double;
+mod lens;
 mod look;
 mod placing;
 mod sensor;
@@ -14,7 +16,6 @@ mod words;
 use std::cell::Cell;
 use std::path::Path;
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::error::Result;
@@ -23,7 +24,10 @@ use crate::sensing::vision::{PictureSource, Shots};
 use crate::statistics::{mean, student_quantile};
 use crate::warning::{Code, Warning};
 
-use placing::{Before, Placed, miss_px, place};
+use compression::compression;
+use double::lens_off;
+use lens::{corrected, lens_settings};
+use placing::{Before, miss_px};
 use sensor::{DRAWS, Search, apart, mismatch, settings};
 use shot::{Shot, placed_of, read, reals_of, split};
 
@@ -131,9 +135,7 @@ pub struct TunedCamera {
     pub warnings: Vec<Warning>,
 }
 
-/// What is searched of the lens: field of view (radians either way) and distortion, and its standard deviation before.
-const FIELD_RAD: f64 = 0.26;
-const DISTORTION: f64 = 0.5;
+/// Standard deviation of both numbers of distortion, before anything is seen.
 const DISTORTION_SD: f64 = 0.2;
 /// Standard deviation of where cameras look, before anything is seen, radians.
 const ANGLE_SD_RAD: f64 = 0.1;
@@ -177,12 +179,23 @@ pub fn tune_camera(
         angle_sd_rad: ANGLE_SD_RAD,
         distortion_sd: DISTORTION_SD,
         lens: true,
+        sensor: false,
     };
     let (camera, placed) = placed_of(scene, &start, light, &fitted, &before)?;
 
     let (compression, quality) = compression(&start, &fitted)?;
     let mut camera = camera;
     camera.sensor.jpeg_quality = quality;
+    if compression.known == Known::Undetermined {
+        let as_if = match quality {
+            Some(quality) => format!("had quality {quality}"),
+            None => "were not compressed".to_owned(),
+        };
+        warnings.push(Warning::new(
+            Code::CompressionUnknown,
+            format!("exposure, gain and read noise are found as if pictures {as_if}"),
+        ));
+    }
     let reals = reals_of(scene, &camera, light, &fitted, &placed)?;
     let search = Search {
         settings: settings(&start),
@@ -193,6 +206,22 @@ pub fn tune_camera(
         tried: Cell::new(0),
     };
     let found = search.run()?;
+    // Now that brightness and blur are known, corners are found better, and then brightness and blur.
+    let known = Before {
+        sensor: true,
+        ..before
+    };
+    let sighted = search.camera_at(&found.shares);
+    let (sighted, placed) = placed_of(scene, &sighted, light, &fitted, &known)?;
+    let reals = reals_of(scene, &sighted, light, &fitted, &placed)?;
+    let search = Search {
+        settings: settings(&start),
+        camera: sighted,
+        pictures: &reals,
+        ..search
+    };
+    let found = search.again(&found)?;
+    let sighted = search.camera_at(&found.shares);
     if !found.is_ended {
         warnings.push(Warning::new(
             Code::Incomplete,
@@ -202,28 +231,25 @@ pub fn tune_camera(
             ),
         ));
     }
-    // Now that the blur is known, corners are found better.
-    let (camera, placed) = placed_of(
-        scene,
-        &search.camera_at(&found.shares),
-        light,
-        &fitted,
-        &before,
-    )?;
+    let pictures = (&fitted[..], &placed[..]);
+    let method = (options.seed, LEVEL);
+    let off = lens_off(scene, &sighted, light, pictures, &known, method)?;
     let camera = Camera {
         name: "tuned".to_owned(),
         is_stand_in: false,
-        ..camera
+        lens: corrected(&sighted.lens, &off),
+        ..sighted.clone()
     };
-    let mut all = lens_settings(&start, &camera, &fitted, &placed, &before);
+    let mut all = lens_settings(&start.lens, &sighted.lens, pictures, &known, &off);
     all.extend(sensor_settings(&search, &found, fitted_views.len()));
     all.push(compression);
     let judge = |own: &[&Shot]| -> Result<Mismatch> {
-        let fixed = Before {
-            lens: false,
-            ..before
-        };
-        let of = |camera: &Camera| -> Result<(f64, f64)> {
+        let of = |camera: &Camera, sensor: bool| -> Result<(f64, f64)> {
+            let fixed = Before {
+                lens: false,
+                sensor,
+                ..before
+            };
             let (camera, placed) = placed_of(scene, camera, light, own, &fixed)?;
             let reals = reals_of(scene, &camera, light, own, &placed)?;
             let rows = apart(&camera, &reals, options.seed, DRAWS)?;
@@ -233,7 +259,7 @@ pub fn tune_camera(
             ))
         };
         let ((look_start, corners_start_px), (look_tuned, corners_tuned_px)) =
-            (of(&start)?, of(&camera)?);
+            (of(&start, false)?, of(&camera, true)?);
         Ok(Mismatch {
             look_start,
             look_tuned,
@@ -248,10 +274,6 @@ pub fn tune_camera(
             "a simulated camera with other settings took the place of the real one",
         ));
     }
-    warnings.push(Warning::new(
-        Code::KnownLimit,
-        "how brightness is shared between exposure, gain and read noise, and the two numbers of distortion, are known less well than their intervals say (docs/fidelity/vision.md)",
-    ));
     let length = |off: &[f64]| off.iter().map(|v| v * v).sum::<f64>().sqrt();
     let offs = |from: usize| {
         mean(
@@ -292,73 +314,6 @@ fn known(low: f64, high: f64) -> Known {
     }
 }
 
-/// Field of view and distortion; intervals from leaving out one view after the other.
-fn lens_settings(
-    start: &Camera,
-    camera: &Camera,
-    shots: &[&Shot],
-    placed: &[Placed],
-    before: &Before,
-) -> Vec<TunedSetting> {
-    let numbers = |camera: &Camera| {
-        let lens = &camera.lens;
-        [
-            lens.field_of_view_rad.to_degrees(),
-            lens.distortion[0],
-            lens.distortion[1],
-        ]
-    };
-    let mut views: Vec<usize> = shots.iter().map(|shot| shot.view).collect();
-    views.dedup();
-    let without: Vec<[f64; 3]> = views
-        .par_iter()
-        .map(|view| {
-            let others = shots
-                .iter()
-                .zip(placed)
-                .filter(|(shot, _)| shot.view != *view);
-            let mut others: Vec<Placed> = others.map(|(_, its)| its.clone()).collect();
-            let lens = place(&camera.lens, &mut others, before);
-            numbers(&Camera {
-                lens,
-                ..camera.clone()
-            })
-        })
-        .collect();
-    let count = views.len() as f64;
-    let t = student_quantile(0.5 + 0.5 * LEVEL, count - 1.0);
-    let (first, found) = (numbers(start), numbers(camera));
-    let field = FIELD_RAD.to_degrees();
-    let setting = |k: usize, name, unit, searched: (f64, f64)| {
-        let own: Vec<f64> = without.iter().map(|w| w[k]).collect();
-        let middle = mean(&own);
-        let squares: f64 = own.iter().map(|v| (v - middle).powi(2)).sum();
-        let half = t * (squares * (count - 1.0) / count).sqrt();
-        let (low, high) = (found[k] - half, found[k] + half);
-        let share = |value: f64| (value - searched.0) / (searched.1 - searched.0);
-        TunedSetting {
-            name,
-            unit,
-            start: first[k],
-            value: found[k],
-            low: low.max(searched.0),
-            high: high.min(searched.1),
-            searched,
-            known: known(share(low), share(high)),
-        }
-    };
-    vec![
-        setting(
-            0,
-            "field_of_view_deg",
-            "degrees",
-            (first[0] - field, first[0] + field),
-        ),
-        setting(1, "distortion.0", "", (-DISTORTION, DISTORTION)),
-        setting(2, "distortion.1", "", (-DISTORTION, DISTORTION)),
-    ]
-}
-
 fn sensor_settings(search: &Search<'_>, found: &sensor::Found, views: usize) -> Vec<TunedSetting> {
     let t = student_quantile(0.5 + 0.5 * LEVEL, (views - 1) as f64);
     let of = |(k, setting): (usize, &sensor::Setting)| {
@@ -376,36 +331,4 @@ fn sensor_settings(search: &Search<'_>, found: &sensor::Found, views: usize) -> 
         }
     };
     search.settings.iter().enumerate().map(of).collect()
-}
-
-/// The quality of compression, picture by picture: from the lowest to the highest that was found.
-fn compression(start: &Camera, shots: &[&Shot]) -> Result<(TunedSetting, Option<u8>)> {
-    let found: Vec<Option<u8>> = shots
-        .par_iter()
-        .map(|shot| compression::quality(&shot.picture))
-        .collect::<Result<_>>()?;
-    let count = found.len();
-    let mut found: Vec<u8> = found.into_iter().flatten().collect();
-    found.sort_unstable();
-    let before = start.sensor.jpeg_quality;
-    let mut setting = TunedSetting {
-        name: "jpeg_quality",
-        unit: "",
-        start: before.map_or(100.0, f64::from),
-        value: before.map_or(100.0, f64::from),
-        low: 1.0,
-        high: 100.0,
-        searched: (1.0, 100.0),
-        known: Known::Undetermined,
-    };
-    // A few pictures without anything fine in them do not tell.
-    if 2 * found.len() <= count {
-        return Ok((setting, before));
-    }
-    let middle = found[found.len() / 2];
-    let tail = |share: f64| f64::from(found[(share * (found.len() - 1) as f64).round() as usize]);
-    setting.value = f64::from(middle);
-    (setting.low, setting.high) = (tail(0.05) - 0.5, tail(0.95) + 0.5);
-    setting.known = Known::Determined;
-    Ok((setting, Some(middle)))
 }

@@ -33,6 +33,8 @@ pub(super) struct Before {
     pub distortion_sd: f64,
     /// Whether the lens is sought, too.
     pub lens: bool,
+    /// Whether exposure, gain and blur are known.
+    pub sensor: bool,
 }
 
 /// Rounds of Gauss and Newton, and steps of differences.

@@ -145,7 +145,7 @@ const LEAST: f64 = 0.01;
 /// noise, blur. Brightness is known well and the others are not, so that each has its own length for differences: wide enough for
 /// values that are rounded and compressed.
 const WAYS: [[f64; 4]; 4] = [
-    [0.01, 0.01, 0.0, 0.0],
+    [0.03, 0.03, 0.0, 0.0],
     [0.1, -0.1, 0.0, 0.0],
     [0.0, 0.0, 0.1, 0.0],
     [0.0, 0.0, 0.0, 0.05],
@@ -210,7 +210,16 @@ impl Search<'_> {
         }
         shares[BLUR] = shares[BLUR].max(LEAST_BLUR);
         let (shares, _) = self.descend(shares, &start, FEW)?;
-        let (shares, near) = self.descend(shares, &start, DRAWS)?;
+        self.end(shares, start)
+    }
+
+    /// Finds the settings again from where they were found, with other pictures.
+    pub(super) fn again(&self, found: &Found) -> Result<Found> {
+        self.end(found.shares.clone(), found.start.clone())
+    }
+
+    fn end(&self, from: Vec<f64>, start: Vec<f64>) -> Result<Found> {
+        let (shares, near) = self.descend(from, &start, DRAWS)?;
         Ok(Found {
             sd: near.sd(),
             scale: near.scale,

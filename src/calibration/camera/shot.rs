@@ -32,7 +32,7 @@ const SMALLEST: (usize, usize) = (64, 48);
 /// Fewest corners in a picture that say where it was taken.
 const FEWEST_CORNERS: usize = 12;
 /// Sizes in which corners are sought, and how far, pixels of that size.
-const SEARCHES: [(usize, i64); 4] = [(4, 7), (2, 5), (1, 5), (1, 3)];
+const SEARCHES: [(usize, i64); 5] = [(4, 7), (2, 5), (1, 5), (1, 3), (1, 3)];
 /// Sides below this are not made smaller, pixels.
 const SMALL_PX: usize = 60;
 /// Noise of simulated pictures begins here, far from the numbers of `realgap picture`.
@@ -146,7 +146,16 @@ pub(super) fn placed_of(
             .zip(&placed)
             .map(|(shot, its)| {
                 let pose = its.pose();
-                sightings(scene, &camera, &pose, light, &shot.grey, factor, reach)
+                let known = before.sensor;
+                sightings(
+                    scene,
+                    &camera,
+                    known,
+                    &pose,
+                    light,
+                    &shot.grey,
+                    (factor, reach),
+                )
             })
             .collect::<Result<_>>()?;
         for ((its, seen), shot) in placed.iter_mut().zip(seen).zip(shots) {

@@ -25,24 +25,29 @@ const CORNER_PX: f64 = 1.5;
 
 /// Luminance as a picture's grey values go with it, up to a factor: about the curve of sRGB.
 pub(super) fn toned(light: &[Grey; 3]) -> Result<Grey> {
-    let [red, green, blue] = light;
+    let grey = grey(light)?;
+    let values = grey.values().iter().map(|value| value.max(0.0).powf(0.45));
+    Grey::new(grey.width(), grey.height(), values.collect())
+}
+
+/// Red, green and blue in one, weighed as [`Picture::grey`](crate::sensing::vision::Picture::grey) does.
+fn grey([red, green, blue]: &[Grey; 3]) -> Result<Grey> {
     let values = red.values().iter().zip(green.values()).zip(blue.values());
-    let values = values
-        .map(|((r, g), b)| (0.2125 * r + 0.7154 * g + 0.0721 * b).max(0.0).powf(0.45))
-        .collect();
-    Grey::new(red.width(), red.height(), values)
+    let values = values.map(|((r, g), b)| 0.2125 * r + 0.7154 * g + 0.0721 * b);
+    Grey::new(red.width(), red.height(), values.collect())
 }
 
 /// Looks for corners of the scene in a real picture, in both at `1 / factor` of its size, up to `reach` (small) pixels from where this
-/// camera at this place would see them.
+/// camera at this place would see them. Where the sensor is known, the simulated picture is as bright as the real one, and as white
+/// where light is cut off, which moves edges.
 pub(super) fn sightings(
     scene: &Scene,
     camera: &Camera,
+    is_sensor_known: bool,
     pose: &Pose,
     light: &Light,
     real: &Grey,
-    factor: usize,
-    reach: i64,
+    (factor, reach): (usize, i64),
 ) -> Result<Vec<Sighting>> {
     let (width, height) = (real.width() / factor, real.height() / factor);
     let mut small = camera.clone();
@@ -51,7 +56,12 @@ pub(super) fn sightings(
     // As blurred as the real one, as far as that is known: a patch that is sharper fits best a little beside its place.
     let blurred = luminance(scene, &small, pose, light)
         .map(|plane| gauss(&plane, camera.lens.blur_px / factor as f64));
-    let model = gauss(&toned(&blurred)?, SMOOTH_PX);
+    let tone = if is_sensor_known {
+        grey(&camera.sensor.calm(&blurred))?
+    } else {
+        toned(&blurred)?
+    };
+    let model = gauss(&tone, SMOOTH_PX);
     let real_small = gauss(&real.resized(width, height), SMOOTH_PX);
     let ratio = [
         real.width() as f64 / width as f64,
@@ -60,9 +70,12 @@ pub(super) fn sightings(
     let mut places = Vec::new();
     let mut seen = Vec::new();
     for (x, y) in corners(&model, reach)? {
-        if let Some([dx, dy]) = shift(&model, &real_small, x, y, reach) {
+        let found = shift(&model, &real_small, x, y, reach);
+        // Where a patch's surroundings differ, its correlation with its own picture is not highest at its place either.
+        let own = shift(&model, &model, x, y, 1);
+        if let (Some([dx, dy]), Some([own_dx, own_dy])) = (found, own) {
             places.push([x as f64, y as f64]);
-            let off = [x as f64 + dx, y as f64 + dy];
+            let off = [x as f64 + dx - own_dx, y as f64 + dy - own_dy];
             seen.push([0, 1].map(|k| (off[k] + 0.5) * ratio[k] - 0.5));
         }
     }

@@ -31,13 +31,16 @@ pub struct Sensor {
 const AIM: f64 = 0.3;
 
 /// sRGB: half of the light is more than half of the value.
-fn encoded(share: f64) -> u8 {
-    let value = if share <= 0.003_130_8 {
+fn curve(share: f64) -> f64 {
+    if share <= 0.003_130_8 {
         12.92 * share
     } else {
         1.055 * share.powf(1.0 / 2.4) - 0.055
-    };
-    (255.0 * value).round() as u8
+    }
+}
+
+fn encoded(share: f64) -> u8 {
+    (255.0 * curve(share)).round() as u8
 }
 
 /// Pieces into which [`Encoding`] divides the light from black to white.
@@ -85,19 +88,38 @@ impl Encoding {
 static ENCODING: LazyLock<Encoding> = LazyLock::new(Encoding::new);
 
 impl Sensor {
+    /// The gain for this light, which the camera may set itself.
+    fn gain_for(&self, light: &[Grey; 3]) -> f64 {
+        let (mut sum, mut count) = (0.0, 0_usize);
+        for value in light.iter().flat_map(|plane| plane.values()) {
+            sum += f64::from(*value);
+            count += 1;
+        }
+        let mean_e = self.exposure_s * self.electrons_per_cd_s * sum / count as f64;
+        let wanted = AIM * self.full_well_e / mean_e.max(1e-9);
+        wanted.min(self.most_gain).max(self.gain)
+    }
+
+    /// The picture of this light without noise, rounding and compression: what many pictures are on average, but for what noise makes
+    /// of the curve and of white.
+    pub(crate) fn calm(&self, light: &[Grey; 3]) -> [Grey; 3] {
+        let factor =
+            self.exposure_s * self.electrons_per_cd_s * self.gain_for(light) / self.full_well_e;
+        [0, 1, 2].map(|i| {
+            let plane = &light[i];
+            Grey::from_fn(plane.width(), plane.height(), |x, y| {
+                let share = f64::from(plane.values()[y * plane.width() + x]) * factor;
+                curve(share.clamp(0.0, 1.0)) as f32
+            })
+        })
+    }
+
     /// The picture of this light (candela per square metre: red, green, blue). Photons are drawn normally, which differs from
     /// Poisson's below about twenty of them. Every row has its own stream, so that threads do not matter.
     pub(crate) fn picture(&self, light: &[Grey; 3], seed: u64, number: u64) -> Result<Picture> {
         let (width, height) = (light[0].width(), light[0].height());
         let per_light = self.exposure_s * self.electrons_per_cd_s;
-        let sum: f64 = light
-            .iter()
-            .flat_map(|plane| plane.values())
-            .map(|v| f64::from(*v))
-            .sum();
-        let mean_e = per_light * sum / (3 * width * height) as f64;
-        let wanted = AIM * self.full_well_e / mean_e.max(1e-9);
-        let gain = wanted.min(self.most_gain).max(self.gain);
+        let gain = self.gain_for(light);
         let encoding = &*ENCODING;
         let mut rgb = Vec::with_capacity(3 * width * height);
         for y in 0..height {
