@@ -49,6 +49,7 @@ pub const FILES: &[ExampleFile] = files![
     "real_trajectories/tripod_standin/run_07.csv",
     "real_trajectories/tripod_standin/run_08.csv",
     "real_trajectories/tripod_standin/run_09.csv",
+    "scenes/pen.ron",
     "scenes/room.ron",
     "sensors/infrared.ron",
     "sensors/laser.ron",

@@ -1,23 +1,28 @@
 //! `realgap picture`: what a simulated camera sees in a room.
 
+mod motion;
+
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 use realgap::sensing::vision::camera::{
-    ALPHABET_TEXT, Camera, Light, Motif, Ride, Scene, alphabet_picture, known, take,
+    ALPHABET_TEXT, Camera, Light, Motif, Scene, View, alphabet_picture, known, take,
 };
 use realgap::sensing::vision::{AlphabetFile, PictureSource, ViewsFile};
-use realgap::unit::{LengthUnit, counted};
-use realgap::{Error, Result, Warning, trajectory, warning};
+use realgap::unit::counted;
+use realgap::{Error, Result, Warning, warning};
 
+use super::reading::ReadingOptions;
 use super::terminal;
+use motion::Moving;
 
 /// Take pictures with a simulated camera: a scene's posters, boxes and lights, seen through a lens and a sensor
 ///
-/// Writes NAME.png for every viewpoint of the scene, or along a motion (`--ride`), and beside them what `realgap vision` needs: views.ron (what is where),
-/// template.png and alphabet.png. The same seed gives the same bytes.
+/// Writes NAME.png for every viewpoint of the scene, or of a robot in motion (`--ride`, `--watch`), and beside them what `realgap vision` needs: views.ron (what is
+/// where), template.png and alphabet.png. The same seed gives the same bytes.
 #[derive(Debug, Args)]
+#[command(group(ArgGroup::new("moving").args(["ride", "watch"])))]
 pub struct Picture {
     /// The scene (scenes/*.ron)
     scene: PathBuf,
@@ -33,11 +38,17 @@ pub struct Picture {
     /// Ride along: a mount of the scene, in place of its viewpoints
     #[arg(long, value_name = "NAME", requires = "run", conflicts_with_all = ["view", "repeats"])]
     ride: Option<String>,
-    /// The motion to ride along (`realgap simulate -o` or `--parts` writes it), its lengths in metres
-    #[arg(long, value_name = "FILE", requires = "ride")]
+    /// Watch a robot from the viewpoints: a mount of the scene, which says where its motion begins
+    #[arg(long, value_name = "NAME", requires_all = ["run", "robot"], conflicts_with = "repeats")]
+    watch: Option<String>,
+    /// The motion to ride along or to watch (`realgap simulate -o` or `--parts` writes it)
+    #[arg(long, value_name = "FILE", requires = "moving")]
     run: Option<PathBuf>,
+    /// The robot that moves, or a study of it with what else is in its scene: it is in the pictures, too
+    #[arg(long, value_name = "MORPHOLOGY|STUDY", requires = "moving")]
+    robot: Option<PathBuf>,
     /// A picture every so many seconds of the motion
-    #[arg(long, value_name = "S", default_value_t = 1.0, requires = "ride")]
+    #[arg(long, value_name = "S", default_value_t = 1.0, requires = "moving")]
     every: f64,
     /// Pictures of every viewpoint, called NAME_1, NAME_2 and so on
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
@@ -48,6 +59,8 @@ pub struct Picture {
     /// The folder to write into
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    #[command(flatten)]
+    reading: ReadingOptions,
 }
 
 /// A camera of the scene, or of a file of its own.
@@ -61,8 +74,11 @@ pub(super) fn camera_named(scene: &Scene, name: &str) -> Result<Camera> {
         .map_err(|e| e.field("--camera").into_usage())
 }
 
-/// Most pictures of one ride.
-const MOST_PICTURES: f64 = 10_000.0;
+/// What the pictures of a viewpoint are counted from: each has a number of its own.
+fn numbered(view: usize) -> u64 {
+    1000 * view as u64
+}
+
 /// Width of the template, pixels: about as the logo is seen from three metres.
 const TEMPLATE_PX: usize = 96;
 
@@ -76,6 +92,7 @@ impl Picture {
             realgap::file::look_up("view", name, &scene.views, |view| view.name.as_str())
                 .map_err(|e| option("--view", e))?;
         }
+        let moving = Moving::read(&self, &scene)?;
         let folder = &self.output;
         std::fs::create_dir_all(folder).map_err(|e| Error::io("make the folder", folder, &e))?;
         let mut file = ViewsFile {
@@ -108,9 +125,9 @@ impl Picture {
                 text: ALPHABET_TEXT.to_owned(),
             });
         }
-        let taken = match (&self.ride, &self.run) {
-            (Some(ride), Some(run)) => self.ride(&scene, camera, light, ride, run, &mut file)?,
-            _ => self.stand(&scene, camera, light, &mut file)?,
+        let taken = match &moving {
+            Some(moving) => moving.take(&self, &scene, camera, light, &mut file)?,
+            None => self.stand(&scene, camera, light, &mut file)?,
         };
         file.write(folder)?;
         if camera.is_stand_in {
@@ -130,6 +147,12 @@ impl Picture {
         Ok(ExitCode::SUCCESS)
     }
 
+    /// The viewpoints that are asked for, each with its number in the scene.
+    fn views<'a>(&self, scene: &'a Scene) -> impl Iterator<Item = (usize, &'a View)> {
+        let all = scene.views.iter().enumerate();
+        all.filter(|(_, view)| self.view.is_empty() || self.view.contains(&view.name))
+    }
+
     /// Pictures from the scene's viewpoints; says how many.
     fn stand(
         &self,
@@ -139,17 +162,14 @@ impl Picture {
         file: &mut ViewsFile,
     ) -> Result<usize> {
         let mut taken = 0;
-        for (index, view) in scene.views.iter().enumerate() {
-            if !self.view.is_empty() && !self.view.contains(&view.name) {
-                continue;
-            }
+        for (index, view) in self.views(scene) {
             for repeat in 1..=self.repeats.unwrap_or(1) {
                 let name = match self.repeats {
                     None => view.name.clone(),
                     Some(_) => format!("{}_{repeat}", view.name),
                 };
                 // A view's pictures do not depend on which others are taken.
-                let number = 1000 * index as u64 + u64::from(repeat);
+                let number = numbered(index) + u64::from(repeat);
                 let (picture, pose) = take(scene, camera, view, light, self.seed, number)?;
                 picture.write_png(self.output.join(format!("{name}.png")))?;
                 file.views.push(known(scene, camera, &pose, &name));
@@ -157,59 +177,5 @@ impl Picture {
             }
         }
         Ok(taken)
-    }
-
-    /// Pictures along a motion; says how many.
-    fn ride(
-        &self,
-        scene: &Scene,
-        camera: &Camera,
-        light: &Light,
-        ride: &str,
-        run: &Path,
-        file: &mut ViewsFile,
-    ) -> Result<usize> {
-        let mount = scene
-            .mount(ride)
-            .map_err(|e| e.field("--ride").into_usage())?;
-        if !(self.every > 0.0 && self.every.is_finite()) {
-            return Err(Error::usage("not a time between pictures")
-                .field("--every")
-                .found(self.every)
-                .allowed("seconds above 0"));
-        }
-        let recording = trajectory::read(run, LengthUnit::Metre)?;
-        terminal::print_warnings(&recording.warnings);
-        let motion = match &mount.body {
-            None => &recording.trajectory,
-            Some(name) => {
-                let body = realgap::file::look_up("body", name, &recording.bodies, |(n, _)| n);
-                &body
-                    .map_err(|e| {
-                        e.at_file(run)
-                            .or_hint("`realgap simulate --parts` writes every part")
-                    })?
-                    .1
-            }
-        };
-        let ride = Ride::new(scene, mount, motion).map_err(|e| e.at_file(run))?;
-        let count = (ride.duration_s() / self.every + 1e-9).floor();
-        if count > MOST_PICTURES {
-            return Err(Error::usage("too many pictures")
-                .field("--every")
-                .found(format!("{count} in {} s", ride.duration_s()))
-                .allowed(format!("at most {MOST_PICTURES}")));
-        }
-        let count = count as u64;
-        for number in 0..=count {
-            let time_s = (number as f64 * self.every).min(ride.duration_s());
-            let (picture, view) = ride
-                .take(camera, light, time_s, self.seed, number)
-                .map_err(|e| e.at_file(run))?;
-            picture.write_png(self.output.join(format!("{}.png", view.name)))?;
-            file.views
-                .push(known(scene, camera, &view.pose, &view.name));
-        }
-        Ok(count as usize + 1)
     }
 }

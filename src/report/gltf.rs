@@ -143,7 +143,7 @@ impl Model {
         if let Some(known) = self.looks.iter().position(|known| *known == look) {
             return known;
         }
-        let [r, g, b] = kind.colour().map(linear);
+        let [r, g, b] = kind.light();
         let mut material = json!({
             "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, alpha], "metallicFactor": 0.0, "roughnessFactor": 0.9 },
         });
@@ -307,14 +307,4 @@ fn vector(v: &Vector3<f64>) -> Vec<f32> {
 /// With its real part last.
 fn quaternion(q: &UnitQuaternion<f64>) -> Vec<f32> {
     [q.i, q.j, q.k, q.w].map(|value| value as f32).to_vec()
-}
-
-/// A channel of a colour as light, as glTF has it.
-fn linear(channel: u8) -> f64 {
-    let share = f64::from(channel) / 255.0;
-    if share <= 0.04045 {
-        share / 12.92
-    } else {
-        ((share + 0.055) / 1.055).powf(2.4)
-    }
 }

@@ -37,6 +37,18 @@ impl Kind {
             Self::Recorded => [0, 138, 100],
         }
     }
+
+    /// The same as shares of light, as glTF and cameras have it.
+    pub(super) fn light(self) -> [f64; 3] {
+        self.colour().map(|channel| {
+            let share = f64::from(channel) / 255.0;
+            if share <= 0.04045 {
+                share / 12.92
+            } else {
+                ((share + 0.055) / 1.055).powf(2.4)
+            }
+        })
+    }
 }
 
 impl From<BoxKind> for Kind {

@@ -8,6 +8,7 @@
 mod camera;
 #[path = "../common/mod.rs"]
 mod common;
+mod company;
 mod comparison;
 mod contract;
 mod golden;
@@ -18,6 +19,7 @@ mod ride;
 mod tuning;
 mod unreadable;
 mod walk;
+mod watching;
 
 use realgap::sensing::vision::Grey;
 

@@ -7,7 +7,7 @@ use super::scene::{Block, Poster, Scene, Vector, add, dot, less, times};
 pub(super) enum Thing {
     /// One of the six sides of the room: axis, and whether it is the far one.
     Side(usize, bool),
-    /// A box, and the axis and sign of the face.
+    /// A box, and the axis and sign of the face: true where it looks along the axis.
     Block(usize, usize, bool),
     Poster(usize),
 }
@@ -53,14 +53,10 @@ fn bounds(scene: &Scene, solid: Solid) -> (Vector, Vector) {
             let Block {
                 centre_m,
                 half_m,
-                turn: [cos, sin],
+                axes,
                 ..
             } = &scene.blocks[index];
-            let reach = [
-                cos.abs() * half_m[0] + sin.abs() * half_m[1],
-                sin.abs() * half_m[0] + cos.abs() * half_m[1],
-                half_m[2],
-            ];
+            let reach = [0, 1, 2].map(|i| dot(axes.map(|axis| axis[i].abs()), *half_m));
             (less(*centre_m, reach), add(*centre_m, reach))
         }
         Solid::Poster(index) => {
@@ -89,11 +85,12 @@ impl<'a> Caster<'a> {
         }
     }
 
-    /// The first thing that a ray from inside of the room meets.
+    /// The first thing that a ray from inside of the room meets, for a camera.
     pub(super) fn first(&self, from: Vector, direction: Vector) -> Hit {
         let mut best = self.side(from, direction);
         self.visit(from, direction, best.distance_m, |solid, nearest| {
-            if let Some(hit) = self.meet(solid, from, direction)
+            if self.is_seen(solid)
+                && let Some(hit) = self.meet(solid, from, direction)
                 && hit.distance_m < *nearest
             {
                 *nearest = hit.distance_m;
@@ -162,6 +159,13 @@ impl<'a> Caster<'a> {
         }
     }
 
+    fn is_seen(&self, solid: Solid) -> bool {
+        match solid {
+            Solid::Block(index) => self.scene.blocks[index].is_seen,
+            Solid::Poster(_) => true,
+        }
+    }
+
     /// Where a ray from inside leaves the room.
     fn side(&self, from: Vector, direction: Vector) -> Hit {
         let mut best = (f64::INFINITY, 0, false);
@@ -220,9 +224,7 @@ pub(super) fn meet_poster(
 }
 
 fn meet_block(block: &Block, index: usize, from: Vector, direction: Vector) -> Option<Hit> {
-    let [cos, sin] = block.turn;
-    let local = |v: Vector| [cos * v[0] + sin * v[1], cos * v[1] - sin * v[0], v[2]];
-    let (from, towards) = (local(less(from, block.centre_m)), local(direction));
+    let (from, towards) = (block.own_m(from), block.own(direction));
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut face = (0, false);
     for axis in 0..3 {
@@ -238,17 +240,10 @@ fn meet_block(block: &Block, index: usize, from: Vector, direction: Vector) -> O
     if enter > leave || enter <= BEFORE_M {
         return None;
     }
-    let mut normal = [0.0; 3];
-    normal[face.0] = if face.1 { 1.0 } else { -1.0 };
-    let normal = [
-        cos * normal[0] - sin * normal[1],
-        sin * normal[0] + cos * normal[1],
-        normal[2],
-    ];
     Some(Hit {
         distance_m: enter,
         thing: Thing::Block(index, face.0, face.1),
-        normal,
+        normal: times(block.axes[face.0], if face.1 { 1.0 } else { -1.0 }),
     })
 }
 

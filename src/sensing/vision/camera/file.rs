@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use serde::Deserialize;
+use nalgebra::{Quaternion, UnitQuaternion};
+use serde::{Deserialize, Serialize};
 
+use super::face::Faces;
 use super::form::CameraFile;
 use super::lens::Pose;
 use super::poster::{Motif, Texture};
@@ -46,7 +48,7 @@ pub(crate) struct SceneFile {
     cameras: BTreeMap<String, CameraFile>,
     /// Where pictures are taken.
     views: Vec<ViewFile>,
-    /// How cameras ride on bodies (`realgap picture --ride`), by name.
+    /// How cameras ride on bodies (`realgap picture --ride`), and where motions begin, by name.
     #[serde(default)]
     mounts: BTreeMap<String, MountFile>,
 }
@@ -59,12 +61,28 @@ struct BlockFile {
     centre_m: Three,
     /// Half of its sides, metres.
     half_m: Three,
-    /// Turn to the left, degrees.
+    /// Orientation in the room, a quaternion, real part first.
+    #[serde(default = "upright")]
+    orientation_wxyz: (f64, f64, f64, f64),
+    /// Turn to the left of what has that orientation, degrees.
     #[serde(default)]
     turn_deg: f64,
     /// Share of the light that comes back, for red, green and blue.
     #[serde(default = "light_grey")]
     colour: Three,
+    /// What its faces show.
+    #[serde(default)]
+    faces: FacesFile,
+}
+
+#[derive(Debug, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+enum FacesFile {
+    /// Nothing.
+    #[default]
+    Plain,
+    /// A dark rim and the dots of a die.
+    Die,
 }
 
 #[derive(Debug, Deserialize)]
@@ -149,6 +167,10 @@ struct MountFile {
 
 fn forwards() -> Three {
     (1.0, 0.0, 0.0)
+}
+
+fn upright() -> (f64, f64, f64, f64) {
+    (1.0, 0.0, 0.0, 0.0)
 }
 
 fn light_grey() -> Three {
@@ -237,12 +259,30 @@ impl Reader<'_> {
                 "halves above 0 m at a finite place",
             ));
         }
+        let (w, x, y, z) = file.orientation_wxyz;
+        let Some(turn) = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6) else {
+            return Err(self.wrong(
+                &format!("{field}.orientation_wxyz"),
+                "not an orientation",
+                format!("{:?}", file.orientation_wxyz),
+                "a quaternion, real part first, that is not zero",
+            ));
+        };
+        let turn = turn.to_rotation_matrix();
         let (sin, cos) = file.turn_deg.to_radians().sin_cos();
         Ok(Block {
             centre_m,
             half_m,
-            turn: [cos, sin],
+            axes: [0, 1, 2].map(|axis| {
+                let [x, y, z] = [0, 1, 2].map(|row| turn[(row, axis)]);
+                [cos * x - sin * y, sin * x + cos * y, z]
+            }),
             colour: self.colour(&format!("{field}.colour"), file.colour)?,
+            faces: match file.faces {
+                FacesFile::Plain => Faces::Plain,
+                FacesFile::Die => Faces::Die,
+            },
+            is_seen: true,
         })
     }
 
@@ -453,18 +493,5 @@ impl Scene {
     /// An unknown name; the error lists the known ones.
     pub fn light(&self, name: &str) -> Result<&Light> {
         look_up("light", name, &self.lights, |light| light.name.as_str())
-    }
-}
-
-impl Block {
-    pub(super) fn holds(&self, point: [f64; 3]) -> bool {
-        let [cos, sin] = self.turn;
-        let off = [0, 1, 2].map(|i| point[i] - self.centre_m[i]);
-        let local = [
-            cos * off[0] + sin * off[1],
-            cos * off[1] - sin * off[0],
-            off[2],
-        ];
-        (0..3).all(|i| local[i].abs() < self.half_m[i])
     }
 }

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::super::filter::gauss;
 use super::super::picture::{Grey, Picture};
 use super::cast::{BEFORE_M, Caster, Hit, Thing, meet_poster};
+use super::face::{Faces, tone};
 use super::lens::Pose;
 use super::scene::{Camera, Light, Scene, Vector, View, add, dot, less, times};
 use crate::error::Result;
@@ -22,6 +23,9 @@ const PLACES: usize = 2;
 const CONTRAST: f64 = 0.1;
 /// A moved camera stays this far from walls, metres.
 const FROM_WALLS_M: f64 = 0.02;
+
+/// A face that is met more aslant than this counts as met so, cosine.
+const LEAST_SLOPE: f64 = 0.2;
 
 /// What the ray through a pixel saw.
 #[derive(Clone, Copy)]
@@ -99,7 +103,7 @@ pub fn met_m(scene: &Scene, camera: &Camera, pose: &Pose, places_px: &[[f64; 2]]
 }
 
 /// Where the camera really stands.
-fn placed(scene: &Scene, camera: &Camera, view: &View, seed: u64, number: u64) -> Pose {
+pub(super) fn placed(scene: &Scene, camera: &Camera, view: &View, seed: u64, number: u64) -> Pose {
     let mut rng = Numbered::CameraPlace.generator(seed, number);
     let mut normal = |sd: f64| -> f64 {
         let drawn: f64 = StandardNormal.sample(&mut rng);
@@ -244,7 +248,16 @@ impl Eye<'_> {
             }
             Thing::Side(2, true) => self.scene.ceiling,
             Thing::Side(..) => self.scene.wall,
-            Thing::Block(index, ..) => self.scene.blocks[index].colour,
+            Thing::Block(index, axis, is_far) => {
+                let block = &self.scene.blocks[index];
+                if block.faces == Faces::Plain {
+                    return block.colour;
+                }
+                // Rays of two pixels are farther apart where they meet aslant.
+                let slope = dot(direction, hit.normal).abs().max(LEAST_SLOPE);
+                let spacing_m = hit.distance_m / self.camera.lens.focal_px() / slope;
+                times(block.colour, tone(block, (axis, is_far), point, spacing_m))
+            }
             Thing::Poster(index) => {
                 let poster = &self.scene.posters[index];
                 let met = meet_poster(poster, self.pose.place_m, direction);

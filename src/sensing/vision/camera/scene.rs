@@ -1,6 +1,7 @@
 //! What a scene holds.
 
 use super::exposure::Sensor;
+use super::face::Faces;
 use super::lens::{Lens, Pose};
 use super::poster::{Motif, Texture};
 
@@ -64,17 +65,64 @@ pub struct Scene {
     pub mounts: Vec<Mount>,
 }
 
-/// A box turned about the vertical.
+/// A box.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     /// Centre, metres.
     pub centre_m: [f64; 3],
     /// Half of its sides, metres.
     pub half_m: [f64; 3],
-    /// Cosine and sine of its turn.
-    pub turn: [f64; 2],
+    /// Directions of its own axes in the room, of length one and at right angles.
+    pub axes: [[f64; 3]; 3],
     /// Share of the light that comes back, for red, green and blue.
     pub colour: [f64; 3],
+    /// What its faces show.
+    pub faces: Faces,
+    /// Whether cameras see it; what they do not see throws its shadow all the same.
+    pub is_seen: bool,
+}
+
+impl Block {
+    /// A direction of the room along its own axes.
+    pub(super) fn own(&self, direction: Vector) -> Vector {
+        let [x, y, z] = self.axes;
+        // Most boxes stand upright, and every ray asks.
+        if z[2] == 1.0 {
+            return [
+                x[0] * direction[0] + x[1] * direction[1],
+                y[0] * direction[0] + y[1] * direction[1],
+                direction[2],
+            ];
+        }
+        [x, y, z].map(|axis| dot(axis, direction))
+    }
+
+    /// A point of the room as seen from its centre, metres along its own axes.
+    pub(super) fn own_m(&self, point_m: Vector) -> Vector {
+        self.own(less(point_m, self.centre_m))
+    }
+
+    /// The point of the room that is so many metres along its own axes from its centre.
+    pub(super) fn point_m(&self, own_m: Vector) -> Vector {
+        (0..3).fold(self.centre_m, |sum, axis| {
+            add(sum, times(self.axes[axis], own_m[axis]))
+        })
+    }
+
+    /// Its corners, metres.
+    pub(super) fn corners_m(&self) -> [Vector; 8] {
+        std::array::from_fn(|corner| {
+            self.point_m([0, 1, 2].map(|axis| {
+                let sign = if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
+                sign * self.half_m[axis]
+            }))
+        })
+    }
+
+    pub(super) fn holds(&self, point_m: Vector) -> bool {
+        let own_m = self.own_m(point_m);
+        (0..3).all(|axis| own_m[axis].abs() < self.half_m[axis])
+    }
 }
 
 /// A rectangle with a picture, upright.

@@ -1,0 +1,281 @@
+//! Pictures of robots in motion, and by cameras on them.
+
+use std::path::Path;
+
+use realgap::calibration::Overrides;
+use realgap::file::{look_up, unknown_name};
+use realgap::report::{ShownBox, shown_body, shown_parts};
+use realgap::robot::morphology::{Assembly, Morphology};
+use realgap::sensing::vision::ViewsFile;
+use realgap::sensing::vision::camera::{
+    Body, BodyBox, Camera, Light, Mount, Ride, Scene, Watch, known,
+};
+use realgap::simulation::{Film, SceneBody, SceneMotion};
+use realgap::trajectory::{self, Reading, Recording, Trajectory};
+use realgap::{Error, Result};
+
+use super::super::kind::{is_study, read_definition, read_morphology};
+use super::super::terminal;
+use super::{Picture, numbered};
+
+/// Most pictures of one viewpoint.
+const MOST_PICTURES: f64 = 10_000.0;
+
+/// A motion and the bodies that move in it.
+pub(super) struct Moving {
+    recording: Recording,
+    mount: Mount,
+    /// None where nobody said which robot it is.
+    bodies: Vec<Body>,
+    /// The body that the mount is on.
+    carrier: String,
+    /// Times of the pictures, seconds after the first sample.
+    times_s: Vec<f64>,
+}
+
+impl Moving {
+    /// What the options name; `None` where nothing moves.
+    pub(super) fn read(options: &Picture, scene: &Scene) -> Result<Option<Self>> {
+        let Some(run) = &options.run else {
+            return Ok(None);
+        };
+        let (option, name) = match (&options.ride, &options.watch) {
+            (Some(name), _) => ("--ride", name),
+            (None, Some(name)) => ("--watch", name),
+            (None, None) => return Ok(None),
+        };
+        let mount = scene
+            .mount(name)
+            .map_err(|e| e.field(option).into_usage())?
+            .clone();
+        if !(options.every > 0.0 && options.every.is_finite()) {
+            return Err(Error::usage("not a time between pictures")
+                .field("--every")
+                .found(options.every)
+                .allowed("seconds above 0"));
+        }
+        let reading = options.reading.reading()?;
+        let recording = trajectory::read(run, reading.clone())?;
+        terminal::print_warnings(&recording.warnings);
+        let (bodies, tracked) = match &options.robot {
+            Some(robot) => company(robot, &recording, &reading).map_err(|e| about(run, e))?,
+            None => (Vec::new(), String::new()),
+        };
+        let carrier = mount.body.clone().unwrap_or(tracked);
+        let mut moving = Self {
+            recording,
+            mount,
+            bodies,
+            carrier,
+            times_s: Vec::new(),
+        };
+        moving.times_s = times_s(moving.motion()?.duration_s(), options.every)?;
+        Ok(Some(moving))
+    }
+
+    /// The motion that begins where the mount says.
+    fn motion(&self) -> Result<&Trajectory> {
+        let Some(name) = &self.mount.body else {
+            return Ok(&self.recording.trajectory);
+        };
+        let body = look_up("body", name, &self.recording.bodies, |(n, _)| n);
+        let body = body.map_err(|e| {
+            e.at_file(&self.recording.path)
+                .or_hint("`realgap simulate --parts` writes every part")
+        })?;
+        Ok(&body.1)
+    }
+
+    /// Takes all pictures; says how many.
+    pub(super) fn take(
+        &self,
+        options: &Picture,
+        scene: &Scene,
+        camera: &Camera,
+        light: &Light,
+        file: &mut ViewsFile,
+    ) -> Result<usize> {
+        let taken = if options.ride.is_some() {
+            self.ride(options, scene, camera, light, file)
+        } else {
+            self.watch(options, scene, camera, light, file)
+        };
+        taken.map_err(|e| about(&self.recording.path, e))
+    }
+
+    fn ride(
+        &self,
+        options: &Picture,
+        scene: &Scene,
+        camera: &Camera,
+        light: &Light,
+        file: &mut ViewsFile,
+    ) -> Result<usize> {
+        let ride =
+            Ride::new(scene, &self.mount, self.motion()?)?.with_bodies(&self.bodies, &self.carrier);
+        // Nothing is taken of a motion that does not fit.
+        for time_s in &self.times_s {
+            ride.pose_at(*time_s)?;
+        }
+        for (number, time_s) in self.times_s.iter().enumerate() {
+            let (picture, view) = ride.take(camera, light, *time_s, options.seed, number as u64)?;
+            picture.write_png(options.output.join(format!("{}.png", view.name)))?;
+            let room = ride.room_at(*time_s);
+            file.views
+                .push(known(&room, camera, &view.pose, &view.name));
+        }
+        Ok(self.times_s.len())
+    }
+
+    fn watch(
+        &self,
+        options: &Picture,
+        scene: &Scene,
+        camera: &Camera,
+        light: &Light,
+        file: &mut ViewsFile,
+    ) -> Result<usize> {
+        let watch = Watch::new(scene, &self.mount, self.motion()?, &self.bodies);
+        for time_s in &self.times_s {
+            watch.check(*time_s)?;
+        }
+        for (index, view) in options.views(scene) {
+            for (number, time_s) in self.times_s.iter().enumerate() {
+                // The camera stays where a picture without robots would have it; its noise is new in every picture.
+                let place = numbered(index) + 1;
+                let number = (index as u64) * (MOST_PICTURES as u64 + 1) + number as u64;
+                let (picture, view) =
+                    watch.take(camera, view, light, *time_s, options.seed, [place, number])?;
+                picture.write_png(options.output.join(format!("{}.png", view.name)))?;
+                let room = watch.room_at(*time_s);
+                file.views
+                    .push(known(&room, camera, &view.pose, &view.name));
+            }
+        }
+        Ok(options.views(scene).count() * self.times_s.len())
+    }
+}
+
+/// An error that names no file is about the run.
+fn about(run: &Path, error: Error) -> Error {
+    match error.file() {
+        Some(_) => error,
+        None => error.at_file(run),
+    }
+}
+
+/// When pictures are taken.
+fn times_s(duration_s: f64, every_s: f64) -> Result<Vec<f64>> {
+    let count = (duration_s / every_s + 1e-9).floor();
+    if count > MOST_PICTURES {
+        return Err(Error::usage("too many pictures")
+            .field("--every")
+            .found(format!("{count} in {duration_s} s"))
+            .allowed(format!("at most {MOST_PICTURES}")));
+    }
+    let times = (0..=count as u64).map(|number| (number as f64 * every_s).min(duration_s));
+    Ok(times.collect())
+}
+
+/// The bodies of a robot, or of a study's robot and scene, in a recording; and the name of the part that is tracked.
+fn company(robot: &Path, recording: &Recording, reading: &Reading) -> Result<(Vec<Body>, String)> {
+    let (morphology, others) = cast(robot, recording, reading)?;
+    let assembly = morphology.assemble();
+    let name = |part: usize| format!("part{part}");
+    let parts: Vec<String> = (0..assembly.parts.len()).map(name).collect();
+    let known = || {
+        let others = others.iter().map(|other| other.name.as_str());
+        parts.iter().map(String::as_str).chain(others)
+    };
+    if let Some((stranger, _)) =
+        (recording.bodies.iter()).find(|(body, _)| known().all(|name| name != body))
+    {
+        return Err(
+            unknown_name("body of the robot", stranger, known()).hint(format!(
+                "{} has no such part: name the robot that made the run, or a study whose scene has this body",
+                robot.display()
+            )),
+        );
+    }
+    let motions = part_motions(&assembly, recording)?;
+    let mut bodies = Vec::new();
+    for ((name, motion), boxes) in motions.into_iter().zip(shown_parts(&morphology)) {
+        bodies.push(Body::moving(&name, taken(&boxes), motion)?);
+    }
+    for other in &others {
+        let boxes = taken(&shown_body(other));
+        if let SceneMotion::Fixed { world_from_body } = &other.motion {
+            bodies.push(Body::still(&other.name, boxes, *world_from_body));
+            continue;
+        }
+        let motion = recording
+            .bodies
+            .iter()
+            .find(|(name, _)| *name == other.name);
+        let Some((_, motion)) = motion else {
+            return Err(
+                Error::invalid("nobody knows where this body of the scene is")
+                    .field(&other.name)
+                    .found("no columns of it")
+                    .allowed(format!("{0}_x_m to {0}_qz", other.name))
+                    .hint("name the robot's own file in place of the study to leave the scene out"),
+            );
+        };
+        bodies.push(Body::moving(&other.name, boxes, motion.clone())?);
+    }
+    Ok((bodies, name(assembly.track_part)))
+}
+
+/// The robot of a file, and the other bodies of its scene.
+fn cast(
+    robot: &Path,
+    recording: &Recording,
+    reading: &Reading,
+) -> Result<(Morphology, Vec<SceneBody>)> {
+    if !is_study(robot) {
+        return Ok((read_morphology(robot)?, Vec::new()));
+    }
+    let overrides = Overrides {
+        recordings: vec![recording.path.display().to_string()],
+        reading: reading.clone(),
+        ..Overrides::default()
+    };
+    let study = read_definition(robot, &overrides)?;
+    if study.vehicle.is_some() {
+        return Err(Error::invalid("a vehicle has no parts to show")
+            .at_file(robot)
+            .hint("name a robot of modules"));
+    }
+    Ok((study.morphology, study.scene))
+}
+
+/// Where every part is over time.
+fn part_motions(assembly: &Assembly, recording: &Recording) -> Result<Vec<(String, Trajectory)>> {
+    let film = Film::of_recording(assembly, recording);
+    let track = &recording.trajectory;
+    let unknown = film.parts.iter().position(Option::is_none);
+    let found = match unknown {
+        None if track.is_planar() && recording.bodies.is_empty() => "a motion without heights",
+        None => return film.bodies(),
+        Some(_) if track.orientations_world_from_body().is_none() => {
+            "a motion without orientations"
+        }
+        Some(_) => "neither its own columns nor the angles of all joints that lead to it",
+    };
+    Err(
+        Error::invalid("nobody knows where this part of the robot is")
+            .field(format!("part{}", unknown.unwrap_or_default()))
+            .found(found)
+            .allowed("x_m, y_m, z_m and qw to qz, of every part or with the angle of every joint")
+            .hint("`realgap simulate --parts` writes them"),
+    )
+}
+
+fn taken(boxes: &[ShownBox]) -> Vec<BodyBox> {
+    let boxes = boxes.iter().map(|one| BodyBox {
+        half_m: one.half_m,
+        body_from_box: one.pose,
+        colour: one.colour,
+    });
+    boxes.collect()
+}
