@@ -187,6 +187,8 @@ pub mod guide {
 [docs/images/paths.png]: ../../../../../docs/images/paths.png
 [docs/images/profile.png]: ../../../../../docs/images/profile.png
 [docs/images/ride.png]: ../../../../../docs/images/ride.png
+[docs/images/watched.png]: ../../../../../docs/images/watched.png
+[docs/images/seen.png]: ../../../../../docs/images/seen.png
 [docs/images/robot.png]: ../../../../../docs/images/robot.png
 [docs/images/sensitivity.png]: ../../../../../docs/images/sensitivity.png
 [docs/images/sensor.png]: ../../../../../docs/images/sensor.png

@@ -62,6 +62,11 @@ once steps.png "$realgap" vision extract "$work/simulated/door.png" "$work/real/
 once run.csv "$realgap" simulate morphologies/tripod.ron --duration 20 -o "$work/run.csv"
 once ride/t_005.000.png "$realgap" picture scenes/room.ron --ride tripod --run "$work/run.csv" \
     --every 5 -o "$work/ride"
+once parts.csv "$realgap" simulate morphologies/chain5.ron --duration 10 --parts "$work/parts.csv"
+once watched/side_t_005.000.png "$realgap" picture scenes/pen.ron --watch snake --view side \
+    --run "$work/parts.csv" --robot morphologies/chain5.ron --every 5 -o "$work/watched"
+once seen/t_005.000.png "$realgap" picture scenes/pen.ron --ride snake \
+    --run "$work/parts.csv" --robot morphologies/chain5.ron --every 5 -o "$work/seen"
 
 # The fit of docs/fidelity/radio.md; its recordings are not part of this repository.
 cat > "$work/radio.ron" <<'RON'
@@ -102,6 +107,8 @@ fi
 keep vision/template.png template.png
 keep steps.png steps.png
 keep ride/t_005.000.png ride.png
+keep watched/side_t_005.000.png watched.png
+keep seen/t_005.000.png seen.png
 keep map.png map.png
 keep times.png times.png
 keep curves.png curves.png
