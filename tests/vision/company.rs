@@ -254,8 +254,9 @@ fn a_camera_sees_out_of_the_body_that_carries_it_and_sees_the_others() {
         ride.take(camera, light, 1.0, 1, 0).unwrap().0.grey()
     };
     let alone = seen(&[], "");
-    assert_eq!(seen(&[own.clone()], "part0").values(), alone.values());
-    let with_arm = seen(&[own.clone(), arm.clone()], "part0");
+    let both = [own, arm];
+    assert_eq!(seen(&both[..1], "part0").values(), alone.values());
+    let with_arm = seen(&both, "part0");
     // 0.2 m to the left at 0.35 m, within 0.05 m: beside the poster.
     let focal = 160.0 / 30.0_f64.to_radians().tan();
     let column = |off_m: f64, away_m: f64| (159.5 + focal * off_m / away_m).round() as i64;
@@ -271,8 +272,7 @@ fn a_camera_sees_out_of_the_body_that_carries_it_and_sees_the_others() {
     let mut high = scene.clone();
     high.mounts[0].place_body_m = [-0.04, 0.0, 0.06];
     let ride_high = Ride::new(&high, &high.mounts[0], &track).unwrap();
-    let bodies = [own.clone()];
-    let on_top = ride_high.clone().with_bodies(&bodies, "part0");
+    let on_top = ride_high.clone().with_bodies(&both[..1], "part0");
     let low_half = |ride: &Ride<'_>| {
         let picture = ride.take(camera, light, 1.0, 1, 0).unwrap().0.grey();
         realgap::statistics::mean(
