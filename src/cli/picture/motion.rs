@@ -1,6 +1,6 @@
 //! Pictures of robots in motion, and by cameras on them.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use realgap::calibration::Overrides;
 use realgap::file::{look_up, unknown_name};
@@ -55,12 +55,16 @@ impl Moving {
                 .allowed("seconds above 0"));
         }
         let reading = options.reading.reading()?;
-        let recording = trajectory::read(run, reading.clone())?;
-        terminal::print_warnings(&recording.warnings);
-        let (bodies, tracked) = match &options.robot {
-            Some(robot) => company(robot, &recording, &reading).map_err(|e| about(run, e))?,
-            None => (Vec::new(), String::new()),
+        let (recording, (bodies, tracked)) = match &options.robot {
+            None => (trajectory::read(run, reading)?, Default::default()),
+            Some(robot) => {
+                let cast = Cast::read(robot, run, reading)?;
+                let recording = trajectory::read(run, cast.reading.clone())?;
+                let company = cast.company(&recording).map_err(|e| about(run, e))?;
+                (recording, company)
+            }
         };
+        terminal::print_warnings(&recording.warnings);
         let carrier = mount.body.clone().unwrap_or(tracked);
         let mut moving = Self {
             recording,
@@ -177,76 +181,91 @@ fn times_s(duration_s: f64, every_s: f64) -> Result<Vec<f64>> {
     Ok(times.collect())
 }
 
-/// The bodies of a robot, or of a study's robot and scene, in a recording; and the name of the part that is tracked.
-fn company(robot: &Path, recording: &Recording, reading: &Reading) -> Result<(Vec<Body>, String)> {
-    let (morphology, others) = cast(robot, recording, reading)?;
-    let assembly = morphology.assemble();
-    let name = |part: usize| format!("part{part}");
-    let parts: Vec<String> = (0..assembly.parts.len()).map(name).collect();
-    let known = || {
-        let others = others.iter().map(|other| other.name.as_str());
-        parts.iter().map(String::as_str).chain(others)
-    };
-    if let Some((stranger, _)) =
-        (recording.bodies.iter()).find(|(body, _)| known().all(|name| name != body))
-    {
-        return Err(
-            unknown_name("body of the robot", stranger, known()).hint(format!(
-                "{} has no such part: name the robot that made the run, or a study whose scene has this body",
-                robot.display()
-            )),
-        );
-    }
-    let motions = part_motions(&assembly, recording)?;
-    let mut bodies = Vec::new();
-    for ((name, motion), boxes) in motions.into_iter().zip(shown_parts(&morphology)) {
-        bodies.push(Body::moving(&name, taken(&boxes), motion)?);
-    }
-    for other in &others {
-        let boxes = taken(&shown_body(other));
-        if let SceneMotion::Fixed { world_from_body } = &other.motion {
-            bodies.push(Body::still(&other.name, boxes, *world_from_body));
-            continue;
-        }
-        let motion = recording
-            .bodies
-            .iter()
-            .find(|(name, _)| *name == other.name);
-        let Some((_, motion)) = motion else {
-            return Err(
-                Error::invalid("nobody knows where this body of the scene is")
-                    .field(&other.name)
-                    .found("no columns of it")
-                    .allowed(format!("{0}_x_m to {0}_qz", other.name))
-                    .hint("name the robot's own file in place of the study to leave the scene out"),
-            );
-        };
-        bodies.push(Body::moving(&other.name, boxes, motion.clone())?);
-    }
-    Ok((bodies, name(assembly.track_part)))
+/// The robot of a file, and the other bodies of its scene.
+struct Cast {
+    file: PathBuf,
+    morphology: Morphology,
+    others: Vec<SceneBody>,
+    /// How the run is read.
+    reading: Reading,
 }
 
-/// The robot of a file, and the other bodies of its scene.
-fn cast(
-    robot: &Path,
-    recording: &Recording,
-    reading: &Reading,
-) -> Result<(Morphology, Vec<SceneBody>)> {
-    if !is_study(robot) {
-        return Ok((read_morphology(robot)?, Vec::new()));
+impl Cast {
+    fn read(robot: &Path, run: &Path, reading: Reading) -> Result<Self> {
+        let file = robot.to_owned();
+        if !is_study(robot) {
+            return Ok(Self {
+                file,
+                morphology: read_morphology(robot)?,
+                others: Vec::new(),
+                reading,
+            });
+        }
+        let overrides = Overrides {
+            recordings: vec![run.display().to_string()],
+            reading,
+            ..Overrides::default()
+        };
+        let study = read_definition(robot, &overrides)?;
+        if study.vehicle.is_some() {
+            return Err(Error::invalid("a vehicle has no parts to show")
+                .at_file(robot)
+                .hint("name a robot of modules"));
+        }
+        Ok(Self {
+            file,
+            morphology: study.morphology,
+            others: study.scene,
+            reading: study.reading,
+        })
     }
-    let overrides = Overrides {
-        recordings: vec![recording.path.display().to_string()],
-        reading: reading.clone(),
-        ..Overrides::default()
+
+    /// The bodies in a recording, and the name of the part that is tracked.
+    fn company(&self, recording: &Recording) -> Result<(Vec<Body>, String)> {
+        let assembly = self.morphology.assemble();
+        let name = |part: usize| format!("part{part}");
+        let parts: Vec<String> = (0..assembly.parts.len()).map(name).collect();
+        let known = || {
+            let others = self.others.iter().map(|other| other.name.as_str());
+            parts.iter().map(String::as_str).chain(others)
+        };
+        let mut recorded = recording.bodies.iter();
+        if let Some((stranger, _)) = recorded.find(|(body, _)| known().all(|name| name != body)) {
+            let hint = format!(
+                "{} has no such part: name the robot that made the run, or a study whose scene has this body",
+                self.file.display()
+            );
+            return Err(unknown_name("body of the robot", stranger, known()).hint(hint));
+        }
+        let motions = part_motions(&assembly, recording)?;
+        let mut bodies = Vec::new();
+        for ((name, motion), boxes) in motions.into_iter().zip(shown_parts(&self.morphology)) {
+            bodies.push(Body::moving(&name, taken(&boxes), motion)?);
+        }
+        for other in &self.others {
+            bodies.push(beside(other, recording)?);
+        }
+        Ok((bodies, name(assembly.track_part)))
+    }
+}
+
+/// A body beside the robot, where a study or a recording says that it is.
+fn beside(other: &SceneBody, recording: &Recording) -> Result<Body> {
+    let boxes = taken(&shown_body(other));
+    if let SceneMotion::Fixed { world_from_body } = &other.motion {
+        return Ok(Body::still(&other.name, boxes, *world_from_body));
+    }
+    let mut recorded = recording.bodies.iter();
+    let Some((_, motion)) = recorded.find(|(name, _)| *name == other.name) else {
+        return Err(
+            Error::invalid("nobody knows where this body of the scene is")
+                .field(&other.name)
+                .found("no columns of it")
+                .allowed(format!("{0}_x_m to {0}_qz", other.name))
+                .hint("name the robot's own file in place of the study to leave the scene out"),
+        );
     };
-    let study = read_definition(robot, &overrides)?;
-    if study.vehicle.is_some() {
-        return Err(Error::invalid("a vehicle has no parts to show")
-            .at_file(robot)
-            .hint("name a robot of modules"));
-    }
-    Ok((study.morphology, study.scene))
+    Body::moving(&other.name, boxes, motion.clone())
 }
 
 /// Where every part is over time.
