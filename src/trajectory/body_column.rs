@@ -17,7 +17,8 @@ pub(super) fn has_plain(columns: &[&str]) -> bool {
     columns.contains(&"x_m")
 }
 
-/// The same text with the columns of one body called as if it were alone; those of all others keep their places.
+/// The same text with the columns of one body called as if it were alone; those of all others keep their places. What the tracked
+/// body's columns hold is nothing of this one.
 pub(super) fn as_if_alone(text: &str, name: &str) -> String {
     let mut header_is_done = false;
     let mut alone = String::with_capacity(text.len());
@@ -37,7 +38,9 @@ pub(super) fn as_if_alone(text: &str, name: &str) -> String {
         let renamed: Vec<String> = cells
             .iter()
             .map(|cell| match cell.trim() {
-                cell if own.contains(cell) => format!("other_{cell}"),
+                cell if own.contains(cell) || PLAIN[1..].contains(&cell) => {
+                    format!("other_{cell}")
+                }
                 cell => cell.strip_prefix(&prefix).unwrap_or(cell).to_owned(),
             })
             .collect();
@@ -66,7 +69,7 @@ pub(super) fn beside(text: &str, name: &str, own: &str) -> String {
     wide
 }
 
-/// Columns of the tracked body where it has no name, joints apart.
+/// Columns of the tracked body where it has no name, joints apart; the first is the time.
 const PLAIN: [&str; 14] = [
     "t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz", "vx_m_s", "vy_m_s", "vz_m_s", "wx_rad_s",
     "wy_rad_s", "wz_rad_s",
@@ -105,6 +108,11 @@ mod tests {
         assert_eq!(
             as_if_alone(mixed, "b"),
             "t_s,other_x_m,other_y_m,x_m,y_m\n0,1,2,3,4\n"
+        );
+        let bare = "t_s,x_m,y_m,qw,a_rad,b_x_m,b_y_m\n0,1,2,1,0,3,4\n";
+        assert_eq!(
+            as_if_alone(bare, "b"),
+            "t_s,other_x_m,other_y_m,other_qw,a_rad,x_m,y_m\n0,1,2,1,0,3,4\n"
         );
     }
 }
