@@ -25,7 +25,7 @@ once() {
 }
 
 keep() {
-    "$python" tools/shrink_png.py "$work/$1" "$images/$2"
+    "$python" tools/shrink_png.py "$work/$1" "$images/$2" "${@:3}"
 }
 
 best=(--parameters "$work/sweep/best.ron")
@@ -65,8 +65,8 @@ once ride/t_005.000.png "$realgap" picture scenes/room.ron --ride tripod --run "
 once parts.csv "$realgap" simulate morphologies/chain5.ron --duration 10 --parts "$work/parts.csv"
 once watched/side_t_005.000.png "$realgap" picture scenes/pen.ron --watch snake --view side \
     --run "$work/parts.csv" --robot morphologies/chain5.ron --every 5 -o "$work/watched"
-once seen/t_005.000.png "$realgap" picture scenes/pen.ron --ride snake \
-    --run "$work/parts.csv" --robot morphologies/chain5.ron --every 5 -o "$work/seen"
+once seen/t_006.800.png "$realgap" picture scenes/pen.ron --ride snake \
+    --run "$work/parts.csv" --robot morphologies/chain5.ron --every 3.4 -o "$work/seen"
 
 # The fit of docs/fidelity/radio.md; its recordings are not part of this repository.
 cat > "$work/radio.ron" <<'RON'
@@ -107,8 +107,8 @@ fi
 keep vision/template.png template.png
 keep steps.png steps.png
 keep ride/t_005.000.png ride.png
-keep watched/side_t_005.000.png watched.png
-keep seen/t_005.000.png seen.png
+keep watched/side_t_005.000.png watched.png 6
+keep seen/t_006.800.png seen.png 6
 keep map.png map.png
 keep times.png times.png
 keep curves.png curves.png

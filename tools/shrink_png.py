@@ -1,6 +1,8 @@
 """Write a PNG picture with a palette of 256 colours: a third of the bytes, the same to the eye.
 
-python3 tools/shrink_png.py FROM.png TO.png       (needs numpy)
+python3 tools/shrink_png.py FROM.png TO.png [APART]       (needs numpy)
+
+Colours of the palette are 12 steps of 255 apart, or APART where shades matter more than bytes.
 
 Reads what realgap writes: 8 bits a channel, RGB, not interlaced.
 """
@@ -52,12 +54,12 @@ def read(path):
     return picture
 
 
-def palette(picture):
-    """The colours that occur most often, at least 12 apart, and the nearest of them for each."""
+def palette(picture, least):
+    """The colours that occur most often, at least so far apart, and the nearest of them for each."""
     flat = picture.reshape(-1, 3)
     colours, index, count = numpy.unique(flat, axis=0, return_inverse=True, return_counts=True)
     colours, kept = colours.astype(int), []
-    for apart in (12, 24, 48):
+    for apart in (least, 12, 24, 48):
         kept = []
         for one in numpy.argsort(-count, kind="stable"):
             if all(abs(colours[one] - other).max() >= apart for other in kept):
@@ -86,4 +88,4 @@ def write(path, colours, indices):
 
 
 if __name__ == "__main__":
-    write(sys.argv[2], *palette(read(sys.argv[1])))
+    write(sys.argv[2], *palette(read(sys.argv[1]), int((sys.argv[3:] or [12])[0])))
