@@ -231,6 +231,21 @@ fn a_scene_that_cannot_be_says_where_and_what() {
     assert!(wide.contains("1 to 150 degrees"), "{wide}");
     let colour = refused("wall: (0.62", "wall: (1.62");
     assert!(colour.contains("not a colour"), "{colour}");
+    for turn in [
+        "0, 0, 0, 0",
+        "inf, 0, 0, 0",
+        "1e200, 0, 0, 0",
+        "NaN, 0, 0, 1",
+    ] {
+        let turned = refused(
+            "turn_deg:",
+            &format!("orientation_wxyz: ({turn}), turn_deg:"),
+        );
+        assert!(
+            turned.contains(".orientation_wxyz: not an orientation"),
+            "{turned}"
+        );
+    }
     let unknown = refused("tile_m", "tiles_m");
     assert!(unknown.contains("did you mean `tile_m`"), "{unknown}");
     let empty = refused("Text(\"ROOM 42\\nEXIT LEFT\\nGATE 1073\")", "Text(\" \")");

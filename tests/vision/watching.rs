@@ -174,6 +174,17 @@ fn a_plain_motion_of_one_body_and_a_body_of_a_study_are_watched() {
         "2",
         &[&args[..], &["--robot", "study.ron", "-o", "push"]].concat(),
     );
+    // The robot's orientation is not the ball's.
+    let bare = "t_s,x_m,y_m,z_m,qw,qx,qy,qz,ball_x_m,ball_y_m,ball_z_m\n\
+        0,5000,5000,60,1,0,0,0,5000,5200,50\n1,5200,5000,60,1,0,0,0,5200,5200,50\n";
+    desk.write("bare.csv", bare);
+    let of_bare = args.map(|arg| if arg == "push.csv" { "bare.csv" } else { arg });
+    let of_study = ["--robot", "study.ron", "-o", "no"];
+    let (is_done, said) = desk.run("2", &[&of_bare[..], &of_study].concat());
+    assert!(
+        !is_done && said.contains("ball") && said.contains("without orientations"),
+        "{said}"
+    );
     let (is_done, said) = desk.run("2", &[&args[..], &["--robot", &cube, "-o", "no"]].concat());
     assert!(
         !is_done && said.contains("ball") && said.contains("a study whose scene"),
@@ -238,7 +249,7 @@ fn runs_that_do_not_fit_the_robot_or_the_room_are_refused_before_any_picture() {
         let (is_done, said) = desk.run("1", &[&args[..], &["-o", "out"]].concat());
         let all_said = expected.iter().all(|word| said.contains(word));
         assert!(!is_done && all_said, "{run}, {expected:?}: {said}");
-        assert!(!desk.path("out/side_t_000.000.png").exists());
+        assert!(!desk.path("out").exists());
     }
     let args = [
         "picture", "pen.ron", "--watch", "middle", "--run", "mm.csv", "--robot", &cube,

@@ -74,7 +74,30 @@ impl Moving {
             times_s: Vec::new(),
         };
         moving.times_s = times_s(moving.motion()?.duration_s(), options.every)?;
+        let fits = moving.check(options, scene);
+        fits.map_err(|e| about(run, e))?;
         Ok(Some(moving))
+    }
+
+    /// Nothing is written of a motion that does not fit the room.
+    fn check(&self, options: &Picture, scene: &Scene) -> Result<()> {
+        if options.ride.is_none() {
+            let watch = self.watching(scene)?;
+            return self.times_s.iter().try_for_each(|t| watch.check(*t));
+        }
+        let ride = self.riding(scene)?;
+        let mut times_s = self.times_s.iter();
+        times_s.try_for_each(|t| ride.pose_at(*t).map(drop))
+    }
+
+    fn riding<'a>(&'a self, scene: &'a Scene) -> Result<Ride<'a>> {
+        let ride = Ride::new(scene, &self.mount, self.motion()?)?;
+        Ok(ride.with_bodies(&self.bodies, &self.carrier))
+    }
+
+    fn watching<'a>(&'a self, scene: &'a Scene) -> Result<Watch<'a>> {
+        let motion = self.motion()?;
+        Ok(Watch::new(scene, &self.mount, motion, &self.bodies))
     }
 
     /// The motion that begins where the mount says.
@@ -115,12 +138,7 @@ impl Moving {
         light: &Light,
         file: &mut ViewsFile,
     ) -> Result<usize> {
-        let ride =
-            Ride::new(scene, &self.mount, self.motion()?)?.with_bodies(&self.bodies, &self.carrier);
-        // Nothing is taken of a motion that does not fit.
-        for time_s in &self.times_s {
-            ride.pose_at(*time_s)?;
-        }
+        let ride = self.riding(scene)?;
         for (number, time_s) in self.times_s.iter().enumerate() {
             let (picture, view) = ride.take(camera, light, *time_s, options.seed, number as u64)?;
             picture.write_png(options.output.join(format!("{}.png", view.name)))?;
@@ -139,10 +157,7 @@ impl Moving {
         light: &Light,
         file: &mut ViewsFile,
     ) -> Result<usize> {
-        let watch = Watch::new(scene, &self.mount, self.motion()?, &self.bodies);
-        for time_s in &self.times_s {
-            watch.check(*time_s)?;
-        }
+        let watch = self.watching(scene)?;
         for (index, view) in options.views(scene) {
             for (number, time_s) in self.times_s.iter().enumerate() {
                 // The camera stays where a picture without robots would have it; its noise is new in every picture.

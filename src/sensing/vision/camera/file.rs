@@ -260,12 +260,14 @@ impl Reader<'_> {
             ));
         }
         let (w, x, y, z) = file.orientation_wxyz;
-        let Some(turn) = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6) else {
+        let turn = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6);
+        // Parts so large that their squares overflow have no direction.
+        let Some(turn) = turn.filter(|turn| (turn.norm() - 1.0).abs() < 1e-6) else {
             return Err(self.wrong(
                 &format!("{field}.orientation_wxyz"),
                 "not an orientation",
                 format!("{:?}", file.orientation_wxyz),
-                "a quaternion, real part first, that is not zero",
+                "a quaternion, real part first, that is neither zero nor endless",
             ));
         };
         let turn = turn.to_rotation_matrix();
