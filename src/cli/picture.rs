@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{ArgGroup, Args};
+use indicatif::ProgressBar;
 use realgap::sensing::vision::camera::{
     ALPHABET_TEXT, Camera, Light, Motif, Scene, View, alphabet_picture, known, take,
 };
@@ -14,7 +15,7 @@ use realgap::unit::counted;
 use realgap::{Error, Result, Warning, warning};
 
 use super::reading::ReadingOptions;
-use super::terminal;
+use super::{progress, terminal};
 use motion::Moving;
 
 /// Take pictures with a simulated camera: a scene's posters, boxes and lights, seen through a lens and a sensor
@@ -125,10 +126,13 @@ impl Picture {
                 text: ALPHABET_TEXT.to_owned(),
             });
         }
+        let bar = progress::bar(0, "taking pictures");
         let taken = match &moving {
-            Some(moving) => moving.take(&self, &scene, camera, light, &mut file)?,
-            None => self.stand(&scene, camera, light, &mut file)?,
+            Some(moving) => moving.take(&self, &scene, camera, light, &mut file, &bar),
+            None => self.stand(&scene, camera, light, &mut file, &bar),
         };
+        bar.finish_and_clear();
+        let taken = taken?;
         file.write(folder)?;
         if camera.is_stand_in {
             terminal::print_warnings(&[Warning::new(
@@ -160,10 +164,13 @@ impl Picture {
         camera: &Camera,
         light: &Light,
         file: &mut ViewsFile,
+        bar: &ProgressBar,
     ) -> Result<usize> {
         let mut taken = 0;
+        let repeats = self.repeats.unwrap_or(1);
+        bar.set_length(self.views(scene).count() as u64 * u64::from(repeats));
         for (index, view) in self.views(scene) {
-            for repeat in 1..=self.repeats.unwrap_or(1) {
+            for repeat in 1..=repeats {
                 let name = match self.repeats {
                     None => view.name.clone(),
                     Some(_) => format!("{}_{repeat}", view.name),
@@ -174,6 +181,7 @@ impl Picture {
                 picture.write_png(self.output.join(format!("{name}.png")))?;
                 file.views.push(known(scene, camera, &pose, &name));
                 taken += 1;
+                bar.inc(1);
             }
         }
         Ok(taken)

@@ -17,7 +17,7 @@ use realgap::{Error, Result};
 use super::option::Format as Print;
 use super::page::PageFile;
 use super::picture::camera_named;
-use super::terminal;
+use super::{progress, terminal};
 
 /// Compare simulated pictures with real ones by what image processing finds in them (paper 002)
 ///
@@ -176,6 +176,7 @@ impl Compare {
             Relative::Own => RelativeTo::Own,
             Relative::View => RelativeTo::View,
         };
+        let spinner = progress::spinner("looking at pictures");
         let report = compare_folders(
             &self.simulated,
             &self.real,
@@ -185,7 +186,9 @@ impl Compare {
                 relative_to,
                 seed: self.seed,
             },
-        )?;
+        );
+        spinner.finish_and_clear();
+        let report = report?;
         let pictures = match &self.output {
             Some(folder) => draw_vision(&report, folder)?,
             None => Vec::new(),
@@ -234,7 +237,11 @@ impl Tune {
             budget: self.budget as usize,
             seed: self.seed,
         };
-        let tuned = tune_camera(&scene, &camera, light, &self.real, &options)?;
+        let bar = progress::bar(options.budget, "simulating all pictures, at most");
+        let follow = progress::follow(&bar);
+        let tuned = tune_camera(&scene, &camera, light, &self.real, &options, Some(&follow));
+        bar.finish_and_clear();
+        let tuned = tuned?;
         if let Some(output) = &self.output {
             write_atomic(output, tuned.camera.to_ron()?.as_bytes())?;
         }

@@ -77,7 +77,15 @@ fn tuned(seed: u64) -> (Camera, TunedCamera) {
     let truth = pictures(&scene, root.path(), seed);
     let start = scene.camera("model").unwrap();
     let light = scene.light("well").unwrap();
-    let found = tune_camera(&scene, start, light, root.path(), &CameraOptions::default()).unwrap();
+    let found = tune_camera(
+        &scene,
+        start,
+        light,
+        root.path(),
+        &CameraOptions::default(),
+        None,
+    )
+    .unwrap();
     (truth, found)
 }
 
@@ -173,14 +181,14 @@ fn a_gain_that_the_camera_sets_itself_is_not_determined() {
         ..CameraOptions::default()
     };
     let light = scene.light("well").unwrap();
-    let found = tune_camera(&scene, &start, light, root.path(), &options).unwrap();
+    let found = tune_camera(&scene, &start, light, root.path(), &options, None).unwrap();
     println!("{found}");
     let gain = found.settings.iter().find(|s| s.name == "gain").unwrap();
     assert_ne!(gain.known, Known::Determined, "{gain:?}");
     assert_eq!(found.held_out_views, ["door", "left"]);
     // And what cannot be done is refused.
     let refused = |options: &CameraOptions, start: &Camera, folder: &Path| {
-        tune_camera(&scene, start, light, folder, options)
+        tune_camera(&scene, start, light, folder, options, None)
             .unwrap_err()
             .to_string()
     };

@@ -19,6 +19,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::error::Result;
+use crate::optimization::Progress;
 use crate::sensing::vision::camera::{Camera, Light, Scene};
 use crate::sensing::vision::{PictureSource, Shots};
 use crate::statistics::{mean, student_quantile};
@@ -28,7 +29,7 @@ use compression::compression;
 use double::lens_off;
 use lens::{corrected, lens_settings};
 use placing::{Before, miss_px};
-use sensor::{DRAWS, Search, apart, mismatch, settings};
+use sensor::{Search, apart, draws, mismatch, settings};
 use shot::{Shot, placed_of, read, reals_of, split};
 
 /// How a camera is tuned.
@@ -156,6 +157,7 @@ pub fn tune_camera(
     light: &Light,
     folder: impl AsRef<Path>,
     options: &CameraOptions,
+    progress: Option<&(dyn Fn(Progress) + Sync)>,
 ) -> Result<TunedCamera> {
     let names: Vec<&str> = scene.views.iter().map(|v| v.name.as_str()).collect();
     let shots = Shots::read(folder.as_ref(), &names)?;
@@ -204,6 +206,7 @@ pub fn tune_camera(
         seed: options.seed,
         budget: options.budget,
         tried: Cell::new(0),
+        progress,
     };
     let found = search.run()?;
     // Now that brightness and blur are known, corners are found better, and then brightness and blur.
@@ -231,6 +234,14 @@ pub fn tune_camera(
             ),
         ));
     }
+    if let Some(progress) = progress {
+        progress(Progress {
+            done: search.tried.get(),
+            total: search.tried.get(),
+            best: None,
+            finishing: Some("looking for what is wrong of the lens"),
+        });
+    }
     let pictures = (&fitted[..], &placed[..]);
     let method = (options.seed, LEVEL);
     let off = lens_off(scene, &sighted, light, pictures, &known, method)?;
@@ -252,7 +263,7 @@ pub fn tune_camera(
             };
             let (camera, placed) = placed_of(scene, camera, light, own, &fixed)?;
             let reals = reals_of(scene, &camera, light, own, &placed)?;
-            let rows = apart(&camera, &reals, options.seed, DRAWS)?;
+            let rows = apart(&camera, &reals, options.seed, draws(&reals))?;
             Ok((
                 mismatch(&rows, &found.scale),
                 miss_px(&camera.lens, &placed),

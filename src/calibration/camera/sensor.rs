@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::look::{Parts, kind, look};
 use crate::error::Result;
+use crate::optimization::Progress;
 use crate::sensing::vision::Grey;
 use crate::sensing::vision::camera::{Camera, focused};
 use crate::statistics::{mean, standard_deviation};
@@ -124,6 +125,7 @@ pub(super) struct Search<'a> {
     pub budget: usize,
     /// How often all pictures were simulated so far.
     pub tried: Cell<usize>,
+    pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
 }
 
 /// Settings with their covariance, in shares of their ranges.
@@ -156,10 +158,12 @@ const PLACES: i32 = 8;
 const REACH: f64 = 0.4;
 /// A blur below this share changes nothing in a picture, so that its slope says nothing.
 const LEAST_BLUR: f64 = 0.1;
-/// Simulated pictures of each real one, at first and at last: compression makes single ones jump from value to value, which holds a
-/// search where it is.
+/// Most simulated pictures of each real one, at first and at last: compression makes single ones jump from value to value, which holds
+/// a search where it is.
 const FEW: u64 = 4;
-pub(super) const DRAWS: u64 = 16;
+const DRAWS: u64 = 16;
+/// In so many pixels of all pictures together single jumps do not matter any more.
+const PIXELS: usize = 16 * 6 * 160 * 120;
 /// Numbers of further simulated pictures lie this far apart.
 const APART: u64 = 1 << 20;
 /// Steps of Gauss and Newton: damping at first, how often it is raised before the search ends, and what a step must gain at least.
@@ -179,6 +183,14 @@ impl Search<'_> {
     /// Real less simulated numbers, a row a view.
     fn apart(&self, shares: &[f64], draws: u64) -> Result<Vec<Vec<f64>>> {
         self.tried.set(self.tried.get() + 1);
+        if let Some(progress) = self.progress {
+            progress(Progress {
+                done: self.tried.get().min(self.budget),
+                total: self.budget,
+                best: None,
+                finishing: None,
+            });
+        }
         apart(&self.camera_at(shares), self.pictures, self.seed, draws)
     }
 
@@ -209,7 +221,7 @@ impl Search<'_> {
             shares = self.walk(&shares, &start, way)?;
         }
         shares[BLUR] = shares[BLUR].max(LEAST_BLUR);
-        let (shares, _) = self.descend(shares, &start, FEW)?;
+        let (shares, _) = self.descend(shares, &start, FEW.min(draws(self.pictures)))?;
         self.end(shares, start)
     }
 
@@ -219,7 +231,7 @@ impl Search<'_> {
     }
 
     fn end(&self, from: Vec<f64>, start: Vec<f64>) -> Result<Found> {
-        let (shares, near) = self.descend(from, &start, DRAWS)?;
+        let (shares, near) = self.descend(from, &start, draws(self.pictures))?;
         Ok(Found {
             sd: near.sd(),
             scale: near.scale,
@@ -376,6 +388,13 @@ impl Near {
             }
         }
     }
+}
+
+/// How many simulated pictures of each real one are enough.
+pub(super) fn draws(pictures: &[Real]) -> u64 {
+    let pixels = |real: &Real| real.light[0].values().len();
+    let all: usize = pictures.iter().map(pixels).sum();
+    (PIXELS.div_ceil(all.max(1)) as u64).min(DRAWS)
 }
 
 /// Real less simulated numbers of some pictures, a row a view.

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use indicatif::ProgressBar;
 use realgap::calibration::Overrides;
 use realgap::file::{look_up, unknown_name};
 use realgap::report::{ShownBox, shown_body, shown_parts};
@@ -121,11 +122,12 @@ impl Moving {
         camera: &Camera,
         light: &Light,
         file: &mut ViewsFile,
+        bar: &ProgressBar,
     ) -> Result<usize> {
         let taken = if options.ride.is_some() {
-            self.ride(options, scene, camera, light, file)
+            self.ride(options, scene, camera, light, file, bar)
         } else {
-            self.watch(options, scene, camera, light, file)
+            self.watch(options, scene, camera, light, file, bar)
         };
         taken.map_err(|e| about(&self.recording.path, e))
     }
@@ -137,14 +139,17 @@ impl Moving {
         camera: &Camera,
         light: &Light,
         file: &mut ViewsFile,
+        bar: &ProgressBar,
     ) -> Result<usize> {
         let ride = self.riding(scene)?;
+        bar.set_length(self.times_s.len() as u64);
         for (number, time_s) in self.times_s.iter().enumerate() {
             let (picture, view) = ride.take(camera, light, *time_s, options.seed, number as u64)?;
             picture.write_png(options.output.join(format!("{}.png", view.name)))?;
             let room = ride.room_at(*time_s);
             file.views
                 .push(known(&room, camera, &view.pose, &view.name));
+            bar.inc(1);
         }
         Ok(self.times_s.len())
     }
@@ -156,8 +161,10 @@ impl Moving {
         camera: &Camera,
         light: &Light,
         file: &mut ViewsFile,
+        bar: &ProgressBar,
     ) -> Result<usize> {
         let watch = self.watching(scene)?;
+        bar.set_length((options.views(scene).count() * self.times_s.len()) as u64);
         for (index, view) in options.views(scene) {
             for (number, time_s) in self.times_s.iter().enumerate() {
                 // The camera stays where a picture without robots would have it; its noise is new in every picture.
@@ -169,6 +176,7 @@ impl Moving {
                 let room = watch.room_at(*time_s);
                 file.views
                     .push(known(&room, camera, &view.pose, &view.name));
+                bar.inc(1);
             }
         }
         Ok(options.views(scene).count() * self.times_s.len())
