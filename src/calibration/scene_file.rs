@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 
 use crate::error::{Error, Result};
-use crate::file::unknown_name;
+use crate::file::{orientation, unknown_name};
 use crate::simulation::{Experiment, SceneBody, SceneBox, SceneMotion};
 use crate::trajectory::Recording;
 
@@ -80,16 +80,8 @@ fn vector((x, y, z): Triple) -> Vector3<f64> {
     Vector3::new(x, y, z)
 }
 
-fn pose(at: Triple, (w, x, y, z): (f64, f64, f64, f64)) -> Result<Isometry3<f64>> {
-    let turn = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6)
-        // Parts so large that their squares overflow have no direction.
-        .filter(|turn| (turn.norm() - 1.0).abs() < 1e-6)
-        .ok_or_else(|| {
-            Error::invalid("not an orientation")
-                .field("orientation_wxyz")
-                .found(format!("{:?}", (w, x, y, z)))
-                .allowed("a quaternion, real part first, that is neither zero nor endless")
-        })?;
+fn pose(at: Triple, wxyz: (f64, f64, f64, f64)) -> Result<Isometry3<f64>> {
+    let turn = orientation(wxyz)?;
     let at = vector(at);
     if !at.iter().all(|v| v.is_finite()) {
         return Err(Error::invalid("not a position").field("position_m"));

@@ -10,7 +10,7 @@ use indicatif::ProgressBar;
 use realgap::sensing::vision::camera::{
     ALPHABET_TEXT, Camera, Light, Motif, Scene, View, alphabet_picture, known, take,
 };
-use realgap::sensing::vision::{AlphabetFile, PictureSource, ViewsFile};
+use realgap::sensing::vision::{AlphabetFile, Picture as Bitmap, PictureSource, ViewsFile};
 use realgap::unit::counted;
 use realgap::{Error, Result, Warning, warning};
 
@@ -126,14 +126,20 @@ impl Picture {
                 text: ALPHABET_TEXT.to_owned(),
             });
         }
-        let bar = progress::bar(0, "taking pictures");
-        let taken = match &moving {
-            Some(moving) => moving.take(&self, &scene, camera, light, &mut file, &bar),
-            None => self.stand(&scene, camera, light, &mut file, &bar),
+        let mut album = Album {
+            camera,
+            light,
+            folder,
+            file,
+            bar: progress::bar(0, "taking pictures"),
         };
-        bar.finish_and_clear();
-        let taken = taken?;
-        file.write(folder)?;
+        let taken = match &moving {
+            Some(moving) => moving.take(&self, &scene, &mut album),
+            None => self.stand(&scene, &mut album),
+        };
+        album.bar.finish_and_clear();
+        taken?;
+        album.file.write(folder)?;
         if camera.is_stand_in {
             terminal::print_warnings(&[Warning::new(
                 warning::Code::StandIn,
@@ -145,7 +151,7 @@ impl Picture {
         }
         terminal::print(format!(
             "{} in {}",
-            counted(taken, "picture"),
+            counted(album.file.views.len(), "picture"),
             folder.display()
         ));
         Ok(ExitCode::SUCCESS)
@@ -157,18 +163,10 @@ impl Picture {
         all.filter(|(_, view)| self.view.is_empty() || self.view.contains(&view.name))
     }
 
-    /// Pictures from the scene's viewpoints; says how many.
-    fn stand(
-        &self,
-        scene: &Scene,
-        camera: &Camera,
-        light: &Light,
-        file: &mut ViewsFile,
-        bar: &ProgressBar,
-    ) -> Result<usize> {
-        let mut taken = 0;
+    /// Pictures from the scene's viewpoints.
+    fn stand(&self, scene: &Scene, album: &mut Album<'_>) -> Result<()> {
         let repeats = self.repeats.unwrap_or(1);
-        bar.set_length(self.views(scene).count() as u64 * u64::from(repeats));
+        album.expect(self.views(scene).count() * usize::from(repeats));
         for (index, view) in self.views(scene) {
             for repeat in 1..=repeats {
                 let name = match self.repeats {
@@ -177,13 +175,36 @@ impl Picture {
                 };
                 // A view's pictures do not depend on which others are taken.
                 let number = numbered(index) + u64::from(repeat);
-                let (picture, pose) = take(scene, camera, view, light, self.seed, number)?;
-                picture.write_png(self.output.join(format!("{name}.png")))?;
-                file.views.push(known(scene, camera, &pose, &name));
-                taken += 1;
-                bar.inc(1);
+                let (picture, pose) =
+                    take(scene, album.camera, view, album.light, self.seed, number)?;
+                album.keep(&picture, scene, &View { name, pose })?;
             }
         }
-        Ok(taken)
+        Ok(())
+    }
+}
+
+/// The folder that pictures go into, and with what they are taken.
+struct Album<'a> {
+    camera: &'a Camera,
+    light: &'a Light,
+    folder: &'a Path,
+    file: ViewsFile,
+    bar: ProgressBar,
+}
+
+impl Album<'_> {
+    /// So many pictures will come.
+    fn expect(&self, pictures: usize) {
+        self.bar.set_length(pictures as u64);
+    }
+
+    /// Writes a picture of a room, and what is to be found in it.
+    fn keep(&mut self, picture: &Bitmap, room: &Scene, view: &View) -> Result<()> {
+        picture.write_png(self.folder.join(format!("{}.png", view.name)))?;
+        let known = known(room, self.camera, &view.pose, &view.name);
+        self.file.views.push(known);
+        self.bar.inc(1);
+        Ok(())
     }
 }

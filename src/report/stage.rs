@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::motion::{BoxKind, robot_boxes};
 use crate::robot::morphology::Morphology;
-use crate::simulation::{Film, Floor, SceneBody, SceneMotion};
+use crate::simulation::{Film, Floor, SceneBody, SceneMotion, part_name};
 
 /// A colour: red, green, blue.
 pub(super) type Colour = [u8; 3];
@@ -171,7 +171,7 @@ fn actor(robot: Option<&Morphology>, film: &Film, scene: &[SceneBody], every: us
         let Some(poses) = poses else { continue };
         let own = boxes.iter().filter(|one| one.part == part);
         movers.push(Mover {
-            name: format!("part{part}"),
+            name: part_name(part),
             solids: own
                 .map(|one| Solid {
                     half_m: one.half_m,

@@ -74,7 +74,7 @@ pub fn part_from_solid(assembly: &Assembly, part: usize, solid: &Solid) -> Isome
 }
 
 /// Name of a part in the columns of a file.
-fn part_name(part: usize) -> String {
+pub fn part_name(part: usize) -> String {
     format!("part{part}")
 }
 

@@ -46,7 +46,7 @@ pub use experiment::{
     Contact, Experiment, Floor, FrictionModel, JointKind, JointState, Perturbation, Sampling,
     Solver, Start,
 };
-pub use film::{Film, film, part_from_solid};
+pub use film::{Film, film, part_from_solid, part_name};
 pub use noise::Noise;
 pub use outcome::{Divergence, Outcome};
 pub use part_state::PartState;

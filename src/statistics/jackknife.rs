@@ -41,14 +41,20 @@ pub fn jackknife_interval(
         return None;
     }
     let logs: Vec<f64> = left_out.iter().map(|v| libm::log(*v)).collect();
-    let mean = logs.iter().sum::<f64>() / n;
-    let mut variance = logs.iter().map(|l| (l - mean).powi(2)).sum::<f64>() * (n - 1.0) / n;
+    let mut variance = jackknife_variance(&logs);
     if degree == Degree::Pairs {
         variance *= (n - 2.0) / (n - 1.0);
     }
     let t = student_quantile(0.5 + 0.5 * level, n - 1.0);
     let factor = libm::exp(t * variance.sqrt());
     Some((value / factor, value * factor))
+}
+
+/// Variance of a number by its values without each item (Tukey 1958).
+pub(crate) fn jackknife_variance(left_out: &[f64]) -> f64 {
+    let n = left_out.len() as f64;
+    let mean = left_out.iter().sum::<f64>() / n;
+    left_out.iter().map(|v| (v - mean).powi(2)).sum::<f64>() * (n - 1.0) / n
 }
 
 /// Quantile of Student's t distribution; infinite without degrees of freedom.

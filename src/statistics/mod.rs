@@ -21,6 +21,7 @@ pub use bootstrap::{Resample, percentile_interval, resamples, smaller_resamples}
 pub use describe::{mean, median, quantile, standard_deviation};
 pub use energy::{EnergyTest, PERMUTATIONS, energy_test};
 pub use forecast::{ReliabilityBin, brier, reliability};
+pub(crate) use jackknife::jackknife_variance;
 pub use jackknife::{Degree, jackknife_interval, student_quantile};
 pub use matern::matern_5_2;
 pub use normality::{LEAST_FOR_NORMALITY, anderson_darling};

@@ -3,11 +3,11 @@
 
 use rayon::prelude::*;
 
-use super::placing::{Before, Placed, place};
+use super::placing::{Before, Placed, numbers, place, with};
 use super::shot::Shot;
 use super::{LEVEL, TunedSetting, known};
 use crate::sensing::vision::camera::Lens;
-use crate::statistics::{mean, student_quantile};
+use crate::statistics::{jackknife_variance, student_quantile};
 
 /// The field of view is searched this far about where it starts (radians), and the distortion about none.
 const FIELD_RAD: f64 = 0.26;
@@ -15,22 +15,15 @@ const DISTORTION: f64 = 0.5;
 
 /// Field of view in degrees, and both numbers of distortion.
 pub(super) fn in_degrees(lens: &Lens) -> [f64; 3] {
-    [
-        lens.field_of_view_rad.to_degrees(),
-        lens.distortion[0],
-        lens.distortion[1],
-    ]
+    let [field_of_view_rad, first, second] = numbers(lens);
+    [field_of_view_rad.to_degrees(), first, second]
 }
 
 /// The lens without what the method finds too large (`off`).
 pub(super) fn corrected(lens: &Lens, off: &[(f64, f64); 3]) -> Lens {
     let its = in_degrees(lens);
     let [degrees, first, second] = [0, 1, 2].map(|k| its[k] - off[k].0);
-    Lens {
-        field_of_view_rad: degrees.to_radians(),
-        distortion: [first, second],
-        ..*lens
-    }
+    with(lens, [degrees.to_radians(), first, second])
 }
 
 /// How far off the numbers may be, by how they change when one view is left out (jackknife).
@@ -46,13 +39,10 @@ fn by_views(lens: &Lens, shots: &[&Shot], placed: &[Placed], before: &Before) ->
             in_degrees(&place(lens, &mut others, before))
         })
         .collect();
-    let count = views.len() as f64;
-    let t = student_quantile(0.5 + 0.5 * LEVEL, count - 1.0);
+    let t = student_quantile(0.5 + 0.5 * LEVEL, views.len() as f64 - 1.0);
     [0, 1, 2].map(|k| {
-        let own: Vec<f64> = without.iter().map(|numbers| numbers[k]).collect();
-        let middle = mean(&own);
-        let squares: f64 = own.iter().map(|v| (v - middle).powi(2)).sum();
-        t * (squares * (count - 1.0) / count).sqrt()
+        let own: Vec<f64> = without.iter().map(|its| its[k]).collect();
+        t * jackknife_variance(&own).sqrt()
     })
 }
 

@@ -183,10 +183,9 @@ pub fn tune_camera(
         lens: true,
         sensor: false,
     };
-    let (camera, placed) = placed_of(scene, &start, light, &fitted, &before)?;
+    let (mut camera, placed) = placed_of(scene, &start, light, &fitted, &before)?;
 
     let (compression, quality) = compression(&start, &fitted)?;
-    let mut camera = camera;
     camera.sensor.jpeg_quality = quality;
     if compression.known == Known::Undetermined {
         let as_if = match quality {
@@ -218,7 +217,6 @@ pub fn tune_camera(
     let (sighted, placed) = placed_of(scene, &sighted, light, &fitted, &known)?;
     let reals = reals_of(scene, &sighted, light, &fitted, &placed)?;
     let search = Search {
-        settings: settings(&start),
         camera: sighted,
         pictures: &reals,
         ..search

@@ -46,7 +46,7 @@ const HUBER: f64 = 2.0;
 const LEAST_PX: f64 = 0.05;
 
 /// The three numbers of a lens that are sought.
-fn numbers(lens: &Lens) -> [f64; 3] {
+pub(super) fn numbers(lens: &Lens) -> [f64; 3] {
     [
         lens.field_of_view_rad,
         lens.distortion[0],
@@ -54,7 +54,7 @@ fn numbers(lens: &Lens) -> [f64; 3] {
     ]
 }
 
-fn with(lens: &Lens, numbers: [f64; 3]) -> Lens {
+pub(super) fn with(lens: &Lens, numbers: [f64; 3]) -> Lens {
     Lens {
         field_of_view_rad: numbers[0].clamp(0.02, 2.6),
         distortion: [numbers[1], numbers[2]],

@@ -2,22 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use indicatif::ProgressBar;
 use realgap::calibration::Overrides;
 use realgap::file::{look_up, unknown_name};
 use realgap::report::{ShownBox, shown_body, shown_parts};
 use realgap::robot::morphology::{Assembly, Morphology};
-use realgap::sensing::vision::ViewsFile;
-use realgap::sensing::vision::camera::{
-    Body, BodyBox, Camera, Light, Mount, Ride, Scene, Watch, known,
-};
-use realgap::simulation::{Film, SceneBody, SceneMotion};
+use realgap::sensing::vision::camera::{Body, BodyBox, Mount, Ride, Scene, Watch};
+use realgap::simulation::{Film, SceneBody, SceneMotion, part_name};
 use realgap::trajectory::{self, Reading, Recording, Trajectory};
 use realgap::{Error, Result};
 
 use super::super::kind::{is_study, read_definition, read_morphology};
 use super::super::terminal;
-use super::{Picture, numbered};
+use super::{Album, Picture, numbered};
 
 /// Most pictures of one viewpoint.
 const MOST_PICTURES: f64 = 10_000.0;
@@ -114,57 +110,36 @@ impl Moving {
         Ok(&body.1)
     }
 
-    /// Takes all pictures; says how many.
+    /// Takes all pictures.
     pub(super) fn take(
         &self,
         options: &Picture,
         scene: &Scene,
-        camera: &Camera,
-        light: &Light,
-        file: &mut ViewsFile,
-        bar: &ProgressBar,
-    ) -> Result<usize> {
+        album: &mut Album<'_>,
+    ) -> Result<()> {
         let taken = if options.ride.is_some() {
-            self.ride(options, scene, camera, light, file, bar)
+            self.ride(options, scene, album)
         } else {
-            self.watch(options, scene, camera, light, file, bar)
+            self.watch(options, scene, album)
         };
         taken.map_err(|e| about(&self.recording.path, e))
     }
 
-    fn ride(
-        &self,
-        options: &Picture,
-        scene: &Scene,
-        camera: &Camera,
-        light: &Light,
-        file: &mut ViewsFile,
-        bar: &ProgressBar,
-    ) -> Result<usize> {
+    fn ride(&self, options: &Picture, scene: &Scene, album: &mut Album<'_>) -> Result<()> {
         let ride = self.riding(scene)?;
-        bar.set_length(self.times_s.len() as u64);
+        let (camera, light) = (album.camera, album.light);
+        album.expect(self.times_s.len());
         for (number, time_s) in self.times_s.iter().enumerate() {
             let (picture, view) = ride.take(camera, light, *time_s, options.seed, number as u64)?;
-            picture.write_png(options.output.join(format!("{}.png", view.name)))?;
-            let room = ride.room_at(*time_s);
-            file.views
-                .push(known(&room, camera, &view.pose, &view.name));
-            bar.inc(1);
+            album.keep(&picture, &ride.room_at(*time_s), &view)?;
         }
-        Ok(self.times_s.len())
+        Ok(())
     }
 
-    fn watch(
-        &self,
-        options: &Picture,
-        scene: &Scene,
-        camera: &Camera,
-        light: &Light,
-        file: &mut ViewsFile,
-        bar: &ProgressBar,
-    ) -> Result<usize> {
+    fn watch(&self, options: &Picture, scene: &Scene, album: &mut Album<'_>) -> Result<()> {
         let watch = self.watching(scene)?;
-        bar.set_length((options.views(scene).count() * self.times_s.len()) as u64);
+        let (camera, light) = (album.camera, album.light);
+        album.expect(options.views(scene).count() * self.times_s.len());
         for (index, view) in options.views(scene) {
             for (number, time_s) in self.times_s.iter().enumerate() {
                 // The camera stays where a picture without robots would have it; its noise is new in every picture.
@@ -172,14 +147,10 @@ impl Moving {
                 let number = (index as u64) * (MOST_PICTURES as u64 + 1) + number as u64;
                 let (picture, view) =
                     watch.take(camera, view, light, *time_s, options.seed, [place, number])?;
-                picture.write_png(options.output.join(format!("{}.png", view.name)))?;
-                let room = watch.room_at(*time_s);
-                file.views
-                    .push(known(&room, camera, &view.pose, &view.name));
-                bar.inc(1);
+                album.keep(&picture, &watch.room_at(*time_s), &view)?;
             }
         }
-        Ok(options.views(scene).count() * self.times_s.len())
+        Ok(())
     }
 }
 
@@ -246,8 +217,7 @@ impl Cast {
     /// The bodies in a recording, and the name of the part that is tracked.
     fn company(&self, recording: &Recording) -> Result<(Vec<Body>, String)> {
         let assembly = self.morphology.assemble();
-        let name = |part: usize| format!("part{part}");
-        let parts: Vec<String> = (0..assembly.parts.len()).map(name).collect();
+        let parts: Vec<String> = (0..assembly.parts.len()).map(part_name).collect();
         let known = || {
             let others = self.others.iter().map(|other| other.name.as_str());
             parts.iter().map(String::as_str).chain(others)
@@ -268,7 +238,7 @@ impl Cast {
         for other in &self.others {
             bodies.push(beside(other, recording)?);
         }
-        Ok((bodies, name(assembly.track_part)))
+        Ok((bodies, part_name(assembly.track_part)))
     }
 }
 
@@ -306,7 +276,7 @@ fn part_motions(assembly: &Assembly, recording: &Recording) -> Result<Vec<(Strin
     };
     Err(
         Error::invalid("nobody knows where this part of the robot is")
-            .field(format!("part{}", unknown.unwrap_or_default()))
+            .field(part_name(unknown.unwrap_or_default()))
             .found(found)
             .allowed("x_m, y_m, z_m and qw to qz, of every part or with the angle of every joint")
             .hint("`realgap simulate --parts` writes them"),

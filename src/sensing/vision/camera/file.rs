@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use nalgebra::{Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
 use super::face::Faces;
@@ -12,7 +11,7 @@ use super::lens::Pose;
 use super::poster::{Motif, Texture};
 use super::scene::{Block, Camera, Lamp, Light, Mount, Poster, Scene, View};
 use crate::error::{Error, Result};
-use crate::file::{Source, check_name, look_up, parse_ron};
+use crate::file::{Source, check_name, look_up, orientation, parse_ron};
 
 type Three = (f64, f64, f64);
 
@@ -259,17 +258,10 @@ impl Reader<'_> {
                 "halves above 0 m at a finite place",
             ));
         }
-        let (w, x, y, z) = file.orientation_wxyz;
-        let turn = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6);
-        // Parts so large that their squares overflow have no direction.
-        let Some(turn) = turn.filter(|turn| (turn.norm() - 1.0).abs() < 1e-6) else {
-            return Err(self.wrong(
-                &format!("{field}.orientation_wxyz"),
-                "not an orientation",
-                format!("{:?}", file.orientation_wxyz),
-                "a quaternion, real part first, that is neither zero nor endless",
-            ));
-        };
+        let turn = orientation(file.orientation_wxyz).map_err(|error| {
+            let field = format!("{field}.orientation_wxyz");
+            self.0.at(&field, error.field(&field))
+        })?;
         let turn = turn.to_rotation_matrix();
         let (sin, cos) = file.turn_deg.to_radians().sin_cos();
         Ok(Block {
