@@ -55,6 +55,31 @@ fn every_shipped_file_is_sound() {
     assert!(report.contains("441 points"), "{report}");
 }
 
+/// A clone of this repository alone must do: paths in shipped files stay inside it.
+#[test]
+fn no_shipped_file_points_outside_of_the_repository() {
+    let project = project().canonicalize().unwrap();
+    let folders = ["arenas", "morphologies", "scenes", "sensors", "sweeps", "vehicles"];
+    let mut offences = Vec::new();
+    for folder in folders {
+        for entry in std::fs::read_dir(project.join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            let file = std::fs::read_to_string(&path).unwrap();
+            for (number, line) in file.lines().enumerate() {
+                let code = line.split("//").next().unwrap_or_default();
+                // What stands between quotation marks: every second piece.
+                for quoted in code.split('"').skip(1).step_by(2) {
+                    let climbs = quoted.split('/').filter(|step| *step == "..").count();
+                    if climbs > 1 || quoted.starts_with('/') {
+                        offences.push(format!("{}:{}: {quoted}", path.display(), number + 1));
+                    }
+                }
+            }
+        }
+    }
+    assert!(offences.is_empty(), "{}", offences.join("\n"));
+}
+
 #[test]
 fn a_path_that_is_not_there_is_named_with_a_hint() {
     let out = realgap().args(["check", "no/such.ron"]).assert().code(1);
