@@ -85,39 +85,60 @@
 //! Units are SI and stand in the names, frames too: [`guide::conventions`]. Why things are as they are:
 //! [`guide::design`]. What was measured: [`guide::fidelity`]. Words: [`guide::glossary`].
 
-pub mod calibration;
-pub mod comparison;
-pub mod error;
-pub mod export;
-pub mod file;
-mod font;
-pub mod import;
-pub mod optimization;
-pub mod plan;
-pub mod plot;
-pub mod prediction;
-pub mod quantity;
-pub mod random;
-pub mod report;
-pub mod results;
-pub mod robot;
 #[cfg(feature = "schema")]
 pub mod schema;
-pub mod search;
-pub mod sensing;
-pub mod simulation;
-pub mod statistics;
-pub mod store;
-pub mod table;
-pub mod task;
-pub mod text;
-pub mod trajectory;
-pub mod unit;
-pub mod warning;
 
-pub use error::{Advice, Error, ErrorKind, Result};
-pub use optimization::{Progress, RunOptions};
-pub use warning::Warning;
+/// From recordings to parameters of the simulation, and how sure one may be of them.
+pub mod calibration {
+    #[doc(inline)]
+    pub use realgap_lab::calibration::*;
+    #[doc(inline)]
+    pub use realgap_vision::tuning as camera;
+}
+
+/// From an experiment to a run.
+pub mod simulation {
+    #[doc(inline)]
+    pub use realgap_engine::*;
+    #[doc(inline)]
+    pub use realgap_verify as verification;
+}
+
+/// What robots perceive, and how far a simulated sensor is from the real one.
+pub mod sensing {
+    #[doc(inline)]
+    pub use realgap_sense::{arena, belief, graph, radio, range};
+    #[doc(inline)]
+    pub use realgap_vision as vision;
+}
+
+/// Robots: modules, servos and glue; genomes and what they develop into.
+pub mod robot {
+    #[doc(inline)]
+    pub use realgap_robot::{genome, morphology};
+}
+
+#[doc(inline)]
+pub use realgap_core::{error, file, quantity, random, statistics, table, text, unit, warning};
+#[doc(inline)]
+pub use realgap_engine::export;
+#[doc(inline)]
+pub use realgap_lab::{plan, prediction, search};
+#[doc(inline)]
+pub use realgap_optimize as optimization;
+#[doc(inline)]
+pub use realgap_page::{plot, report, results};
+#[doc(inline)]
+pub use realgap_path::{comparison, trajectory};
+#[doc(inline)]
+pub use realgap_robot::import;
+#[doc(inline)]
+pub use realgap_sense::task;
+#[doc(inline)]
+pub use realgap_store as store;
+
+pub use realgap_core::{Advice, Error, ErrorKind, Result, Warning};
+pub use realgap_optimize::{Progress, RunOptions};
 
 /// The pages of `docs/`, shipped with the code they describe.
 pub mod guide {

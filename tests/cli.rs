@@ -59,7 +59,14 @@ fn every_shipped_file_is_sound() {
 #[test]
 fn no_shipped_file_points_outside_of_the_repository() {
     let project = project().canonicalize().unwrap();
-    let folders = ["arenas", "morphologies", "scenes", "sensors", "sweeps", "vehicles"];
+    let folders = [
+        "arenas",
+        "morphologies",
+        "scenes",
+        "sensors",
+        "sweeps",
+        "vehicles",
+    ];
     let mut offences = Vec::new();
     for folder in folders {
         for entry in std::fs::read_dir(project.join(folder)).unwrap() {

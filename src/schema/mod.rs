@@ -5,7 +5,6 @@
 //! file of ours reads that JSON, too. Only with the feature `schema`: the results are committed, in `schemas/`.
 
 mod page;
-mod text;
 
 pub use page::page;
 use schemars::generate::SchemaSettings;

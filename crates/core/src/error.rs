@@ -1,0 +1,376 @@
+//! The one public error type: where, what was found, what is allowed, and what to do next.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use crate::text::{shown, shown_end};
+use crate::unit::LengthUnit;
+
+/// Result with the crate's [`Error`].
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What kind of failure an [`Error`] is; decides the exit code of the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// The operating system refused: missing file, full disk, no permission.
+    Io,
+    /// A file or value does not have the form or range it must have.
+    Invalid,
+    /// The request clashes with what is already there (locked folder, changed study).
+    Conflict,
+    /// The command was used wrongly (exit code 2).
+    Usage,
+    /// The user interrupted; the work so far is saved (exit code 130).
+    Interrupted,
+}
+
+/// An error that says where it happened, what was found, what is allowed and what to do next.
+///
+/// Built step by step; every part but the message is optional:
+///
+/// ```
+/// use realgap_core::Error;
+/// use realgap_core::ErrorKind;
+///
+/// let error = Error::invalid("mass must be positive")
+///     .at_file("robot.ron")
+///     .at_line(12, 19)
+///     .field("mass_kg")
+///     .found("-0.1")
+///     .allowed("more than 0 kg, at most 100 kg")
+///     .hint("a module without mass cannot be simulated; weigh the real one");
+/// assert_eq!(error.kind(), ErrorKind::Invalid);
+/// assert_eq!(
+///     error.to_string(),
+///     "robot.ron:12:19: mass_kg: mass must be positive\n  \
+///        found:   -0.1\n  \
+///        allowed: more than 0 kg, at most 100 kg\n  \
+///        hint:    a module without mass cannot be simulated; weigh the real one"
+/// );
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Error(Box<Parts>);
+
+#[derive(Debug, Clone, PartialEq)]
+struct Parts {
+    kind: ErrorKind,
+    message: String,
+    file: Option<PathBuf>,
+    line_column: Option<(usize, usize)>,
+    field: Option<String>,
+    found: Option<String>,
+    allowed: Option<String>,
+    hint: Option<String>,
+    advice: Vec<Advice>,
+}
+
+impl Parts {
+    /// The hint, and what `advice` offers: "do this, or that".
+    fn hint_with(&self, advice: &[Advice], words: impl Fn(&Advice) -> String) -> Option<String> {
+        let ways: Vec<String> = advice.iter().map(words).collect();
+        let ways = match ways.as_slice() {
+            [] => None,
+            [one] => Some(one.clone()),
+            [first, last] => Some(format!("{first} or {last}")),
+            [first @ .., last] => Some(format!("{}, or {last}", first.join(", "))),
+        };
+        match (&self.hint, ways) {
+            (Some(hint), Some(ways)) => Some(format!("{hint}; {ways}")),
+            (hint, ways) => hint.clone().or(ways),
+        }
+    }
+}
+
+/// A way out of an error that a caller of the library takes through an argument, a user of the command line through an
+/// option. [`Display`](fmt::Display) speaks to the former; the command line has its own words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Advice {
+    /// Go on with what is stored already.
+    Resume,
+    /// Throw away what is stored, and start anew.
+    Restart,
+    /// Write into another folder.
+    OtherFolder,
+    /// Run in parallel on fewer threads.
+    FewerThreads,
+    /// Let another optimizer search.
+    OtherOptimizer,
+    /// Draw other random numbers.
+    OtherSeed,
+    /// Read the file in this unit of length.
+    Unit(LengthUnit),
+    /// Say which column of a recording holds what.
+    MapColumns,
+    /// Read one robot, or one run, of a file that holds several.
+    ChooseRobot,
+    /// Sort the samples of a recording by time.
+    SortSamples,
+    /// Leave samples out that the tracker has lost.
+    SkipLost,
+    /// Begin to read below the first lines.
+    SkipLines,
+    /// Say how many samples a second a recording without times has.
+    Rate,
+    /// Say which topic of a log holds the recording.
+    Topic,
+    /// Read another part of a recording.
+    Crop,
+    /// Say in which unit a recording measures time.
+    TimeUnit,
+    /// Name the recordings.
+    Recordings,
+    /// Give values that a calibration has found.
+    CalibratedValues,
+    /// Compare with a metric that needs no basis of principal components.
+    MetricWithoutBasis,
+    /// Let an optimizer choose the points instead of evaluating a whole grid.
+    LetOptimizerChoose,
+    /// Look up the names of all parameters.
+    ListParameters,
+}
+
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Resume => f.write_str("resume what is stored"),
+            Self::Restart => f.write_str("start anew"),
+            Self::OtherFolder => f.write_str("choose another folder"),
+            Self::FewerThreads => f.write_str("use fewer threads"),
+            Self::OtherOptimizer => f.write_str("choose another optimizer"),
+            Self::OtherSeed => f.write_str("choose another seed"),
+            Self::Unit(unit) => write!(f, "read it in {unit}"),
+            Self::MapColumns => f.write_str(
+                "say which column is which: `columns: (t: \"NAME in ms\", x: \"NAME in mm\", ...)` in `reading`",
+            ),
+            Self::ChooseRobot => {
+                f.write_str("read one of them: `only: (column: \"NAME\", value: \"VALUE\")` in `reading`")
+            }
+            Self::SortSamples => f.write_str("sort them: `sort: true` in `reading`"),
+            Self::SkipLost => f.write_str("leave lost samples out: `skip_lost: true` in `reading`"),
+            Self::SkipLines => f.write_str("begin below them: `skip_lines: N` in `reading`"),
+            Self::Rate => f.write_str("say how many samples a second there are: `rate_hz: 10` in `reading`"),
+            Self::Topic => f.write_str(
+                "choose one: `topic: \"/NAME\"` in `reading`, and `child_frame: \"NAME\"` of transforms",
+            ),
+            Self::Crop => {
+                f.write_str("choose another part: `crop: (from_s: ..., to_s: ...)` in `reading`")
+            }
+            Self::TimeUnit => f.write_str("say their unit: `time: \"ms\"` in `reading`"),
+            Self::Recordings => f.write_str("name the recordings, e.g. FOLDER/*.csv"),
+            Self::CalibratedValues => f.write_str("give values, e.g. those of a sweep's best.ron"),
+            Self::MetricWithoutBasis => f.write_str(
+                "choose a metric without a basis, e.g. rms, which needs no first design",
+            ),
+            Self::LetOptimizerChoose => f.write_str("let an optimizer choose the points"),
+            Self::ListParameters => f.write_str("look up the names in the registry of parameters"),
+        }
+    }
+}
+
+impl Error {
+    fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
+        Self(Box::new(Parts {
+            kind,
+            message: message.into(),
+            file: None,
+            line_column: None,
+            field: None,
+            found: None,
+            allowed: None,
+            hint: None,
+            advice: Vec::new(),
+        }))
+    }
+
+    /// A value or file that does not have the form it must have.
+    pub fn invalid(message: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Invalid, message)
+    }
+
+    /// A request that clashes with what is already there.
+    pub fn conflict(message: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Conflict, message)
+    }
+
+    /// A wrong use of a command.
+    pub fn usage(message: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Usage, message)
+    }
+
+    /// The user interrupted; the work so far is saved.
+    pub fn interrupted(message: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Interrupted, message)
+    }
+
+    /// The operating system refused `doing` (e.g. "read the recording") on `path`.
+    pub fn io(doing: &str, path: impl AsRef<Path>, source: &std::io::Error) -> Self {
+        use std::io::ErrorKind as Io;
+        let error = Self::new(ErrorKind::Io, format!("cannot {doing}: {source}")).at_file(path);
+        match source.kind() {
+            Io::NotFound => {
+                error.hint("check the path; relative paths start at the current folder")
+            }
+            Io::PermissionDenied | Io::ReadOnlyFilesystem => {
+                error.hint("check the permissions of the file and of its folder")
+            }
+            Io::StorageFull | Io::QuotaExceeded => {
+                error.hint("free some disk space, then run the command again")
+            }
+            _ => error,
+        }
+    }
+
+    /// The file in which the error was found.
+    #[must_use]
+    pub fn at_file(mut self, path: impl AsRef<Path>) -> Self {
+        self.0.file = Some(path.as_ref().to_path_buf());
+        self
+    }
+
+    /// Line and column, both counted from 1.
+    #[must_use]
+    pub fn at_line(mut self, line: usize, column: usize) -> Self {
+        self.0.line_column = Some((line, column));
+        self
+    }
+
+    /// The field or column concerned, e.g. `modules[2].mass_kg`.
+    #[must_use]
+    pub fn field(mut self, field: impl Into<String>) -> Self {
+        self.0.field = Some(field.into());
+        self
+    }
+
+    /// What was found.
+    #[must_use]
+    pub fn found(mut self, found: impl fmt::Display) -> Self {
+        self.0.found = Some(found.to_string());
+        self
+    }
+
+    /// What is allowed instead.
+    #[must_use]
+    pub fn allowed(mut self, allowed: impl fmt::Display) -> Self {
+        self.0.allowed = Some(allowed.to_string());
+        self
+    }
+
+    /// What the user can do next.
+    #[must_use]
+    pub fn hint(mut self, hint: impl fmt::Display) -> Self {
+        self.0.hint = Some(hint.to_string());
+        self
+    }
+
+    /// What the user can do next, where the error does not say so yet.
+    #[must_use]
+    pub fn or_hint(self, hint: impl fmt::Display) -> Self {
+        if self.0.hint.is_some() {
+            self
+        } else {
+            self.hint(hint)
+        }
+    }
+
+    /// One more way out, in the order of preference; each program says how it is taken.
+    #[must_use]
+    pub fn advise(mut self, advice: Advice) -> Self {
+        self.0.advice.push(advice);
+        self
+    }
+
+    /// The ways out, in the order of preference.
+    pub fn advice(&self) -> &[Advice] {
+        &self.0.advice
+    }
+
+    /// The same error without its ways out: for who can take none of them.
+    #[must_use]
+    pub fn without_advice(mut self) -> Self {
+        self.0.advice.clear();
+        self
+    }
+
+    /// The same error whose ways out are said in a program's own words, e.g. with its options.
+    #[must_use]
+    pub fn with_advice_as(mut self, words: impl Fn(&Advice) -> String) -> Self {
+        let advice = std::mem::take(&mut self.0.advice);
+        if let Some(hint) = self.0.hint_with(&advice, words) {
+            self.0.hint = Some(hint);
+        }
+        self
+    }
+
+    /// The same error as a wrong use of a command: for values that came from an option, not from a file.
+    #[must_use]
+    pub fn into_usage(mut self) -> Self {
+        self.0.kind = ErrorKind::Usage;
+        self
+    }
+
+    /// The kind, which decides the exit code.
+    pub fn kind(&self) -> ErrorKind {
+        self.0.kind
+    }
+
+    /// The message without location, found, allowed and hint.
+    pub fn message(&self) -> &str {
+        &self.0.message
+    }
+
+    /// The file, if the error belongs to one.
+    pub fn file(&self) -> Option<&Path> {
+        self.0.file.as_deref()
+    }
+
+    /// The field or column concerned, if known.
+    pub fn field_name(&self) -> Option<&str> {
+        self.0.field.as_deref()
+    }
+
+    /// Line and column (from 1), if known.
+    pub fn line_column(&self) -> Option<(usize, usize)> {
+        self.0.line_column
+    }
+}
+
+/// Most characters of each part that are shown; what comes from files may be longer.
+const PATH_SHOWN: usize = 400;
+const FIELD_SHOWN: usize = 120;
+const FOUND_SHOWN: usize = 400;
+const WORDS_SHOWN: usize = 2000;
+
+impl fmt::Display for Error {
+    /// Every part in one line, without control characters, whatever the file held that it speaks of.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let p = &self.0;
+        if let Some(file) = &p.file {
+            write!(f, "{}", shown_end(&file.to_string_lossy(), PATH_SHOWN))?;
+            if let Some((line, column)) = p.line_column {
+                write!(f, ":{line}:{column}")?;
+            }
+            write!(f, ": ")?;
+        } else if let Some((line, column)) = p.line_column {
+            write!(f, "{line}:{column}: ")?;
+        }
+        if let Some(field) = &p.field {
+            write!(f, "{}: ", shown(field, FIELD_SHOWN))?;
+        }
+        f.write_str(&shown(&p.message, WORDS_SHOWN))?;
+        let hint = p.hint_with(&p.advice, Advice::to_string);
+        for (label, text, longest) in [
+            ("found:  ", &p.found, FOUND_SHOWN),
+            ("allowed:", &p.allowed, WORDS_SHOWN),
+            ("hint:   ", &hint, WORDS_SHOWN),
+        ] {
+            if let Some(text) = text {
+                write!(f, "\n  {label} {}", shown(text, longest))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Error {}

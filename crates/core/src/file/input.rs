@@ -1,0 +1,27 @@
+//! Reading a file that may be missing, a folder, or endless.
+
+use std::io::Read as _;
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+/// At most `limit` + 1 bytes of the file at `path`, so that endless files (/dev/zero) are refused by the
+/// caller's check of the size, not read. `kind` is what error messages call the file, e.g. "morphology".
+///
+/// # Errors
+/// Missing or unreadable files, and folders.
+pub fn read_limited(path: &Path, limit: u64, kind: &str) -> Result<Vec<u8>> {
+    let doing = format!("read the {kind}");
+    let refuse = |error: std::io::Error| Error::io(&doing, path, &error);
+    let file = std::fs::File::open(path).map_err(refuse)?;
+    if file.metadata().map_err(refuse)?.is_dir() {
+        return Err(Error::invalid(format!("cannot {doing}: this is a folder"))
+            .at_file(path)
+            .hint("name one file inside it"));
+    }
+    let mut bytes = Vec::new();
+    file.take(limit + 1)
+        .read_to_end(&mut bytes)
+        .map_err(refuse)?;
+    Ok(bytes)
+}

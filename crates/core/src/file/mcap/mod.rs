@@ -1,0 +1,29 @@
+//! MCAP containers (<https://mcap.dev/spec>): messages of many channels in one file, as ROS 2 and Foxglove record them.
+//!
+//! A small reader and writer of our own: the crate of that name brings fifteen more, and C for its compression (docs/design.md).
+
+mod foxglove;
+mod read;
+mod write;
+
+pub use foxglove::{Topic, stamp};
+pub use read::read_mcap;
+pub use write::McapWriter;
+
+/// First and last bytes of a file.
+const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
+
+/// Kinds of records, by their first byte.
+mod opcode {
+    pub const HEADER: u8 = 1;
+    pub const FOOTER: u8 = 2;
+    pub const SCHEMA: u8 = 3;
+    pub const CHANNEL: u8 = 4;
+    pub const MESSAGE: u8 = 5;
+    pub const CHUNK: u8 = 6;
+    pub const MESSAGE_INDEX: u8 = 7;
+    pub const CHUNK_INDEX: u8 = 8;
+    pub const STATISTICS: u8 = 11;
+    pub const SUMMARY_OFFSET: u8 = 14;
+    pub const DATA_END: u8 = 15;
+}

@@ -1,0 +1,60 @@
+//! Reading files written by people: robots, studies and metadata in RON.
+//!
+//! [`Source`] is a text with its path; [`parse_ron`] turns it into a typed value or into an
+//! [`Error`](crate::Error) that names file, line, column and field. What a type cannot say (two modules on one
+//! face, a cycle) is found later; [`Source::at`] then gives that error its line, too.
+//!
+//! ```
+//! use realgap_core::file::{Source, parse_ron};
+//!
+//! #[derive(Debug, serde::Deserialize)]
+//! #[serde(deny_unknown_fields)]
+//! struct Floor {
+//!     friction: f64,
+//! }
+//!
+//! let source = Source::new("floor.ron", "(\n    fricton: 0.4,\n)");
+//! let error = parse_ron::<Floor>(&source).unwrap_err();
+//! assert_eq!(
+//!     error.to_string(),
+//!     "floor.ron:2:5: fricton: unknown field\n  \
+//!        found:   fricton\n  \
+//!        allowed: friction\n  \
+//!        hint:    did you mean `friction`?"
+//! );
+//!
+//! let source = Source::new("floor.ron", "(friction: 0.4)");
+//! assert_eq!(parse_ron::<Floor>(&source)?.friction, 0.4);
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+
+mod bitmap;
+mod decode;
+mod hash;
+mod input;
+mod json;
+mod log;
+mod mcap;
+mod name;
+mod octet;
+mod orientation;
+mod outline;
+mod output;
+mod source;
+mod suggestion;
+mod unique;
+
+pub use bitmap::{Animated, png_bytes};
+pub use decode::{parse_ron, write_ron};
+pub use hash::sha256;
+pub use input::read_limited;
+pub use json::{SCHEMA_VERSION, versioned_json};
+pub use log::{LogTable, read_log_text};
+pub use mcap::{McapWriter, Topic, read_mcap, stamp};
+pub use name::{check_name, name_of_file};
+pub use octet::Octets;
+pub use orientation::orientation;
+pub use output::{check_writable, write_atomic};
+pub use source::{MAX_FILE_BYTES, MAX_NESTING, Source};
+pub use suggestion::{look_up, nearest_name, unknown_name};
+pub use unique::unique_keys;

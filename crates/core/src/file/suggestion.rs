@@ -1,0 +1,121 @@
+//! "Did you mean ...?": every name that people write is looked up here.
+
+use crate::error::{Error, Result};
+
+/// Most names that an error lists.
+const SHOWN: usize = 30;
+
+/// The item of a registry that is called `name`.
+///
+/// ```
+/// use realgap_core::file::look_up;
+///
+/// let springs = [("soft", 10.0), ("stiff", 1e4)];
+/// assert_eq!(look_up("spring", "stiff", springs, |spring| spring.0)?.1, 1e4);
+/// assert_eq!(
+///     look_up("spring", "stif", springs, |spring| spring.0).unwrap_err().to_string(),
+///     "unknown spring\n  found:   stif\n  allowed: soft, stiff\n  hint:    did you mean `stiff`?"
+/// );
+/// # Ok::<(), realgap_core::Error>(())
+/// ```
+///
+/// # Errors
+/// No item has the name: as [`unknown_name`].
+pub fn look_up<'a, T>(
+    what: &str,
+    name: &str,
+    items: impl IntoIterator<Item = T>,
+    name_of: impl Fn(&T) -> &'a str,
+) -> Result<T> {
+    let mut known = Vec::new();
+    for item in items {
+        let its_name = name_of(&item);
+        if its_name == name {
+            return Ok(item);
+        }
+        known.push(its_name);
+    }
+    Err(unknown_name(what, name, known))
+}
+
+/// The error for a `name` that is none of those `allowed`: lists them and says which one may have been meant.
+pub fn unknown_name<'a>(
+    what: &str,
+    name: &str,
+    allowed: impl IntoIterator<Item = &'a str>,
+) -> Error {
+    let allowed: Vec<&str> = allowed.into_iter().collect();
+    let list = match allowed.len() {
+        0 => "nothing".to_owned(),
+        count if count <= SHOWN => allowed.join(", "),
+        count => format!("{} and {} more", allowed[..SHOWN].join(", "), count - SHOWN),
+    };
+    let error = Error::invalid(format!("unknown {what}"))
+        .found(shorten(name))
+        .allowed(list);
+    match nearest_name(name, allowed) {
+        Some(near) => error.hint(format!("did you mean `{near}`?")),
+        None => error,
+    }
+}
+
+/// One line of at most 60 characters, for messages.
+pub(super) fn shorten(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let one_line: String = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    if one_line.chars().count() <= LONGEST {
+        return one_line;
+    }
+    let start: String = one_line.chars().take(LONGEST - 4).collect();
+    start + " ..."
+}
+
+/// The allowed name closest to what was written, if it is close enough to be a slip of the pen.
+///
+/// ```
+/// use realgap_core::file::nearest_name;
+///
+/// assert_eq!(nearest_name("masskg", ["side_m", "mass_kg"]), Some("mass_kg"));
+/// assert_eq!(nearest_name("rsm", ["pca", "rms"]), Some("rms"));
+/// assert_eq!(nearest_name("colour", ["side_m", "mass_kg"]), None);
+/// ```
+pub fn nearest_name<'a>(
+    found: &str,
+    allowed: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    // Long garbage is no slip of the pen, and its distance would cost quadratic time.
+    if found.chars().count() > 64 {
+        return None;
+    }
+    // One slip per three letters: a single letter is close to every other, which says nothing.
+    let limit = (found.chars().count() + 1) / 3;
+    allowed
+        .into_iter()
+        .map(|name| (edit_distance(found, name), name))
+        .filter(|&(distance, _)| distance <= limit)
+        .min_by_key(|&(distance, _)| distance)
+        .map(|(_, name)| name)
+}
+
+/// Letters left out, added, replaced or exchanged with their neighbour (optimal string alignment), ignoring upper and lower case.
+fn edit_distance(a: &str, b: &str) -> usize {
+    let a: Vec<char> = a.to_lowercase().chars().collect();
+    let b: Vec<char> = b.to_lowercase().chars().collect();
+    let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
+    for i in 0..=a.len() {
+        for j in 0..=b.len() {
+            rows[i][j] = if i == 0 || j == 0 {
+                i + j
+            } else {
+                let replaced = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+                let nearest = replaced.min(rows[i - 1][j] + 1).min(rows[i][j - 1] + 1);
+                if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                    nearest.min(rows[i - 2][j - 2] + 1)
+                } else {
+                    nearest
+                }
+            };
+        }
+    }
+    rows[a.len()][b.len()]
+}

@@ -1,0 +1,17 @@
+//! What every crate of realgap needs: errors, warnings, units, random streams, statistics, files.
+
+pub mod error;
+pub mod file;
+pub mod font;
+pub mod quantity;
+pub mod random;
+#[cfg(feature = "schema")]
+pub mod schema;
+pub mod statistics;
+pub mod table;
+pub mod text;
+pub mod unit;
+pub mod warning;
+
+pub use error::{Advice, Error, ErrorKind, Result};
+pub use warning::Warning;

@@ -1,0 +1,45 @@
+//! How much alike neighbours of a series are, and how many independent values it is worth.
+
+use super::describe::mean;
+
+/// Autocorrelations of a series at lags 1, 2, … as long as they are positive; none of fewer than four values or of equal ones.
+///
+/// Beyond the first that is not positive they are noise (Geyer 1992 cuts so by pairs of lags).
+fn positive_lags(values: &[f64]) -> Vec<f64> {
+    let centre = mean(values);
+    let off: Vec<f64> = values.iter().map(|v| v - centre).collect();
+    let variance: f64 = off.iter().map(|v| v * v).sum();
+    if values.len() < 4 || variance.is_nan() || variance <= 0.0 {
+        return Vec::new();
+    }
+    (1..values.len() / 2)
+        .map(|lag| {
+            let pairs = off.iter().zip(&off[lag..]);
+            pairs.map(|(a, b)| a * b).sum::<f64>() / variance
+        })
+        .take_while(|share| *share > 0.0)
+        .collect()
+}
+
+/// How many values of a series are worth one independent value: 1 + 2 Σ ρ over the lags at which its autocorrelation ρ is positive.
+///
+/// ```
+/// use realgap_core::statistics::autocorrelation_time;
+///
+/// let slow: Vec<f64> = (0..400).map(|k| f64::from(k / 20 % 2)).collect();
+/// assert!(autocorrelation_time(&slow) > 5.0);
+/// assert_eq!(autocorrelation_time(&[1.0, -1.0, 1.0, -1.0, 1.0, -1.0]), 1.0);
+/// ```
+pub fn autocorrelation_time(values: &[f64]) -> f64 {
+    1.0 + 2.0 * positive_lags(values).iter().sum::<f64>()
+}
+
+/// How many independent pairs a correlation of two series of one length is worth: n / (1 + 2 Σ ρ_x ρ_y) (Bartlett 1935), at most n.
+pub fn independent_pairs(x: &[f64], y: &[f64]) -> f64 {
+    let shared: f64 = positive_lags(x)
+        .iter()
+        .zip(&positive_lags(y))
+        .map(|(a, b)| a * b)
+        .sum();
+    x.len() as f64 / (1.0 + 2.0 * shared)
+}

@@ -1,0 +1,14 @@
+//! The Matérn 5/2 correlation: how alike values of a smooth function are a distance apart.
+
+/// Correlation of two values `distance` length scales apart (Rasmussen & Williams 2006, equation 4.17): 1 at distance 0.
+///
+/// ```
+/// use realgap_core::statistics::matern_5_2;
+///
+/// assert_eq!(matern_5_2(0.0), 1.0);
+/// assert!(matern_5_2(3.0) < 0.05);
+/// ```
+pub fn matern_5_2(distance: f64) -> f64 {
+    let s = 5.0_f64.sqrt() * distance;
+    (1.0 + s + s * s / 3.0) * libm::exp(-s)
+}

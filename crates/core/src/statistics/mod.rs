@@ -1,0 +1,33 @@
+//! Numbers about samples: what a spread is, how sure a share is, and resampling.
+//!
+//! Checked against scipy and statsmodels where they have the same quantity (tests/statistic.rs).
+
+mod autocorrelation;
+mod bootstrap;
+mod describe;
+mod energy;
+mod forecast;
+mod jackknife;
+mod matern;
+mod normality;
+mod paired;
+mod proportion;
+mod rank;
+mod significance;
+mod survival;
+
+pub use autocorrelation::{autocorrelation_time, independent_pairs};
+pub use bootstrap::{Resample, percentile_interval, resamples, smaller_resamples};
+pub use describe::{mean, median, quantile, standard_deviation};
+pub use energy::{EnergyTest, PERMUTATIONS, energy_test};
+pub use forecast::{ReliabilityBin, brier, reliability};
+pub use jackknife::jackknife_variance;
+pub use jackknife::{Degree, jackknife_interval, student_quantile};
+pub use matern::matern_5_2;
+pub use normality::{LEAST_FOR_NORMALITY, anderson_darling};
+pub use paired::{PairedTest, wilcoxon_signed_rank};
+pub use proportion::{Proportion, normal_quantile};
+pub use significance::{
+    PValueMethod, SampleTest, kolmogorov_smirnov, mann_whitney, spearman, spearman_worth,
+};
+pub use survival::{Duration, KaplanMeier, log_rank};

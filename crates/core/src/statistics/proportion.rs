@@ -1,0 +1,66 @@
+//! How sure an observed share is.
+
+use serde::Serialize;
+use statrs::function::erf::erfc_inv;
+
+/// A share of trials with its Wilson score interval (Wilson 1927), which behaves at 0 and 1 and for few trials.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Proportion {
+    /// How often it happened.
+    pub count: usize,
+    /// Of how many.
+    pub trials: usize,
+    /// `count / trials`; 0 without trials.
+    pub share: f64,
+    /// Lower end of the interval.
+    pub low: f64,
+    /// Upper end of the interval.
+    pub high: f64,
+}
+
+impl Proportion {
+    /// The share `count / trials` with its two-sided interval at `level`, e.g. 0.95.
+    ///
+    /// ```
+    /// let walked = realgap_core::statistics::Proportion::new(3, 20, 0.95);
+    /// assert!((walked.low - 0.052).abs() < 5e-4 && (walked.high - 0.360).abs() < 5e-4);
+    /// ```
+    pub fn new(count: usize, trials: usize, level: f64) -> Self {
+        if trials == 0 {
+            return Self {
+                count,
+                trials,
+                share: 0.0,
+                low: 0.0,
+                high: 1.0,
+            };
+        }
+        let n = trials as f64;
+        let share = count as f64 / n;
+        let z = normal_quantile(0.5 + 0.5 * level);
+        let z2 = z * z;
+        let centre = (share + z2 / (2.0 * n)) / (1.0 + z2 / n);
+        let half = z / (1.0 + z2 / n) * (share * (1.0 - share) / n + z2 / (4.0 * n * n)).sqrt();
+        Self {
+            count,
+            trials,
+            share,
+            low: if count == 0 {
+                0.0
+            } else {
+                (centre - half).max(0.0)
+            },
+            high: if count == trials {
+                1.0
+            } else {
+                (centre + half).min(1.0)
+            },
+        }
+    }
+}
+
+/// Quantile of the standard normal distribution.
+pub fn normal_quantile(level: f64) -> f64 {
+    -std::f64::consts::SQRT_2 * erfc_inv(2.0 * level)
+}

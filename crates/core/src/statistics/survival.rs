@@ -1,0 +1,182 @@
+//! Durations of which some are only known to be longer than something.
+
+use serde::Serialize;
+use statrs::function::erf::erfc;
+
+use super::proportion::normal_quantile;
+use super::significance::{PValueMethod, SampleTest};
+use crate::error::{Error, Result};
+
+/// How long something took, or that it took longer than this.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Duration {
+    /// Seconds, above 0.
+    pub time_s: f64,
+    /// Whether it was finished then; otherwise it was given up (censored).
+    pub finished: bool,
+}
+
+/// The share that is not finished yet, over time (Kaplan & Meier 1958).
+///
+/// ```
+/// use realgap_core::statistics::{Duration, KaplanMeier};
+///
+/// let of = |time_s, finished| Duration { time_s, finished };
+/// let curve = KaplanMeier::new(&[of(1.0, true), of(2.0, false), of(3.0, true)])?;
+/// assert!((curve.share(1.5) - 2.0 / 3.0).abs() < 1e-12);
+/// assert_eq!(curve.share(3.0), 0.0);
+/// assert_eq!(curve.median_s(), Some(3.0));
+/// # Ok::<(), realgap_core::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct KaplanMeier {
+    /// Times at which something was finished, seconds, increasing,
+    pub times_s: Vec<f64>,
+    /// the share that is not finished right after each,
+    pub shares: Vec<f64>,
+    /// and the sum Σ d / (n (n − d)) of Greenwood's formula up to it; infinite where nothing is left.
+    greenwood: Vec<f64>,
+}
+
+fn check(durations: &[Duration]) -> Result<()> {
+    if durations.is_empty() {
+        return Err(Error::invalid("no duration at all"));
+    }
+    if let Some(wrong) = durations
+        .iter()
+        .find(|d| !(d.time_s > 0.0 && d.time_s.is_finite()))
+    {
+        return Err(Error::invalid("not a duration")
+            .found(wrong.time_s)
+            .allowed("seconds above 0"));
+    }
+    Ok(())
+}
+
+/// At each time at which something was finished: how many were, and how many were still at it.
+fn counts(durations: &[Duration]) -> Vec<(f64, f64, f64)> {
+    let mut times: Vec<f64> = durations
+        .iter()
+        .filter(|d| d.finished)
+        .map(|d| d.time_s)
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let of = |time: f64| {
+        let finished = durations
+            .iter()
+            .filter(|d| d.finished && d.time_s == time)
+            .count();
+        let at_it = durations.iter().filter(|d| d.time_s >= time).count();
+        (time, finished as f64, at_it as f64)
+    };
+    times.into_iter().map(of).collect()
+}
+
+impl KaplanMeier {
+    /// Of some durations.
+    ///
+    /// # Errors
+    /// None at all, one that is not above 0.
+    pub fn new(durations: &[Duration]) -> Result<Self> {
+        check(durations)?;
+        let (mut share, mut sum) = (1.0, 0.0);
+        let mut curve = Self {
+            times_s: Vec::new(),
+            shares: Vec::new(),
+            greenwood: Vec::new(),
+        };
+        for (time, finished, at_it) in counts(durations) {
+            share *= 1.0 - finished / at_it;
+            sum += finished / (at_it * (at_it - finished));
+            curve.times_s.push(time);
+            curve.shares.push(share);
+            curve.greenwood.push(sum);
+        }
+        Ok(curve)
+    }
+
+    /// The share that is not finished right after a time.
+    pub fn share(&self, time_s: f64) -> f64 {
+        match self.times_s.partition_point(|t| *t <= time_s) {
+            0 => 1.0,
+            after => self.shares[after - 1],
+        }
+    }
+
+    /// When a share is finished: the first time at which it is; `None` where it never is.
+    pub fn quantile_s(&self, level: f64) -> Option<f64> {
+        let at = self
+            .shares
+            .iter()
+            .position(|share| 1.0 - share >= level - 1e-12)?;
+        Some(self.times_s[at])
+    }
+
+    /// When half is finished.
+    pub fn median_s(&self) -> Option<f64> {
+        self.quantile_s(0.5)
+    }
+
+    /// An interval for the share right after a time: Greenwood's variance on the scale of log(−log), as `scipy.stats.ecdf` has it.
+    pub fn share_interval(&self, time_s: f64, level: f64) -> (f64, f64) {
+        match self.times_s.partition_point(|t| *t <= time_s) {
+            0 => (1.0, 1.0),
+            after => self.interval(after - 1, level),
+        }
+    }
+
+    fn interval(&self, index: usize, level: f64) -> (f64, f64) {
+        let share = self.shares[index];
+        if share <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let z = normal_quantile(0.5 * (1.0 + level));
+        let log = libm::log(share);
+        let half = z * self.greenwood[index].sqrt() / log.abs();
+        let at = |sign: f64| libm::exp(log * libm::exp(sign * half));
+        (at(1.0), at(-1.0))
+    }
+
+    /// An interval for the median: from the first time at which the share's interval reaches one half to the first at which it lies
+    /// below (Brookmeyer & Crowley 1982). An end is `None` where the curve does not come down so far.
+    pub fn median_interval_s(&self, level: f64) -> (Option<f64>, Option<f64>) {
+        let first = |end: fn((f64, f64)) -> f64| {
+            let at = |index: &usize| end(self.interval(*index, level)) <= 0.5;
+            Some(self.times_s[(0..self.times_s.len()).find(at)?])
+        };
+        (first(|ends| ends.0), first(|ends| ends.1))
+    }
+}
+
+/// Do two samples of durations differ? The log-rank test (Mantel 1966), two-sided, as `scipy.stats.logrank`.
+///
+/// # Errors
+/// An empty sample, durations that are not above 0, nothing finished in both.
+pub fn log_rank(x: &[Duration], y: &[Duration]) -> Result<SampleTest> {
+    check(x)?;
+    check(y)?;
+    let (mut off, mut variance) = (0.0, 0.0);
+    for (time, finished, at_it) in counts(&[x, y].concat()) {
+        let own = x.iter().filter(|d| d.time_s >= time).count() as f64;
+        let done = x.iter().filter(|d| d.finished && d.time_s == time).count() as f64;
+        let share = own / at_it;
+        off += done - finished * share;
+        if at_it > 1.0 {
+            variance += finished * share * (1.0 - share) * (at_it - finished) / (at_it - 1.0);
+        }
+    }
+    if variance <= 0.0 {
+        return Err(Error::invalid(
+            "too little was finished to compare two samples",
+        ));
+    }
+    let statistic = off / variance.sqrt();
+    Ok(SampleTest {
+        statistic,
+        p_value: erfc(statistic.abs() / std::f64::consts::SQRT_2),
+        method: PValueMethod::Asymptotic,
+    })
+}

@@ -1,0 +1,147 @@
+//! Numbers for people: as many digits as they can use, in a unit of handy size.
+
+use super::Unit;
+
+/// A unit of handy size: `value * factor` is to be shown with `symbol`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DisplayUnit {
+    /// From the stored unit to the shown one.
+    pub factor: f64,
+    /// The symbol, empty for a dimensionless quantity.
+    pub symbol: &'static str,
+}
+
+impl DisplayUnit {
+    /// The unit in which values of this `size` (in `unit`) read well: 0.0123 m as 1.23 cm.
+    pub fn for_size(unit: Unit, size: f64) -> Self {
+        let size = size.abs();
+        let (factor, symbol) = match unit {
+            Unit::Metre if size >= 1.0 => (1.0, "m"),
+            Unit::Metre if size >= 0.01 => (100.0, "cm"),
+            Unit::Metre if size >= 1e-4 || size == 0.0 => (1e3, "mm"),
+            Unit::Metre => (1e6, "µm"),
+            Unit::Second if size < 0.1 && size > 0.0 => (1e3, "ms"),
+            Unit::Degree => (1.0, "°"),
+            Unit::NewtonMetre => (1.0, "N·m"),
+            Unit::NewtonMetreSecondPerRadian => (1.0, "N·m·s/rad"),
+            Unit::MetrePerSecondSquared => (1.0, "m/s²"),
+            other => (1.0, other.symbol()),
+        };
+        Self { factor, symbol }
+    }
+
+    /// One unit for all of `values`, so that they can be compared at a glance: that of their median.
+    pub fn for_values(unit: Unit, values: impl IntoIterator<Item = f64>) -> Self {
+        let mut sizes: Vec<f64> = values
+            .into_iter()
+            .filter(|value| value.is_finite() && *value != 0.0)
+            .map(f64::abs)
+            .collect();
+        sizes.sort_by(f64::total_cmp);
+        Self::for_size(unit, sizes.get(sizes.len() / 2).copied().unwrap_or(0.0))
+    }
+
+    /// `value` (in the stored unit) with its symbol: `1.23 cm`.
+    pub fn format(self, value: f64) -> String {
+        let number = number(value * self.factor);
+        match self.symbol {
+            "" => number,
+            "°" => format!("{number}°"),
+            symbol => format!("{number} {symbol}"),
+        }
+    }
+
+    /// `label`, followed by the unit in brackets where there is one: `discrepancy (cm)`.
+    pub fn label(self, label: &str) -> String {
+        match self.symbol {
+            "" => label.to_string(),
+            symbol => format!("{label} ({symbol})"),
+        }
+    }
+}
+
+/// `value` with its unit, in a unit of handy size: `quantity(0.0123, Unit::Metre)` is `1.23 cm`.
+///
+/// ```
+/// use realgap_core::unit::{Unit, quantity};
+/// assert_eq!(quantity(0.0123, Unit::Metre), "1.23 cm");
+/// assert_eq!(quantity(12.0, Unit::Degree), "12.0°");
+/// assert_eq!(quantity(0.2, Unit::One), "0.200");
+/// ```
+pub fn quantity(value: f64, unit: Unit) -> String {
+    DisplayUnit::for_size(unit, value).format(value)
+}
+
+/// `value` with so many decimals, never as −0.
+///
+/// ```
+/// use realgap_core::unit::decimals;
+/// assert_eq!([decimals(-0.04, 1), decimals(-0.06, 1)], ["0.0", "-0.1"]);
+/// ```
+pub fn decimals(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.bytes().all(|b| matches!(b, b'0' | b'.')) => size.to_owned(),
+        _ => text,
+    }
+}
+
+/// `value` with three significant digits; powers of ten only far from 1; `–` when it is not finite.
+pub fn number(value: f64) -> String {
+    if !value.is_finite() {
+        return "–".to_string();
+    }
+    if value == 0.0 {
+        return "0".to_string();
+    }
+    // Round first: 9.996 has the digits of 10.0.
+    let scientific = format!("{value:.2e}");
+    let exponent: i32 = scientific
+        .split_once('e')
+        .and_then(|(_, exponent)| exponent.parse().ok())
+        .unwrap_or(0);
+    if (-4..6).contains(&exponent) {
+        format!("{value:.*}", (2 - exponent).max(0) as usize)
+    } else {
+        scientific
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_digits_whatever_the_size() {
+        for (value, text) in [
+            (0.0, "0"),
+            (1.0, "1.00"),
+            (9.996, "10.0"),
+            (123.4, "123"),
+            (123_456.0, "123456"),
+            (0.000_123_4, "0.000123"),
+            (-0.5, "-0.500"),
+            (1.0e-7, "1.00e-7"),
+            (2.5e12, "2.50e12"),
+            (f64::NAN, "–"),
+            (f64::INFINITY, "–"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+    }
+
+    #[test]
+    fn lengths_choose_their_unit() {
+        for (value, text) in [
+            (0.0, "0 mm"),
+            (1.5, "1.50 m"),
+            (0.0123, "1.23 cm"),
+            (0.001_23, "1.23 mm"),
+            (0.000_012_3, "12.3 µm"),
+            (-0.0123, "-1.23 cm"),
+        ] {
+            assert_eq!(quantity(value, Unit::Metre), text);
+        }
+        assert_eq!(quantity(0.002, Unit::Second), "2.00 ms");
+    }
+}

@@ -1,0 +1,187 @@
+//! How an error of a repeat is distributed.
+
+use serde::{Deserialize, Serialize};
+
+use realgap_core::error::{Error, Result};
+
+/// Distribution of an error. Every one is a monotonic function of a standard normal number, so that a field
+/// draws the same amount of randomness whatever its distribution, and the same seed the same quantile.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Distribution {
+    /// Normal with mean 0 and this standard deviation.
+    Normal(f64),
+    /// Uniform between two values.
+    Uniform(f64, f64),
+    /// |Normal(sd)|: never negative, most likely small.
+    HalfNormal(f64),
+    /// A factor exp(Normal(sd)): median 1, never negative. For relative fields only.
+    LogNormal(f64),
+}
+
+/// What a drawn value is used for, which decides what is allowed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Use {
+    /// Added to a value of any sign.
+    Offset,
+    /// Added to a value that may not become negative.
+    Delay,
+    /// A factor 1 + draw.
+    Factor,
+}
+
+/// Smallest factor: what is left of a relative draw that would go below. Ten standard deviations of a usual field.
+const LEAST_FACTOR: f64 = 0.01;
+/// Wider relative errors than this are not errors any more; a normal one would often be cut at the smallest factor.
+const WIDEST_NORMAL_FACTOR: f64 = 0.3;
+/// Wider still is a typing error: a factor of e² each way within one standard deviation.
+const WIDEST_LOG_NORMAL: f64 = 2.0;
+
+impl Default for Distribution {
+    /// Always 0 (a factor: always 1).
+    fn default() -> Self {
+        Self::Normal(0.0)
+    }
+}
+
+impl Distribution {
+    /// Whether every draw is 0 (a factor: 1).
+    pub fn is_zero(&self) -> bool {
+        match *self {
+            Self::Normal(sd) | Self::HalfNormal(sd) | Self::LogNormal(sd) => sd == 0.0,
+            Self::Uniform(low, high) => low == 0.0 && high == 0.0,
+        }
+    }
+
+    /// The same distribution with a smaller spread.
+    pub(super) fn divided_by(&self, divisor: f64) -> Self {
+        match *self {
+            Self::Normal(sd) => Self::Normal(sd / divisor),
+            Self::Uniform(low, high) => Self::Uniform(low / divisor, high / divisor),
+            Self::HalfNormal(sd) => Self::HalfNormal(sd / divisor),
+            Self::LogNormal(sd) => Self::LogNormal(sd / divisor),
+        }
+    }
+
+    /// The draw that belongs to a standard normal number.
+    pub(super) fn draw(&self, normal: f64) -> f64 {
+        match *self {
+            Self::Normal(sd) => sd * normal,
+            Self::Uniform(low, high) => {
+                let share = 0.5 * libm::erfc(-normal * std::f64::consts::FRAC_1_SQRT_2);
+                low + (high - low) * share
+            }
+            Self::HalfNormal(sd) => sd * normal.abs(),
+            Self::LogNormal(sd) => libm::expm1(sd * normal),
+        }
+    }
+
+    /// The factor that belongs to a standard normal number; positive and finite.
+    pub(super) fn factor(&self, normal: f64) -> f64 {
+        match *self {
+            Self::LogNormal(sd) => libm::exp(sd * normal),
+            _ => (1.0 + self.draw(normal)).max(LEAST_FACTOR),
+        }
+    }
+
+    /// Checks the numbers, and that the distribution suits its use.
+    pub(super) fn check(&self, field: &str, purpose: Use) -> Result<()> {
+        let wrong = |message: &str, allowed: &str| {
+            Err(Error::invalid(message)
+                .field(field)
+                .found(self)
+                .allowed(allowed))
+        };
+        match *self {
+            Self::Normal(sd) | Self::HalfNormal(sd) | Self::LogNormal(sd)
+                if !(sd.is_finite() && sd >= 0.0) =>
+            {
+                wrong(
+                    "a standard deviation must be finite and not negative",
+                    "0 or more",
+                )
+            }
+            Self::Uniform(low, high) if !(low.is_finite() && high.is_finite()) => {
+                wrong("the ends must be finite", "two finite numbers")
+            }
+            Self::Uniform(low, high) if low > high => wrong(
+                "the low end is above the high one",
+                "Uniform(low, high) with low <= high",
+            ),
+            Self::LogNormal(_) if purpose != Use::Factor => wrong(
+                "a log-normal is a distribution of factors",
+                "Normal(sd), HalfNormal(sd) or Uniform(low, high)",
+            ),
+            Self::LogNormal(sd) if sd > WIDEST_LOG_NORMAL => {
+                wrong("too wide for an error", "LogNormal(sd) with sd <= 2")
+            }
+            Self::Normal(sd) | Self::HalfNormal(sd)
+                if purpose == Use::Factor && sd > WIDEST_NORMAL_FACTOR =>
+            {
+                wrong(
+                    "a normal relative error this wide would make factors negative",
+                    "up to 0.3; LogNormal(sd) for wider ones",
+                )
+            }
+            Self::Uniform(low, _) if purpose == Use::Factor && low <= -1.0 => wrong(
+                "a factor 1 + draw must be positive",
+                "Uniform(low, high) with low > -1",
+            ),
+            Self::Normal(sd) if purpose == Use::Delay && sd > 0.0 => wrong(
+                "a delay cannot be negative",
+                "HalfNormal(sd) or Uniform(low, high) with low >= 0",
+            ),
+            Self::Uniform(low, _) if purpose == Use::Delay && low < 0.0 => wrong(
+                "a delay cannot be negative",
+                "HalfNormal(sd) or Uniform(low, high) with low >= 0",
+            ),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl std::fmt::Display for Distribution {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match *self {
+            Self::Normal(sd) => write!(f, "Normal({sd})"),
+            Self::Uniform(low, high) => write!(f, "Uniform({low}, {high})"),
+            Self::HalfNormal(sd) => write!(f, "HalfNormal({sd})"),
+            Self::LogNormal(sd) => write!(f, "LogNormal({sd})"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_of_a_normal_number_become_quantiles_of_the_distribution() {
+        let third = 0.430_727_299_295_457_5; // scipy.stats.norm.ppf(2/3)
+        let uniform = Distribution::Uniform(1.0, 4.0);
+        assert!((uniform.draw(third) - 3.0).abs() < 1e-12);
+        assert!((uniform.draw(-third) - 2.0).abs() < 1e-12);
+        assert_eq!(uniform.draw(-50.0), 1.0);
+        assert_eq!(Distribution::Normal(2.0).draw(-1.5), -3.0);
+        assert_eq!(Distribution::HalfNormal(2.0).draw(-1.5), 3.0);
+        assert!((Distribution::LogNormal(0.5).factor(2.0) - std::f64::consts::E).abs() < 1e-15);
+    }
+
+    #[test]
+    fn factors_stay_positive_and_finite_however_far_out_the_draw() {
+        for distribution in [
+            Distribution::Normal(WIDEST_NORMAL_FACTOR),
+            Distribution::Uniform(-0.999_999, 5.0),
+            Distribution::LogNormal(WIDEST_LOG_NORMAL),
+        ] {
+            distribution.check("mass_relative", Use::Factor).unwrap();
+            for normal in [-9.0, -4.0, 0.0, 4.0, 9.0] {
+                let factor = distribution.factor(normal);
+                assert!(
+                    factor > 0.0 && factor.is_finite(),
+                    "{distribution} {normal}"
+                );
+            }
+        }
+    }
+}

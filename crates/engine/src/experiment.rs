@@ -1,0 +1,408 @@
+//! Everything that decides what a simulation does, as plain validated data.
+
+mod check;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use super::adjustment::{Adjustment, ModuleAdjustment};
+use super::command::CommandTrack;
+use super::scene::SceneBody;
+use super::vehicle::{Drive, Vehicle};
+use realgap_core::unit::GRAVITY_M_S2;
+use realgap_path::trajectory::State;
+use realgap_robot::morphology::{Assembly, Role};
+
+/// The ground: a half-space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Floor {
+    /// Coulomb friction coefficient of the pair robot–floor, dimensionless.
+    pub friction: f64,
+    /// Restitution coefficient of the pair robot–floor, dimensionless, 0 to 1.
+    pub restitution: f64,
+    /// Height of the floor at the world origin, metres.
+    pub height_m: f64,
+    /// Slope about the world y axis, radians; positive: downhill towards +x.
+    pub slope_rad: f64,
+}
+
+impl Default for Floor {
+    fn default() -> Self {
+        Self {
+            friction: 0.5,
+            restitution: 0.1,
+            height_m: 0.0,
+            slope_rad: 0.0,
+        }
+    }
+}
+
+impl Floor {
+    /// The floor's upward unit normal in the world frame.
+    pub fn normal_world(&self) -> Vector3<f64> {
+        Vector3::new(self.slope_rad.sin(), 0.0, self.slope_rad.cos())
+    }
+}
+
+/// State of the robot at time 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Start {
+    /// Placed on the floor at the origin with the servos at their first command, and left to come to rest.
+    Settled,
+    /// The full state of the tracked module, in recorded lengths ([`Experiment::recording_length_scale`]); joints as
+    /// [`Experiment::start_joints`] says.
+    State(State),
+}
+
+/// Angle and speed of a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointState {
+    /// Angle, radians.
+    pub angle_rad: f64,
+    /// Speed, rad/s.
+    pub speed_rad_s: f64,
+}
+
+/// How parts are jointed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JointKind {
+    /// Reduced coordinates: hinges cannot separate.
+    Multibody,
+    /// Maximal coordinates: hinges are constraints solved with the contacts; cheaper.
+    Impulse,
+    /// Multibody joints where a light part carries a heavy one, [`JointKind::LIGHT`], or a servo is a motor behind a gear, and the
+    /// robot has at most [`JointKind::MOST_HINGES`] hinges; impulse joints for all others, whose contacts they do not soften (docs/fidelity/contact.md).
+    Auto,
+}
+
+impl JointKind {
+    /// Most hinges that [`JointKind::Auto`] joins as a multibody: the cost grows with the square of the hinges and more.
+    pub const MOST_HINGES: usize = 12;
+    /// A part is light below this share of the mass of the part that it is hinged to.
+    pub const LIGHT: f64 = 0.25;
+
+    /// The kind that this robot gets: never [`JointKind::Auto`].
+    pub fn resolved(self, assembly: &Assembly) -> Self {
+        let mass_kg = |part: usize| -> f64 {
+            let solids = assembly.parts[part].solids.iter();
+            solids.map(|solid| solid.mass_kg).sum()
+        };
+        let is_uneven = assembly.hinges.iter().any(|hinge| {
+            let (a, b) = (mass_kg(hinge.parent_part), mass_kg(hinge.child_part));
+            let has_gear = hinge
+                .actuator
+                .is_some_and(|actuator| actuator.servo.law.motor().is_some());
+            has_gear || a.min(b) < Self::LIGHT * a.max(b)
+        });
+        match self {
+            Self::Auto if is_uneven && assembly.hinges.len() <= Self::MOST_HINGES => {
+                Self::Multibody
+            }
+            Self::Auto => Self::Impulse,
+            chosen => chosen,
+        }
+    }
+
+    /// The other way to joint the same robot.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Impulse => Self::Multibody,
+            Self::Multibody | Self::Auto => Self::Impulse,
+        }
+    }
+}
+
+/// Rapier's friction models.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FrictionModel {
+    /// One friction pyramid and twist per manifold.
+    Simplified,
+    /// A friction cone at every contact point, opposite to its slip.
+    Coulomb,
+}
+
+/// Contact model of the solver.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Distance at which contacts are predicted, metres.
+    pub prediction_m: f64,
+    /// Natural frequency of the softness of contacts with the floor, Hz; contacts among modules have half of it,
+    /// as in Rapier's own defaults (60 and 30 Hz).
+    pub natural_frequency_hz: f64,
+    /// Damping ratio of the contact softness, dimensionless.
+    pub damping_ratio: f64,
+    /// Friction model.
+    pub friction_model: FrictionModel,
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Self {
+            prediction_m: 0.002,
+            natural_frequency_hz: 300.0,
+            damping_ratio: 3.0,
+            friction_model: FrictionModel::Coulomb,
+        }
+    }
+}
+
+/// Numerical settings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solver {
+    /// Time per step, seconds.
+    pub timestep_s: f64,
+    /// Solver substeps per step.
+    pub substeps: usize,
+    /// Passes over joints and contacts in every substep (Rapier's "internal PGS iterations").
+    pub sweeps: usize,
+    /// Passes without bias at the end of every substep (Rapier's "internal stabilization iterations"): 0 keeps
+    /// the energy of hinges, which such a pass drains (docs/fidelity/joints.md).
+    pub relaxations: usize,
+    /// How parts are jointed.
+    pub joint: JointKind,
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self {
+            timestep_s: 1.0 / 480.0,
+            substeps: 3,
+            sweeps: 4,
+            relaxations: 0,
+            joint: JointKind::Auto,
+        }
+    }
+}
+
+/// Damping ratio and sweeps at the limit, [`Experiment::at_limit`].
+const LIMIT_DAMPING_RATIO: f64 = 3.0;
+const LIMIT_SWEEPS: usize = 4;
+
+/// How this one execution differs from the intended one: the draw of one repeat.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Perturbation {
+    /// Shift of the start, world frame, metres. A settled start keeps only what the fall leaves of it.
+    pub shift_world_m: Vector3<f64>,
+    /// Rotation of the start about the tracked point, world frame, rotation vector, radians.
+    pub turn_world_rad: Vector3<f64>,
+    /// Velocity added to that of a stated start, world frame, m/s. What settles has none.
+    pub velocity_world_m_s: Vector3<f64>,
+    /// Angular velocity added to that of a stated start, world frame, rad/s.
+    pub spin_world_rad_s: Vector3<f64>,
+    /// Error of every servo's zero, radians, by hinge; empty for none.
+    pub servo_zero_rad: Vec<f64>,
+    /// Factor on every servo's gain, by hinge; empty for none.
+    pub servo_gain_factor: Vec<f64>,
+    /// Error of every command's phase, radians, by hinge; empty for none.
+    pub servo_phase_rad: Vec<f64>,
+    /// Latency of every servo beyond the adjustment's, seconds, by hinge; empty for none.
+    pub servo_latency_s: Vec<f64>,
+    /// Factor on every module's mass, by module; empty for none.
+    pub mass_factor: Vec<f64>,
+    /// Factor on every module's friction, by module; empty for none.
+    pub friction_factor: Vec<f64>,
+    /// Further factor on the friction of every module's plate, by module; empty for none.
+    pub plate_friction_factor: Vec<f64>,
+    /// Factor on the friction of all modules.
+    pub run_friction_factor: f64,
+    /// Seed and number of the repeat, for what draws as it goes: a vehicle's wheels and sensor; `None` for a run without noise.
+    pub draw: Option<(u64, u64)>,
+}
+
+impl Default for Perturbation {
+    /// Everything as intended.
+    fn default() -> Self {
+        Self {
+            shift_world_m: Vector3::zeros(),
+            turn_world_rad: Vector3::zeros(),
+            velocity_world_m_s: Vector3::zeros(),
+            spin_world_rad_s: Vector3::zeros(),
+            servo_zero_rad: Vec::new(),
+            servo_gain_factor: Vec::new(),
+            servo_phase_rad: Vec::new(),
+            servo_latency_s: Vec::new(),
+            mass_factor: Vec::new(),
+            friction_factor: Vec::new(),
+            plate_friction_factor: Vec::new(),
+            run_friction_factor: 1.0,
+            draw: None,
+        }
+    }
+}
+
+impl Perturbation {
+    /// Friction of a module's cube or plate as a factor on the floor's parameter.
+    pub fn friction_factor_of(&self, module: usize, role: Role) -> f64 {
+        let of = |factors: &[f64]| factors.get(module).copied().unwrap_or(1.0);
+        let module_factor = of(&self.friction_factor) * self.run_friction_factor;
+        match role {
+            Role::Cube => module_factor,
+            Role::Plate => module_factor * of(&self.plate_friction_factor),
+        }
+    }
+
+    /// Latency of a servo beyond the adjustment's, seconds.
+    pub(super) fn latency_s_of(&self, hinge: usize) -> f64 {
+        self.servo_latency_s.get(hinge).copied().unwrap_or(0.0)
+    }
+}
+
+/// When the state is written down.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Sampling {
+    /// At this rate, Hz, from time 0, and at the end.
+    Rate(f64),
+    /// At these times, seconds from the start, increasing.
+    Times(Arc<[f64]>),
+}
+
+/// One execution to be simulated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Experiment {
+    /// The robot.
+    pub assembly: Arc<Assembly>,
+    /// The ground.
+    pub floor: Floor,
+    /// Magnitude of gravity along −z of the world, m/s².
+    pub gravity_m_s2: f64,
+    /// State at time 0.
+    pub start: Start,
+    /// Joints at time 0, by hinge; where there is none the servo is at its first command, a passive hinge at 0, and the
+    /// robot moves as one rigid body. A settled start takes the angles and lets them come to rest.
+    pub start_joints: Vec<JointState>,
+    /// Whether the run's trajectory holds the joints' angles and speeds too; by default it does where the robot's file
+    /// states hinges.
+    pub records_joints: bool,
+    /// What servos were told, in place of their gaits, by name of the hinge.
+    pub commands: BTreeMap<String, Arc<CommandTrack>>,
+    /// A two-wheel robot in place of the modular one, which then is only its size.
+    pub vehicle: Option<Arc<Vehicle>>,
+    /// The numbers of the two-wheel robot.
+    pub drive: Drive,
+    /// Other bodies beside the robot.
+    pub scene: Vec<SceneBody>,
+    /// Length of the run, seconds.
+    pub duration_s: f64,
+    /// When the state is written down.
+    pub sampling: Sampling,
+    /// Numerical settings.
+    pub solver: Solver,
+    /// Contact model.
+    pub contact: Contact,
+    /// Changes to the robot.
+    pub adjustment: Adjustment,
+    /// Changes to single modules, by name.
+    pub module_adjustments: BTreeMap<String, ModuleAdjustment>,
+    /// How this execution differs from the intended one.
+    pub perturbation: Perturbation,
+    /// Recorded lengths are this times the true ones. The run itself is in true lengths.
+    pub recording_length_scale: f64,
+    /// Whether the run says where its energy came from and went ([`super::EnergyBalance`]), and from which second on. It changes
+    /// nothing about the run.
+    pub energy_from_s: Option<f64>,
+}
+
+impl Experiment {
+    /// An experiment with all defaults: settled start, 10 s, 60 samples a second.
+    pub fn new(assembly: Assembly) -> Self {
+        Self {
+            records_joints: assembly.hinges.iter().any(|hinge| hinge.is_stated),
+            assembly: Arc::new(assembly),
+            floor: Floor::default(),
+            gravity_m_s2: GRAVITY_M_S2,
+            start: Start::Settled,
+            start_joints: Vec::new(),
+            commands: BTreeMap::new(),
+            vehicle: None,
+            drive: Drive::default(),
+            scene: Vec::new(),
+            duration_s: 10.0,
+            sampling: Sampling::Rate(60.0),
+            solver: Solver::default(),
+            contact: Contact::default(),
+            adjustment: Adjustment::default(),
+            module_adjustments: BTreeMap::new(),
+            perturbation: Perturbation::default(),
+            recording_length_scale: 1.0,
+            energy_from_s: None,
+        }
+    }
+
+    /// How this robot is jointed: never [`JointKind::Auto`].
+    pub fn joint_kind(&self) -> JointKind {
+        self.solver.joint.resolved(&self.assembly)
+    }
+
+    /// The same experiment near the limit of rigid contact and short steps, with this kind of joint; slow. What changes
+    /// much on the way there is numerical (docs/fidelity.md).
+    pub fn at_limit(&self, joint: JointKind) -> Self {
+        let joint = joint.resolved(&self.assembly);
+        let mut limit = self.clone();
+        limit.solver.joint = joint;
+        limit.solver.timestep_s *= 0.25;
+        limit.solver.sweeps = limit.solver.sweeps.max(LIMIT_SWEEPS);
+        // Impulse joints lend a contact the mass of a single part only.
+        let (frequency_hz, substeps) = match joint {
+            JointKind::Impulse => (1200.0, 8),
+            JointKind::Multibody | JointKind::Auto => (600.0, 1),
+        };
+        limit.solver.substeps = limit.solver.substeps.max(substeps);
+        let contact = &mut limit.contact;
+        contact.natural_frequency_hz = contact.natural_frequency_hz.max(frequency_hz);
+        contact.damping_ratio = contact.damping_ratio.min(LIMIT_DAMPING_RATIO);
+        limit
+    }
+
+    /// The robot with the adjustments applied.
+    pub fn adjusted_assembly(&self) -> Assembly {
+        let mut robot = self.adjustment.apply(&self.assembly);
+        for (name, module) in &self.module_adjustments {
+            module.apply(name, &mut robot);
+        }
+        self.perturb(&mut robot);
+        robot
+    }
+
+    /// What this repeat's draw changes about the robot itself.
+    fn perturb(&self, robot: &mut Assembly) {
+        let drawn = &self.perturbation;
+        for solid in robot.parts.iter_mut().flat_map(|part| &mut part.solids) {
+            let factor = drawn.mass_factor.get(solid.module).unwrap_or(&1.0);
+            solid.mass_kg *= factor;
+            solid.inertia_kg_m2 *= *factor;
+        }
+        for (index, hinge) in robot.hinges.iter_mut().enumerate() {
+            let Some(actuator) = &mut hinge.actuator else {
+                continue;
+            };
+            let of = |draws: &[f64]| draws.get(index).copied();
+            if let Some(zero_rad) = of(&drawn.servo_zero_rad) {
+                actuator.gait.offset_rad += zero_rad;
+            }
+            if let Some(phase_rad) = of(&drawn.servo_phase_rad) {
+                actuator.gait.phase_rad += phase_rad;
+            }
+            if let Some(factor) = of(&drawn.servo_gain_factor) {
+                actuator.servo.law.scale_gain(factor);
+            }
+        }
+    }
+
+    /// Sample times, seconds from the start, at least two.
+    pub(super) fn sample_times_s(&self) -> Vec<f64> {
+        match &self.sampling {
+            Sampling::Times(times_s) => times_s.to_vec(),
+            Sampling::Rate(hz) => {
+                let last = (self.duration_s * hz + 1e-9).floor() as usize;
+                let mut times_s: Vec<f64> = (0..=last).map(|k| k as f64 / hz).collect();
+                let end = times_s[last];
+                if self.duration_s - end > 1e-9 {
+                    times_s.push(self.duration_s);
+                }
+                times_s
+            }
+        }
+    }
+}

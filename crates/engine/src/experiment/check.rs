@@ -1,0 +1,119 @@
+//! What an experiment must be to be simulated.
+
+use super::{Experiment, FrictionModel, JointKind, Sampling};
+use realgap_core::error::{Error, Result};
+use realgap_robot::morphology::Role;
+
+impl Experiment {
+    /// Checks the ranges that no single field can check for itself.
+    ///
+    /// # Errors
+    /// A duration, timestep or sampling that cannot be simulated.
+    pub fn check(&self) -> Result<()> {
+        let range =
+            |field: &str, value: f64, allowed: std::ops::RangeInclusive<f64>, unit: &str| {
+                if allowed.contains(&value) {
+                    return Ok(());
+                }
+                Err(Error::invalid("out of range")
+                    .field(field)
+                    .found(format!("{value} {unit}").trim_end())
+                    .allowed(format!("{} to {} {unit}", allowed.start(), allowed.end()).trim_end()))
+            };
+        self.check_edges()?;
+        self.check_energy()?;
+        for body in &self.scene {
+            body.check()?;
+            body.check_clear(self)?;
+        }
+        range("duration_s", self.duration_s, 1e-3..=3600.0, "s")?;
+        range("timestep_s", self.solver.timestep_s, 1e-6..=0.1, "s")?;
+        range(
+            "solver.substeps",
+            self.solver.substeps as f64,
+            1.0..=256.0,
+            "",
+        )?;
+        let steps = self.duration_s / self.solver.timestep_s;
+        if steps > 1e8 {
+            return Err(Error::invalid("too many steps for one run")
+                .found(format!(
+                    "{steps:.0} steps, about {:.0} hours at 20 microseconds a step",
+                    steps * 20e-6 / 3600.0
+                ))
+                .allowed("at most 100 000 000")
+                .hint("shorten the duration or lengthen the timestep"));
+        }
+        match &self.sampling {
+            Sampling::Rate(hz) => {
+                range("rate", *hz, 1e-3..=1e5, "Hz")?;
+                if self.duration_s * hz > 1e7 {
+                    return Err(Error::invalid("too many samples for one run")
+                        .found(format!("{:.0} samples", self.duration_s * hz))
+                        .allowed("at most 10 000 000"));
+                }
+            }
+            Sampling::Times(times_s) => {
+                let increasing = times_s.windows(2).all(|w| w[0] < w[1]);
+                if times_s.len() < 2 || !increasing || !times_s.iter().all(|t| t.is_finite()) {
+                    return Err(Error::invalid(
+                        "sample times must be at least two, finite and increasing",
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Energy is counted where the engine says what contacts did.
+    fn check_energy(&self) -> Result<()> {
+        let Some(from_s) = self.energy_from_s else {
+            return Ok(());
+        };
+        if !(0.0..self.duration_s).contains(&from_s) {
+            return Err(
+                Error::invalid("energy is counted from a time within the run")
+                    .field("energy_from_s")
+                    .found(format!("{from_s} s"))
+                    .allowed(format!("0 to less than {} s", self.duration_s)),
+            );
+        }
+        if self.vehicle.is_some() {
+            return Err(Error::invalid(
+                "a vehicle has no servos whose work could be counted",
+            ));
+        }
+        let is_pyramid = self.contact.friction_model == FrictionModel::Simplified;
+        if is_pyramid && self.joint_kind() == JointKind::Impulse {
+            return Err(
+                Error::invalid("this friction model does not say what friction did")
+                    .field("contact.friction_model")
+                    .found("Simplified")
+                    .allowed("Coulomb"),
+            );
+        }
+        Ok(())
+    }
+
+    /// A cube cannot be rounder than a ball.
+    fn check_edges(&self) -> Result<()> {
+        let radius_m = self.adjustment.edge_radius_m;
+        let smallest_m = self
+            .assembly
+            .parts
+            .iter()
+            .flat_map(|part| &part.solids)
+            .filter(|solid| solid.role == Role::Cube)
+            .map(|solid| solid.half_extents_m.min())
+            .fold(f64::INFINITY, f64::min);
+        if radius_m == 0.0 || (0.0..smallest_m).contains(&radius_m) {
+            return Ok(());
+        }
+        Err(
+            Error::invalid("the edges are rounder than the cube is wide")
+                .field("body.edge_radius_m")
+                .found(format!("{radius_m} m"))
+                .allowed(format!("less than half the narrowest cube, {smallest_m} m")),
+        )
+    }
+}

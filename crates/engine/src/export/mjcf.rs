@@ -1,0 +1,364 @@
+//! MJCF, the format of MuJoCo: the whole experiment but restitution and contact softness.
+
+use super::format::{Exported, Format};
+use super::robot::{Robot, origin_robot_m, quaternion, seen_from};
+use super::xml::{Element, numbers, vector};
+use realgap_core::warning::{Code, Warning};
+use realgap_robot::morphology::{Actuator, Hinge, Motor, Servo, ServoLaw, Solid};
+
+/// MuJoCo's XML.
+pub(super) struct Mjcf;
+
+/// Time per step, s. Light parts behind saturated servos need it this short (docs/fidelity.md).
+const TIMESTEP_S: f64 = 1.0 / 8000.0;
+/// Contacts twenty times shorter than MuJoCo's default time constant, whose softness alone can turn the direction
+/// of a walking robot (docs/fidelity.md).
+const SOLREF: &str = "0.002 1";
+const SOLIMP: &str = "0.95 0.99 0.001";
+/// Height above the floor at the start, m.
+const GAP_M: f64 = 0.001;
+/// A velocity servo spends its whole torque on this share of its top speed; as stiff as the timestep allows.
+const SPEED_SLACK: f64 = 1.0 / 8.0;
+/// Top speed that stands in for "unlimited" when the stiffness is chosen, rad/s.
+const UNLIMITED_RAD_S: f64 = 10.0;
+
+impl Format for Mjcf {
+    fn name(&self) -> &'static str {
+        "mjcf"
+    }
+
+    fn doc(&self) -> &'static str {
+        "MuJoCo XML: bodies, hinges, servos, floor; the gait as custom numbers"
+    }
+
+    fn render(&self, robot: &Robot<'_>) -> Exported {
+        let warnings = warnings(robot);
+        let comments = robot.comments("", &warnings);
+        let mut root = Element::new("mujoco")
+            .with("model", robot.name)
+            .child(
+                Element::new("compiler")
+                    .with("angle", "radian")
+                    .with("autolimits", "true")
+                    .with("inertiafromgeom", "false"),
+            )
+            .child(
+                Element::new("option")
+                    .with("timestep", numbers([TIMESTEP_S]))
+                    .with("gravity", numbers([0.0, 0.0, -robot.gravity_m_s2]))
+                    // Euler takes servo damping explicitly, so that light joints rattle; a pyramid favours its axes.
+                    .with("integrator", "implicitfast")
+                    .with("cone", "elliptic"),
+            )
+            .child(
+                Element::new("default").child(
+                    Element::new("geom")
+                        .with("condim", "3")
+                        .with("solref", SOLREF)
+                        .with("solimp", SOLIMP),
+                ),
+            );
+        root.push(custom(robot));
+        let mut world = Element::new("worldbody");
+        world.comment(
+            "The floor's priority makes its friction that of every pair with it; two modules rub with its square, as in realgap.",
+        );
+        world.push(floor(robot));
+        world.push(body(robot, 0, None));
+        root.push(world);
+        let hinges = &robot.assembly.hinges;
+        if !hinges.is_empty() {
+            let mut contact = Element::new("contact");
+            let mut actuator = Element::new("actuator");
+            let joined = hinges
+                .iter()
+                .map(|hinge| (hinge.parent_part, hinge.child_part));
+            for (a, b) in joined.chain(robot.parts_apart()) {
+                contact.push(
+                    Element::new("exclude")
+                        .with("body1", robot.part_name(a))
+                        .with("body2", robot.part_name(b)),
+                );
+            }
+            for (hinge, driven) in robot.driven_hinges() {
+                actuator.push(motor(&hinge.name, &driven.servo));
+            }
+            root.push(contact);
+            if robot.has_servos() {
+                root.push(actuator);
+            }
+        }
+        Exported {
+            text: root.document(&comments),
+            warnings,
+        }
+    }
+}
+
+fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
+    let mut warnings = vec![
+        Warning::new(
+            Code::RestitutionNotExported,
+            format!(
+                "restitution {} (MuJoCo has no such coefficient; its contacts hardly bounce)",
+                robot.floor.restitution
+            ),
+        ),
+        Warning::new(
+            Code::SolverNotExported,
+            "realgap's timestep, substeps and contact settings (the file has hardened MuJoCo settings of its own)",
+        ),
+    ];
+    if robot.has_servos() {
+        warnings.push(Warning::new(
+            Code::GaitNeedsProgram,
+            "the gait as motion (it is in <custom>; tools/record_standin.py reads it and drives the servos)",
+        ));
+    }
+    warnings
+}
+
+/// Gait and servo law, for programs.
+fn custom(robot: &Robot<'_>) -> Element {
+    let mut custom = Element::new("custom");
+    custom.comment("gait_*: offset rad, amplitude rad, frequency Hz, phase rad. Command: offset + amplitude sin(2 pi frequency t + phase).");
+    custom.comment("servo_* with law velocity: gain 1/s, max speed rad/s (-1: no limit), max torque N m. ctrl: clamp(gain (command - angle), +-max speed).");
+    custom.comment("servo_* with law torque: stiffness N m/rad, damping N m s/rad, max torque N m. ctrl: command.");
+    let text = |name: &str, data: &str| Element::new("text").with("name", name).with("data", data);
+    let numeric = |name: String, data: String| {
+        Element::new("numeric")
+            .with("name", name)
+            .with("data", data)
+    };
+    custom.push(text("robot", robot.name));
+    custom.push(text(
+        "track",
+        &robot.assembly.module_names[track_module(robot)],
+    ));
+    custom.push(numeric(
+        "body_length_m".to_owned(),
+        numbers([robot.assembly.body_length_m]),
+    ));
+    for (hinge, Actuator { servo, gait }) in robot.driven_hinges() {
+        let name = &hinge.name;
+        custom.push(numeric(
+            format!("gait_{name}"),
+            numbers([
+                gait.offset_rad,
+                gait.amplitude_rad,
+                gait.frequency_hz,
+                gait.phase_rad,
+            ]),
+        ));
+        let Servo {
+            law,
+            max_torque_nm,
+            max_speed_rad_s,
+        } = *servo;
+        let (law, data) = match law {
+            ServoLaw::Velocity { gain_1_s } => {
+                let speed = if max_speed_rad_s.is_finite() {
+                    max_speed_rad_s
+                } else {
+                    -1.0
+                };
+                ("velocity", [gain_1_s, speed, max_torque_nm])
+            }
+            ServoLaw::Torque {
+                stiffness_nm_rad,
+                damping_nm_s_rad,
+            } => (
+                "torque",
+                [stiffness_nm_rad, damping_nm_s_rad, max_torque_nm],
+            ),
+            ServoLaw::Motor(motor) => (
+                "torque",
+                [
+                    motor.stiffness_nm_rad(),
+                    motor.damping_nm_s_rad(),
+                    max_torque_nm.min(motor.stall_nm()),
+                ],
+            ),
+        };
+        custom.push(text(&format!("law_{name}"), law));
+        custom.push(numeric(format!("servo_{name}"), numbers(data)));
+    }
+    custom
+}
+
+/// The module whose cube is at the tracked pose.
+fn track_module(robot: &Robot<'_>) -> usize {
+    let track_m = robot.assembly.robot_from_track.translation.vector;
+    robot.assembly.parts[robot.assembly.track_part]
+        .solids
+        .iter()
+        .filter(|solid| solid.role == realgap_robot::morphology::Role::Cube)
+        .min_by(|a, b| {
+            let away = |s: &Solid| (s.robot_from_solid.translation.vector - track_m).norm();
+            away(a).total_cmp(&away(b))
+        })
+        .map_or(0, |solid| solid.module)
+}
+
+fn floor(robot: &Robot<'_>) -> Element {
+    let half = robot.floor.slope_rad / 2.0;
+    Element::new("geom")
+        .with("name", "floor")
+        .with("type", "plane")
+        .with("size", "0 0 1")
+        .with("pos", numbers([0.0, 0.0, robot.floor.height_m]))
+        .with("quat", numbers([half.cos(), 0.0, half.sin(), 0.0]))
+        .with("friction", numbers([robot.floor.friction, 0.0, 0.0]))
+        .with("priority", "1")
+}
+
+fn body(robot: &Robot<'_>, part: usize, hinge: Option<&Hinge>) -> Element {
+    let cluster = &robot.assembly.parts[part];
+    let origin_m = origin_robot_m(cluster);
+    let mut element = Element::new("body").with("name", robot.part_name(part));
+    match hinge {
+        None if robot.assembly.mount_world_m.is_some() => {
+            let mount_m = robot.assembly.mount_world_m.unwrap_or_default();
+            element = element.with("pos", vector(&(origin_m + mount_m)));
+        }
+        None => {
+            let height_m = robot.floor.height_m + robot.clearance_m() + GAP_M;
+            element = element
+                .with(
+                    "pos",
+                    numbers([origin_m.x, origin_m.y, origin_m.z + height_m]),
+                )
+                .child(Element::new("freejoint").with("name", "robot.free"));
+        }
+        Some(hinge) => {
+            let parent_m = origin_robot_m(&robot.assembly.parts[hinge.parent_part]);
+            element = element
+                .with("pos", vector(&(origin_m - parent_m)))
+                .child(joint(hinge, &origin_m));
+        }
+    }
+    let mass = cluster.mass(&nalgebra::Isometry3::identity());
+    let i = mass.inertia_kg_m2;
+    element.push(
+        Element::new("inertial")
+            .with("pos", vector(&(mass.centre_m - origin_m)))
+            .with("mass", numbers([mass.mass_kg]))
+            .with(
+                "fullinertia",
+                numbers([
+                    i[(0, 0)],
+                    i[(1, 1)],
+                    i[(2, 2)],
+                    i[(0, 1)],
+                    i[(0, 2)],
+                    i[(1, 2)],
+                ]),
+            ),
+    );
+    for solid in &cluster.solids {
+        element.push(geom(robot, solid, &origin_m));
+    }
+    if part == robot.assembly.track_part {
+        let pose = seen_from(&origin_m, &robot.assembly.robot_from_track);
+        element.push(
+            Element::new("site")
+                .with("name", "track")
+                .with("pos", vector(&pose.translation.vector))
+                .with("quat", numbers(quaternion(&pose.rotation))),
+        );
+    }
+    for hinge in robot.hinges_on(part) {
+        element.push(body(robot, hinge.child_part, Some(hinge)));
+    }
+    element
+}
+
+fn joint(hinge: &Hinge, origin_m: &nalgebra::Vector3<f64>) -> Element {
+    let mut joint = Element::new("joint")
+        .with("name", &hinge.name)
+        .with("type", "hinge")
+        .with("axis", vector(&hinge.axis_robot))
+        .with("pos", vector(&(hinge.anchor_robot_m - origin_m)));
+    let bearing = &hinge.bearing;
+    // MuJoCo's friction does not depend on load or speed: a gear's dry and viscous parts are what it can be told.
+    let motor = hinge.actuator.as_ref().and_then(|a| a.servo.law.motor());
+    let gear = motor.map(|motor| motor.friction).unwrap_or_default();
+    let viscous_nm_s_rad = bearing.viscous_nm_s_rad + gear.viscous_nm_s_rad;
+    if viscous_nm_s_rad > 0.0 {
+        joint = joint.with("damping", numbers([viscous_nm_s_rad]));
+    }
+    let dry_nm = bearing.dry_nm + gear.dry_nm;
+    if dry_nm > 0.0 {
+        joint = joint.with("frictionloss", numbers([dry_nm]));
+    }
+    if let Some(motor) = motor.filter(|motor| motor.armature_kg_m2 > 0.0) {
+        joint = joint.with("armature", numbers([motor.armature_kg_m2]));
+    }
+    if let Some((low_rad, high_rad)) = bearing.limits_rad {
+        joint = joint.with("range", numbers([low_rad, high_rad]));
+    }
+    joint
+}
+
+fn geom(robot: &Robot<'_>, solid: &Solid, origin_robot_m: &nalgebra::Vector3<f64>) -> Element {
+    let pose = seen_from(origin_robot_m, &solid.robot_from_solid);
+    let element = Element::new("geom")
+        .with("name", robot.solid_name(solid))
+        .with("type", "box")
+        .with("size", vector(&solid.half_extents_m))
+        .with("pos", vector(&pose.translation.vector))
+        .with("quat", numbers(quaternion(&pose.rotation)))
+        .with(
+            "friction",
+            numbers([robot.floor.friction.powi(2), 0.0, 0.0]),
+        );
+    if solid.collides {
+        element
+    } else {
+        element.with("contype", "0").with("conaffinity", "0")
+    }
+}
+
+fn spring(motor: Element, stiffness_nm_rad: f64, damping_nm_s_rad: f64) -> Element {
+    motor.with("gainprm", numbers([stiffness_nm_rad])).with(
+        "biasprm",
+        numbers([0.0, -stiffness_nm_rad, -damping_nm_s_rad]),
+    )
+}
+
+fn motor(name: &str, servo: &Servo) -> Element {
+    let stall_nm = servo.law.motor().map_or(f64::INFINITY, Motor::stall_nm);
+    let most_nm = servo.max_torque_nm.min(stall_nm);
+    let limit = numbers([-most_nm, most_nm]);
+    let motor = Element::new("general")
+        .with("name", name)
+        .with("joint", name)
+        .with("forcerange", limit)
+        .with("gaintype", "fixed")
+        .with("biastype", "affine");
+    match servo.law {
+        ServoLaw::Velocity { .. } => {
+            let limited = servo.max_speed_rad_s.is_finite();
+            let top_rad_s = if limited {
+                servo.max_speed_rad_s
+            } else {
+                UNLIMITED_RAD_S
+            };
+            let damping_nm_s_rad = servo.max_torque_nm / (SPEED_SLACK * top_rad_s);
+            let motor = motor
+                .with("gainprm", numbers([damping_nm_s_rad]))
+                .with("biasprm", numbers([0.0, 0.0, -damping_nm_s_rad]));
+            if limited {
+                motor.with("ctrlrange", numbers([-top_rad_s, top_rad_s]))
+            } else {
+                motor
+            }
+        }
+        ServoLaw::Torque {
+            stiffness_nm_rad,
+            damping_nm_s_rad,
+        } => spring(motor, stiffness_nm_rad, damping_nm_s_rad),
+        // The duty's limit is lost, but for the torque at standstill.
+        ServoLaw::Motor(law) => spring(motor, law.stiffness_nm_rad(), law.damping_nm_s_rad()),
+    }
+}

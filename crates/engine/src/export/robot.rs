@@ -1,0 +1,152 @@
+//! The robot as export formats see it: parts with mass, names and frames.
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+
+use crate::{Experiment, Floor};
+use realgap_core::warning::Warning;
+use realgap_robot::morphology::{Actuator, Assembly, Hinge, Morphology, Part, Role, Solid};
+
+/// A robot to be exported, with the world it stands in.
+#[derive(Debug, Clone)]
+pub struct Robot<'a> {
+    /// Name of the morphology.
+    pub name: &'a str,
+    /// Free text, possibly empty.
+    pub description: &'a str,
+    /// Parts and hinges, with the experiment's adjustments applied.
+    pub assembly: Assembly,
+    /// The ground.
+    pub floor: Floor,
+    /// Gravity along −z, m/s².
+    pub gravity_m_s2: f64,
+}
+
+impl<'a> Robot<'a> {
+    /// The robot of `experiment`, which was made from `morphology`.
+    pub fn new(morphology: &'a Morphology, experiment: &Experiment) -> Self {
+        Self {
+            name: morphology.name(),
+            description: morphology.description(),
+            assembly: experiment.adjusted_assembly(),
+            floor: experiment.floor,
+            gravity_m_s2: experiment.gravity_m_s2,
+        }
+    }
+
+    /// What the head of an exported file says: where it comes from, what `remark` adds, what is not in it.
+    pub(super) fn comments(&self, remark: &str, not_carried: &[Warning]) -> Vec<String> {
+        let mut comments = vec![format!(
+            "Robot {} exported by realgap {}. SI units, radians, z up.{remark}",
+            self.name,
+            env!("CARGO_PKG_VERSION")
+        )];
+        if !self.description.is_empty() {
+            comments.push(self.description.to_owned());
+        }
+        comments.extend(
+            not_carried
+                .iter()
+                .map(|w| format!("Not carried: {}", w.message)),
+        );
+        comments
+    }
+
+    /// The hinges that a part carries.
+    pub(super) fn hinges_on(&self, part: usize) -> impl Iterator<Item = &Hinge> {
+        self.assembly
+            .hinges
+            .iter()
+            .filter(move |hinge| hinge.parent_part == part)
+    }
+
+    /// The hinges that a servo drives, each with what drives it.
+    pub(super) fn driven_hinges(&self) -> impl Iterator<Item = (&Hinge, &Actuator)> {
+        let hinges = self.assembly.hinges.iter();
+        hinges.filter_map(|hinge| Some((hinge, hinge.actuator.as_ref()?)))
+    }
+
+    /// Whether a servo drives any hinge.
+    pub(super) fn has_servos(&self) -> bool {
+        self.driven_hinges().next().is_some()
+    }
+
+    /// Pairs of different parts that hold modules which never touch.
+    pub(super) fn parts_apart(&self) -> Vec<(usize, usize)> {
+        let part_of = |module: usize| {
+            let mut parts = self.assembly.parts.iter();
+            parts.position(|part| {
+                let is_of = |s: &Solid| s.module == module && s.role == Role::Cube;
+                part.solids.iter().any(is_of)
+            })
+        };
+        let mut pairs = Vec::new();
+        for &(a, b) in &self.assembly.apart {
+            if let (Some(a), Some(b)) = (part_of(a), part_of(b))
+                && a != b
+                && !pairs.contains(&(a, b))
+            {
+                pairs.push((a, b));
+            }
+        }
+        pairs
+    }
+
+    /// Name of a box. Module names have no dot, so no two boxes share a name.
+    pub(super) fn solid_name(&self, solid: &Solid) -> String {
+        let module = &self.assembly.module_names[solid.module];
+        match solid.role {
+            Role::Cube if solid.number > 0 => format!("{module}.cube{}", solid.number + 1),
+            Role::Cube => format!("{module}.cube"),
+            Role::Plate => format!("{module}.plate"),
+        }
+    }
+
+    /// Name of a part: its first module where that is a cube, else the plate it begins with. No two parts share a box.
+    pub(super) fn part_name(&self, part: usize) -> String {
+        match self.assembly.parts[part].solids.first() {
+            Some(solid) if solid.role == Role::Cube => {
+                self.assembly.module_names[solid.module].clone()
+            }
+            Some(solid) => self.solid_name(solid),
+            None => format!("part.{part}"),
+        }
+    }
+
+    /// Height of the root's centre above the floor at zero angles when the lowest box just touches it, metres.
+    pub(super) fn clearance_m(&self) -> f64 {
+        let normal = self.floor.normal_world();
+        let lowest = self
+            .assembly
+            .parts
+            .iter()
+            .flat_map(|part| &part.solids)
+            .filter(|solid| solid.collides)
+            .map(|solid| {
+                let along = solid.robot_from_solid.rotation.inverse() * normal;
+                solid.robot_from_solid.translation.vector.dot(&normal)
+                    - along.abs().dot(&solid.half_extents_m)
+            })
+            .fold(f64::INFINITY, f64::min);
+        -lowest / normal.z
+    }
+}
+
+/// Origin of a part's frame in the robot frame: the centre of its first box.
+pub(super) fn origin_robot_m(part: &Part) -> Vector3<f64> {
+    part.solids.first().map_or_else(Vector3::zeros, |solid| {
+        solid.robot_from_solid.translation.vector
+    })
+}
+
+/// A pose of the robot frame seen from a frame with the same axes at `origin_robot_m`.
+pub(super) fn seen_from(origin_robot_m: &Vector3<f64>, pose: &Isometry3<f64>) -> Isometry3<f64> {
+    Isometry3::from_parts(
+        (pose.translation.vector - origin_robot_m).into(),
+        pose.rotation,
+    )
+}
+
+/// The quaternion as files write it: real part first.
+pub(super) fn quaternion(rotation: &UnitQuaternion<f64>) -> [f64; 4] {
+    [rotation.w, rotation.i, rotation.j, rotation.k]
+}

@@ -1,0 +1,217 @@
+//! URDF, the format of ROS and PyBullet: bodies, hinges and servo limits only.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::format::{Exported, Format};
+use super::robot::{Robot, origin_robot_m};
+use super::xml::{Element, numbers, vector};
+use realgap_core::warning::{Code, Warning};
+use realgap_robot::morphology::{Hinge, Solid};
+
+/// The Unified Robot Description Format.
+pub(super) struct Urdf;
+
+/// Speed limit of a servo that has none: URDF wants a number, rad/s.
+const UNLIMITED_RAD_S: f64 = 1e4;
+
+impl Format for Urdf {
+    fn name(&self) -> &'static str {
+        "urdf"
+    }
+
+    fn doc(&self) -> &'static str {
+        "ROS and PyBullet: bodies, hinges, limits of torque and speed; no gait, no floor"
+    }
+
+    fn render(&self, robot: &Robot<'_>) -> Exported {
+        let warnings = warnings(robot);
+        let comments = robot.comments(
+            " PyBullet: load with URDF_USE_INERTIA_FROM_FILE.",
+            &warnings,
+        );
+        let mut root = Element::new("robot").with("name", robot.name);
+        if let Some(mount_m) = robot.assembly.mount_world_m {
+            root.push(Element::new("link").with("name", MOUNT));
+            root.push(mount(robot, &mount_m));
+        }
+        root.push(link(robot, 0, &origin_robot_m(&robot.assembly.parts[0])));
+        // Parents come before their children in the assembly, as URDF readers like it.
+        for hinge in &robot.assembly.hinges {
+            root.push(link(robot, hinge.child_part, &hinge.anchor_robot_m));
+            root.push(joint(robot, hinge));
+        }
+        Exported {
+            text: root.document(&comments),
+            warnings,
+        }
+    }
+}
+
+fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
+    let track = robot.assembly.robot_from_track.translation.vector
+        - link_origin_robot_m(robot, robot.assembly.track_part);
+    let mut warnings = vec![
+        Warning::new(
+            Code::FloorNotExported,
+            format!(
+                "the floor, its friction {} and restitution {}, and gravity",
+                robot.floor.friction, robot.floor.restitution
+            ),
+        ),
+        Warning::new(
+            Code::TrackNotExported,
+            format!(
+                "the tracked point (link {}, at {} m in its frame)",
+                robot.part_name(robot.assembly.track_part),
+                vector(&track)
+            ),
+        ),
+    ];
+    if robot.has_servos() {
+        warnings.push(Warning::new(
+            Code::GaitNotExported,
+            "gait and servo law (only the limits of torque and speed are here)",
+        ));
+    }
+    if !robot.assembly.hinges.is_empty() {
+        warnings.push(Warning::new(
+            Code::ExclusionNotExported,
+            "that parts joined by a hinge do not collide (most readers assume it, URDF cannot say it)",
+        ));
+        if robot
+            .driven_hinges()
+            .any(|(_, driven)| driven.servo.max_speed_rad_s.is_infinite())
+        {
+            warnings.push(Warning::new(
+                Code::SpeedLimitInvented,
+                format!("servos without speed limit (URDF demands one: {UNLIMITED_RAD_S} rad/s stands in)"),
+            ));
+        }
+    }
+    warnings
+}
+
+/// Origin of a link's frame: the anchor of the hinge that moves it, as URDF demands.
+fn link_origin_robot_m(robot: &Robot<'_>, part: usize) -> Vector3<f64> {
+    robot
+        .assembly
+        .hinges
+        .iter()
+        .find(|hinge| hinge.child_part == part)
+        .map_or_else(
+            || origin_robot_m(&robot.assembly.parts[part]),
+            |hinge| hinge.anchor_robot_m,
+        )
+}
+
+fn origin(position_m: &Vector3<f64>, rotation: &UnitQuaternion<f64>) -> Element {
+    let (roll, pitch, yaw) = rotation.euler_angles();
+    Element::new("origin")
+        .with("xyz", vector(position_m))
+        .with("rpy", numbers([roll, pitch, yaw]))
+}
+
+fn link(robot: &Robot<'_>, part: usize, origin_m: &Vector3<f64>) -> Element {
+    let cluster = &robot.assembly.parts[part];
+    let mass = cluster.mass(&nalgebra::Isometry3::identity());
+    let i = mass.inertia_kg_m2;
+    let moment = |row: usize, column: usize| numbers([i[(row, column)]]);
+    let mut link = Element::new("link")
+        .with("name", robot.part_name(part))
+        .child(
+            Element::new("inertial")
+                .child(origin(
+                    &(mass.centre_m - origin_m),
+                    &UnitQuaternion::identity(),
+                ))
+                .child(Element::new("mass").with("value", numbers([mass.mass_kg])))
+                .child(
+                    Element::new("inertia")
+                        .with("ixx", moment(0, 0))
+                        .with("ixy", moment(0, 1))
+                        .with("ixz", moment(0, 2))
+                        .with("iyy", moment(1, 1))
+                        .with("iyz", moment(1, 2))
+                        .with("izz", moment(2, 2)),
+                ),
+        );
+    for solid in &cluster.solids {
+        link.push(shape("visual", robot, solid, origin_m));
+        if solid.collides {
+            link.push(shape("collision", robot, solid, origin_m));
+        }
+    }
+    link
+}
+
+fn shape(kind: &'static str, robot: &Robot<'_>, solid: &Solid, origin_m: &Vector3<f64>) -> Element {
+    let pose = &solid.robot_from_solid;
+    Element::new(kind)
+        .with("name", robot.solid_name(solid))
+        .child(origin(
+            &(pose.translation.vector - origin_m),
+            &pose.rotation,
+        ))
+        .child(
+            Element::new("geometry")
+                .child(Element::new("box").with("size", vector(&(solid.half_extents_m * 2.0)))),
+        )
+}
+
+fn joint(robot: &Robot<'_>, hinge: &Hinge) -> Element {
+    let parent_m = link_origin_robot_m(robot, hinge.parent_part);
+    let limits_rad = hinge.bearing.limits_rad;
+    let kind = if limits_rad.is_some() {
+        "revolute"
+    } else {
+        "continuous"
+    };
+    let mut joint = Element::new("joint")
+        .with("name", &hinge.name)
+        .with("type", kind)
+        .child(origin(
+            &(hinge.anchor_robot_m - parent_m),
+            &UnitQuaternion::identity(),
+        ))
+        .child(Element::new("parent").with("link", robot.part_name(hinge.parent_part)))
+        .child(Element::new("child").with("link", robot.part_name(hinge.child_part)))
+        .child(Element::new("axis").with("xyz", vector(&hinge.axis_robot)));
+    let bearing = &hinge.bearing;
+    if bearing.has_friction() {
+        joint.push(
+            Element::new("dynamics")
+                .with("damping", numbers([bearing.viscous_nm_s_rad]))
+                .with("friction", numbers([bearing.dry_nm])),
+        );
+    }
+    let mut limit = Element::new("limit");
+    if let Some((low_rad, high_rad)) = limits_rad {
+        limit = limit
+            .with("lower", numbers([low_rad]))
+            .with("upper", numbers([high_rad]));
+    }
+    // A passive hinge has no torque of its own.
+    let (effort_nm, speed_rad_s) = hinge.actuator.map_or((0.0, UNLIMITED_RAD_S), |driven| {
+        let top_rad_s = driven.servo.max_speed_rad_s.min(UNLIMITED_RAD_S);
+        (driven.servo.max_torque_nm, top_rad_s)
+    });
+    joint.push(
+        limit
+            .with("effort", numbers([effort_nm]))
+            .with("velocity", numbers([speed_rad_s])),
+    );
+    joint
+}
+
+/// What holds a robot that is mounted.
+const MOUNT: &str = "world";
+
+fn mount(robot: &Robot<'_>, mount_m: &Vector3<f64>) -> Element {
+    let origin_m = origin_robot_m(&robot.assembly.parts[0]);
+    Element::new("joint")
+        .with("name", "mount")
+        .with("type", "fixed")
+        .child(origin(&(mount_m + origin_m), &UnitQuaternion::identity()))
+        .child(Element::new("parent").with("link", MOUNT))
+        .child(Element::new("child").with("link", robot.part_name(0)))
+}

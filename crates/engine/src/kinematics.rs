@@ -1,0 +1,98 @@
+//! Where every part is, given the servo angles: forward kinematics of the hinge tree.
+
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+
+use super::experiment::JointState;
+use realgap_robot::morphology::{Assembly, Hinge};
+
+/// Robot-frame pose of a part's own frame at zero angles: the centre of its first solid, axes of the robot.
+pub(super) fn robot_from_part_at_zero(assembly: &Assembly, part: usize) -> Isometry3<f64> {
+    let origin = assembly.parts[part].solids[0].robot_from_solid.translation;
+    Isometry3::from_parts(origin, UnitQuaternion::identity())
+}
+
+/// Turn by `angle_rad` about the hinge's axis, in the robot frame.
+fn turn(hinge: &Hinge, angle_rad: f64) -> Isometry3<f64> {
+    let there = Translation3::from(hinge.anchor_robot_m);
+    let rotation = UnitQuaternion::from_axis_angle(&hinge.axis_robot, angle_rad);
+    there * rotation * there.inverse()
+}
+
+/// A turning motion about an axis anywhere: velocities of all points of a rigid body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Turn {
+    /// Angular velocity, world frame, rad/s.
+    pub angular_world_rad_s: Vector3<f64>,
+    /// Velocity of the point at the world's origin, m/s.
+    pub at_origin_world_m_s: Vector3<f64>,
+}
+
+impl Turn {
+    /// None.
+    pub const REST: Self = Self {
+        angular_world_rad_s: Vector3::new(0.0, 0.0, 0.0),
+        at_origin_world_m_s: Vector3::new(0.0, 0.0, 0.0),
+    };
+
+    /// Velocity of a point of the body, world frame, m/s.
+    pub fn velocity_at(&self, point_world_m: &Vector3<f64>) -> Vector3<f64> {
+        self.at_origin_world_m_s + self.angular_world_rad_s.cross(point_world_m)
+    }
+}
+
+/// How each part moves beyond the root because its joints turn.
+pub(super) fn joint_turns(
+    assembly: &Assembly,
+    world_from_parts: &[Isometry3<f64>],
+    joints: &[JointState],
+) -> Vec<Turn> {
+    let mut turns = vec![Turn::REST; assembly.parts.len()];
+    for (hinge, joint) in assembly.hinges.iter().zip(joints) {
+        let mut turn = turns[hinge.parent_part];
+        if joint.speed_rad_s != 0.0 {
+            let parent = &world_from_parts[hinge.parent_part];
+            let part_from_robot = robot_from_part_at_zero(assembly, hinge.parent_part).inverse();
+            let anchor_m = parent * part_from_robot * Point3::from(hinge.anchor_robot_m);
+            let rate = parent.rotation * hinge.axis_robot.into_inner() * joint.speed_rad_s;
+            turn.angular_world_rad_s += rate;
+            turn.at_origin_world_m_s -= rate.cross(&anchor_m.coords);
+        }
+        turns[hinge.child_part] = turn;
+    }
+    turns
+}
+
+/// Robot-frame poses of all part frames at the given hinge angles, part 0 at its zero pose.
+pub(super) fn robot_from_parts(assembly: &Assembly, angles_rad: &[f64]) -> Vec<Isometry3<f64>> {
+    let mut moved = vec![Isometry3::identity(); assembly.parts.len()];
+    for (hinge, &angle_rad) in assembly.hinges.iter().zip(angles_rad) {
+        moved[hinge.child_part] = moved[hinge.parent_part] * turn(hinge, angle_rad);
+    }
+    (0..assembly.parts.len())
+        .map(|part| moved[part] * robot_from_part_at_zero(assembly, part))
+        .collect()
+}
+
+/// Pose of the tracked module in the frame of the part that carries it.
+pub(super) fn part_from_track(assembly: &Assembly) -> Isometry3<f64> {
+    robot_from_part_at_zero(assembly, assembly.track_part).inverse() * assembly.robot_from_track
+}
+
+/// Smallest signed distance of the robot's collision boxes to the plane through the origin with this unit normal, metres.
+pub(super) fn lowest_m(
+    assembly: &Assembly,
+    parts: &[Isometry3<f64>],
+    normal: &Vector3<f64>,
+) -> f64 {
+    let mut lowest = f64::INFINITY;
+    for (part, robot_from_part) in parts.iter().enumerate() {
+        let part_from_robot = robot_from_part_at_zero(assembly, part).inverse();
+        for solid in assembly.parts[part].solids.iter().filter(|s| s.collides) {
+            let pose = robot_from_part * part_from_robot * solid.robot_from_solid;
+            let along = pose.rotation.inverse() * normal;
+            let reach = along.abs().dot(&solid.half_extents_m);
+            lowest = lowest.min(pose.translation.vector.dot(normal) - reach);
+        }
+    }
+    lowest
+}

@@ -1,0 +1,60 @@
+//! Experiments and their simulation with Rapier.
+//!
+//! An [`Experiment`] is plain data: robot, floor, start, duration, solver settings. [`run`] turns
+//! it into a [`Run`] and never changes it. Same experiment → same bits, on any thread.
+//! `engine` is the only file of the crate that names `rapier3d`, in f64 or (feature `f32`) in f32.
+
+pub mod export;
+pub mod parameter;
+
+mod adjustment;
+mod arena;
+mod axle;
+mod camera;
+mod command;
+mod distribution;
+mod energy;
+mod engine;
+mod experiment;
+mod film;
+mod friction;
+mod hook;
+mod kinematics;
+mod motor;
+mod noise;
+mod numerics;
+mod outcome;
+mod part_state;
+mod path;
+mod plausibility;
+mod posture;
+mod run;
+mod scene;
+mod servo;
+mod settle;
+mod vehicle;
+mod watch;
+mod world;
+
+pub use adjustment::{Adjustment, ModuleAdjustment};
+pub use camera::Camera;
+pub use command::CommandTrack;
+pub use distribution::Distribution;
+pub use energy::EnergyBalance;
+pub use engine::ENGINE_VERSION;
+pub use experiment::{
+    Contact, Experiment, Floor, FrictionModel, JointKind, JointState, Perturbation, Sampling,
+    Solver, Start,
+};
+pub use film::{Film, film, part_from_solid, part_name};
+pub use noise::Noise;
+pub use outcome::{Divergence, Outcome};
+pub use part_state::PartState;
+pub use posture::Posture;
+pub use run::{Run, run, watch};
+pub use scene::{SceneBody, SceneBox, SceneMotion};
+pub use settle::{Settling, settle};
+#[cfg(feature = "schema")]
+pub use vehicle::VehicleFile;
+pub use vehicle::{Drive, Vehicle};
+pub use watch::{HingeState, Push, Snapshot};

@@ -1,0 +1,217 @@
+//! The law of a servo as it is built: duty, torque-speed line, and the friction budget of its gear.
+//!
+//! The budget depends on the load of the gear. Its motor side is known; its output side is what the gear passes on, motor
+//! torque minus friction, so the budget is an equation for the friction itself and is solved here, once for either direction of
+//! motion. An engine whose friction knows one budget gets the mean of the two as friction and half their difference as a
+//! torque: at any moment at most the budget of the direction in which the hinge moves, or would.
+
+use realgap_robot::morphology::{GearFriction, Motor};
+
+/// What a motor and its gear do to a hinge during one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Effort {
+    /// The motor pulls towards this speed, rad/s …
+    pub target_rad_s: f64,
+    /// … with this much torque per speed, N m s/rad.
+    pub damping_nm_s_rad: f64,
+    /// Most that friction holds against a motion forwards, viscous friction apart, N m.
+    pub forwards_nm: f64,
+    /// Most that it holds against a motion backwards, N m.
+    pub backwards_nm: f64,
+    /// Torque against the motion in proportion to its speed, N m s/rad.
+    pub viscous_nm_s_rad: f64,
+    /// Inertia of the rotor at the output, kg m².
+    pub armature_kg_m2: f64,
+}
+
+impl Effort {
+    /// Friction that is the same in both directions, N m.
+    pub fn dry_nm(&self) -> f64 {
+        0.5 * (self.forwards_nm + self.backwards_nm)
+    }
+
+    /// The speed that the motor has to pull towards for that friction to be what either direction has, rad/s.
+    pub fn shifted_target_rad_s(&self) -> f64 {
+        if self.damping_nm_s_rad == 0.0 {
+            return 0.0;
+        }
+        self.target_rad_s + 0.5 * (self.backwards_nm - self.forwards_nm) / self.damping_nm_s_rad
+    }
+}
+
+/// A motor at its torque limit pulls towards a speed this far away, rad/s, so that its torque hardly depends on the speed.
+const FAR_RAD_S: f64 = 1e4;
+
+/// The duty that the position loop asks for, at most a step's slew away from the one `before`.
+pub(super) fn duty(motor: &Motor, error_rad: f64, before: f64, timestep_s: f64) -> f64 {
+    let asked = (motor.position_gain * motor.duty_1_rad * error_rad).clamp(-1.0, 1.0);
+    let most = motor.slew_1_s * timestep_s;
+    asked.clamp(before - most, before + most)
+}
+
+/// What the motor does at a duty and a speed; `None`: it is switched off, and only its gear is felt.
+pub(super) fn effort(
+    motor: &Motor,
+    duty: Option<f64>,
+    max_torque_nm: f64,
+    speed_rad_s: f64,
+) -> Effort {
+    let friction = &motor.friction;
+    let (target_rad_s, damping_nm_s_rad, torque_nm) = match duty {
+        None => (0.0, 0.0, 0.0),
+        Some(duty) => {
+            let slope_nm_s_rad = motor.torque_constant_nm_a.powi(2) / motor.resistance_at_ohm(duty);
+            let free_rad_s = duty * motor.supply_v / motor.torque_constant_nm_a;
+            let torque_nm = slope_nm_s_rad * (free_rad_s - speed_rad_s);
+            if torque_nm.abs() > max_torque_nm {
+                let torque_nm = max_torque_nm.copysign(torque_nm);
+                let far_rad_s = speed_rad_s + FAR_RAD_S.copysign(torque_nm);
+                (far_rad_s, max_torque_nm / FAR_RAD_S, torque_nm)
+            } else {
+                (free_rad_s, slope_nm_s_rad, torque_nm)
+            }
+        }
+    };
+    Effort {
+        target_rad_s,
+        damping_nm_s_rad,
+        forwards_nm: budget_nm(friction, torque_nm, speed_rad_s),
+        backwards_nm: budget_nm(friction, -torque_nm, speed_rad_s),
+        viscous_nm_s_rad: friction.viscous_nm_s_rad,
+        armature_kg_m2: motor.armature_kg_m2,
+    }
+}
+
+/// Most that the gear holds against a motion, viscous friction apart, N m; `along_nm` is the motor's torque along that motion.
+///
+/// F = own + output load · |along − F|, where `own` holds all that does not depend on the output.
+pub(super) fn budget_nm(friction: &GearFriction, along_nm: f64, speed_rad_s: f64) -> f64 {
+    let still =
+        (-(speed_rad_s.abs() / friction.stribeck_speed_rad_s).powf(friction.stribeck_shape)).exp();
+    let motor_nm = along_nm.abs();
+    let share = friction.motor_load + still * friction.stribeck_load;
+    let viscous_nm = friction.viscous_nm_s_rad * speed_rad_s.abs();
+    let own_nm = friction.dry_nm
+        + still * friction.stribeck_nm
+        + viscous_nm
+        + share * motor_nm
+        + friction.quadratic_1_nm * motor_nm.powi(2);
+    let output = (friction.output_load + still * friction.stribeck_load).min(MOST_OUTPUT);
+    let all_nm = if own_nm <= along_nm {
+        // The motor drives: what is left of its torque reaches the output.
+        (own_nm + output * along_nm) / (1.0 + output)
+    } else {
+        // Something else drives, against the friction and perhaps the motor.
+        (own_nm - output * along_nm) / (1.0 - output)
+    };
+    (all_nm - viscous_nm).max(0.0)
+}
+
+/// With all of the output's torque lost the gear would lock itself.
+const MOST_OUTPUT: f64 = realgap_robot::morphology::MOST_LOAD;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn motor(friction: GearFriction) -> Motor {
+        Motor {
+            position_gain: 400.0,
+            duty_1_rad: 0.0028,
+            supply_v: 7.3,
+            torque_constant_nm_a: 0.4,
+            resistance_ohm: 3.5,
+            ripple_ohm: 0.0,
+            armature_kg_m2: 0.001,
+            slew_1_s: f64::INFINITY,
+            friction,
+        }
+    }
+
+    fn loaded() -> GearFriction {
+        GearFriction {
+            dry_nm: 0.01,
+            motor_load: 0.2,
+            output_load: 0.3,
+            ..GearFriction::default()
+        }
+    }
+
+    #[test]
+    fn the_budget_solves_its_own_equation_on_either_side_of_the_gear() {
+        for along_nm in [-0.5, -0.1, 0.0, 0.005, 0.012, 0.1, 0.8] {
+            let friction = loaded();
+            let budget = budget_nm(&friction, along_nm, 0.0);
+            let output_nm = (along_nm - budget).abs();
+            let equation = 0.01 + 0.2 * f64::abs(along_nm) + 0.3 * output_nm;
+            assert!((budget - equation).abs() < 1e-12, "{along_nm}: {budget}");
+        }
+    }
+
+    #[test]
+    fn a_gear_that_rubs_on_its_load_is_harder_to_drive_back_than_to_drive() {
+        let friction = GearFriction {
+            motor_load: 0.3,
+            output_load: 0.3,
+            ..GearFriction::default()
+        };
+        // Forwards (1 − m) / (1 + m) of the motor's torque arrives; backwards the output needs (1 + m) / (1 − m) of it.
+        let arrives = 0.2 - budget_nm(&friction, 0.2, 0.0);
+        let needed = 0.2 + budget_nm(&friction, -0.2, 0.0);
+        assert!((arrives - 0.2 * 0.7 / 1.3).abs() < 1e-12);
+        assert!((needed - 0.2 * 1.3 / 0.7).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_motor_stalls_at_its_stall_torque_and_is_free_at_its_free_speed() {
+        let motor = motor(GearFriction::default());
+        let effort = effort(&motor, Some(1.0), 10.0, 0.0);
+        let stall_nm = effort.damping_nm_s_rad * effort.target_rad_s;
+        assert!((stall_nm - 0.4 * 7.3 / 3.5).abs() < 1e-12);
+        assert!((effort.target_rad_s - 7.3 / 0.4).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_torque_limit_binds_and_a_slew_limit_delays() {
+        let mut motor = motor(GearFriction::default());
+        let effort = effort(&motor, Some(-1.0), 0.1, 3.0);
+        let torque_nm = effort.damping_nm_s_rad * (effort.target_rad_s - 3.0);
+        assert!((torque_nm + 0.1).abs() < 1e-9);
+        motor.slew_1_s = 10.0;
+        assert!((duty(&motor, 1.0, 0.2, 0.01) - 0.3).abs() < 1e-12);
+        assert!((duty(&motor, -1.0, 0.2, 0.1) + 0.8).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_torque_line_and_the_budget_of_either_direction_come_out_of_the_effort() {
+        let motor = motor(loaded());
+        let (duty, speed) = (0.3, 2.0);
+        let effort = effort(&motor, Some(duty), 10.0, speed);
+        let torque_nm = 0.4 / 3.5 * (7.3 * duty - 0.4 * speed);
+        let pulled_nm = effort.damping_nm_s_rad * (effort.shifted_target_rad_s() - speed);
+        let forwards_nm = torque_nm - budget_nm(&motor.friction, torque_nm, speed);
+        let backwards_nm = torque_nm + budget_nm(&motor.friction, -torque_nm, speed);
+        assert!((pulled_nm - effort.dry_nm() - forwards_nm).abs() < 1e-12);
+        assert!((pulled_nm + effort.dry_nm() - backwards_nm).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_supply_that_gives_way_takes_most_at_half_duty_and_nothing_at_full() {
+        let mut motor = motor(GearFriction::default());
+        motor.ripple_ohm = 4.0;
+        let share = |duty: f64| {
+            let effort = effort(&motor, Some(duty), 10.0, 0.0);
+            effort.damping_nm_s_rad * effort.target_rad_s / (duty * motor.stall_nm())
+        };
+        assert!((share(1.0) - 1.0).abs() < 1e-12);
+        // By hand: i = u (V − ripple i u (1 − u)) / R at u = 1/2 has i = V / (2 R + ripple / 4).
+        assert!((share(0.5) - 2.0 * 3.5 / (2.0 * 3.5 + 1.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn switched_off_only_the_gear_is_felt() {
+        let effort = effort(&motor(loaded()), None, 10.0, 5.0);
+        assert_eq!((effort.target_rad_s, effort.damping_nm_s_rad), (0.0, 0.0));
+        assert!((effort.dry_nm() - 0.01 / 0.7).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,182 @@
+//! Values given to parameters: from `--set name=value`, from a file, from a grid.
+
+use std::fmt;
+
+use super::motor::is_of_motor;
+use super::{Parameter, by_name};
+use crate::{Experiment, SceneMotion};
+use realgap_core::error::{Error, Result};
+use realgap_core::warning::{Code, Warning};
+
+/// One parameter with a checked value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Assignment {
+    /// The parameter.
+    pub parameter: &'static Parameter,
+    /// Its value, in the parameter's unit, within its bounds.
+    pub value: f64,
+}
+
+impl Assignment {
+    /// A checked assignment.
+    ///
+    /// # Errors
+    /// An unknown name or a value out of bounds.
+    pub fn new(name: &str, value: f64) -> Result<Self> {
+        let parameter = by_name(name)?;
+        parameter.check(value)?;
+        Ok(Self { parameter, value })
+    }
+}
+
+impl std::str::FromStr for Assignment {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let shape = || {
+            Error::usage("not an assignment")
+                .found(format!("\"{text}\""))
+                .allowed("name=value, e.g. floor.friction=0.4")
+        };
+        let (name, value) = text.split_once('=').ok_or_else(shape)?;
+        let value = value.trim();
+        let value = value.parse().map_err(|_| match value.replace(',', ".") {
+            number if number != value && number.parse::<f64>().is_ok() => {
+                Error::usage("a comma within a number")
+                    .field(name.trim())
+                    .found(value)
+                    .allowed(number)
+            }
+            _ => shape(),
+        })?;
+        Self::new(name.trim(), value)
+    }
+}
+
+impl fmt::Display for Assignment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.parameter.name, self.value)
+    }
+}
+
+/// Values for some parameters, in order; a later value for the same parameter replaces the earlier.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ParameterSet(Vec<Assignment>);
+
+impl ParameterSet {
+    /// An empty set: changes nothing.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The set with one more assignment.
+    #[must_use]
+    pub fn with(mut self, assignment: Assignment) -> Self {
+        match self
+            .0
+            .iter_mut()
+            .find(|known| known.parameter == assignment.parameter)
+        {
+            Some(known) => known.value = assignment.value,
+            None => self.0.push(assignment),
+        }
+        self
+    }
+
+    /// The set with all of `other`'s assignments after its own.
+    #[must_use]
+    pub fn with_all(self, other: &Self) -> Self {
+        other
+            .0
+            .iter()
+            .fold(self, |set, assignment| set.with(*assignment))
+    }
+
+    /// The assignments, in order.
+    pub fn iter(&self) -> impl Iterator<Item = &Assignment> {
+        self.0.iter()
+    }
+
+    /// The value of a parameter, where the set has one.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.0
+            .iter()
+            .find(|a| a.parameter.name == name)
+            .map(|a| a.value)
+    }
+
+    /// True where nothing is set.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// What this set says about parts that the robot does not have: said, not silently ignored.
+    pub fn without_effect(&self, experiment: &Experiment) -> Vec<Warning> {
+        let robot = &experiment.assembly;
+        let has_servos = robot.hinges.iter().any(|hinge| hinge.actuator.is_some());
+        let has_motors = robot.hinges.iter().any(|hinge| {
+            hinge
+                .actuator
+                .is_some_and(|a| a.servo.law.motor().is_some())
+        });
+        let has_stated = robot.hinges.iter().any(|hinge| hinge.is_stated);
+        let has_pusher = experiment
+            .scene
+            .iter()
+            .any(|body| matches!(body.motion, SceneMotion::Driven { .. }));
+        let why = |a: &Assignment| -> Option<String> {
+            let (group, _) = a.parameter.name.split_once('.')?;
+            let module = a.parameter.subject;
+            match group {
+                "servo" | "gait" if !has_servos => Some("the robot has no servos".to_owned()),
+                "servo" if !has_motors && is_of_motor(a.parameter) => {
+                    Some("no servo of the robot is a motor behind a gear".to_owned())
+                }
+                "hinge" if !has_stated => Some("the robot's file states no hinges".to_owned()),
+                "vehicle" if experiment.vehicle.is_none() => {
+                    Some("the robot is no vehicle".to_owned())
+                }
+                "vehicle" if a.parameter.value(experiment).is_none() => {
+                    Some("the sensor's model has no such number".to_owned())
+                }
+                "pusher" if !has_pusher => Some("the scene has no driven body".to_owned()),
+                "module" if !robot.module_names.iter().any(|name| name == module) => {
+                    Some(format!("the robot has no module `{module}`"))
+                }
+                _ => None,
+            }
+        };
+        let idle = self.0.iter().filter_map(|a| Some((a, why(a)?)));
+        idle.map(|(a, why)| {
+            Warning::new(
+                Code::NoEffect,
+                format!("{} has no effect: {why}", a.parameter.name),
+            )
+        })
+        .collect()
+    }
+
+    /// A new experiment with every assignment applied.
+    pub fn apply(&self, experiment: &Experiment) -> Experiment {
+        let mut changed = experiment.clone();
+        for assignment in &self.0 {
+            assignment.parameter.put(&mut changed, assignment.value);
+        }
+        changed
+    }
+}
+
+impl FromIterator<Assignment> for ParameterSet {
+    fn from_iter<T: IntoIterator<Item = Assignment>>(assignments: T) -> Self {
+        assignments.into_iter().fold(Self::new(), Self::with)
+    }
+}
+
+impl fmt::Display for ParameterSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, assignment) in self.0.iter().enumerate() {
+            write!(f, "{}{assignment}", if index == 0 { "" } else { ", " })?;
+        }
+        Ok(())
+    }
+}

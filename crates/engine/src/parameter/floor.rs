@@ -1,0 +1,67 @@
+//! The ground and gravity.
+
+use super::{Nudge, Parameter, Scale};
+use realgap_core::unit::Unit;
+
+pub(super) static PARAMETERS: &[Parameter] = &[
+    Parameter {
+        name: "floor.friction",
+        unit: Unit::One,
+        bounds: (0.0, 10.0),
+        whole: false,
+        scale: Scale::Linear,
+        nudge: Nudge::Share(0.1),
+        doc: "Coulomb friction coefficient of the pair robot and floor.",
+        subject: "",
+        get: |e, _| Some(e.floor.friction),
+        set: |e, _, value| e.floor.friction = value,
+    },
+    Parameter {
+        name: "floor.restitution",
+        unit: Unit::One,
+        bounds: (0.0, 1.0),
+        whole: false,
+        scale: Scale::Linear,
+        nudge: Nudge::Absolute(0.05),
+        doc: "Restitution coefficient of the pair robot and floor.",
+        subject: "",
+        get: |e, _| Some(e.floor.restitution),
+        set: |e, _, value| e.floor.restitution = value,
+    },
+    Parameter {
+        name: "floor.height_m",
+        unit: Unit::Metre,
+        bounds: (-10.0, 10.0),
+        whole: false,
+        scale: Scale::Linear,
+        nudge: Nudge::Absolute(0.001),
+        doc: "Height of the floor at the world origin.",
+        subject: "",
+        get: |e, _| Some(e.floor.height_m),
+        set: |e, _, value| e.floor.height_m = value,
+    },
+    Parameter {
+        name: "floor.slope_rad",
+        unit: Unit::Radian,
+        bounds: (-1.2, 1.2),
+        whole: false,
+        scale: Scale::Linear,
+        nudge: Nudge::Absolute(0.01),
+        doc: "Slope of the floor about world y; positive is downhill towards +x.",
+        subject: "",
+        get: |e, _| Some(e.floor.slope_rad),
+        set: |e, _, value| e.floor.slope_rad = value,
+    },
+    Parameter {
+        name: "gravity_m_s2",
+        unit: Unit::MetrePerSecondSquared,
+        bounds: (0.0, 100.0),
+        whole: false,
+        scale: Scale::Linear,
+        nudge: Nudge::Share(0.01),
+        doc: "Magnitude of gravity, along -z of the world.",
+        subject: "",
+        get: |e, _| Some(e.gravity_m_s2),
+        set: |e, _, value| e.gravity_m_s2 = value,
+    },
+];

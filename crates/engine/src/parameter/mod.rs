@@ -1,0 +1,216 @@
+//! Named numbers of an experiment that may be set, swept and tuned.
+//!
+//! One registry, [`PARAMETERS`], holds name, unit, bounds, default, meaning, and how to read and
+//! write the number. Adding a parameter is one entry in the file of its group.
+
+mod assignment;
+mod body;
+mod contact;
+mod floor;
+mod gait;
+mod hinge;
+mod module;
+mod motor;
+mod recording;
+mod sensor;
+mod servo;
+mod solver;
+mod vehicle;
+
+pub use assignment::{Assignment, ParameterSet};
+
+pub use realgap_core::quantity::Scale;
+
+use crate::Experiment;
+use realgap_core::error::{Advice, Result};
+use realgap_core::file::unknown_name;
+use realgap_core::quantity::Quantity;
+use realgap_core::unit::Unit;
+use realgap_robot::morphology::Assembly;
+
+/// A named number of an experiment.
+#[derive(Debug, Clone, Copy)]
+pub struct Parameter {
+    /// Name, `group.quantity_unit`.
+    pub name: &'static str,
+    /// Unit of the value.
+    pub unit: Unit,
+    /// Smallest and largest allowed value, both allowed.
+    pub bounds: (f64, f64),
+    /// True where only whole numbers make sense.
+    pub whole: bool,
+    /// How a search walks along it.
+    pub scale: Scale,
+    /// A change of the size that a user would call small: what a sensitivity study tries.
+    pub nudge: Nudge,
+    /// What it means, one sentence.
+    pub doc: &'static str,
+    /// The module that it is about; empty where it is about the whole experiment.
+    pub subject: &'static str,
+    get: fn(&Experiment, &str) -> Option<f64>,
+    set: fn(&mut Experiment, &str, f64),
+}
+
+/// A small change of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Nudge {
+    /// This share of the value.
+    Share(f64),
+    /// This much, in the parameter's unit.
+    Absolute(f64),
+}
+
+impl From<&Parameter> for Quantity {
+    fn from(parameter: &Parameter) -> Self {
+        Self {
+            name: parameter.name,
+            unit: parameter.unit,
+            bounds: parameter.bounds,
+            whole: parameter.whole,
+            scale: parameter.scale,
+        }
+    }
+}
+
+impl PartialEq for Parameter {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+/// Every parameter, by group.
+pub fn all() -> impl Iterator<Item = &'static Parameter> {
+    PARAMETERS.iter().flat_map(|group| group.iter())
+}
+
+/// The registry: one slice per group.
+pub static PARAMETERS: &[&[Parameter]] = &[
+    floor::PARAMETERS,
+    contact::PARAMETERS,
+    solver::PARAMETERS,
+    body::PARAMETERS,
+    servo::PARAMETERS,
+    motor::PARAMETERS,
+    gait::PARAMETERS,
+    hinge::PARAMETERS,
+    recording::PARAMETERS,
+    vehicle::PARAMETERS,
+    sensor::CURVES,
+    sensor::PARAMETERS,
+];
+
+/// Parameters of single modules, with `NAME` in place of a module's name.
+pub fn families() -> impl Iterator<Item = &'static Parameter> {
+    module::FAMILY.iter()
+}
+
+/// Looks a parameter up by name.
+///
+/// # Errors
+/// An unknown name; the error lists the nearest known ones.
+pub fn by_name(name: &str) -> Result<&'static Parameter> {
+    if let Some(known) = all().find(|parameter| parameter.name == name) {
+        return Ok(known);
+    }
+    if let Some(member) = module::member(name) {
+        return Ok(member);
+    }
+    let group = name.split('.').next().unwrap_or(name);
+    let mut near: Vec<&str> = all()
+        .chain(families())
+        .map(|p| p.name)
+        .filter(|known| known.starts_with(group))
+        .collect();
+    if near.is_empty() {
+        near = all().map(|p| p.name).collect();
+    }
+    Err(unknown_name("parameter", name, near).advise(Advice::ListParameters))
+}
+
+impl Parameter {
+    /// Checks that `value` is allowed.
+    ///
+    /// # Errors
+    /// A value out of bounds, not finite, or not whole where it must be.
+    pub fn check(&self, value: f64) -> Result<()> {
+        Quantity::from(self).check(value)
+    }
+
+    /// A new experiment with this parameter set to `value`.
+    ///
+    /// # Errors
+    /// As [`Parameter::check`].
+    pub fn apply(&self, experiment: &Experiment, value: f64) -> Result<Experiment> {
+        self.check(value)?;
+        let mut changed = experiment.clone();
+        self.put(&mut changed, value);
+        Ok(changed)
+    }
+
+    /// The value; `None` where the robot's own file decides (a limit that is not overridden).
+    pub fn value(&self, experiment: &Experiment) -> Option<f64> {
+        (self.get)(experiment, self.subject)
+    }
+
+    fn put(&self, experiment: &mut Experiment, value: f64) {
+        (self.set)(experiment, self.subject, value);
+    }
+
+    /// The value where nothing is set; `None` where the robot's file decides.
+    pub fn default_value(&self) -> Option<f64> {
+        self.value(&Experiment::new(Assembly::nobody()))
+    }
+
+    /// `value` made a little smaller and a little larger (see [`Nudge`]); `None` at a bound.
+    pub fn nudged(&self, value: f64) -> [Option<f64>; 2] {
+        let step = match self.nudge {
+            Nudge::Share(share) => share * value.abs(),
+            Nudge::Absolute(step) => step,
+        };
+        [-step, step].map(|step| {
+            let moved = value + step;
+            (step != 0.0 && self.check(moved).is_ok()).then_some(moved)
+        })
+    }
+
+    /// Name and unit for an axis or table: `floor.friction` or `floor.height_m (m)`.
+    pub fn label(&self) -> String {
+        Quantity::from(self).label()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_bounds_are_ordered() {
+        let mut seen = std::collections::BTreeSet::new();
+        for parameter in all() {
+            assert!(
+                seen.insert(parameter.name),
+                "{} stands twice",
+                parameter.name
+            );
+            assert!(
+                parameter.bounds.0 < parameter.bounds.1,
+                "{}",
+                parameter.name
+            );
+            assert!(
+                !parameter.doc.is_empty() && parameter.doc.ends_with('.'),
+                "{}",
+                parameter.name
+            );
+        }
+    }
+
+    #[test]
+    fn an_unknown_name_is_answered_with_its_neighbours() {
+        let error = by_name("floor.frictoin").unwrap_err().to_string();
+        assert!(
+            error.contains("floor.friction, floor.restitution"),
+            "{error}"
+        );
+    }
+}

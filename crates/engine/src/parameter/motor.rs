@@ -1,0 +1,91 @@
+//! Servos that are motors behind gears: what a robot's file states of them, for all such servos at once.
+
+use std::sync::Arc;
+
+use super::{Nudge, Parameter, Scale};
+use crate::Experiment;
+use realgap_core::unit::Unit;
+use realgap_robot::morphology::{MOST_LOAD, Motor};
+
+/// What the motors of an experiment have in common; `None` where they differ or there are none.
+fn shared(experiment: &Experiment, own: impl Fn(&Motor) -> f64) -> Option<f64> {
+    let hinges = experiment.assembly.hinges.iter();
+    let mut values = hinges
+        .filter_map(|hinge| hinge.actuator.as_ref()?.servo.law.motor())
+        .map(own);
+    let first = values.next()?;
+    values.all(|value| value == first).then_some(first)
+}
+
+/// Changes every motor.
+fn change(experiment: &mut Experiment, to: impl Fn(&mut Motor)) {
+    let hinges = &mut Arc::make_mut(&mut experiment.assembly).hinges;
+    let actuators = hinges
+        .iter_mut()
+        .filter_map(|hinge| hinge.actuator.as_mut());
+    for motor in actuators.filter_map(|actuator| actuator.servo.law.motor_mut()) {
+        to(motor);
+    }
+}
+
+/// Whether a parameter is one of motors behind gears.
+pub(super) fn is_of_motor(parameter: &Parameter) -> bool {
+    PARAMETERS.contains(parameter)
+}
+
+macro_rules! motor {
+    ($name:literal, $unit:ident, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $($field:ident).+) => {
+        Parameter {
+            name: $name,
+            unit: Unit::$unit,
+            bounds: $bounds,
+            whole: false,
+            scale: Scale::$scale,
+            nudge: $nudge,
+            doc: $doc,
+            subject: "",
+            get: |e, _| shared(e, |motor| motor.$($field).+),
+            set: |e, _, value| change(e, |motor| motor.$($field).+ = value),
+        }
+    };
+}
+
+const TENTH: Nudge = Nudge::Share(0.1);
+
+#[rustfmt::skip] // a table
+pub(super) static PARAMETERS: &[Parameter] = &[
+    motor!("servo.position_gain", One, (0.0, 1e6), Log, TENTH,
+        "Gain of the position loop of every motor, in units of its firmware; a recording that says its own keeps that.", position_gain),
+    motor!("servo.duty_1_rad", PerRadian, (1e-9, 1e6), Log, TENTH,
+        "Duty of every motor per radian of error and unit of position gain.", duty_1_rad),
+    motor!("servo.supply_v", Volt, (0.0, 1000.0), Linear, TENTH,
+        "Supply voltage of every motor.", supply_v),
+    motor!("servo.torque_constant_nm_a", NewtonMetrePerAmpere, (1e-6, 1000.0), Log, TENTH,
+        "Torque per current (and back-EMF per speed) of every motor behind its gear.", torque_constant_nm_a),
+    motor!("servo.resistance_ohm", Ohm, (1e-6, 1e6), Log, TENTH,
+        "Resistance of every motor's winding and driver.", resistance_ohm),
+    motor!("servo.ripple_ohm", Ohm, (0.0, 1e6), Linear, TENTH,
+        "How much every motor's supply gives way while its driver chops, per current and duty (1 - duty).", ripple_ohm),
+    motor!("servo.armature_kg_m2", KilogramSquareMetre, (0.0, 1000.0), Linear, TENTH,
+        "Inertia of every motor's rotor as the output of its gear feels it.", armature_kg_m2),
+    motor!("servo.slew_1_s", PerSecond, (1e-3, 1e6), Log, TENTH,
+        "Largest change of every motor's duty per second.", slew_1_s),
+    motor!("servo.dry_nm", NewtonMetre, (0.0, 1e4), Linear, TENTH,
+        "Coulomb friction of every motor's gear.", friction.dry_nm),
+    motor!("servo.viscous_nm_s_rad", NewtonMetreSecondPerRadian, (0.0, 1e4), Linear, TENTH,
+        "Viscous friction of every motor's gear.", friction.viscous_nm_s_rad),
+    motor!("servo.stribeck_nm", NewtonMetre, (0.0, 1e4), Linear, TENTH,
+        "Further dry friction of every gear near standstill.", friction.stribeck_nm),
+    motor!("servo.stribeck_speed_rad_s", RadianPerSecond, (1e-3, 1000.0), Log, TENTH,
+        "Speed at which the friction near standstill has fallen to 1/e.", friction.stribeck_speed_rad_s),
+    motor!("servo.stribeck_shape", One, (0.1, 10.0), Log, TENTH,
+        "How sharply the friction near standstill falls: 1 exponentially, 2 as a bell.", friction.stribeck_shape),
+    motor!("servo.motor_load", One, (0.0, MOST_LOAD), Linear, Nudge::Absolute(0.02),
+        "Share of the motor's torque that every gear takes as friction.", friction.motor_load),
+    motor!("servo.output_load", One, (0.0, MOST_LOAD), Linear, Nudge::Absolute(0.02),
+        "Share of the output's torque that every gear takes as friction.", friction.output_load),
+    motor!("servo.stribeck_load", One, (0.0, MOST_LOAD), Linear, Nudge::Absolute(0.02),
+        "Further share of both that every gear takes near standstill.", friction.stribeck_load),
+    motor!("servo.quadratic_1_nm", PerNewtonMetre, (0.0, 1000.0), Linear, TENTH,
+        "Friction of every gear per square of the motor's torque.", friction.quadratic_1_nm),
+];

@@ -1,0 +1,77 @@
+//! Numerical settings: worth a sweep of their own, because they change results too.
+
+use super::{Nudge, Parameter, Scale};
+use crate::JointKind;
+use realgap_core::unit::Unit;
+
+pub(super) static PARAMETERS: &[Parameter] = &[
+    Parameter {
+        name: "timestep_s",
+        unit: Unit::Second,
+        bounds: (1e-6, 0.1),
+        whole: false,
+        scale: Scale::Log,
+        nudge: Nudge::Share(0.25),
+        doc: "Time per simulation step.",
+        subject: "",
+        get: |e, _| Some(e.solver.timestep_s),
+        set: |e, _, value| e.solver.timestep_s = value,
+    },
+    Parameter {
+        name: "solver.substeps",
+        unit: Unit::One,
+        bounds: (1.0, 256.0),
+        whole: true,
+        scale: Scale::Log,
+        nudge: Nudge::Absolute(2.0),
+        doc: "Solver substeps per step.",
+        subject: "",
+        get: |e, _| Some(e.solver.substeps as f64),
+        set: |e, _, value| e.solver.substeps = value as usize,
+    },
+    Parameter {
+        name: "solver.sweeps",
+        unit: Unit::One,
+        bounds: (1.0, 256.0),
+        whole: true,
+        scale: Scale::Log,
+        nudge: Nudge::Absolute(1.0),
+        doc: "Passes over joints and contacts in every substep; more of them hold light plates still.",
+        subject: "",
+        get: |e, _| Some(e.solver.sweeps as f64),
+        set: |e, _, value| e.solver.sweeps = value as usize,
+    },
+    Parameter {
+        name: "solver.relaxations",
+        unit: Unit::One,
+        bounds: (0.0, 16.0),
+        whole: true,
+        scale: Scale::Linear,
+        nudge: Nudge::Absolute(1.0),
+        doc: "Passes without bias at the end of every substep; each drains some energy of the hinges.",
+        subject: "",
+        get: |e, _| Some(e.solver.relaxations as f64),
+        set: |e, _, value| e.solver.relaxations = value as usize,
+    },
+    Parameter {
+        name: "solver.joint",
+        unit: Unit::One,
+        bounds: (0.0, 1.0),
+        whole: true,
+        scale: Scale::Linear,
+        nudge: Nudge::Absolute(1.0),
+        doc: "0: impulse joints (constraints); 1: multibody joints (reduced coordinates).",
+        subject: "",
+        get: |e, _| {
+            let is_multibody = e.joint_kind() == JointKind::Multibody;
+            Some(f64::from(u8::from(is_multibody)))
+        },
+        set: |e, _, value| {
+            e.solver.joint = if value == 0.0 {
+                JointKind::Impulse
+            } else {
+                JointKind::Multibody
+            };
+        },
+    },
+];

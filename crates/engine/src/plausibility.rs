@@ -1,0 +1,100 @@
+//! What can be simulated but means little.
+
+use super::experiment::Experiment;
+use realgap_core::warning::{Code, Warning};
+use realgap_robot::morphology::Role;
+
+/// Steps a period of a gait needs at least.
+const STEPS_A_PERIOD: f64 = 10.0;
+
+impl Experiment {
+    /// What can be simulated but means little: a gait that is faster than the steps can follow (`gait-too-fast`), a centre of mass
+    /// that lies outside of its cube (`centre-of-mass-outside`). What is odd about the robot itself, its morphology says.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let robot = self.adjusted_assembly();
+        let name = |module: usize| &robot.module_names[module];
+        let timestep_s = self.solver.timestep_s;
+        let most_hz = 1.0 / (STEPS_A_PERIOD * timestep_s);
+        let driven = robot
+            .hinges
+            .iter()
+            .filter_map(|hinge| Some((hinge, hinge.actuator?.gait)));
+        let too_fast = driven.filter(|(_, gait)| {
+            gait.amplitude_rad != 0.0 && gait.frequency_hz > most_hz * (1.0 + 1e-9)
+        });
+        let mut warnings: Vec<Warning> = too_fast
+            .map(|(hinge, gait)| {
+                Warning::new(
+                    Code::GaitTooFast,
+                    format!(
+                        "the gait of `{}` has {} Hz, but steps of {timestep_s:.3e} s follow {most_hz:.3} Hz at most (ten a period): \
+                         lower its frequency or timestep_s",
+                        hinge.name,
+                        gait.frequency_hz
+                    ),
+                )
+            })
+            .collect();
+        let solids = robot.parts.iter().flat_map(|part| &part.solids);
+        let outside = solids.filter(|solid| {
+            if solid.mass_kg == 0.0 {
+                return false;
+            }
+            let centre_m = solid.centre_of_mass_solid_m.abs();
+            let half_m = solid.half_extents_m;
+            solid.role == Role::Cube && (0..3).any(|i| centre_m[i] > half_m[i] * (1.0 + 1e-9))
+        });
+        warnings.extend(outside.map(|solid| {
+            let centre_m = solid.centre_of_mass_solid_m;
+            Warning::new(
+                Code::CentreOfMassOutside,
+                format!(
+                    "the centre of mass of `{}` is shifted to ({}, {}, {}) m, out of its cube of {} m: no solid cube has it there; \
+                     check body.com_offset_x_m, y and z",
+                    name(solid.module),
+                    centre_m.x,
+                    centre_m.y,
+                    centre_m.z,
+                    2.0 * solid.half_extents_m.x
+                ),
+            )
+        }));
+        warnings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realgap_robot::morphology::Morphology;
+
+    fn codes(experiment: &Experiment) -> Vec<Code> {
+        experiment.warnings().iter().map(|w| w.code).collect()
+    }
+
+    #[test]
+    fn a_gait_that_the_steps_cannot_follow_and_a_centre_of_mass_in_the_air_are_said() {
+        let robot = Morphology::read("morphologies/tripod.ron").unwrap();
+        let mut experiment = Experiment::new(robot.assemble());
+        assert_eq!(codes(&experiment), []);
+        experiment.adjustment.centre_of_mass_offset_m.z = 10.0;
+        assert!(
+            codes(&experiment)
+                .iter()
+                .all(|c| *c == Code::CentreOfMassOutside)
+        );
+        assert_eq!(codes(&experiment).len(), robot.modules().len());
+        experiment.adjustment.centre_of_mass_offset_m.z = 0.0;
+        let fastest_hz = experiment
+            .assembly
+            .hinges
+            .iter()
+            .map(|h| h.actuator.unwrap().gait.frequency_hz);
+        let fastest_hz = fastest_hz.fold(0.0, f64::max);
+        // Exactly ten steps a period are enough.
+        experiment.solver.timestep_s = 0.1 / fastest_hz;
+        assert_eq!(codes(&experiment), []);
+        experiment.adjustment.frequency_scale = 1.01;
+        assert!(codes(&experiment).contains(&Code::GaitTooFast));
+    }
+}

@@ -1,0 +1,89 @@
+//! How a robot stands at one moment: how far above the floor, and whether it is inside of itself.
+
+use nalgebra::Isometry3;
+
+use super::engine::parry::query;
+use super::engine::parry::shape::Cuboid;
+use super::engine::wide;
+use super::experiment::Floor;
+use super::kinematics::{lowest_m, robot_from_part_at_zero};
+use super::watch::Snapshot;
+use super::world::{to_pose, to_vector};
+use realgap_robot::morphology::{Assembly, Solid};
+
+/// The boxes of a robot, ready to be looked at in many snapshots.
+#[derive(Debug)]
+pub struct Posture<'a> {
+    assembly: &'a Assembly,
+    /// Every box that touches, with its part and its pose in the part's frame.
+    boxes: Vec<(usize, Isometry3<f64>, &'a Solid)>,
+    /// Pairs of boxes whose parts no hinge joins.
+    pairs: Vec<(usize, usize)>,
+}
+
+impl<'a> Posture<'a> {
+    /// The boxes of a robot.
+    pub fn new(assembly: &'a Assembly) -> Self {
+        let mut boxes = Vec::new();
+        for (index, part) in assembly.parts.iter().enumerate() {
+            let part_from_robot = robot_from_part_at_zero(assembly, index).inverse();
+            for solid in part.solids.iter().filter(|solid| solid.collides) {
+                boxes.push((index, part_from_robot * solid.robot_from_solid, solid));
+            }
+        }
+        let is_joined = |a: usize, b: usize| {
+            assembly.hinges.iter().any(|hinge| {
+                let ends = (hinge.parent_part, hinge.child_part);
+                ends == (a, b) || ends == (b, a)
+            })
+        };
+        let mut pairs = Vec::new();
+        for (first, (a, ..)) in boxes.iter().enumerate() {
+            for (second, (b, ..)) in boxes.iter().enumerate().skip(first + 1) {
+                if a != b && !is_joined(*a, *b) {
+                    pairs.push((first, second));
+                }
+            }
+        }
+        Self {
+            assembly,
+            boxes,
+            pairs,
+        }
+    }
+
+    /// Distance of the lowest point to the floor, metres; below 0 inside of it.
+    pub fn clearance_m(&self, snapshot: &Snapshot, floor: &Floor) -> f64 {
+        let poses: Vec<_> = snapshot.parts.iter().map(|p| p.world_from_part).collect();
+        let normal = floor.normal_world();
+        lowest_m(self.assembly, &poses, &normal) - floor.height_m * normal.z
+    }
+
+    /// How deep two boxes of parts that no hinge joins are inside each other, metres, the deepest of all; 0 for none. Edges count as
+    /// sharp.
+    pub fn overlap_m(&self, snapshot: &Snapshot) -> f64 {
+        let placed: Vec<Isometry3<f64>> = self
+            .boxes
+            .iter()
+            .map(|(part, part_from_box, _)| snapshot.parts[*part].world_from_part * part_from_box)
+            .collect();
+        let mut deepest_m = 0.0_f64;
+        for &(a, b) in &self.pairs {
+            let (half_a, half_b) = (
+                self.boxes[a].2.half_extents_m,
+                self.boxes[b].2.half_extents_m,
+            );
+            let apart_m = (placed[a].translation.vector - placed[b].translation.vector).norm();
+            if apart_m > half_a.norm() + half_b.norm() {
+                continue;
+            }
+            let (a, b) = (to_pose(&placed[a]), to_pose(&placed[b]));
+            let shape = |half| Cuboid::new(to_vector(half));
+            if let Ok(Some(contact)) = query::contact(&a, &shape(&half_a), &b, &shape(&half_b), 0.0)
+            {
+                deepest_m = deepest_m.max(-wide(contact.dist));
+            }
+        }
+        deepest_m
+    }
+}

@@ -1,0 +1,464 @@
+//! One run: settle, step, sample, and stop when the state becomes absurd.
+
+use std::time::Duration;
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+
+use super::command::Orders;
+use super::energy::{EnergyBalance, Meter};
+use super::experiment::{Experiment, JointState, Start};
+use super::kinematics::{lowest_m, part_from_track, robot_from_parts};
+use super::motor::{Effort, duty, effort};
+use super::outcome::{Divergence, Outcome};
+use super::path::{Path, between};
+use super::scene::{Guide, SceneMotion};
+use super::servo::{NOTHING, command, error_beyond_play};
+use super::vehicle;
+use super::watch::{Push, Snapshot};
+use super::world::{Motion, World};
+use realgap_core::error::{Error, Result};
+use realgap_core::warning::{Code, Warning};
+use realgap_path::trajectory::{State, Trajectory};
+use realgap_robot::morphology::{Actuator, Assembly};
+
+/// Result of one simulation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// The tracked module's motion, or why there is none.
+    pub outcome: Outcome<Trajectory>,
+    /// Steps taken after settling.
+    pub steps: u64,
+    /// Steps taken to settle.
+    pub settle_steps: u64,
+    /// CPU time of this thread, settling included.
+    pub cpu: Duration,
+    /// Root mean square of command minus angle over all servos and steps, radians; 0 without servos.
+    pub servo_rms_rad: f64,
+    /// Where the energy came from and went, where [`Experiment::energy_from_s`] asks for it and the run was completed.
+    pub energy: Option<EnergyBalance>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Farthest distance from the start that a small robot can sensibly reach, metres.
+const FARTHEST_M: f64 = 1e3;
+/// Largest speed, m/s.
+const FASTEST_M_S: f64 = 1e3;
+/// Largest rate of turn, rad/s.
+const FASTEST_RAD_S: f64 = 1e5;
+/// Longest settling, seconds.
+const SETTLE_LIMIT_S: f64 = 3.0;
+/// A robot that moves and turns less than this within `REST_WINDOW_S` is at rest. Poses decide, not
+/// velocities: the solver lets a light plate tremble in place.
+const REST_M: f64 = 2e-4;
+const REST_RAD: f64 = 4e-3;
+const REST_WINDOW_S: f64 = 0.1;
+
+/// Simulates the experiment.
+///
+/// # Errors
+/// Settings that cannot be simulated (see [`Experiment::check`]). A simulation that diverges is not an
+/// error but an [`Outcome`].
+pub fn run(experiment: &Experiment) -> Result<Run> {
+    experiment.check()?;
+    let started = thread_cpu_time();
+    if let Some(vehicle) = &experiment.vehicle {
+        let mut run = vehicle::run(experiment, vehicle)?;
+        run.cpu = thread_cpu_time().saturating_sub(started);
+        return Ok(run);
+    }
+    let assembly = experiment.adjusted_assembly();
+    let mut rollout = Rollout::new(experiment, &assembly);
+    let mut run = rollout.run(experiment, None)?;
+    run.cpu = thread_cpu_time().saturating_sub(started);
+    Ok(run)
+}
+
+/// Simulates the experiment and shows every part and hinge to `observer`: at time 0 and after every step
+/// (settling excluded). `pushes` add to the velocities of parts at time 0.
+///
+/// # Errors
+/// As [`run`]; a push of a part that does not exist, or that hangs on a hinge: its joint would have to be told too.
+pub fn watch(
+    experiment: &Experiment,
+    pushes: &[Push],
+    observer: &mut dyn FnMut(&Snapshot),
+) -> Result<Run> {
+    experiment.check()?;
+    if experiment.vehicle.is_some() {
+        return Err(Error::invalid("a vehicle has no parts to watch"));
+    }
+    let started = thread_cpu_time();
+    let assembly = experiment.adjusted_assembly();
+    for push in pushes {
+        push.check(&assembly)?;
+    }
+    let mut rollout = Rollout::new(experiment, &assembly);
+    for push in pushes {
+        rollout.world.push(push.part, &push.velocity_world_m_s);
+    }
+    let mut run = rollout.run(experiment, Some(observer))?;
+    run.cpu = thread_cpu_time().saturating_sub(started);
+    Ok(run)
+}
+
+/// CPU time of the calling thread; wall time where the platform has no such clock.
+#[cfg(unix)]
+fn thread_cpu_time() -> Duration {
+    let now = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::new(
+        now.tv_sec.unsigned_abs(),
+        u32::try_from(now.tv_nsec).unwrap_or(0),
+    )
+}
+
+/// CPU time of the calling thread; wall time where the platform has no such clock.
+#[cfg(not(unix))]
+fn thread_cpu_time() -> Duration {
+    static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
+    START.get_or_init(std::time::Instant::now).elapsed()
+}
+
+/// A world in motion, with the servos' memory.
+struct Rollout<'a> {
+    assembly: &'a Assembly,
+    world: World,
+    part_from_track: Isometry3<f64>,
+    /// Driven bodies of the scene, by index.
+    guides: Vec<(usize, Guide<'a>)>,
+    records_joints: bool,
+    angles_rad: Vec<f64>,
+    squared_error_rad2: f64,
+    orders: Vec<Orders<'a>>,
+    meter: Option<Meter>,
+    /// What every motor behind a gear did during the step before.
+    efforts: Vec<Option<Effort>>,
+    /// Duty of every motor during the step before.
+    duties: Vec<f64>,
+    latency_s: Vec<f64>,
+    backlash_rad: f64,
+    timestep_s: f64,
+    steps: u64,
+    settle_steps: u64,
+    warnings: Vec<Warning>,
+}
+
+impl<'a> Rollout<'a> {
+    fn new(experiment: &'a Experiment, assembly: &'a Assembly) -> Self {
+        let joints: Vec<JointState> = assembly
+            .hinges
+            .iter()
+            .enumerate()
+            .map(|(index, hinge)| match experiment.start_joints.get(index) {
+                Some(joint) => *joint,
+                None => JointState {
+                    angle_rad: Orders::new(experiment, hinge).angle_rad(0.0),
+                    speed_rad_s: 0.0,
+                },
+            })
+            .collect();
+        let angles_rad: Vec<f64> = joints.iter().map(|joint| joint.angle_rad).collect();
+        let robot_from_parts = robot_from_parts(assembly, &angles_rad);
+        let part_from_track = part_from_track(assembly);
+        let perturbation = &experiment.perturbation;
+        let turn = UnitQuaternion::from_scaled_axis(perturbation.turn_world_rad);
+        let (world_from_robot, motion) = match (experiment.start, assembly.mount_world_m) {
+            (_, Some(mount_world_m)) => (
+                Isometry3::from_parts(mount_world_m.into(), UnitQuaternion::identity()),
+                Motion::REST,
+            ),
+            (Start::Settled, None) => {
+                let turned: Vec<_> = robot_from_parts.iter().map(|pose| turn * pose).collect();
+                let normal = experiment.floor.normal_world();
+                // The floor passes through (0, 0, height); lift the robot along z until it just touches.
+                let above_m = lowest_m(assembly, &turned, &normal) / normal.z;
+                let mut shift_m = perturbation.shift_world_m;
+                // Never start inside the floor.
+                shift_m.z = shift_m.z.max(0.0) + experiment.floor.height_m - above_m;
+                (Isometry3::from_parts(shift_m.into(), turn), Motion::REST)
+            }
+            (Start::State(recorded), None) => {
+                let state = recorded.scaled(1.0 / experiment.recording_length_scale);
+                let world_from_track = Isometry3::from_parts(
+                    (state.position_world_m + perturbation.shift_world_m).into(),
+                    turn * state.orientation_world_from_body,
+                );
+                let robot_from_track = robot_from_parts[assembly.track_part] * part_from_track;
+                let motion = Motion {
+                    about_world_m: world_from_track.translation.vector,
+                    linear_world_m_s: state.velocity_world_m_s + perturbation.velocity_world_m_s,
+                    angular_world_rad_s: world_from_track.rotation
+                        * state.angular_velocity_body_rad_s
+                        + perturbation.spin_world_rad_s,
+                };
+                (world_from_track * robot_from_track.inverse(), motion)
+            }
+        };
+        let poses: Vec<_> = robot_from_parts
+            .iter()
+            .map(|pose| world_from_robot * pose)
+            .collect();
+        let mut world = World::new(experiment, assembly, &poses, &joints, &motion);
+        let mut guides = Vec::new();
+        for (index, body) in experiment.scene.iter().enumerate() {
+            if let SceneMotion::Driven { track } = &body.motion {
+                let track = track.as_deref();
+                let mut guide = Guide::new(track, experiment.recording_length_scale);
+                world.place_driven(index, &guide.pose(0.0));
+                guides.push((index, guide));
+            }
+        }
+        Self {
+            assembly,
+            world,
+            part_from_track,
+            guides,
+            records_joints: experiment.records_joints,
+            angles_rad,
+            squared_error_rad2: 0.0,
+            orders: assembly
+                .hinges
+                .iter()
+                .map(|hinge| Orders::new(experiment, hinge))
+                .collect(),
+            meter: experiment
+                .energy_from_s
+                .map(|from_s| Meter::new(experiment, assembly, from_s)),
+            efforts: vec![None; assembly.hinges.len()],
+            duties: vec![0.0; assembly.hinges.len()],
+            timestep_s: experiment.solver.timestep_s,
+            latency_s: (0..assembly.hinges.len())
+                .map(|hinge| {
+                    experiment.adjustment.servo_latency_s + perturbation.latency_s_of(hinge)
+                })
+                .collect(),
+            backlash_rad: experiment.adjustment.servo_backlash_rad,
+            steps: 0,
+            settle_steps: 0,
+            warnings: experiment.warnings(),
+        }
+    }
+
+    /// Drives every servo towards its command at `t_s` (or what it knows of it by then), leads every driven body to where it is
+    /// at `end_s`, and takes one step.
+    fn step(&mut self, t_s: f64, end_s: f64) {
+        for (index, guide) in &mut self.guides {
+            self.world.lead_driven(*index, &guide.pose(end_s));
+        }
+        for (index, hinge) in self.assembly.hinges.iter().enumerate() {
+            let angle_rad = self.world.hinge_angle_rad(index, self.angles_rad[index]);
+            self.angles_rad[index] = angle_rad;
+            let Some(Actuator { servo, .. }) = &hinge.actuator else {
+                continue;
+            };
+            let orders = &mut self.orders[index];
+            self.squared_error_rad2 += (orders.angle_rad(t_s) - angle_rad).powi(2);
+            // Before the first command arrives, the servo holds where it started.
+            let target_rad = orders.angle_rad((t_s - self.latency_s[index]).max(0.0));
+            let is_on = orders.is_on(t_s);
+            let Some(motor) = servo.law.motor() else {
+                let command = if is_on {
+                    command(servo, self.backlash_rad, target_rad, angle_rad)
+                } else {
+                    NOTHING
+                };
+                self.world.drive(index, angle_rad, command);
+                continue;
+            };
+            // Within the play, as switched off, the motor exerts nothing.
+            let error_rad =
+                error_beyond_play(self.backlash_rad, target_rad, angle_rad).filter(|_| is_on);
+            let duty = error_rad
+                .map(|error_rad| duty(motor, error_rad, self.duties[index], self.timestep_s));
+            self.duties[index] = duty.unwrap_or(0.0);
+            let speed_rad_s = self.world.hinge_speed_rad_s(index);
+            let effort = effort(motor, duty, servo.max_torque_nm, speed_rad_s);
+            self.efforts[index] = Some(effort);
+            self.world.exert(index, &effort);
+        }
+        self.world.step();
+    }
+
+    /// The tracked module's state, and the joints' where they are recorded.
+    fn sample(&self) -> (State, Vec<JointState>) {
+        let joints = if self.records_joints {
+            self.angles_rad.len()
+        } else {
+            0
+        };
+        let joint = |index: usize| JointState {
+            angle_rad: self.world.hinge_angle_rad(index, self.angles_rad[index]),
+            speed_rad_s: self.world.hinge_speed_rad_s(index),
+        };
+        (self.track(), (0..joints).map(joint).collect())
+    }
+
+    fn track(&self) -> State {
+        let (pose, velocity_world_m_s, angular_world_rad_s) =
+            self.world.part(self.assembly.track_part);
+        let world_from_track = pose * self.part_from_track;
+        let offset_world_m = pose.rotation * self.part_from_track.translation.vector;
+        State {
+            position_world_m: world_from_track.translation.vector,
+            orientation_world_from_body: world_from_track.rotation,
+            velocity_world_m_s: velocity_world_m_s + angular_world_rad_s.cross(&offset_world_m),
+            angular_velocity_body_rad_s: world_from_track.rotation.inverse() * angular_world_rad_s,
+        }
+    }
+
+    /// Why the present state cannot be taken seriously, if so.
+    fn absurd(&self, origin_world_m: &Vector3<f64>) -> Option<String> {
+        for part in 0..self.assembly.parts.len() {
+            let (pose, linear, angular) = self.world.part(part);
+            let distance_m = (pose.translation.vector - origin_world_m).norm();
+            // NaN is beyond every limit.
+            let beyond = |value: f64, limit: f64| value.is_nan() || value > limit;
+            if beyond(distance_m, FARTHEST_M) {
+                return Some(format!("part {part} is {distance_m:.3e} m from the start"));
+            }
+            if beyond(linear.norm(), FASTEST_M_S) {
+                return Some(format!("part {part} moves at {:.3e} m/s", linear.norm()));
+            }
+            if beyond(angular.norm(), FASTEST_RAD_S) {
+                return Some(format!("part {part} turns at {:.3e} rad/s", angular.norm()));
+            }
+            if !pose.rotation.coords.iter().all(|v| v.is_finite()) {
+                return Some(format!("part {part} has no orientation any more"));
+            }
+        }
+        None
+    }
+
+    fn poses(&self) -> Vec<Isometry3<f64>> {
+        (0..self.assembly.parts.len())
+            .map(|part| self.world.part(part).0)
+            .collect()
+    }
+
+    /// Holds the servos at their first command until nothing moves; the reason where that cannot be taken seriously.
+    fn settle(&mut self, timestep_s: f64, origin_world_m: &Vector3<f64>) -> Option<String> {
+        let limit = (SETTLE_LIMIT_S / timestep_s).ceil() as u64;
+        let window = (REST_WINDOW_S / timestep_s).ceil() as u64;
+        let mut before = self.poses();
+        for taken in 1..=limit {
+            self.step(0.0, 0.0);
+            self.settle_steps = taken;
+            if let Some(why) = self.absurd(origin_world_m) {
+                return Some(why);
+            }
+            if taken % window == 0 {
+                let now = self.poses();
+                let at_rest = before.iter().zip(&now).all(|(a, b)| {
+                    (b.translation.vector - a.translation.vector).norm() < REST_M
+                        && a.rotation.angle_to(&b.rotation) < REST_RAD
+                });
+                if at_rest {
+                    return None;
+                }
+                before = now;
+            }
+        }
+        self.warnings.push(Warning::new(
+            Code::NotSettled,
+            format!(
+                "the robot was still moving after {SETTLE_LIMIT_S} s of settling; the run starts from there"
+            ),
+        ));
+        None
+    }
+
+    fn run(
+        &mut self,
+        experiment: &Experiment,
+        observer: Option<&mut dyn FnMut(&Snapshot)>,
+    ) -> Result<Run> {
+        let outcome = self.simulate(experiment, observer)?;
+        let hinges = self.assembly.hinges.iter();
+        let servos = hinges.filter(|hinge| hinge.actuator.is_some()).count();
+        let commands = self.steps * servos as u64;
+        let servo_rms_rad = if commands > 0 && outcome.is_completed() {
+            (self.squared_error_rad2 / commands as f64).sqrt()
+        } else {
+            0.0
+        };
+        let meter = self.meter.as_ref().filter(|_| outcome.is_completed());
+        let energy = meter.map(Meter::balance);
+        self.warnings
+            .extend(energy.and_then(|energy| energy.warning()));
+        Ok(Run {
+            outcome,
+            steps: self.steps,
+            settle_steps: self.settle_steps,
+            cpu: Duration::ZERO,
+            servo_rms_rad,
+            energy,
+            warnings: std::mem::take(&mut self.warnings),
+        })
+    }
+
+    fn simulate(
+        &mut self,
+        experiment: &Experiment,
+        mut observer: Option<&mut dyn FnMut(&Snapshot)>,
+    ) -> Result<Outcome<Trajectory>> {
+        let timestep_s = experiment.solver.timestep_s;
+        let origin_world_m = self.track().position_world_m;
+        // What is held needs no floor to come to rest on.
+        if experiment.start == Start::Settled && self.assembly.mount_world_m.is_none() {
+            if let Some(why) = self.settle(timestep_s, &origin_world_m) {
+                let at_s = (self.settle_steps as f64 * timestep_s) - SETTLE_LIMIT_S;
+                let at_s = at_s.min(0.0);
+                return Ok(Outcome::Diverged(Divergence { at_s, why }));
+            }
+            self.squared_error_rad2 = 0.0;
+        }
+
+        let times_s = experiment.sample_times_s();
+        let mut path = Path::with_capacity(times_s.len());
+        if self.records_joints {
+            let hinges = self.assembly.hinges.iter();
+            path.joint_names = hinges.map(|hinge| hinge.name.clone()).collect();
+        }
+        if let Some(observer) = &mut observer {
+            observer(&Snapshot::take(0.0, self.assembly, &self.world));
+        }
+        if let Some(meter) = &mut self.meter {
+            meter.start(self.assembly, &self.world);
+        }
+        let mut before = self.sample();
+        let mut next = 0;
+        while next < times_s.len() && times_s[next] <= 0.0 {
+            path.push(times_s[next], &before);
+            next += 1;
+        }
+        let end_s = experiment.duration_s.max(times_s[times_s.len() - 1]);
+        let steps = (end_s / timestep_s - 1e-9).ceil() as u64;
+        for step in 1..=steps {
+            let (from_s, to_s) = ((step - 1) as f64 * timestep_s, step as f64 * timestep_s);
+            // The command of the middle of the step stands for all of it.
+            self.step(0.5 * (from_s + to_s), to_s);
+            self.steps = step;
+            if let Some(why) = self.absurd(&origin_world_m) {
+                return Ok(Outcome::Diverged(Divergence { at_s: to_s, why }));
+            }
+            if let Some(meter) = &mut self.meter {
+                meter.read(self.assembly, &self.world, from_s, &self.efforts);
+            }
+            if let Some(observer) = &mut observer {
+                observer(&Snapshot::take(to_s, self.assembly, &self.world));
+            }
+            if next < times_s.len() && times_s[next] <= to_s + 1e-9 * timestep_s.max(1e-3) {
+                let after = self.sample();
+                while next < times_s.len() && times_s[next] <= to_s + 1e-9 * timestep_s.max(1e-3) {
+                    let share = ((times_s[next] - from_s) / timestep_s).clamp(0.0, 1.0);
+                    path.push(times_s[next], &between(&before, &after, share));
+                    next += 1;
+                }
+                before = after;
+            } else {
+                before = self.sample();
+            }
+        }
+        path.finish().map(Outcome::Completed)
+    }
+}

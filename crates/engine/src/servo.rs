@@ -1,0 +1,154 @@
+//! The servo law: from commanded and measured angle to what the joint's motor is asked to do.
+
+use realgap_robot::morphology::{Servo, ServoLaw};
+
+/// What a joint motor is asked to do during one step, within its torque limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Command {
+    /// Follow a joint velocity: torque = damping · (target − velocity).
+    Velocity {
+        /// Joint velocity, rad/s.
+        target_rad_s: f64,
+        /// Damping, N m s/rad.
+        damping_nm_s_rad: f64,
+        /// Torque limit, N m.
+        max_torque_nm: f64,
+    },
+    /// Spring and damper: torque = stiffness · (target − angle) − damping · velocity.
+    Spring {
+        /// Target minus present angle, rad.
+        error_rad: f64,
+        /// Stiffness, N m/rad.
+        stiffness_nm_rad: f64,
+        /// Damping, N m s/rad.
+        damping_nm_s_rad: f64,
+        /// Torque limit, N m.
+        max_torque_nm: f64,
+    },
+}
+
+/// How stiffly a velocity servo holds its speed: it spends its whole torque on this share of its top speed.
+const SPEED_SLACK: f64 = 1.0 / 40.0;
+/// Top speed that stands in for "unlimited" when the stiffness is chosen, rad/s.
+const UNLIMITED_RAD_S: f64 = 10.0;
+
+/// No torque at all.
+pub(super) const NOTHING: Command = Command::Velocity {
+    target_rad_s: 0.0,
+    damping_nm_s_rad: 0.0,
+    max_torque_nm: 0.0,
+};
+
+/// What is left of the error beyond half the play; `None` within it.
+pub(super) fn error_beyond_play(backlash_rad: f64, target_rad: f64, angle_rad: f64) -> Option<f64> {
+    let whole_error_rad = target_rad - angle_rad;
+    let beyond_rad = whole_error_rad.abs() - 0.5 * backlash_rad;
+    (backlash_rad <= 0.0 || beyond_rad > 0.0).then(|| beyond_rad.copysign(whole_error_rad))
+}
+
+/// The command of a servo at `angle_rad` that should be at `target_rad`.
+///
+/// The velocity law is given to the engine as a spring while its speed limit does not bind
+/// (stiffness = gain · damping is the same law): the engine re-reads the angle every substep, so the gain
+/// holds exactly however long the step (docs/fidelity.md).
+///
+/// `backlash_rad` is the play between servo and joint from end to end. The servo's own shaft is taken to be
+/// where it is told to be; while the joint is within half the play of it, nothing is transmitted.
+pub(super) fn command(
+    servo: &Servo,
+    backlash_rad: f64,
+    target_rad: f64,
+    angle_rad: f64,
+) -> Command {
+    let Some(error_rad) = error_beyond_play(backlash_rad, target_rad, angle_rad) else {
+        return NOTHING;
+    };
+    let max_torque_nm = servo.max_torque_nm;
+    match servo.law {
+        ServoLaw::Velocity { gain_1_s } => {
+            let top_rad_s = if servo.max_speed_rad_s.is_finite() {
+                servo.max_speed_rad_s
+            } else {
+                UNLIMITED_RAD_S
+            };
+            let damping_nm_s_rad = max_torque_nm / (SPEED_SLACK * top_rad_s.max(f64::MIN_POSITIVE));
+            if (gain_1_s * error_rad).abs() > servo.max_speed_rad_s {
+                let target_rad_s = servo.max_speed_rad_s.copysign(error_rad);
+                return Command::Velocity {
+                    target_rad_s,
+                    damping_nm_s_rad,
+                    max_torque_nm,
+                };
+            }
+            Command::Spring {
+                error_rad,
+                stiffness_nm_rad: gain_1_s * damping_nm_s_rad,
+                damping_nm_s_rad,
+                max_torque_nm,
+            }
+        }
+        ServoLaw::Torque {
+            stiffness_nm_rad,
+            damping_nm_s_rad,
+        } => Command::Spring {
+            error_rad,
+            stiffness_nm_rad,
+            damping_nm_s_rad,
+            max_torque_nm,
+        },
+        // Driven by its effort, never by a command: a motor has more to say than a target.
+        ServoLaw::Motor(_) => NOTHING,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn servo(max_speed_rad_s: f64) -> Servo {
+        Servo {
+            law: ServoLaw::Velocity { gain_1_s: 30.0 },
+            max_torque_nm: 0.2,
+            max_speed_rad_s,
+        }
+    }
+
+    #[test]
+    fn within_the_speed_limit_the_gain_decides() {
+        let Command::Spring {
+            error_rad,
+            stiffness_nm_rad,
+            damping_nm_s_rad,
+            ..
+        } = command(&servo(8.0), 0.0, 0.2, 0.1)
+        else {
+            panic!("not a spring")
+        };
+        // Free of load, torque 0 means velocity = stiffness / damping · error = gain · error.
+        assert!((stiffness_nm_rad / damping_nm_s_rad * error_rad - 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn beyond_it_the_limit_decides() {
+        let Command::Velocity { target_rad_s, .. } = command(&servo(8.0), 0.0, -1.0, 0.0) else {
+            panic!("not a velocity")
+        };
+        assert_eq!(target_rad_s, -8.0);
+        assert!(matches!(
+            command(&servo(f64::INFINITY), 0.0, -1.0, 0.0),
+            Command::Spring { .. }
+        ));
+    }
+
+    #[test]
+    fn within_the_play_nothing_is_transmitted_and_beyond_it_the_rest() {
+        let Command::Velocity { max_torque_nm, .. } = command(&servo(8.0), 0.1, 0.04, 0.0) else {
+            panic!("not free")
+        };
+        assert_eq!(max_torque_nm, 0.0);
+        let Command::Spring { error_rad, .. } = command(&servo(8.0), 0.1, -0.15, 0.0) else {
+            panic!("not a spring")
+        };
+        assert!((error_rad + 0.1).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,140 @@
+//! A run: robots epoch by epoch, and what the pictures show of the first.
+
+use std::time::Duration;
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::Vehicle;
+use super::drive::{Drive, EPOCH_S};
+use super::robot::{Dice, Pose, Robot};
+use super::sense::Eye;
+use crate::experiment::Experiment;
+use crate::outcome::Outcome;
+use crate::run::Run;
+use realgap_core::error::Result;
+use realgap_core::random::Numbered;
+use realgap_path::trajectory::Trajectory;
+
+/// Runs a two-wheel robot.
+///
+/// # Errors
+/// A start in a wall, a sensor whose parameters leave it without a spread.
+pub(crate) fn run(experiment: &Experiment, vehicle: &Vehicle) -> Result<Run> {
+    let drive = experiment.drive.resolved();
+    vehicle.sensor.check()?;
+    let draw = experiment.perturbation.draw;
+    let stream = |stream: Numbered| draw.map(|(seed, repeat)| stream.generator(seed, repeat));
+    let mut dice = Dice {
+        rng: stream(Numbered::Actuator),
+        factor: drive.actuator_noise,
+    };
+    let eye = Eye::new(vehicle, drive, stream(Numbered::SensorReading));
+    let [x, y, heading] = vehicle.arena.start.unwrap_or([0.0; 3]);
+    let shift = experiment.perturbation.shift_world_m;
+    // Where the tracked point starts is what is known.
+    let heading_rad = heading + experiment.perturbation.turn_world_rad.z;
+    let tag = Pose {
+        place_m: [x + shift.x, y + shift.y],
+        heading_rad,
+    };
+    let start = Pose {
+        place_m: tag.at(-drive.tag_ahead_m, -drive.tag_left_m),
+        heading_rad,
+    };
+    vehicle.arena.check_place(start.place_m, 0.0)?;
+    let start_s = drive.start_s + dice.normal_of(drive.start_sd_s);
+    let mut robots = vec![Robot::new(vehicle, &drive, start, dice, eye)];
+    for (index, [x, y, heading_rad]) in (1_u64..).zip(&vehicle.others) {
+        // Streams of their own, so that the first draws what it draws alone.
+        let stream = |stream: Numbered| {
+            draw.map(|(seed, repeat)| stream.generator(seed, repeat + (index << 40)))
+        };
+        let dice = Dice {
+            rng: stream(Numbered::Actuator),
+            factor: drive.actuator_noise,
+        };
+        let eye = Eye::new(vehicle, drive, stream(Numbered::SensorReading));
+        let start = Pose {
+            place_m: [*x, *y],
+            heading_rad: *heading_rad,
+        };
+        robots.push(Robot::new(vehicle, &drive, start, dice, eye));
+    }
+    let epochs = ((experiment.duration_s - start_s) / EPOCH_S)
+        .ceil()
+        .max(0.0) as usize;
+    let path = drive_along(epochs, vehicle, &drive, robots);
+    let motion = recorded(experiment, &drive, start_s, &path)?;
+    Ok(Run {
+        outcome: Outcome::Completed(motion),
+        steps: epochs as u64,
+        settle_steps: 0,
+        cpu: Duration::ZERO,
+        servo_rms_rad: 0.0,
+        energy: None,
+        warnings: Vec::new(),
+    })
+}
+
+/// Poses of the first robot at every epoch since all began to move.
+fn drive_along(
+    epochs: usize,
+    vehicle: &Vehicle,
+    drive: &Drive,
+    mut robots: Vec<Robot<'_>>,
+) -> Vec<Pose> {
+    for epoch in 0..epochs {
+        let time_s = EPOCH_S * epoch as f64;
+        // All see where the others were before this epoch, so that their order does not matter.
+        let places_m: Vec<[f64; 2]> = robots.iter().map(Robot::place_m).collect();
+        for (index, robot) in robots.iter_mut().enumerate() {
+            let others = places_m.iter().enumerate().filter(|(k, _)| *k != index);
+            let others_m: Vec<[f64; 2]> = others.map(|(_, place)| *place).collect();
+            robot.step(vehicle, drive, time_s, &others_m);
+        }
+    }
+    robots.swap_remove(0).path
+}
+
+/// What the pictures show, at the times that are asked for: straight lines between pictures.
+fn recorded(
+    experiment: &Experiment,
+    drive: &Drive,
+    start_s: f64,
+    path: &[Pose],
+) -> Result<Trajectory> {
+    let seen_at = |time_s: f64| -> ([f64; 2], f64) {
+        let moving_s = if time_s < drive.stale_s {
+            0.0
+        } else {
+            (time_s - start_s).max(0.0)
+        };
+        let place = moving_s / EPOCH_S;
+        let below = (place.floor() as usize).min(path.len() - 1);
+        let above = (below + 1).min(path.len() - 1);
+        let share = (place - below as f64).clamp(0.0, 1.0);
+        let [a, b] = [below, above].map(|k| path[k].at(drive.tag_ahead_m, drive.tag_left_m));
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        (
+            [mix(a[0], b[0]), mix(a[1], b[1])],
+            mix(path[below].heading_rad, path[above].heading_rad),
+        )
+    };
+    let times_s = experiment.sample_times_s();
+    let frame_s = 1.0 / drive.frame_rate_hz;
+    let mut positions = Vec::with_capacity(times_s.len());
+    let mut orientations = Vec::with_capacity(times_s.len());
+    for time_s in &times_s {
+        let frame = (time_s / frame_s).floor();
+        let share = time_s / frame_s - frame;
+        let ((a, turn_a), (b, turn_b)) =
+            (seen_at(frame * frame_s), seen_at((frame + 1.0) * frame_s));
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        positions.push(Vector3::new(mix(a[0], b[0]), mix(a[1], b[1]), 0.0));
+        orientations.push(UnitQuaternion::from_axis_angle(
+            &Vector3::z_axis(),
+            mix(turn_a, turn_b),
+        ));
+    }
+    Trajectory::new(times_s, positions)?.with_orientations(orientations)
+}

@@ -1,0 +1,487 @@
+//! A robot on a floor in the engine's hands, one step at a time.
+
+mod load;
+mod pose;
+mod scene;
+
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+
+use super::axle::{Axle, Seat, rotor_inertia_kg_m2};
+use super::engine::math::{Pose, Vector};
+use super::engine::prelude::{
+    ActiveHooks, BroadPhaseBvh, CCDSolver, CoefficientCombineRule, ColliderBuilder, ColliderSet,
+    FrictionModel as EngineFriction, ImpulseJointSet, IntegrationParameters, IslandManager,
+    MassProperties, MultibodyJointSet, NarrowPhase, PhysicsPipeline, RigidBodyBuilder,
+    RigidBodyHandle, RigidBodySet, SharedShape, SoftBodySet,
+};
+use super::engine::{Real, narrow, wide};
+use super::experiment::{Experiment, FrictionModel, JointKind, JointState};
+use super::friction::Friction;
+use super::hook::{Hooks, module_mark};
+use super::kinematics::{Turn, joint_turns, robot_from_part_at_zero};
+use super::motor::Effort;
+use super::part_state::PartState;
+use super::servo::Command;
+use realgap_robot::morphology::{Assembly, Part, Role};
+
+pub(super) use load::Load;
+use pose::{from_pose, to_matrix};
+pub(super) use pose::{from_rotation, from_vector, to_pose, to_vector};
+
+/// Rigid motion of the whole robot at the start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Motion {
+    /// Point at which the linear velocity holds, world frame, metres.
+    pub about_world_m: Vector3<f64>,
+    /// Linear velocity of that point, world frame, m/s.
+    pub linear_world_m_s: Vector3<f64>,
+    /// Angular velocity, world frame, rad/s.
+    pub angular_world_rad_s: Vector3<f64>,
+}
+
+impl Motion {
+    /// No motion.
+    pub const REST: Self = Self {
+        about_world_m: Vector3::new(0.0, 0.0, 0.0),
+        linear_world_m_s: Vector3::new(0.0, 0.0, 0.0),
+        angular_world_rad_s: Vector3::new(0.0, 0.0, 0.0),
+    };
+}
+
+/// Motion of one part at the start.
+struct PartMotion {
+    /// The robot's as one rigid body.
+    robot: Motion,
+    /// What the joints on the way from the root add.
+    joints: Turn,
+    /// Whether the world holds it.
+    is_held: bool,
+}
+
+impl PartMotion {
+    /// Linear velocity of a point and angular velocity, world frame.
+    fn at(&self, point_world_m: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        if self.is_held {
+            return (Vector3::zeros(), Vector3::zeros());
+        }
+        let robot = &self.robot;
+        let linear = robot.linear_world_m_s
+            + robot
+                .angular_world_rad_s
+                .cross(&(point_world_m - robot.about_world_m));
+        if self.joints == Turn::REST {
+            return (linear, robot.angular_world_rad_s);
+        }
+        (
+            linear + self.joints.velocity_at(point_world_m),
+            robot.angular_world_rad_s + self.joints.angular_world_rad_s,
+        )
+    }
+}
+
+/// A part in the engine's hands.
+///
+/// The engine's body has its origin at the part's centre of mass: a free root of a multibody would otherwise turn
+/// about its origin (docs/upstream/multibody_root.md).
+#[derive(Debug, Clone, Copy)]
+struct Member {
+    body: RigidBodyHandle,
+    /// Centre of mass in the part's frame, metres: where the body's origin is.
+    centre_part_m: Vector3<f64>,
+}
+
+impl Member {
+    /// The part's frame in the body's.
+    fn body_from_part(&self) -> Isometry3<f64> {
+        Translation3::from(-self.centre_part_m).into()
+    }
+}
+
+/// A robot on a floor.
+pub(super) struct World {
+    gravity: Vector,
+    parameters: IntegrationParameters,
+    pipeline: PhysicsPipeline,
+    islands: IslandManager,
+    broad_phase: BroadPhaseBvh,
+    narrow_phase: NarrowPhase,
+    bodies: RigidBodySet,
+    colliders: ColliderSet,
+    impulse_joints: ImpulseJointSet,
+    multibody_joints: MultibodyJointSet,
+    soft_bodies: SoftBodySet,
+    ccd: CCDSolver,
+    parts: Vec<Member>,
+    axles: Vec<Axle>,
+    hooks: Hooks,
+    /// Bodies of the scene, in its order.
+    scene: Vec<RigidBodyHandle>,
+}
+
+impl World {
+    /// Builds the world: parts at `world_from_parts`, hinges as `joints` say, all else moving as one.
+    pub fn new(
+        experiment: &Experiment,
+        assembly: &Assembly,
+        world_from_parts: &[Isometry3<f64>],
+        joints: &[JointState],
+        motion: &Motion,
+    ) -> Self {
+        let mut world = Self {
+            gravity: Vector::new(0.0, 0.0, narrow(-experiment.gravity_m_s2)),
+            parameters: parameters(experiment),
+            pipeline: PhysicsPipeline::new(),
+            islands: IslandManager::new(),
+            broad_phase: BroadPhaseBvh::new(),
+            narrow_phase: NarrowPhase::new(),
+            bodies: RigidBodySet::new(),
+            colliders: ColliderSet::new(),
+            impulse_joints: ImpulseJointSet::new(),
+            multibody_joints: MultibodyJointSet::new(),
+            soft_bodies: SoftBodySet::new(),
+            ccd: CCDSolver::new(),
+            parts: Vec::with_capacity(assembly.parts.len()),
+            axles: Vec::with_capacity(assembly.hinges.len()),
+            hooks: Hooks {
+                friction: (experiment.contact.friction_model == FrictionModel::Coulomb)
+                    .then(Friction::default),
+                apart: assembly.apart.clone(),
+                ..Hooks::default()
+            },
+            scene: Vec::new(),
+        };
+        world.lay_floor(experiment);
+        let kind = experiment.joint_kind();
+        let turns = joint_turns(assembly, world_from_parts, joints);
+        for (index, part) in assembly.parts.iter().enumerate() {
+            let part_from_robot = robot_from_part_at_zero(assembly, index).inverse();
+            let is_held = index == 0 && assembly.mount_world_m.is_some();
+            world.place_part(
+                experiment,
+                part,
+                &part_from_robot,
+                &world_from_parts[index],
+                &PartMotion {
+                    robot: *motion,
+                    joints: turns[index],
+                    is_held,
+                },
+                &match kind {
+                    JointKind::Impulse => rotor_inertia_kg_m2(assembly, index, &part_from_robot),
+                    JointKind::Multibody | JointKind::Auto => Matrix3::zeros(),
+                },
+            );
+        }
+        for (hinge, joint) in assembly.hinges.iter().zip(joints) {
+            let parent_from_robot = robot_from_part_at_zero(assembly, hinge.parent_part).inverse();
+            let anchor_parent_m = parent_from_robot * nalgebra::Point3::from(hinge.anchor_robot_m);
+            let frame = Isometry3::from_parts(
+                anchor_parent_m.coords.into(),
+                UnitQuaternion::rotation_between(&Vector3::x(), &hinge.axis_robot).unwrap_or_else(
+                    || UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI),
+                ),
+            );
+            let child_from_parent =
+                world_from_parts[hinge.child_part].inverse() * world_from_parts[hinge.parent_part];
+            let (parent, child) = (
+                world.parts[hinge.parent_part],
+                world.parts[hinge.child_part],
+            );
+            let seats = [
+                Seat {
+                    body: parent.body,
+                    body_from_hinge: parent.body_from_part() * frame,
+                },
+                Seat {
+                    body: child.body,
+                    body_from_hinge: child.body_from_part() * child_from_parent * frame,
+                },
+            ];
+            world.axles.push(Axle::new(
+                kind,
+                hinge,
+                seats,
+                joint.angle_rad,
+                &mut world.impulse_joints,
+                &mut world.multibody_joints,
+            ));
+        }
+        world.start_multibody();
+        for (axle, joint) in world.axles.iter().zip(joints) {
+            axle.start(&mut world.multibody_joints, joint.speed_rad_s);
+        }
+        world.set_scene(experiment);
+        world
+    }
+
+    fn lay_floor(&mut self, experiment: &Experiment) {
+        let floor = &experiment.floor;
+        let n = floor.normal_world();
+        // Value on the robot, 1 on the floor, rule Multiply: the parameter is the pair's value.
+        let collider = ColliderBuilder::new(SharedShape::halfspace(to_vector(&n)))
+            .position(Pose::from_translation(Vector::new(
+                0.0,
+                0.0,
+                narrow(floor.height_m),
+            )))
+            .friction(1.0)
+            .restitution(1.0)
+            .friction_combine_rule(CoefficientCombineRule::Multiply)
+            .restitution_combine_rule(CoefficientCombineRule::Multiply)
+            .build();
+        self.colliders.insert(collider);
+    }
+
+    fn place_part(
+        &mut self,
+        experiment: &Experiment,
+        part: &Part,
+        part_from_robot: &Isometry3<f64>,
+        world_from_part: &Isometry3<f64>,
+        motion: &PartMotion,
+        rotors_kg_m2: &Matrix3<f64>,
+    ) {
+        let mass = part.mass(part_from_robot);
+        let centre_part_m = mass.centre_m;
+        let centre_world_m = world_from_part * nalgebra::Point3::from(centre_part_m);
+        let (velocity, angular_world_rad_s) = motion.at(&centre_world_m.coords);
+        let mut member = Member {
+            body: RigidBodyHandle::invalid(),
+            centre_part_m,
+        };
+        let body_from_part = member.body_from_part();
+        let kind = if motion.is_held {
+            RigidBodyBuilder::fixed()
+        } else {
+            RigidBodyBuilder::dynamic()
+        };
+        let body = kind
+            .pose(to_pose(&(world_from_part * body_from_part.inverse())))
+            .linvel(to_vector(&velocity))
+            .angvel(to_vector(&angular_world_rad_s))
+            .additional_mass_properties(MassProperties::with_inertia_matrix(
+                Vector::ZERO,
+                narrow(mass.mass_kg),
+                to_matrix(&(mass.inertia_kg_m2 + rotors_kg_m2)),
+            ))
+            .can_sleep(false)
+            .build();
+        member.body = self.bodies.insert(body);
+        for solid in part.solids.iter().filter(|solid| solid.collides) {
+            let r = match solid.role {
+                Role::Cube => narrow(experiment.adjustment.edge_radius_m),
+                Role::Plate => 0.0,
+            };
+            let h = to_vector(&solid.half_extents_m);
+            let shape = if r > 0.0 {
+                ColliderBuilder::round_cuboid(h.x - r, h.y - r, h.z - r, r)
+            } else {
+                ColliderBuilder::cuboid(h.x, h.y, h.z)
+            };
+            let collider = shape
+                .position(to_pose(
+                    &(body_from_part * part_from_robot * solid.robot_from_solid),
+                ))
+                .density(0.0)
+                .friction(narrow(
+                    experiment.floor.friction
+                        * experiment
+                            .perturbation
+                            .friction_factor_of(solid.module, solid.role),
+                ))
+                .restitution(narrow(experiment.floor.restitution))
+                .friction_combine_rule(CoefficientCombineRule::Multiply)
+                .restitution_combine_rule(CoefficientCombineRule::Multiply)
+                .active_hooks(self.questions(solid.module))
+                .user_data(module_mark(solid.module))
+                .build();
+            self.colliders
+                .insert_with_parent(collider, member.body, &mut self.bodies);
+        }
+        // Otherwise the engine knows masses after the first step only.
+        if let Some(body) = self.bodies.get_mut(member.body) {
+            body.recompute_mass_properties_from_colliders(&self.colliders);
+        }
+        self.parts.push(member);
+    }
+
+    /// What the engine has to ask about contacts of a module.
+    fn questions(&self, module: usize) -> ActiveHooks {
+        let mut apart = self.hooks.apart.iter();
+        if apart.any(|&(a, b)| a == module || b == module) {
+            ActiveHooks::MODIFY_SOLVER_CONTACTS | ActiveHooks::FILTER_CONTACT_PAIRS
+        } else {
+            ActiveHooks::MODIFY_SOLVER_CONTACTS
+        }
+    }
+
+    /// A multibody ignores its bodies' velocities and damps its joints unless told otherwise.
+    fn start_multibody(&mut self) {
+        let Some(root) = self.parts.first() else {
+            return;
+        };
+        let Some(link) = self.multibody_joints.rigid_body_link(root.body).copied() else {
+            return;
+        };
+        let body = &self.bodies[root.body];
+        let (linear, angular) = (body.linvel(), body.angvel());
+        if let Some(multibody) = self.multibody_joints.get_multibody_mut(link.multibody) {
+            multibody.damping_mut().fill(0.0);
+            let mut velocity = multibody.generalized_velocity_mut();
+            for (row, value) in [
+                linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
+            ]
+            .into_iter()
+            .enumerate()
+            {
+                velocity[row] = value;
+            }
+        }
+    }
+
+    /// Advances by one timestep.
+    pub fn step(&mut self) {
+        if let Some(friction) = &mut self.hooks.friction {
+            friction.refresh(&self.multibody_joints);
+        }
+        for axle in &self.axles {
+            axle.brake(&mut self.impulse_joints, &self.bodies);
+        }
+        self.pipeline.step(
+            self.gravity,
+            &self.parameters,
+            &mut self.islands,
+            &mut self.broad_phase,
+            &mut self.narrow_phase,
+            &mut self.bodies,
+            &mut self.colliders,
+            &mut self.impulse_joints,
+            &mut self.multibody_joints,
+            &mut self.soft_bodies,
+            &mut self.ccd,
+            &self.hooks,
+            &(),
+        );
+        for axle in &self.axles {
+            axle.let_go(&mut self.bodies);
+        }
+    }
+
+    /// Pose, linear velocity of the part frame's origin and angular velocity of a part, all in the world frame.
+    pub fn part(&self, part: usize) -> (Isometry3<f64>, Vector3<f64>, Vector3<f64>) {
+        let member = &self.parts[part];
+        let body = &self.bodies[member.body];
+        let pose = from_pose(body.position()) * member.body_from_part();
+        let angular = from_vector(body.angvel());
+        let linear =
+            from_vector(body.linvel()) - angular.cross(&(pose.rotation * member.centre_part_m));
+        (pose, linear, angular)
+    }
+
+    /// A part in full.
+    pub fn part_state(&self, part: usize) -> PartState {
+        let member = &self.parts[part];
+        let body = &self.bodies[member.body];
+        let local = &body.mass_properties().local_mprops;
+        let inertia = local.reconstruct_inertia_matrix();
+        let column = |v: Vector| from_vector(v);
+        let inertia_part = Matrix3::from_columns(&[
+            column(inertia.x_axis),
+            column(inertia.y_axis),
+            column(inertia.z_axis),
+        ]);
+        let turn = from_rotation(&body.position().rotation).to_rotation_matrix();
+        PartState {
+            world_from_part: from_pose(body.position()) * member.body_from_part(),
+            centre_world_m: from_vector(body.center_of_mass()),
+            velocity_world_m_s: from_vector(body.linvel()),
+            angular_velocity_world_rad_s: from_vector(body.angvel()),
+            mass_kg: wide(body.mass()),
+            inertia_world_kg_m2: turn * inertia_part * turn.transpose(),
+        }
+    }
+
+    /// A part in full, with the velocities that the last substep left: those of the bodies of a multibody are one substep
+    /// older, since the engine works them out before it solves contacts and joints.
+    pub fn part_now(&self, part: usize) -> PartState {
+        let mut state = self.part_state(part);
+        let Some(link) = self.multibody_joints.rigid_body_link(self.parts[part].body) else {
+            return state;
+        };
+        let Some(multibody) = self.multibody_joints.get_multibody(link.multibody) else {
+            return state;
+        };
+        let speeds = multibody.generalized_velocity();
+        let jacobian = multibody.body_jacobian(link.id);
+        // Before the first step there is no Jacobian, and nothing has been solved.
+        if jacobian.ncols() == speeds.len() {
+            let row = |row: usize| wide(jacobian.row(row).tr_dot(&speeds));
+            state.velocity_world_m_s = Vector3::new(row(0), row(1), row(2));
+            state.angular_velocity_world_rad_s = Vector3::new(row(3), row(4), row(5));
+        }
+        state
+    }
+
+    /// Adds to the velocity of a part that no hinge holds, m/s.
+    pub fn push(&mut self, part: usize, velocity_world_m_s: &Vector3<f64>) {
+        if let Some(body) = self.bodies.get_mut(self.parts[part].body) {
+            let velocity = body.linvel() + to_vector(velocity_world_m_s);
+            body.set_linvel(velocity, true);
+        }
+    }
+
+    /// Angle of a hinge, radians, continued from `near_rad` so that it does not jump at half turns.
+    pub fn hinge_angle_rad(&self, hinge: usize, near_rad: f64) -> f64 {
+        self.axles[hinge].angle_rad(&self.bodies, near_rad)
+    }
+
+    /// Speed of a hinge, rad/s.
+    pub fn hinge_speed_rad_s(&self, hinge: usize) -> f64 {
+        self.axles[hinge].speed_rad_s(&self.bodies)
+    }
+
+    /// Asks the motor of a hinge that is at `angle_rad` to do `command` during the next step.
+    pub fn drive(&mut self, hinge: usize, angle_rad: f64, command: Command) {
+        self.axles[hinge].drive(
+            &mut self.impulse_joints,
+            &mut self.multibody_joints,
+            angle_rad,
+            command,
+        );
+    }
+
+    /// Has the motor of a hinge, and its gear, act during the next step.
+    pub fn exert(&mut self, hinge: usize, effort: &Effort) {
+        self.axles[hinge].exert(
+            &mut self.bodies,
+            &mut self.multibody_joints,
+            effort,
+            wide(self.parameters.dt),
+        );
+    }
+}
+
+fn parameters(experiment: &Experiment) -> IntegrationParameters {
+    let contact = &experiment.contact;
+    let mut p = IntegrationParameters {
+        dt: narrow(experiment.solver.timestep_s),
+        num_solver_iterations: experiment.solver.substeps,
+        num_internal_pgs_iterations: experiment.solver.sweeps,
+        num_internal_stabilization_iterations: experiment.solver.relaxations,
+        normalized_prediction_distance: narrow(contact.prediction_m),
+        // A robot that flies off is to be seen, not slowed down.
+        normalized_max_linear_velocity: Real::MAX,
+        friction_model: match contact.friction_model {
+            FrictionModel::Simplified => EngineFriction::Simplified,
+            FrictionModel::Coulomb => EngineFriction::Coulomb,
+        },
+        ..IntegrationParameters::default()
+    };
+    // The floor has no body, so its contacts take the softness of fixed bodies; modules among themselves
+    // are half as stiff, as in Rapier's own defaults.
+    p.static_contact_softness.natural_frequency = narrow(contact.natural_frequency_hz);
+    p.static_contact_softness.damping_ratio = narrow(contact.damping_ratio);
+    p.contact_softness.natural_frequency = narrow(0.5 * contact.natural_frequency_hz);
+    p.contact_softness.damping_ratio = narrow(contact.damping_ratio);
+    p
+}

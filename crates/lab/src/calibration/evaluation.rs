@@ -1,0 +1,272 @@
+//! How well one setting predicts recordings it may never have seen: pose errors, flips and resting faces.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::definition::StartUsed;
+use super::recording::few_recordings;
+use super::rest::{FaceOdds, face_at_end};
+use super::study::Study;
+use crate::calibration::identification::is_at_rest;
+use realgap_core::error::{Error, Result};
+use realgap_core::file::sha256;
+use realgap_core::statistics::{mean, median, standard_deviation};
+use realgap_core::warning::{Code, Warning};
+use realgap_engine::Experiment;
+use realgap_engine::parameter::ParameterSet;
+use realgap_optimize::RunOptions;
+use realgap_path::comparison::pose_errors;
+use realgap_path::trajectory::Trajectory;
+
+/// A final orientation further off than this is another face: a flip.
+const FLIP_DEG: f64 = 45.0;
+
+/// Mean, median and standard error over recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Average {
+    /// Mean.
+    pub mean: f64,
+    /// Median (mean of the middle two).
+    pub median: f64,
+    /// Standard deviation / √n; 0 for a single recording, which does not know it.
+    pub standard_error: f64,
+}
+
+/// Pose errors of one recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RecordingErrors {
+    /// Name of the recording.
+    pub recording: String,
+    /// Mean position error, percent of the body length; `None` where the simulation diverged.
+    pub position_percent: Option<f64>,
+    /// Mean rotation error, degrees.
+    pub rotation_deg: Option<f64>,
+    /// Mean error of the joints, degrees; `None` without joints, too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hinge_deg: Option<f64>,
+    /// Position error at the end, percent of the body length.
+    pub final_position_percent: Option<f64>,
+    /// Rotation error at the end, degrees.
+    pub final_rotation_deg: Option<f64>,
+    /// Error of the joints at the end, degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub final_hinge_deg: Option<f64>,
+    /// Face that ended down, where the recording ends at rest.
+    pub real_face_down: Option<&'static str>,
+    /// Face that points down at the end of the simulation.
+    pub simulated_face_down: Option<&'static str>,
+    /// Simulated seconds.
+    pub simulated_s: f64,
+    /// CPU seconds.
+    pub cpu_s: f64,
+}
+
+/// Pose errors over recordings. Lengths are true ones ([`Experiment::recording_length_scale`]).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Evaluation {
+    /// Recordings compared with.
+    pub recordings: usize,
+    /// Mean position error of each recording, percent of the body length.
+    pub position_percent: Average,
+    /// Mean rotation error of each recording, degrees.
+    pub rotation_deg: Average,
+    /// Mean error of the joints of each recording, degrees; `None` without joints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hinge_deg: Option<Average>,
+    /// Position error at the end, percent of the body length.
+    pub final_position_percent: Average,
+    /// Rotation error at the end, degrees.
+    pub final_rotation_deg: Average,
+    /// Error of the joints at the end, degrees; `None` without joints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub final_hinge_deg: Option<Average>,
+    /// Recordings that end more than 45° off; diverged simulations count.
+    pub over_45_deg: usize,
+    /// Which face ends down.
+    pub resting_faces: Vec<FaceOdds>,
+    /// CPU milliseconds per simulated second.
+    pub cpu_ms_per_s: f64,
+    /// Which start state the runs have.
+    pub start: StartUsed,
+    /// Parameter values that the study, files and command line fix.
+    pub parameters: BTreeMap<String, f64>,
+    /// Versions, settings and input hashes.
+    pub provenance: BTreeMap<String, String>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+    /// One row a recording, in order; empty unless asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rows: Vec<RecordingErrors>,
+}
+
+impl Study {
+    /// How well the study's fixed values and `set` predict its recordings: simulates every start once and measures pose errors.
+    ///
+    /// # Errors
+    /// Recordings without orientations, not a single simulation that ends, or the run was stopped.
+    pub fn evaluate(&self, set: &ParameterSet, run: &RunOptions<'_>) -> Result<Evaluation> {
+        let done = AtomicUsize::new(0);
+        let total = self.cases().len();
+        let cases: Vec<Vec<(usize, RecordingErrors)>> = run.install(|| {
+            (0..total)
+                .into_par_iter()
+                .map(|case| {
+                    run.go_on()?;
+                    let rows = evaluate_case(self, case, &self.experiment_with(case, set)?);
+                    run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
+                    rows
+                })
+                .collect::<Result<_>>()
+        })??;
+        let mut rows: Vec<(usize, RecordingErrors)> = cases.into_iter().flatten().collect();
+        rows.sort_by_key(|(recording, _)| *recording);
+        let rows: Vec<RecordingErrors> = rows.into_iter().map(|(_, row)| row).collect();
+        summarise(self, set, rows)
+    }
+}
+
+fn evaluate_case(
+    study: &Study,
+    case: usize,
+    experiment: &Experiment,
+) -> Result<Vec<(usize, RecordingErrors)>> {
+    let run = realgap_engine::run(experiment)?;
+    let face_at_end = |motion: &Trajectory| face_at_end(motion, experiment);
+    let simulated = run.outcome.get();
+    study.cases()[case]
+        .targets
+        .iter()
+        .map(|target| {
+            let target = target.in_true_lengths(experiment.recording_length_scale)?;
+            let recording = &study.definition().recordings[target.recording];
+            let errors = simulated
+                .map(|motion| {
+                    pose_errors(&target.motion, motion, experiment.assembly.body_length_m)
+                        .map_err(|e| e.at_file(&recording.path))
+                })
+                .transpose()?;
+            let row = RecordingErrors {
+                recording: recording.name.clone(),
+                position_percent: errors.as_ref().map(|e| 100.0 * e.position_fraction_mean),
+                rotation_deg: errors.as_ref().map(|e| e.rotation_rad_mean.to_degrees()),
+                hinge_deg: joint_deg(errors.as_ref().and_then(|e| e.joint_rad_mean)),
+                final_position_percent: errors.as_ref().map(|e| 100.0 * e.position_fraction_final),
+                final_rotation_deg: errors.as_ref().map(|e| e.rotation_rad_final.to_degrees()),
+                final_hinge_deg: joint_deg(errors.as_ref().and_then(|e| e.joint_rad_final)),
+                real_face_down: is_at_rest(&target.motion)
+                    .then(|| face_at_end(&target.motion))
+                    .flatten(),
+                simulated_face_down: simulated.and_then(face_at_end),
+                simulated_s: experiment.duration_s,
+                cpu_s: run.cpu.as_secs_f64(),
+            };
+            Ok((target.recording, row))
+        })
+        .collect()
+}
+
+fn joint_deg(error_rad: Option<f64>) -> Option<f64> {
+    error_rad.map(f64::to_degrees)
+}
+
+fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> Result<Evaluation> {
+    let definition = study.definition();
+    let average = |value: fn(&RecordingErrors) -> Option<f64>| {
+        Average::of(rows.iter().filter_map(value).collect()).ok_or_else(|| {
+            definition.at_file(
+                Error::invalid("every simulation diverged, so there are no errors to report")
+                    .hint("try a shorter timestep or more substeps"),
+            )
+        })
+    };
+    let mut warnings = study.warnings().to_vec();
+    let diverged = rows.iter().filter(|r| r.rotation_deg.is_none()).count();
+    if diverged > 0 {
+        warnings.push(Warning::new(
+            Code::Diverged,
+            format!("{diverged} of {} simulations diverged: they are missing from the means and count as over 45 degrees", rows.len()),
+        ));
+    }
+    let fixed = definition.set.clone().with_all(set);
+    for range in definition.grid.ranges() {
+        let name = range.parameter.name;
+        if fixed.value(name).is_none() {
+            warnings.push(Warning::new(
+                Code::FreeParameter,
+                format!("{name} is free in the study and no value is given: its default is used"),
+            ));
+        }
+    }
+    warnings.extend(few_recordings(rows.len()));
+    if rows.len() == 1 {
+        warnings.push(Warning::new(
+            Code::OneRecording,
+            "one recording does not know its standard error; 0 is written",
+        ));
+    }
+    let over = rows
+        .iter()
+        .filter(|row| row.final_rotation_deg.is_none_or(|deg| deg > FLIP_DEG))
+        .count();
+    let cpu_s: f64 = rows.iter().map(|row| row.cpu_s).sum();
+    let simulated_s: f64 = rows.iter().map(|row| row.simulated_s).sum();
+    Ok(Evaluation {
+        recordings: rows.len(),
+        position_percent: average(|row| row.position_percent)?,
+        rotation_deg: average(|row| row.rotation_deg)?,
+        hinge_deg: Average::of(rows.iter().filter_map(|row| row.hinge_deg).collect()),
+        final_position_percent: average(|row| row.final_position_percent)?,
+        final_rotation_deg: average(|row| row.final_rotation_deg)?,
+        final_hinge_deg: Average::of(rows.iter().filter_map(|row| row.final_hinge_deg).collect()),
+        over_45_deg: over,
+        resting_faces: resting_faces(&rows),
+        cpu_ms_per_s: 1e3 * cpu_s / simulated_s,
+        start: definition.start_used(),
+        parameters: fixed
+            .iter()
+            .map(|a| (a.parameter.name.to_owned(), a.value))
+            .collect(),
+        provenance: provenance(study),
+        warnings,
+        rows,
+    })
+}
+
+/// The study's fingerprint with the hashes of hundreds of recordings folded into one.
+pub(super) fn provenance(study: &Study) -> BTreeMap<String, String> {
+    let digest = sha256(study.definition().recordings_sha256.concat());
+    study
+        .fingerprint()
+        .entries()
+        .iter()
+        .filter(|(name, _)| !name.starts_with("recording ") && !name.starts_with("parameter "))
+        .cloned()
+        .chain([("recordings sha256".to_owned(), digest)])
+        .collect()
+}
+
+fn resting_faces(rows: &[RecordingErrors]) -> Vec<FaceOdds> {
+    let ends: Vec<_> = rows
+        .iter()
+        .filter_map(|row| Some((row.real_face_down?, row.simulated_face_down)))
+        .collect();
+    FaceOdds::count(&ends)
+}
+
+impl Average {
+    /// Of at least one value.
+    pub(super) fn of(values: Vec<f64>) -> Option<Self> {
+        let root = (values.len() as f64).sqrt();
+        (!values.is_empty()).then(|| Self {
+            mean: mean(&values),
+            median: median(&values),
+            standard_error: standard_deviation(&values) / root,
+        })
+    }
+}

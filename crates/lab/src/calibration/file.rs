@@ -1,0 +1,391 @@
+//! The RON form of a study, and what reading it takes.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::Deserialize;
+
+use super::basis::BasisRule;
+use super::command_file::Commands;
+use super::definition::{Definition, ScoreRule, StartRule};
+use super::fitted::in_sample;
+use super::overrides::Overrides;
+use super::recording;
+use super::scene_file::BodyFile;
+use crate::calibration::identification::StartState;
+use realgap_core::error::{Error, ErrorKind, Result};
+use realgap_core::file::{Source, name_of_file, parse_ron, sha256, unique_keys};
+use realgap_engine::parameter::{Assignment, ParameterSet, by_name};
+use realgap_engine::{Noise, SceneBody, Vehicle};
+use realgap_optimize::{Grid, MAX_POINTS, Range};
+use realgap_path::comparison::{self, Components};
+use realgap_path::trajectory::Reading;
+use realgap_robot::morphology::Morphology;
+
+/// A study file as written.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Study")]
+pub struct StudyFile {
+    /// What is asked, for people.
+    #[serde(default)]
+    description: String,
+    /// The robot's file, relative to this one; either this or `vehicle`.
+    morphology: Option<PathBuf>,
+    /// A two-wheel robot in place of a morphology.
+    vehicle: Option<VehicleFile>,
+    /// Only recordings of this condition, where a file holds several.
+    condition: Option<String>,
+    /// Paths and patterns (`*`, `?`) of the recordings, relative to this file.
+    #[serde(default)]
+    recordings: Vec<String>,
+    /// How the recordings are to be read: units, columns, crop.
+    #[serde(default)]
+    reading: Reading,
+    /// Where the simulated robot starts.
+    start: StartRule,
+    /// How the first velocities are found, where runs start from a recording.
+    start_state: Option<StartState>,
+    /// Leave out recordings in which something still moves at the end.
+    #[serde(default)]
+    only_at_rest: bool,
+    /// Bodies beside the robot.
+    #[serde(default)]
+    scene: Vec<BodyFile>,
+    /// Walls around the robot: of a settled start, where the arena says that robots start; else in the recording's coordinates.
+    arena: Option<PathBuf>,
+    /// Recorded commands that the servos follow in place of their gaits.
+    commands: Option<Commands>,
+    /// Time of each run, seconds; else as long as the recordings.
+    duration_s: Option<f64>,
+    /// Timestep, seconds; the same as `set: { "timestep_s": ... }`.
+    timestep_s: Option<f64>,
+    /// Solver substeps of each timestep; the same as `set: { "solver.substeps": ... }`.
+    substeps: Option<usize>,
+    /// Kind of joint; the same as `set: { "solver.joint": ... }`.
+    joint: Option<Joint>,
+    /// Parameters with a fixed value, by name; `realgap parameters` lists all.
+    #[serde(default, deserialize_with = "unique_keys")]
+    set: BTreeMap<String, f64>,
+    /// What is varied.
+    parameters: Vec<RangeFile>,
+    /// How two trajectories are compared; `realgap compare --help` lists the metrics.
+    #[serde(default = "default_metric")]
+    metric: String,
+    /// What the principal components of the metric `pca` are fitted on.
+    basis: Option<BasisFile>,
+    /// How many principal components are kept.
+    components: Option<ComponentsFile>,
+    /// What the score of a point is the mean over.
+    #[serde(default)]
+    score: ScoreRule,
+    /// Seed of everything random.
+    #[serde(default = "default_seed")]
+    seed: u64,
+    /// Known truth of a stand-in, by parameter, for marking it in pictures; never used by the fit.
+    #[serde(default, deserialize_with = "unique_keys")]
+    truth: BTreeMap<String, f64>,
+    /// How repeats of the real experiment differ.
+    noise: Option<Noise>,
+}
+
+/// A two-wheel robot in place of a morphology.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Vehicle")]
+struct VehicleFile {
+    /// The vehicle's file, relative to this one.
+    file: PathBuf,
+    /// Its range sensor in place of the one in the vehicle's file: a file or the name of one that comes with the program.
+    sensor: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+enum Joint {
+    /// Reduced coordinates: hinges cannot come apart.
+    Multibody,
+    /// A constraint between two bodies.
+    Impulse,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+enum ComponentsFile {
+    /// As many as explain this share of the variance.
+    Variance(f64),
+    /// Exactly so many.
+    Count(usize),
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+enum BasisFile {
+    /// Recordings and simulations together.
+    Everything,
+    /// The recordings alone.
+    Recordings,
+    /// The `basis.json` of another results folder, so that scores can be compared.
+    File(PathBuf),
+}
+
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Range")]
+struct RangeFile {
+    /// Name of the parameter; `realgap parameters` lists all.
+    name: String,
+    /// Lowest value, in the parameter's unit.
+    from: f64,
+    /// Highest value.
+    to: f64,
+    /// Points of the grid from the lowest to the highest.
+    #[serde(default = "default_points")]
+    points: usize,
+}
+
+fn default_metric() -> String {
+    comparison::DEFAULT_METRIC.to_owned()
+}
+
+fn default_seed() -> u64 {
+    1
+}
+
+/// 21 × 21 = 441, as in paper 003, section 2.3.
+fn default_points() -> usize {
+    21
+}
+
+impl Definition {
+    /// Reads a study, its morphology and its recordings.
+    ///
+    /// # Errors
+    /// Any of the files missing or malformed, unknown parameters or metrics, empty ranges, no recordings.
+    pub fn read(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
+        Self::parse(&Source::read(path, "study")?, overrides)
+    }
+
+    /// As [`Definition::read`], of a text; what it names is relative to the folder of its path.
+    ///
+    /// # Errors
+    /// As [`Definition::read`].
+    pub fn parse(source: &Source, overrides: &Overrides) -> Result<Self> {
+        let path = source.path();
+        let definition = Self::parse_without_recordings(source, overrides)?;
+        let mut found = recording::find(&definition, path, overrides)?;
+        let moving = if definition.only_at_rest {
+            found.keep_those_at_rest().map_err(|e| e.at_file(path))?
+        } else {
+            None
+        };
+        let mut warnings = recording::warnings_for(&definition.morphology, &found.recordings);
+        warnings.extend(moving);
+        warnings.extend(in_sample(&found.recordings, &overrides.fitted_on));
+        Ok(Self {
+            warnings,
+            recordings: found.recordings,
+            recordings_sha256: found.sha256,
+            ..definition
+        })
+    }
+
+    /// Reads a study and its morphology but not its recordings: to check the file itself.
+    ///
+    /// # Errors
+    /// As [`Definition::read`], recordings apart.
+    pub fn read_without_recordings(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
+        Self::parse_without_recordings(&Source::read(path, "study")?, overrides)
+    }
+
+    /// As [`Definition::read_without_recordings`], of a text.
+    ///
+    /// # Errors
+    /// As [`Definition::read_without_recordings`].
+    pub fn parse_without_recordings(source: &Source, overrides: &Overrides) -> Result<Self> {
+        let path = source.path();
+        let file: StudyFile = parse_ron(source)?;
+
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let (morphology, morphology_sha256, vehicle) = match (&file.morphology, &file.vehicle) {
+            (Some(named), None) => {
+                let robot = morphology_source(source, &folder.join(named))?;
+                (Morphology::parse(&robot)?, robot.sha256(), None)
+            }
+            (None, Some(named)) => {
+                let vehicle = Vehicle::read(folder.join(&named.file), named.sensor.as_deref())?;
+                let sha256 = sha256(vehicle.text.as_bytes());
+                (outside_of(&vehicle)?, sha256, Some(Arc::new(vehicle)))
+            }
+            _ => {
+                return Err(Error::invalid("a study is of one robot")
+                    .at_file(path)
+                    .allowed("`morphology: \"...\"`, or `vehicle: (file: \"...\")`")
+                    .hint("add `morphology: ...`"));
+            }
+        };
+
+        let mut set = ParameterSet::new();
+        let named = [
+            ("timestep_s", file.timestep_s),
+            ("solver.substeps", file.substeps.map(|n| n as f64)),
+            (
+                "solver.joint",
+                file.joint
+                    .map(|joint| f64::from(u8::from(matches!(joint, Joint::Multibody)))),
+            ),
+        ];
+        for (name, value) in named {
+            if let Some(value) = value {
+                set = set.with(
+                    Assignment::new(name, value)
+                        .map_err(|e| source.at(name.trim_start_matches("solver."), e))?,
+                );
+            }
+        }
+        for (name, value) in &file.set {
+            set = set.with(Assignment::new(name, *value).map_err(|e| source.at("set", e))?);
+        }
+        set = set.with_all(&overrides.set);
+
+        let (mut ranges, mut parameters) = (Vec::new(), Vec::new());
+        for (index, range) in file.parameters.iter().enumerate() {
+            let checked = by_name(&range.name)
+                .and_then(|p| {
+                    let points = overrides.points.unwrap_or(range.points);
+                    Ok((p, Range::new(p, range.from, range.to, points)?))
+                })
+                .map_err(|e| match overrides.points {
+                    Some(points) if !(2..=MAX_POINTS).contains(&points) => {
+                        e.field("points").into_usage()
+                    }
+                    _ => source.at(&format!("parameters[{index}]"), e),
+                })?;
+            parameters.push(checked.0);
+            ranges.push(checked.1);
+        }
+        let grid = Grid::new(ranges).map_err(|e| source.at("parameters", e))?;
+        let metric = match overrides.metric {
+            Some(metric) => metric,
+            None => comparison::by_name(&file.metric).map_err(|e| source.at("metric", e))?,
+        };
+        let basis = match (&overrides.basis, &file.basis) {
+            (Some(basis), _) => basis.clone(),
+            (None, None | Some(BasisFile::Everything)) => BasisRule::Everything,
+            (None, Some(BasisFile::Recordings)) => BasisRule::Recordings,
+            (None, Some(BasisFile::File(saved))) => BasisRule::read(folder.join(saved))?,
+        };
+        let components = match file.components {
+            None => Components::default(),
+            Some(ComponentsFile::Variance(share)) => Components::Variance(share),
+            Some(ComponentsFile::Count(count)) => Components::Count(count),
+        };
+        components.check().map_err(|e| source.at("components", e))?;
+        if let Some(duration_s) = file.duration_s
+            && !(1e-3..=3600.0).contains(&duration_s)
+        {
+            let error = Error::invalid("out of range")
+                .field("duration_s")
+                .found(duration_s)
+                .allowed("0.001 to 3600 s");
+            return Err(source.at("duration_s", error));
+        }
+        if let Some((field, error)) = file.reading.fault() {
+            return Err(source.at(&format!("reading.{field}"), error));
+        }
+        if let Some((field, error)) = file.noise.and_then(|noise| noise.fault()) {
+            return Err(source.at(&format!("noise.{field}"), error));
+        }
+        let start_state = overrides
+            .start_state
+            .or(file.start_state)
+            .unwrap_or_default();
+        if file.start == StartRule::Settled && start_state != StartState::FirstSample {
+            let error = Error::invalid("a settled start has no start state to refine")
+                .field("start_state")
+                .hint("use `start: FromRecording`");
+            return Err(source.at("start", error));
+        }
+        let mut scene = Vec::with_capacity(file.scene.len());
+        for (index, body) in file.scene.into_iter().enumerate() {
+            let body = body
+                .into_body()
+                .map_err(|e| source.at(&format!("scene[{index}]"), e))?;
+            scene.push(body);
+        }
+        let mut morphology_sha256 = morphology_sha256;
+        if let Some(named) = &file.arena {
+            let plan = Source::read(folder.join(named), "arena")?;
+            scene.push(SceneBody::read_arena(
+                &plan,
+                file.start == StartRule::Settled,
+            )?);
+            morphology_sha256 = sha256(format!("{morphology_sha256}\n{}", plan.text()).as_bytes());
+        }
+        let truth = file
+            .truth
+            .iter()
+            .map(|(name, value)| Assignment::new(name, *value).map_err(|e| source.at("truth", e)))
+            .collect::<Result<ParameterSet>>()?;
+        Ok(Self {
+            name: name_of_file(path, "a study")?,
+            path: Some(path.to_path_buf()),
+            text: source.text().to_owned(),
+            description: file.description,
+            morphology,
+            morphology_sha256,
+            vehicle,
+            condition: file.condition,
+            recordings: Vec::new(),
+            recordings_sha256: Vec::new(),
+            start: file.start,
+            start_state,
+            only_at_rest: file.only_at_rest,
+            scene,
+            commands: file.commands,
+            duration_s: file.duration_s,
+            reading: overrides.reading.clone().or(&file.reading),
+            set,
+            grid,
+            parameters,
+            metric,
+            score: overrides.score.unwrap_or(file.score),
+            basis,
+            components,
+            seed: overrides.seed.unwrap_or(file.seed),
+            split: overrides.split,
+            truth,
+            noise: file.noise,
+            recording_globs: file.recordings,
+            warnings: Vec::new(),
+        })
+    }
+}
+
+/// Reads the robot that a study names.
+fn morphology_source(study: &Source, named: &Path) -> Result<Source> {
+    Source::read(named, "morphology").map_err(|e| {
+        let e = match e.file() {
+            Some(_) => e,
+            None => study.at("morphology", e),
+        };
+        match e.kind() {
+            ErrorKind::Io => e.hint(format!(
+                "`morphology` in {} names it; relative paths in a study start at the study's folder",
+                study.path().display()
+            )),
+            _ => e,
+        }
+    })
+}
+
+/// A cube of a vehicle's size and name, for everything that asks how large a robot is.
+fn outside_of(vehicle: &Vehicle) -> Result<Morphology> {
+    let text = format!(
+        "(name: {:?}, defaults: (side_m: {}, mass_kg: 0.3), modules: [(name: \"body\", kind: Passive())], glue: [])",
+        vehicle.name,
+        2.0 * vehicle.radius_m
+    );
+    Morphology::parse(&Source::new("vehicle", text))
+}

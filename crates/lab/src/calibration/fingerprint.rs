@@ -1,0 +1,72 @@
+//! Everything that decides a study's results, so that two studies never share a results folder.
+
+use std::collections::BTreeSet;
+
+use super::study::Study;
+use crate::calibration::identification::StartState;
+use realgap_engine::ENGINE_VERSION;
+use realgap_store::Fingerprint;
+
+impl Study {
+    /// Everything that decides the results.
+    pub fn fingerprint(&self) -> Fingerprint {
+        let definition = self.definition();
+        let experiment = &self.cases()[0].experiment;
+        let mut print = Fingerprint::new()
+            .with("realgap", env!("CARGO_PKG_VERSION"))
+            .with("engine", ENGINE_VERSION)
+            .with("study", &definition.name)
+            .with("morphology sha256", &definition.morphology_sha256)
+            .with("metric", definition.metric.name())
+            .with("components", format!("{:?}", definition.components))
+            .with("score", format!("{:?}", definition.score))
+            .with("start", format!("{:?}", definition.start))
+            .with(
+                "duration_s",
+                definition
+                    .duration_s
+                    .map_or("recording".to_owned(), |d| d.to_string()),
+            )
+            .with("solver", format!("{:?}", experiment.solver))
+            .with("contact", format!("{:?}", experiment.contact))
+            .with("set", &definition.set)
+            .with("seed", definition.seed)
+            .with(
+                "unit of the recordings",
+                format!("{:?}", definition.reading.length.unwrap_or_default()),
+            );
+        // How the recordings are read, a `meta.ron` beside them included.
+        let read_as = definition.recordings.iter().map(|r| r.reading.to_string());
+        let read_as: BTreeSet<String> = read_as.filter(|how| !how.is_empty()).collect();
+        for (index, how) in read_as.into_iter().enumerate() {
+            print = print.with(format!("reading {index}"), how);
+        }
+        if let Some(condition) = &definition.condition {
+            print = print.with("condition", condition);
+        }
+        if definition.basis.is_known() {
+            print = print.with("basis", definition.basis.label());
+        }
+        if definition.start_state != StartState::FirstSample {
+            print = print.with("start state", definition.start_state.label());
+        }
+        if let Some(split) = definition.split {
+            print = print.with("split", split);
+        }
+        for range in definition.grid.ranges() {
+            print = print.with(
+                format!("parameter {}", range.parameter.name),
+                format!("{} to {}, {} points", range.from, range.to, range.points),
+            );
+        }
+        for (index, (recording, sha256)) in definition
+            .recordings
+            .iter()
+            .zip(&definition.recordings_sha256)
+            .enumerate()
+        {
+            print = print.with(format!("recording {index} {}", recording.name), sha256);
+        }
+        print
+    }
+}

@@ -1,0 +1,81 @@
+//! Confidence intervals by drawing recordings again.
+
+use serde::Serialize;
+
+use realgap_core::statistics::{percentile_interval, resamples};
+
+/// Resamples of the bootstrap.
+const RESAMPLES: usize = 1000;
+/// Share of the resampled estimates on either side of an interval of 95 %.
+const TAIL: f64 = 0.025;
+
+/// An estimate with its 95 % confidence interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Interval {
+    /// The estimate from all recordings.
+    pub value: f64,
+    /// 2.5 % of the resampled estimates lie below.
+    pub low: f64,
+    /// 2.5 % of the resampled estimates lie above.
+    pub high: f64,
+}
+
+impl Interval {
+    /// Whether the data allow `value`.
+    pub fn contains(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+
+    /// The interval of the quantity times `factor`, more than 0.
+    #[must_use]
+    pub fn times(&self, factor: f64) -> Self {
+        Self {
+            value: self.value * factor,
+            low: self.low * factor,
+            high: self.high * factor,
+        }
+    }
+}
+
+/// Percentile bootstrap over recordings (Efron & Tibshirani 1993, chapter 13) of several quantities at once.
+///
+/// `estimate` gets how often each recording is drawn; `None` (nothing can be estimated) is left out. `None` where
+/// all recordings together give nothing; an unbounded interval for a single recording.
+pub(super) fn intervals<const N: usize>(
+    recordings: usize,
+    seed: u64,
+    estimate: impl Fn(&[f64]) -> Option<[f64; N]>,
+) -> Option<[Interval; N]> {
+    let values = estimate(&vec![1.0; recordings])?;
+    if recordings < 2 {
+        // One recording says nothing about how much another would differ.
+        return Some(values.map(|value| Interval {
+            value,
+            low: f64::NEG_INFINITY,
+            high: f64::INFINITY,
+        }));
+    }
+    let draws: Vec<[f64; N]> = draws_of(recordings, seed, estimate);
+    Some(std::array::from_fn(|index| {
+        let drawn: Vec<f64> = draws.iter().map(|draw| draw[index]).collect();
+        let value = values[index];
+        let (low, high) = percentile_interval(&drawn, TAIL).unwrap_or((value, value));
+        Interval { value, low, high }
+    }))
+}
+
+/// What `estimate` gives for recordings drawn again; `None` is left out, and a single recording gives nothing.
+pub(super) fn draws_of<T>(
+    recordings: usize,
+    seed: u64,
+    estimate: impl Fn(&[f64]) -> Option<T>,
+) -> Vec<T> {
+    if recordings < 2 {
+        return Vec::new();
+    }
+    resamples(recordings, RESAMPLES, seed)
+        .iter()
+        .filter_map(|resample| estimate(&resample.counts()))
+        .collect()
+}

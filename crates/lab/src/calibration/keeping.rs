@@ -1,0 +1,135 @@
+//! Where a study's trials go: memory, or the store of a results folder that explains itself.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+use super::score::PointScore;
+use super::study::Study;
+use realgap_core::error::Result;
+use realgap_optimize::Ending;
+use realgap_store::{Fingerprint, Memory, Mode, Part, Place, Storage, Store, Trial, TrialScore};
+
+/// What a run that keeps its results needs to know of itself.
+pub(super) struct Kept<'a> {
+    pub study: &'a Study,
+    pub fingerprint: Fingerprint,
+    /// `sweep` or `tune`.
+    pub kind: &'static str,
+    /// Trials expected in the end, for messages.
+    pub expected: usize,
+}
+
+/// Where trials go.
+pub(super) enum Keeping<'a> {
+    Memory(Memory<Trial>),
+    Folder(Box<Store>),
+    /// A worker's part of a run that others work on, too.
+    Part(&'a mut Part),
+}
+
+impl Keeping<'_> {
+    /// Memory, or the store of a folder as the mode asks, described.
+    pub fn open(kept: &Kept<'_>, place: Option<(Place<'_>, Mode)>) -> Result<Self> {
+        let Some((place, mode)) = place else {
+            return Ok(Self::Memory(Memory::default()));
+        };
+        let what = format!("{} of this study", kept.kind);
+        let expected = format!("{} points", kept.expected);
+        let mut store = Store::open(place, &kept.fingerprint, mode, &what, &expected)?;
+        describe(kept, &mut store)?;
+        Ok(Self::Folder(Box::new(store)))
+    }
+
+    /// All trials, by index.
+    pub fn trials(&self) -> Result<Vec<Trial>> {
+        self.rows_within(0..i64::MAX as usize)
+    }
+
+    /// Keeps scores beside the trials, for readers of the folder.
+    pub fn score(&mut self, points: &[PointScore]) -> Result<()> {
+        let Self::Folder(store) = self else {
+            return Ok(());
+        };
+        let scores: Vec<TrialScore> = points
+            .iter()
+            .map(|point| TrialScore {
+                index: point.index,
+                score: point.score,
+                displacement_error_m: point.displacement_error_m,
+                recordings: point.recordings.clone(),
+            })
+            .collect();
+        store.insert_scores(&scores)
+    }
+
+    /// Notes how the run ended.
+    pub fn end(&mut self, ending: Ending) -> Result<()> {
+        match self {
+            Self::Folder(store) if ending == Ending::Complete => store.complete(),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Storage<Trial> for Keeping<'_> {
+    fn finished(&self) -> Result<BTreeSet<usize>> {
+        match self {
+            Self::Memory(memory) => memory.finished(),
+            Self::Folder(store) => store.finished(),
+            Self::Part(part) => part.finished(),
+        }
+    }
+
+    fn insert(&mut self, rows: &[Trial]) -> Result<()> {
+        match self {
+            Self::Memory(memory) => memory.insert(rows),
+            Self::Folder(store) => store.insert(rows),
+            Self::Part(part) => part.insert(rows),
+        }
+    }
+
+    fn rows_within(&self, range: Range<usize>) -> Result<Vec<Trial>> {
+        match self {
+            Self::Memory(memory) => memory.rows_within(range),
+            Self::Folder(store) => store.rows_within(range),
+            Self::Part(part) => part.rows_within(range),
+        }
+    }
+
+    fn begin(&mut self, rows: usize) {
+        if let Self::Part(part) = self {
+            part.begin(rows);
+        }
+    }
+
+    fn takes(&self, index: usize) -> bool {
+        match self {
+            Self::Part(part) => part.takes(index),
+            _ => true,
+        }
+    }
+}
+
+/// What somebody with nothing but the store needs to read it.
+fn describe(kept: &Kept<'_>, store: &mut Store) -> Result<()> {
+    let definition = kept.study.definition();
+    let ranges = definition.grid.ranges().iter();
+    let list = |names: Vec<&str>| serde_json::json!(names).to_string();
+    let recordings = definition.recordings.iter().map(|r| r.name.as_str());
+    store.describe([
+        ("kind", kept.kind.to_owned()),
+        ("study", definition.name.clone()),
+        ("study text", definition.text.clone()),
+        ("metric", definition.metric.name().to_owned()),
+        ("unit", definition.metric.unit().label().to_owned()),
+        (
+            "parameters",
+            list(ranges.clone().map(|r| r.parameter.name).collect()),
+        ),
+        (
+            "parameter units",
+            list(ranges.map(|r| r.parameter.unit.label()).collect()),
+        ),
+        ("recordings", list(recordings.collect())),
+    ])
+}

@@ -1,0 +1,97 @@
+//! A study: recordings + experiment + parameters + metric, and what answers it.
+//!
+//! [`Study::read`] reads one from a file, [`Study::builder`] makes one in Rust. [`Study::sweep`] tries every point of its grid,
+//! [`Study::tune`] lets an optimizer choose; both give an [`Answer`]: the best point, everything that cannot be told from it, an
+//! interval and a [`Verdict`] a parameter. [`Study::evaluate`] checks given values, [`Study::sensitivity`] says which parameters
+//! matter.
+//!
+//! ```
+//! use realgap_optimize::RunOptions;
+//! use realgap_lab::calibration::{Overrides, Study, TuneOptions};
+//! use realgap_optimize::optimizer_by_name;
+//!
+//! let overrides = Overrides {
+//!     metric: Some(realgap_path::comparison::by_name("rms")?),
+//!     limit_recordings: Some(2),
+//!     ..Overrides::default()
+//! };
+//! let study = Study::read("../../sweeps/tripod_self.ron", &overrides)?;
+//! let options = TuneOptions { optimizer: optimizer_by_name("random")?, budget: 4, patience: None };
+//! let answer = study.tune(&options, &RunOptions::default())?;
+//! assert_eq!(answer.scores.points.len(), 4);
+//! assert_eq!(answer.report.verdicts[0].parameter, "floor.friction");
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+
+pub mod identification;
+
+mod answer;
+mod audit;
+mod basis;
+mod builder;
+mod case;
+mod command_file;
+mod definition;
+mod evaluation;
+mod file;
+mod fingerprint;
+mod fitted;
+mod joint_evaluation;
+mod joints;
+mod keeping;
+mod matching;
+mod method;
+mod noise;
+mod overrides;
+mod posterior;
+mod profile;
+mod recording;
+mod refinement;
+mod repeat;
+mod report;
+mod rest;
+mod scene_file;
+mod score;
+mod sensitivity;
+mod setting;
+mod split;
+mod study;
+mod surface;
+mod sweep;
+mod tune;
+mod uncertainty;
+mod validation;
+mod values;
+mod verdict;
+
+pub use answer::Answer;
+pub use audit::{Audit, AuditRow};
+pub use basis::BasisRule;
+pub use builder::StudyBuilder;
+pub use case::{Case, Target};
+pub use command_file::{CommandColumn, Commands, Off};
+pub use definition::{Definition, ScoreRule, StartRule, StartUsed};
+pub use evaluation::{Average, Evaluation, RecordingErrors};
+#[cfg(feature = "schema")]
+pub use file::StudyFile;
+pub use fitted::recording_id;
+pub use joint_evaluation::{JointErrors, JointEvaluation};
+pub use method::{Method, Termination, Tuned};
+pub use noise::read_noise;
+pub use overrides::{Overrides, Part};
+pub use posterior::{BestDraws, INTERVAL_LEVEL};
+pub use profile::Profile;
+pub use realgap_store::Mode;
+pub use recording::{few_recordings, recording_paths, recording_warnings};
+pub use repeat::{RepeatCase, Repeatable};
+pub use report::{Best, Correlation, HowSure, PoseErrors, Report};
+pub use rest::{FaceOdds, RestingOdds};
+pub use score::{PointScore, Scores};
+pub use sensitivity::{Effect, Sensitivity};
+pub use split::Split;
+pub use study::Study;
+pub use tune::TuneOptions;
+pub use uncertainty::{LEVEL, Uncertainty, UncertaintySource, Unvisited};
+pub use validation::{Fold, Validation};
+pub use values::{BestFile, read_best, read_parameters, study_of};
+pub use verdict::Verdict;

@@ -1,0 +1,380 @@
+//! What an answer says, put into numbers and sentences.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::Serialize;
+
+use super::audit::Audit;
+use super::method::{Method, Tuned};
+use super::posterior::BestDraws;
+use super::recording::few_recordings;
+use super::score::Scores;
+use super::study::Study;
+use super::uncertainty::{Uncertainty, UncertaintySource, own_score};
+use super::validation::Validation;
+use super::verdict::{Verdict, verdicts};
+use realgap_core::error::Result;
+use realgap_core::unit::{Unit, counted, quantity};
+use realgap_core::warning::{Code, Warning};
+use realgap_optimize::Ending;
+use realgap_path::comparison::pose_errors;
+
+/// What a sweep or tuning says, with how sure it is and where it comes from; its `Display` is for people.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Report {
+    /// Name of the study.
+    pub study: String,
+    /// What it is for.
+    pub description: String,
+    /// True when every point was evaluated.
+    pub complete: bool,
+    /// Points evaluated.
+    pub points: usize,
+    /// Simulations of all cases: a point that may be the best is simulated with several equally valid settings.
+    pub runs: usize,
+    /// Points of the study's grid, or the optimizer's budget.
+    pub points_total: usize,
+    /// How an optimizer chose the points; `None` for a sweep.
+    pub tuning: Option<Tuned>,
+    /// Points without a score.
+    pub diverged: usize,
+    /// Recordings compared with.
+    pub recordings: usize,
+    /// The metric.
+    pub metric: &'static str,
+    /// Its unit.
+    pub unit: Unit,
+    /// The best point; `None` when every point diverged.
+    pub best: Option<Best>,
+    /// How sure the best point is.
+    pub uncertainty: Option<HowSure>,
+    /// What the recordings say about each parameter.
+    pub verdicts: Vec<Verdict>,
+    /// How the best values of two parameters move together when reality is sampled again.
+    pub correlations: Vec<Correlation>,
+    /// What the numerical settings change.
+    pub audit: Option<Audit>,
+    /// How the fit does on recordings that it has not seen.
+    pub validation: Option<Validation>,
+    /// Principal components kept and the share of the variance each explains, where the metric uses them.
+    pub components: Option<Vec<f64>>,
+    /// Pose errors of the best point, where the recordings have orientations.
+    pub pose: Option<PoseErrors>,
+    /// Versions, settings and input hashes.
+    pub provenance: BTreeMap<String, String>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// The best point.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Best {
+    /// Parameter values by name.
+    pub parameters: BTreeMap<String, f64>,
+    /// Score in the metric's unit: the mean over equally valid settings.
+    pub score: f64,
+    /// How many settings that is the mean of.
+    pub settings: usize,
+    /// The score with the study's own settings, which is luck as far as it differs.
+    pub own_score: Option<f64>,
+    /// Mean absolute difference of the net displacements, metres.
+    pub displacement_error_m: Option<f64>,
+}
+
+/// Correlation of two parameters over the bootstrap.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Correlation {
+    /// One parameter.
+    pub first: &'static str,
+    /// The other.
+    pub second: &'static str,
+    /// Pearson's coefficient.
+    pub value: f64,
+}
+
+/// How sure the best point is.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct HowSure {
+    /// Where it comes from.
+    pub source: UncertaintySource,
+    /// Confidence level.
+    pub level: f64,
+    /// Standard deviation of the best score when reality is sampled again.
+    pub best_score_sd: f64,
+    /// Standard deviation of the best score over equally valid settings.
+    pub simulation_sd: f64,
+    /// Points that cannot be told apart from the best, itself included.
+    pub indistinguishable: usize,
+}
+
+/// Mean over recordings of the pose errors of the best point.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PoseErrors {
+    /// Mean position error, percent of the body length.
+    pub position_percent: f64,
+    /// Mean rotation error, degrees.
+    pub rotation_deg: f64,
+}
+
+/// What a report is made from.
+pub(super) struct Evidence<'a> {
+    pub method: &'a Method,
+    pub ending: Ending,
+    pub scores: &'a Scores,
+    pub uncertainty: Option<&'a Uncertainty>,
+    pub draws: Option<&'a BestDraws>,
+    pub audit: Option<Audit>,
+    pub validation: Option<Validation>,
+}
+
+impl fmt::Display for Report {
+    /// A line for the study, and one for each thing that the report says.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}: {} of {}, {}",
+            self.study,
+            self.points,
+            counted(self.points_total, "point"),
+            counted(self.recordings, "recording"),
+        )?;
+        if let Some(best) = &self.best {
+            let values: Vec<String> = best
+                .parameters
+                .iter()
+                .map(|(name, value)| format!("{name} = {value:.4}"))
+                .collect();
+            write!(
+                f,
+                "\n  best: {}\n  {} discrepancy {}",
+                values.join(", "),
+                self.metric,
+                quantity(best.score, self.unit)
+            )?;
+            let spread = self.uncertainty.as_ref().map(|sure| sure.simulation_sd);
+            if let (true, Some(own), Some(spread)) = (best.settings > 1, best.own_score, spread) {
+                write!(
+                    f,
+                    " +- {} over {} equally valid settings; {} with the study's own",
+                    quantity(spread, self.unit),
+                    best.settings,
+                    quantity(own, self.unit)
+                )?;
+            }
+        }
+        if let Some(pose) = &self.pose {
+            write!(
+                f,
+                "\n  mean position error {:.2} % of the body length, mean rotation error {:.2} deg",
+                pose.position_percent, pose.rotation_deg
+            )?;
+        }
+        if let Some(validation) = &self.validation {
+            write!(
+                f,
+                "\n  held out ({}): {} where the fitted recordings have {} (difference {} +- {})",
+                validation.split,
+                quantity(validation.held_out_score, self.unit),
+                quantity(validation.fit_score, self.unit),
+                quantity(validation.held_out_score - validation.fit_score, self.unit),
+                quantity(validation.difference_standard_error, self.unit),
+            )?;
+        }
+        if let Some(sure) = &self.uncertainty {
+            write!(
+                f,
+                "\n  {} of {} points cannot be told apart from it at {:.0} % ({})",
+                sure.indistinguishable,
+                self.points,
+                100.0 * sure.level,
+                sure.source.label()
+            )?;
+        }
+        for verdict in &self.verdicts {
+            write!(f, "\n  {verdict}")?;
+        }
+        if let Some(audit) = &self.audit {
+            write!(
+                f,
+                "\n  finer timesteps, more substeps and hard contact change the score by up to {}, coarser settings by up to {}",
+                quantity(audit.largest_change, self.unit),
+                quantity(audit.largest_coarser_change, self.unit)
+            )?;
+        }
+        Ok(())
+    }
+}
+
+impl Report {
+    pub(super) fn new(study: &Study, evidence: &Evidence<'_>) -> Result<Self> {
+        let definition = study.definition();
+        let scores = evidence.scores;
+        let best = scores.best.and_then(|best| {
+            let point = &scores.points[best];
+            point.score.map(|score| Best {
+                parameters: study
+                    .parameter_set(&point.values)
+                    .iter()
+                    .map(|a| (a.parameter.name.to_owned(), a.value))
+                    .collect(),
+                score,
+                settings: point.runs,
+                own_score: own_score(study, scores, best),
+                displacement_error_m: point.displacement_error_m,
+            })
+        });
+        let points_total = match evidence.method {
+            Method::Sweep => definition.grid.len(),
+            Method::Tune(tuned) => tuned.budget,
+        };
+        let mut warnings = study.warnings().to_vec();
+        let diverged = scores
+            .points
+            .iter()
+            .filter(|point| point.diverged.is_some())
+            .count();
+        if diverged > 0 {
+            warnings.push(Warning::new(
+                Code::Diverged,
+                format!(
+                    "{diverged} of {} points diverged and have no score",
+                    scores.points.len()
+                ),
+            ));
+        }
+        if evidence.ending == Ending::Interrupted {
+            warnings.push(Warning::new(
+                Code::Incomplete,
+                format!("only {} of {points_total} points were evaluated: the best of these may not be the best of all", scores.points.len()),
+            ));
+        }
+        if let Some(audit) = &evidence.audit
+            && !audit.unresolved.is_empty()
+        {
+            warnings.push(Warning::new(
+                Code::Unresolved,
+                format!(
+                    "finer timesteps, more substeps or hard contact change the best score by {}, more than the whole range of {}: these scores cannot tell",
+                    quantity(audit.largest_change, scores.unit),
+                    audit.unresolved.join(", ")
+                ),
+            ));
+        }
+        warnings.extend(
+            evidence
+                .validation
+                .as_ref()
+                .and_then(|validation| validation.warning()),
+        );
+        warnings.extend(few_recordings(study.fitted_recordings()));
+        if study.fitted_recordings() == 1 {
+            warnings.push(Warning::new(
+                Code::OneRecording,
+                "one recording says nothing about how repeatable reality is; the uncertainty is that of perturbed simulated starts",
+            ));
+        }
+        Ok(Self {
+            study: definition.name.clone(),
+            description: definition.description.clone(),
+            complete: evidence.ending == Ending::Complete,
+            points: scores.points.len(),
+            runs: scores.runs.len(),
+            points_total,
+            tuning: match evidence.method {
+                Method::Tune(tuned) => Some(tuned.clone()),
+                Method::Sweep => None,
+            },
+            diverged,
+            recordings: definition.recordings.len(),
+            metric: definition.metric.name(),
+            unit: definition.metric.unit(),
+            best,
+            uncertainty: evidence.uncertainty.map(|u| HowSure {
+                source: u.source,
+                level: u.level,
+                best_score_sd: u.best_score_sd,
+                simulation_sd: u.simulation_sd,
+                indistinguishable: u.indistinguishable.iter().filter(|is_in| **is_in).count(),
+            }),
+            verdicts: match evidence.ending {
+                Ending::Complete => verdicts(
+                    study,
+                    scores,
+                    evidence.uncertainty,
+                    evidence.draws,
+                    evidence.audit.as_ref(),
+                ),
+                // The best of a part may not be the best of all.
+                Ending::Interrupted => Vec::new(),
+            },
+            correlations: correlations(study, evidence.draws),
+            audit: evidence.audit.clone(),
+            validation: evidence.validation.clone(),
+            components: scores.basis.as_ref().map(|b| {
+                b.explained_variance_ratio()
+                    .iter()
+                    .take(b.kept())
+                    .copied()
+                    .collect()
+            }),
+            pose: pose(study, scores)?,
+            provenance: study.fingerprint().entries().iter().cloned().collect(),
+            warnings,
+        })
+    }
+}
+
+fn correlations(study: &Study, draws: Option<&BestDraws>) -> Vec<Correlation> {
+    let Some(draws) = draws else {
+        return Vec::new();
+    };
+    let ranges = study.definition().grid.ranges();
+    let pairs = (0..ranges.len()).flat_map(|a| (a + 1..ranges.len()).map(move |b| (a, b)));
+    pairs
+        .map(|(a, b)| Correlation {
+            first: ranges[a].parameter.name,
+            second: ranges[b].parameter.name,
+            value: draws.correlation(a, b),
+        })
+        .collect()
+}
+
+/// Simulates the best point once more and measures its pose errors, where the metric is about poses.
+fn pose(study: &Study, scores: &Scores) -> Result<Option<PoseErrors>> {
+    let Some(best) = scores.best else {
+        return Ok(None);
+    };
+    if !study.definition().metric.is_pose() {
+        return Ok(None);
+    }
+    let values = &scores.points[best].values;
+    let (mut position, mut rotation_rad, mut count) = (0.0, 0.0, 0.0);
+    for (index, case) in study.cases().iter().enumerate() {
+        let experiment = study.experiment(index, values)?;
+        let run = realgap_engine::run(&experiment)?;
+        let Some(simulated) = run.outcome.completed() else {
+            return Ok(None);
+        };
+        for target in &case.targets {
+            let target = target.in_true_lengths(experiment.recording_length_scale)?;
+            let errors = pose_errors(
+                &target.motion,
+                &simulated,
+                case.experiment.assembly.body_length_m,
+            )?;
+            position += errors.position_fraction_mean;
+            rotation_rad += errors.rotation_rad_mean;
+            count += 1.0;
+        }
+    }
+    Ok(Some(PoseErrors {
+        position_percent: 100.0 * position / count,
+        rotation_deg: (rotation_rad / count).to_degrees(),
+    }))
+}

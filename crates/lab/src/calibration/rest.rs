@@ -1,0 +1,217 @@
+//! Which face ends down: how often in reality, and how often when every recording is simulated once.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::definition::{Definition, StartRule, StartUsed};
+use super::study::Study;
+use crate::calibration::identification::{face_down, is_at_rest};
+use realgap_core::error::{Error, Result};
+use realgap_core::warning::{Code, Warning};
+use realgap_engine::Experiment;
+use realgap_engine::parameter::ParameterSet;
+use realgap_optimize::RunOptions;
+use realgap_path::trajectory::Trajectory;
+use realgap_robot::morphology::Face;
+
+/// How often a face ended down, in reality and in simulation, over the recordings that end at rest.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FaceOdds {
+    /// Name of the face in the tracked module's frame.
+    pub face: &'static str,
+    /// In reality.
+    pub real: usize,
+    /// In simulation.
+    pub simulated: usize,
+    /// In both, of the same recording.
+    pub both: usize,
+}
+
+impl FaceOdds {
+    /// Counts over (real, simulated) faces of recordings that end at rest, one entry a face in the order of
+    /// [`Face::ALL`]. A simulation that diverged has no face.
+    pub fn count(ends: &[(&'static str, Option<&'static str>)]) -> Vec<Self> {
+        Face::ALL
+            .iter()
+            .map(|face| {
+                let name = face.name();
+                let real = ends.iter().filter(|(real, _)| *real == name);
+                Self {
+                    face: name,
+                    real: real.clone().count(),
+                    simulated: ends.iter().filter(|(_, s)| *s == Some(name)).count(),
+                    both: real.filter(|(_, s)| *s == Some(name)).count(),
+                }
+            })
+            .collect()
+    }
+}
+
+/// Resting faces of recordings beside those of their simulations.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RestingOdds {
+    /// Recordings that end at rest: each was simulated once, to its end.
+    pub simulations: usize,
+    /// Simulations that diverged; they have no face.
+    pub diverged: usize,
+    /// Recordings that end on the same face as their simulation.
+    pub same_face: usize,
+    /// Counts, in the order of the faces' names in files.
+    pub faces: Vec<FaceOdds>,
+    /// What was simulated: every value that was identified, that the study, files or command line fix, or that the
+    /// study leaves free (at its default).
+    pub values: BTreeMap<String, f64>,
+    /// Which of the values were identified.
+    pub identified: Vec<String>,
+    /// Which of the values are defaults because the study leaves them free and none was given.
+    pub at_default: Vec<String>,
+    /// Which start state the runs have.
+    pub start: StartUsed,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// The face that points down in the last sample; `None` without orientations.
+pub(super) fn face_at_end(motion: &Trajectory, experiment: &Experiment) -> Option<&'static str> {
+    let last = motion.orientations_world_from_body()?.last()?;
+    Some(face_down(last, &experiment.floor.normal_world()).name())
+}
+
+impl Definition {
+    /// Simulates every recording that ends at rest once, from its start to its end, with the study's fixed values and then
+    /// `identified`.
+    ///
+    /// # Errors
+    /// A study whose runs do not start from recordings, no recording that ends at rest, settings that cannot be simulated, or
+    /// the run was stopped.
+    pub fn resting_odds(
+        self,
+        identified: &ParameterSet,
+        run: &RunOptions<'_>,
+    ) -> Result<RestingOdds> {
+        run.install(|| resting_odds(self, identified, run))?
+    }
+}
+
+fn resting_odds(
+    mut definition: Definition,
+    identified: &ParameterSet,
+    run: &RunOptions<'_>,
+) -> Result<RestingOdds> {
+    if definition.start == StartRule::Settled {
+        return Err(definition.at_file(
+            Error::invalid("a settled start says nothing about how tosses come to rest")
+                .field("start")
+                .hint("use `start: FromRecording`"),
+        ));
+    }
+    // As the real counts: over whole recordings, whatever part of them the study compares.
+    definition.duration_s = None;
+    let (recordings, sha256) = std::mem::take(&mut definition.recordings)
+        .into_iter()
+        .zip(std::mem::take(&mut definition.recordings_sha256))
+        .filter(|(recording, _)| is_at_rest(&recording.trajectory))
+        .unzip();
+    (definition.recordings, definition.recordings_sha256) = (recordings, sha256);
+    if definition.recordings.is_empty() {
+        return Err(definition.at_file(Error::invalid("no recording ends at rest")));
+    }
+    let fixed = definition.set.clone().with_all(identified);
+    let study = Study::new(definition)?;
+    let done = AtomicUsize::new(0);
+    let total = study.cases().len();
+    let ends = (0..total)
+        .into_par_iter()
+        .map(|case| {
+            run.go_on()?;
+            let end = ends_of(&study, case, &fixed);
+            run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
+            end
+        })
+        .collect::<Result<Vec<_>>>()?;
+    let free = study
+        .definition()
+        .parameters
+        .iter()
+        .filter(|parameter| fixed.value(parameter.name).is_none());
+    let (mut values, mut at_default) = (BTreeMap::new(), Vec::new());
+    for parameter in free {
+        if let Some(value) = parameter.value(&study.cases()[0].experiment) {
+            values.insert(parameter.name.to_owned(), value);
+            at_default.push(parameter.name.to_owned());
+        }
+    }
+    values.extend(fixed.iter().map(|a| (a.parameter.name.to_owned(), a.value)));
+    let mut warnings = study.warnings().to_vec();
+    if !at_default.is_empty() {
+        warnings.push(Warning::new(
+            Code::FreeParameter,
+            format!(
+                "simulated resting faces: no value is given for {}; the defaults are used",
+                at_default.join(", ")
+            ),
+        ));
+    }
+    Ok(RestingOdds {
+        simulations: ends.len(),
+        diverged: ends.iter().filter(|(_, s)| s.is_none()).count(),
+        same_face: ends.iter().filter(|(real, s)| *s == Some(*real)).count(),
+        faces: FaceOdds::count(&ends),
+        values,
+        identified: identified
+            .iter()
+            .map(|a| a.parameter.name.to_owned())
+            .collect(),
+        at_default,
+        start: study.definition().start_used(),
+        warnings,
+    })
+}
+
+/// The real and the simulated face of a case with a recording of its own.
+fn ends_of(
+    study: &Study,
+    case: usize,
+    set: &ParameterSet,
+) -> Result<(&'static str, Option<&'static str>)> {
+    let experiment = study.experiment_with(case, set)?;
+    let target = &study.cases()[case].targets[0];
+    let real = face_at_end(&target.motion, &experiment).ok_or_else(|| {
+        Error::invalid("a recording without orientations has no face that is down")
+            .at_file(&study.definition().recordings[target.recording].path)
+    })?;
+    let run = realgap_engine::run(&experiment)?;
+    let motion = run.outcome.completed();
+    Ok((
+        real,
+        motion.and_then(|motion| face_at_end(&motion, &experiment)),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_face_counts_where_it_is_down_and_agreement_only_within_a_recording() {
+        let ends = [
+            ("PosX", Some("PosX")),
+            ("PosX", Some("NegZ")),
+            ("NegZ", Some("PosX")),
+            ("NegZ", None),
+        ];
+        let odds = FaceOdds::count(&ends);
+        let of = |name: &str| {
+            let found = odds.iter().find(|o| o.face == name).unwrap();
+            [found.real, found.simulated, found.both]
+        };
+        assert_eq!(of("PosX"), [2, 2, 1]);
+        assert_eq!(of("NegZ"), [2, 1, 0]);
+        assert_eq!(of("PosY"), [0, 0, 0]);
+    }
+}

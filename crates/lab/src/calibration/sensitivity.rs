@@ -1,0 +1,195 @@
+//! What a small change of every parameter does to the score: one at a time around a point.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::basis::basis;
+use super::definition::StartRule;
+use super::score::result_scores;
+use super::study::Study;
+use realgap_core::error::{Advice, Error, Result};
+use realgap_core::statistics::{mean, standard_deviation};
+use realgap_core::warning::Warning;
+use realgap_engine::Noise;
+use realgap_engine::parameter::{self, Assignment, Parameter, ParameterSet};
+use realgap_optimize::RunOptions;
+use realgap_store::CaseRow;
+
+/// One parameter, made a little smaller and a little larger.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Effect {
+    /// Name of the parameter.
+    pub parameter: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its value at the point.
+    pub value: f64,
+    /// The smaller value; `None` at its lower bound.
+    pub lower: Option<f64>,
+    /// Score there minus the point's; `None` where it diverged or cannot be simulated.
+    pub lower_change: Option<f64>,
+    /// The larger value; `None` at its upper bound.
+    pub higher: Option<f64>,
+    /// Score there minus the point's.
+    pub higher_change: Option<f64>,
+}
+
+impl Effect {
+    /// Larger of the two changes without their signs; 0 where neither is known.
+    pub fn size(&self) -> f64 {
+        let changes = [self.lower_change, self.higher_change];
+        changes
+            .iter()
+            .flatten()
+            .fold(0.0, |size: f64, change| size.max(change.abs()))
+    }
+}
+
+/// One-at-a-time sensitivity of the score around a point (the "nominal range" method of Saltelli et al. 2004, section 2).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Sensitivity {
+    /// The metric.
+    pub metric: &'static str,
+    /// Unit of the scores.
+    pub unit: &'static str,
+    /// Score of the point itself.
+    pub score: f64,
+    /// Standard deviation of that score when the simulated start varies by 1 mm and 1°: smaller changes are chance; `None` where
+    /// every recording has its own start.
+    pub start_sd: Option<f64>,
+    /// Every parameter that acts on this robot, largest effect first.
+    pub effects: Vec<Effect>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Perturbed repeats of the point.
+const REPEATS: u64 = 16;
+
+impl Study {
+    /// Tries a small change of every registered parameter around the study's fixed values.
+    ///
+    /// # Errors
+    /// A point that itself diverges, a metric that cannot compare, or the run was stopped.
+    pub fn sensitivity(&self, run: &RunOptions<'_>) -> Result<Sensitivity> {
+        run.install(|| sensitivity(self, run))?
+    }
+}
+
+fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
+    let base = ParameterSet::new();
+    let experiment = study.experiment_with(0, &base)?;
+    let nudged: Vec<(&'static Parameter, f64, [Option<f64>; 2])> = parameter::all()
+        .filter_map(|parameter| {
+            let value = parameter.value(&experiment)?;
+            let one = Assignment { parameter, value };
+            let acts = ParameterSet::new()
+                .with(one)
+                .without_effect(&experiment)
+                .is_empty();
+            acts.then(|| (parameter, value, parameter.nudged(value)))
+        })
+        .collect();
+    let mut tasks = vec![base];
+    for (parameter, _, values) in &nudged {
+        let one = |&value: &f64| ParameterSet::new().with(Assignment { parameter, value });
+        tasks.extend(values.iter().flatten().map(one));
+    }
+    let repeats = match study.definition().start {
+        StartRule::Settled => REPEATS,
+        StartRule::FromRecording => 0,
+    };
+    let total = tasks.len() + repeats as usize;
+    let done = AtomicUsize::new(0);
+    let report = || run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
+    // A value that cannot be simulated (a radius wider than the cube) has no effect to tell, but is no failure.
+    let outcomes: Vec<Option<Vec<CaseRow>>> = tasks
+        .par_iter()
+        .map(|task| {
+            run.go_on()?;
+            let outcomes = study.simulate_set(task).ok();
+            report();
+            Ok(outcomes)
+        })
+        .collect::<Result<_>>()?;
+    let starts: Vec<CaseRow> = (0..repeats)
+        .into_par_iter()
+        .map(|repeat| {
+            let noise = Noise::careful_start();
+            let outcome = study.simulate_perturbed(&tasks[0], &noise, repeat);
+            report();
+            outcome
+        })
+        .collect::<Result<_>>()?;
+    let basis = basis(study, outcomes.iter().flatten().flatten().chain(&starts))?;
+    let score = |set: &ParameterSet, rows: &[CaseRow]| -> Result<Option<f64>> {
+        let length_scale = set.apply(&experiment).recording_length_scale;
+        let mut all = Vec::new();
+        for (case, row) in rows.iter().enumerate() {
+            let Some(result) = row.completed() else {
+                return Ok(None);
+            };
+            all.extend(result_scores(
+                study,
+                basis.as_ref(),
+                length_scale,
+                case,
+                result,
+            )?);
+        }
+        Ok(Some(mean(&all)))
+    };
+    let scores: Vec<Option<f64>> = tasks
+        .iter()
+        .zip(&outcomes)
+        .map(|(task, outcomes)| match outcomes {
+            Some(outcomes) => score(task, outcomes),
+            None => Ok(None),
+        })
+        .collect::<Result<_>>()?;
+    let Some(at_point) = scores[0] else {
+        return Err(study.definition().at_file(
+            Error::invalid("the point itself diverges, so nothing can be said about changes of it")
+                .hint("try a shorter timestep or more substeps")
+                .advise(Advice::CalibratedValues),
+        ));
+    };
+    let starts: Vec<f64> = starts
+        .iter()
+        .filter_map(|outcome| score(&tasks[0], std::slice::from_ref(outcome)).transpose())
+        .collect::<Result<_>>()?;
+    let mut next = scores[1..].iter();
+    let mut effects: Vec<Effect> = nudged
+        .iter()
+        .map(|(parameter, value, [lower, higher])| {
+            let mut change = |tried: &Option<f64>| {
+                tried
+                    .and_then(|_| next.next().copied().flatten())
+                    .map(|score| score - at_point)
+            };
+            Effect {
+                parameter: parameter.name,
+                unit: parameter.unit.label(),
+                value: *value,
+                lower: *lower,
+                lower_change: change(lower),
+                higher: *higher,
+                higher_change: change(higher),
+            }
+        })
+        .collect();
+    effects.sort_by(|a, b| b.size().total_cmp(&a.size()));
+    let metric = study.definition().metric;
+    Ok(Sensitivity {
+        metric: metric.name(),
+        unit: metric.unit().label(),
+        score: at_point,
+        start_sd: (repeats > 0).then(|| standard_deviation(&starts)),
+        effects,
+        warnings: study.warnings().to_vec(),
+    })
+}

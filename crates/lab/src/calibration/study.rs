@@ -1,0 +1,422 @@
+//! A study made ready: its cases, and what it takes to evaluate one point.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::basis::basis;
+use super::case::{Case, cases};
+use super::definition::{Definition, ScoreRule, StartRule};
+use super::fitted::in_sample;
+use super::overrides::Overrides;
+use super::setting::Settings;
+use crate::calibration::identification::{StartState, refine_again};
+use realgap_core::error::{Error, Result};
+use realgap_core::file::Source;
+use realgap_core::warning::Warning;
+use realgap_engine::parameter::{Assignment, ParameterSet};
+use realgap_engine::{Experiment, Noise};
+use realgap_path::comparison::{Context, Pair, Spread};
+use realgap_path::trajectory::{Prepared, prepare};
+use realgap_store::{CaseOutcome, CaseResult, CaseRow, Trial};
+
+/// Equally valid settings where the study does not say how many.
+const VALID_SETTINGS: usize = 16;
+
+/// A study with its cases.
+#[derive(Debug, Clone)]
+pub struct Study {
+    definition: Definition,
+    cases: Vec<Case>,
+    warnings: Vec<Warning>,
+    held_out: Vec<bool>,
+    body_length_m: f64,
+    /// Of the recordings that are fitted, in recorded lengths, where the metric asks for it.
+    spread: Option<Spread>,
+}
+
+impl Study {
+    /// Reads a study with its robot and its recordings, and makes it ready.
+    ///
+    /// # Errors
+    /// As [`Definition::read`] and [`Study::new`].
+    pub fn read(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
+        Self::new(Definition::read(path, overrides)?)
+    }
+
+    /// As [`Study::read`], of a text; what it names is relative to the folder of its path.
+    ///
+    /// # Errors
+    /// As [`Study::read`].
+    pub fn parse(source: &Source, overrides: &Overrides) -> Result<Self> {
+        Self::new(Definition::parse(source, overrides)?)
+    }
+
+    /// The same study with these values, after those that it fixes itself, for ensembles and gaps. `fitted_on` are the recordings that they were
+    /// fitted on, as in [`Overrides::fitted_on`].
+    ///
+    /// # Errors
+    /// As [`Study::new`].
+    pub fn at(&self, set: &ParameterSet, fitted_on: &[String]) -> Result<Self> {
+        let mut definition = self.definition.clone();
+        definition.set = definition.set.with_all(set);
+        let known = in_sample(&definition.recordings, fitted_on);
+        definition.warnings.extend(known);
+        Self::new(definition)
+    }
+
+    /// Builds the cases of a study.
+    ///
+    /// # Errors
+    /// Recordings from which no run can start, or settings that cannot be simulated.
+    pub fn new(definition: Definition) -> Result<Self> {
+        check_score(&definition).map_err(|e| definition.at_file(e))?;
+        let (cases, mut warnings) = cases(&definition)?;
+        warnings.extend(definition.warnings.iter().cloned());
+        warnings.extend(definition.set.without_effect(&cases[0].experiment));
+        warnings.extend(definition.morphology.warnings());
+        warnings.extend(cases[0].experiment.warnings());
+        warnings.sort();
+        warnings.dedup();
+        let body_length_m = definition.morphology.assemble().body_length_m;
+        let held_out = match definition.split {
+            Some(split) => split.held_out(definition.recordings.len(), definition.seed)?,
+            None => vec![false; definition.recordings.len()],
+        };
+        let mut study = Self {
+            definition,
+            cases,
+            warnings,
+            held_out,
+            body_length_m,
+            spread: None,
+        };
+        if study.definition.metric.needs().spread {
+            let fitted = study.part_of(&study.real_paths(), false);
+            let spread = Spread::of(&fitted).map_err(|e| study.definition.at_file(e))?;
+            study.spread = Some(spread);
+        }
+        if study.definition.basis.is_known() {
+            // Refused before any work.
+            basis(&study, []).map_err(|e| study.definition.at_file(e))?;
+        }
+        study.check_recordings()?;
+        Ok(study)
+    }
+
+    /// Compares each recording with itself, so that one the metric cannot use is refused before any work.
+    fn check_recordings(&self) -> Result<()> {
+        if self.definition.metric.needs().basis {
+            return Ok(());
+        }
+        for target in self.cases.iter().flat_map(|case| &case.targets) {
+            let pair = Pair {
+                real: &target.motion,
+                simulated: &target.motion,
+                real_prepared: &target.prepared,
+                simulated_prepared: &target.prepared,
+            };
+            self.definition
+                .metric
+                .compare(&pair, &self.context(self.spread.as_ref()))
+                .map_err(|e| e.at_file(&self.definition.recordings[target.recording].path))?;
+        }
+        Ok(())
+    }
+
+    /// The study.
+    pub fn definition(&self) -> &Definition {
+        &self.definition
+    }
+
+    /// The study, where its cases are not needed any more.
+    pub fn into_definition(self) -> Definition {
+        self.definition
+    }
+
+    /// The simulations of one point.
+    pub fn cases(&self) -> &[Case] {
+        &self.cases
+    }
+
+    /// What the reader should know.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
+    /// Simulated seconds of one point, settling apart.
+    pub fn simulated_s(&self) -> f64 {
+        self.cases
+            .iter()
+            .map(|case| case.experiment.duration_s)
+            .sum()
+    }
+
+    fn context<'a>(&self, spread: Option<&'a Spread>) -> Context<'a> {
+        Context {
+            basis: None,
+            spread,
+            body_length_m: Some(self.body_length_m),
+        }
+    }
+
+    /// The study's parameters with these values, in the study's order.
+    pub fn parameter_set(&self, values: &[f64]) -> ParameterSet {
+        self.definition
+            .parameters
+            .iter()
+            .zip(values)
+            .map(|(&parameter, &value)| Assignment { parameter, value })
+            .collect()
+    }
+
+    /// Simulates every case of grid point `index` and keeps what the comparison needs.
+    ///
+    /// # Errors
+    /// A metric that cannot compare; a diverged simulation is an outcome, not an error.
+    pub fn simulate(&self, index: usize) -> Result<Trial> {
+        self.simulate_values(index, self.definition.grid.values(index))
+    }
+
+    /// The equally valid settings that a score is the mean over.
+    pub(super) fn settings(&self) -> Settings {
+        let definition = &self.definition;
+        let start = match definition.start {
+            // With one recording nothing else says how repeatable reality is.
+            StartRule::Settled if self.fitted_recordings() < 2 => Noise::careful_repeat(),
+            StartRule::Settled => Noise::careful_start(),
+            StartRule::FromRecording => Noise::default(),
+        };
+        let (noise, count) = match definition.score {
+            ScoreRule::Valid => (start, VALID_SETTINGS),
+            ScoreRule::Ensemble { repeats } => (definition.noise.unwrap_or(start), repeats),
+            ScoreRule::Single => (start, 1),
+        };
+        Settings {
+            noise,
+            count,
+            seed: definition.seed,
+        }
+    }
+
+    /// Simulates every case at these values, as trial number `index`, whose number says with which of the equally valid
+    /// settings; cases run in parallel on the current rayon pool.
+    ///
+    /// # Errors
+    /// As [`Study::simulate`].
+    pub(super) fn simulate_values(&self, index: usize, values: Vec<f64>) -> Result<Trial> {
+        let settings = self.settings();
+        let setting = settings.of_trial(index);
+        let set = self.parameter_set(&values);
+        let cases = (0..self.cases.len())
+            .into_par_iter()
+            .map(|case| {
+                let experiment = self.experiment_with(case, &set)?;
+                self.simulate_case(case, &settings.apply(setting, &experiment))
+            })
+            .collect::<Result<_>>()?;
+        Ok(Trial {
+            index,
+            values,
+            cases,
+        })
+    }
+
+    /// The experiment of a case with these parameter values.
+    ///
+    /// # Errors
+    /// A start state that cannot be refined as the study asks.
+    pub fn experiment(&self, case: usize, values: &[f64]) -> Result<Experiment> {
+        self.experiment_with(case, &self.parameter_set(values))
+    }
+
+    /// The experiment of a case with these parameters, its start refined as the study asks.
+    ///
+    /// # Errors
+    /// As [`Study::experiment`].
+    pub fn experiment_with(&self, case: usize, set: &ParameterSet) -> Result<Experiment> {
+        let experiment = set.apply(&self.cases[case].experiment);
+        if self.definition.start_state == StartState::FirstSample {
+            return Ok(experiment);
+        }
+        // Centre of mass, gravity and length scale decide the start, so it comes after the parameters.
+        let recording = self.cases[case].targets[0].recording;
+        let recorded = &self.definition.recordings[recording].trajectory;
+        let mut known = self.cases[case]
+            .flight
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let rule = self.definition.start_state;
+        let refined = refine_again(rule, experiment, recorded, &mut known)?.0;
+        Ok(refined)
+    }
+
+    /// Recorded lengths over true ones at these values.
+    pub(super) fn recording_length_scale(&self, values: &[f64]) -> f64 {
+        self.parameter_set(values)
+            .apply(&self.cases[0].experiment)
+            .recording_length_scale
+    }
+
+    /// Simulates case 0 with these parameters under `noise`, repeat number `repeat`.
+    ///
+    /// # Errors
+    /// As [`Study::simulate`].
+    pub(super) fn simulate_perturbed(
+        &self,
+        set: &ParameterSet,
+        noise: &Noise,
+        repeat: u64,
+    ) -> Result<CaseRow> {
+        let experiment = self.experiment_with(0, set)?;
+        self.simulate_case(0, &noise.perturb(&experiment, self.definition.seed, repeat))
+    }
+
+    /// Simulates every case with these parameters; cases run in parallel on the current rayon pool.
+    ///
+    /// # Errors
+    /// As [`Study::simulate`].
+    pub(super) fn simulate_set(&self, set: &ParameterSet) -> Result<Vec<CaseRow>> {
+        (0..self.cases.len())
+            .into_par_iter()
+            .map(|case| self.simulate_case(case, &self.experiment_with(case, set)?))
+            .collect()
+    }
+
+    /// Simulates every case at these values with other numerical settings.
+    ///
+    /// # Errors
+    /// As [`Study::simulate`], and settings that cannot be simulated.
+    pub(super) fn simulate_changed(
+        &self,
+        values: &[f64],
+        change: impl Fn(&mut Experiment) + Sync,
+    ) -> Result<Trial> {
+        let cases = (0..self.cases.len())
+            .into_par_iter()
+            .map(|case| {
+                let mut experiment = self.experiment(case, values)?;
+                change(&mut experiment);
+                self.simulate_case(case, &experiment)
+            })
+            .collect::<Result<_>>()?;
+        Ok(Trial {
+            index: 0,
+            values: values.to_vec(),
+            cases,
+        })
+    }
+
+    /// Whether a recording is kept from the fit.
+    pub fn is_held_out(&self, recording: usize) -> bool {
+        self.held_out[recording]
+    }
+
+    /// The values, one a recording, of those that the fit sees, or of those that are kept from it.
+    pub(super) fn part_of<T: Copy>(&self, recordings: &[T], held_out: bool) -> Vec<T> {
+        recordings
+            .iter()
+            .zip(&self.held_out)
+            .filter(|(_, is_held_out)| **is_held_out == held_out)
+            .map(|(value, _)| *value)
+            .collect()
+    }
+
+    /// The same study with these recordings kept from the fit, and no others.
+    pub(super) fn without(&self, held_out: &[usize]) -> Self {
+        let recordings = 0..self.definition.recordings.len();
+        Self {
+            held_out: recordings.map(|index| held_out.contains(&index)).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// Number of recordings that the fit sees.
+    pub fn fitted_recordings(&self) -> usize {
+        self.held_out.iter().filter(|held_out| !**held_out).count()
+    }
+
+    fn simulate_case(&self, case: usize, experiment: &Experiment) -> Result<CaseRow> {
+        let run = realgap_engine::run(experiment)?;
+        let motion = match run.outcome {
+            realgap_engine::Outcome::Completed(motion) => motion,
+            realgap_engine::Outcome::Diverged(divergence) => {
+                return Ok(CaseRow {
+                    steps: run.steps,
+                    outcome: CaseOutcome::Diverged(divergence.to_string()),
+                });
+            }
+        };
+        let prepared = prepare(&motion)?;
+        let needs_basis = self.definition.metric.needs().basis;
+        // What is compared here is in true lengths.
+        let spread = self.spread.as_ref();
+        let spread = spread.map(|spread| spread.scaled(1.0 / experiment.recording_length_scale));
+        let context = self.context(spread.as_ref());
+        let mut scores = Vec::new();
+        if !needs_basis {
+            for target in &self.cases[case].targets {
+                let target = target.in_true_lengths(experiment.recording_length_scale)?;
+                let pair = Pair {
+                    real: &target.motion,
+                    simulated: &motion,
+                    real_prepared: &target.prepared,
+                    simulated_prepared: &prepared,
+                };
+                scores.push(self.definition.metric.compare(&pair, &context)?.value);
+            }
+        }
+        // Scores with a basis exist only once all paths are known; the pictures need the first case's.
+        let path_xy_m = if needs_basis || case == 0 {
+            // In recorded lengths, as the recordings that share a basis and a picture with it.
+            let scale = experiment.recording_length_scale;
+            prepared
+                .xy_m()
+                .iter()
+                .map(|point| point.map(|m| m * scale))
+                .collect()
+        } else {
+            Vec::new()
+        };
+        Ok(CaseRow {
+            steps: run.steps,
+            outcome: CaseOutcome::Completed(CaseResult {
+                net_displacement_m: prepared.net_displacement_m(),
+                scores,
+                path_xy_m,
+            }),
+        })
+    }
+
+    /// Reality's prepared paths, by recording.
+    pub fn real_paths(&self) -> Vec<&Prepared> {
+        let mut paths: Vec<(usize, &Prepared)> = self
+            .cases
+            .iter()
+            .flat_map(|case| &case.targets)
+            .map(|target| (target.recording, &target.prepared))
+            .collect();
+        paths.sort_by_key(|(recording, _)| *recording);
+        paths.into_iter().map(|(_, prepared)| prepared).collect()
+    }
+}
+
+/// A mean over an ensemble needs repeats, and noise by which they differ.
+fn check_score(definition: &Definition) -> Result<()> {
+    let ScoreRule::Ensemble { repeats } = definition.score else {
+        return Ok(());
+    };
+    if !(2..=1000).contains(&repeats) {
+        return Err(Error::invalid("not a number of repeats")
+            .field("score")
+            .found(repeats)
+            .allowed("2 to 1000"));
+    }
+    if definition.noise.is_none() {
+        return Err(Error::invalid("the study does not say how repeats differ")
+            .field("noise")
+            .found("no such section")
+            .hint("add a `noise` section, or score equally valid settings only"));
+    }
+    Ok(())
+}

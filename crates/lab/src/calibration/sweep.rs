@@ -1,0 +1,108 @@
+//! The sweep: every point of a study, kept as it comes, scored at the end.
+
+use super::answer::Answer;
+use super::keeping::{Keeping, Kept};
+use super::method::Method;
+use super::refinement::{ROUNDS, choose, runs_a_round};
+use super::score::Scores;
+use super::study::Study;
+use realgap_core::error::Result;
+use realgap_optimize::{Batch, Ending, RunOptions, drive};
+use realgap_store::{Mode, Part, Place, Storage as _};
+
+impl Study {
+    /// Simulates every point of the study's grid, each with one of the equally valid settings, then those that may be the best
+    /// with more of them, and says what cannot be told from the best.
+    ///
+    /// The answer does not depend on the threads.
+    ///
+    /// # Errors
+    /// A grid too large to be swept, or a metric that cannot compare.
+    pub fn sweep(&self, run: &RunOptions<'_>) -> Result<Answer> {
+        sweep(self, None, run)
+    }
+
+    /// As [`Study::sweep`], with every trial kept in a folder as it comes: an interrupted sweep can go on, and the answer has
+    /// the same bits however often that happened.
+    ///
+    /// # Errors
+    /// As [`Study::sweep`]; a folder in use, results of another study in it, a full disk.
+    pub fn sweep_into<'a>(
+        &self,
+        place: impl Into<Place<'a>>,
+        mode: Mode,
+        run: &RunOptions<'_>,
+    ) -> Result<Answer> {
+        sweep(self, Some((place.into(), mode)), run)
+    }
+
+    /// Simulates one worker's share of the batch of a sweep that is under way, and ends there: interrupted, unless everything is
+    /// merged. What is to be simulated in the next batch depends on all of this one, so the parts are merged first.
+    ///
+    /// # Errors
+    /// As [`Study::sweep_into`].
+    pub fn sweep_part(&self, part: &mut Part, run: &RunOptions<'_>) -> Result<Ending> {
+        Ok(simulate(self, &mut Keeping::Part(part), run)?.0)
+    }
+}
+
+/// What follows the last trial.
+pub(super) const WEIGHING: &str = "weighing what cannot be told apart, auditing the numerics";
+
+fn sweep(study: &Study, place: Option<(Place<'_>, Mode)>, run: &RunOptions<'_>) -> Result<Answer> {
+    let kept = Kept {
+        study,
+        fingerprint: study.fingerprint(),
+        kind: "sweep",
+        expected: points(study)?,
+    };
+    let mut keeping = Keeping::open(&kept, place)?;
+    let (ending, done) = simulate(study, &mut keeping, run)?;
+    run.tell_finishing(WEIGHING, done);
+    let scores = Scores::new(study, &keeping.trials()?)?;
+    keeping.score(&scores.runs)?;
+    keeping.end(ending)?;
+    run.install(|| Answer::new(study, Method::Sweep, ending, scores, None))?
+}
+
+/// Points of the grid.
+fn points(study: &Study) -> Result<usize> {
+    let grid = &study.definition().grid;
+    grid.check_size()
+        .map_err(|e| study.definition().at_file(e))?;
+    Ok(grid.len())
+}
+
+/// Simulates the grid and what may be the best; how many points were asked for in the end.
+fn simulate(
+    study: &Study,
+    keeping: &mut Keeping<'_>,
+    run: &RunOptions<'_>,
+) -> Result<(Ending, usize)> {
+    let points = points(study)?;
+    let again = runs_a_round(study);
+    let total = points + ROUNDS * again;
+    let mut ending = drive(
+        &Batch::new(points, run),
+        keeping,
+        |index| study.simulate(index),
+        |done| run.tell(done, total, None),
+    )?;
+    let mut from = points;
+    for _ in 0..ROUNDS {
+        if ending == Ending::Interrupted || again == 0 {
+            break;
+        }
+        let scores = Scores::new(study, &keeping.rows_within(0..from)?)?;
+        let best = scores.best.and_then(|best| scores.points[best].score);
+        let chosen = run.install(|| choose(study, &scores, from, again))??;
+        ending = drive(
+            &Batch::new(from + chosen.len(), run),
+            keeping,
+            |index| study.simulate_values(index, chosen[index - from].clone()),
+            |done| run.tell(done, total, best),
+        )?;
+        from += chosen.len();
+    }
+    Ok((ending, from))
+}

@@ -1,0 +1,386 @@
+//! Tuning: an optimizer chooses the points, stored as they come.
+
+use super::answer::Answer;
+use super::basis::basis;
+use super::keeping::{Keeping, Kept};
+use super::method::{Method, Termination, Tuned};
+use super::score::{PointScore, Scores};
+use super::split::{Split, fold};
+use super::study::Study;
+use super::sweep::WEIGHING;
+use realgap_core::error::{Advice, Error, Result};
+use realgap_optimize::{
+    Batch, Brief, Ending, History, Optimizer, Proposal, RunOptions, Told, UnitPoint,
+    default_optimizer, drive, space_filling,
+};
+use realgap_path::comparison::Basis;
+use realgap_store::{Fingerprint, Mode, Part, Place, Storage, Trial};
+
+/// How to tune.
+#[derive(Debug, Clone, Copy)]
+pub struct TuneOptions {
+    /// Who chooses the points.
+    pub optimizer: &'static dyn Optimizer,
+    /// Most simulations of the whole study, the first design included.
+    pub budget: usize,
+    /// Stop after so many points in a row without a better one.
+    pub patience: Option<usize>,
+}
+
+/// Most points: they are held in memory, and every proposal looks at all of them.
+const MOST_POINTS: usize = 1_000_000;
+
+/// Runs of the first design from which the basis of the `pca` metric is fitted (DESIGN, section 4).
+const BASIS_DESIGN: usize = 64;
+
+impl Default for TuneOptions {
+    /// A hundred points that CMA-ES chooses.
+    fn default() -> Self {
+        Self {
+            optimizer: default_optimizer(),
+            budget: 100,
+            patience: None,
+        }
+    }
+}
+
+impl Study {
+    /// Simulates the points that an optimizer asks for and says what cannot be told from the best.
+    ///
+    /// A metric with a basis gets it from the recordings and a space-filling first design, frozen before the optimizer
+    /// begins. The answer depends on the study, the optimizer, its seed and the budget, not on the threads.
+    ///
+    /// # Errors
+    /// A budget that does not hold the first design and one batch, or a metric that cannot compare.
+    pub fn tune(&self, options: &TuneOptions, run: &RunOptions<'_>) -> Result<Answer> {
+        tune(self, None, options, run)
+    }
+
+    /// As [`Study::tune`], with every trial kept in a folder as it comes: the answer has the same bits however often the run
+    /// was interrupted and resumed; a larger budget goes on where a smaller one ended, a smaller one uses what is there.
+    ///
+    /// # Errors
+    /// As [`Study::tune`]; a folder in use, results of another study in it, a full disk.
+    pub fn tune_into<'a>(
+        &self,
+        place: impl Into<Place<'a>>,
+        mode: Mode,
+        options: &TuneOptions,
+        run: &RunOptions<'_>,
+    ) -> Result<Answer> {
+        tune(self, Some((place.into(), mode)), options, run)
+    }
+
+    /// What decides the results of a tuning.
+    pub fn tune_fingerprint(&self, options: &TuneOptions) -> Fingerprint {
+        let fingerprint = self
+            .fingerprint()
+            .with("optimizer", options.optimizer.name())
+            .with("first design", first_design(self, options));
+        if options.optimizer.depends_on_budget() {
+            fingerprint.with("budget", options.budget)
+        } else {
+            fingerprint
+        }
+    }
+
+    /// Simulates one worker's share of the batch of a tuning that is under way, and ends there: interrupted, unless everything is
+    /// merged.
+    ///
+    /// # Errors
+    /// As [`Study::tune_into`].
+    pub fn tune_part(
+        &self,
+        part: &mut Part,
+        options: &TuneOptions,
+        run: &RunOptions<'_>,
+    ) -> Result<Ending> {
+        let mut tuning = Tuning::with(self, Keeping::Part(part), options, run)?;
+        Ok(match tuning.search()? {
+            Termination::Interrupted => Ending::Interrupted,
+            _ => Ending::Complete,
+        })
+    }
+}
+
+/// Whether the metric wants a basis that nobody has given.
+fn needs_basis(study: &Study) -> bool {
+    let definition = study.definition();
+    definition.metric.needs().basis && !definition.basis.is_known()
+}
+
+/// Points before the optimizer begins.
+fn first_design(study: &Study, options: &TuneOptions) -> usize {
+    let dimensions = study.definition().grid.ranges().len();
+    let basis = if needs_basis(study) { BASIS_DESIGN } else { 0 };
+    options.optimizer.design(dimensions).max(basis)
+}
+
+fn tune(
+    study: &Study,
+    place: Option<(Place<'_>, Mode)>,
+    options: &TuneOptions,
+    run: &RunOptions<'_>,
+) -> Result<Answer> {
+    let mut tuning = Tuning::open(study, place, options, run)?;
+    let folds = match study.definition().split {
+        Some(Split::Folds(folds)) => folds,
+        _ => 0,
+    };
+    tuning.shown = (0, (folds + 1) * options.budget);
+    let termination = tuning.search()?;
+    let ending = match termination {
+        Termination::Interrupted => Ending::Interrupted,
+        _ => Ending::Complete,
+    };
+    let scores = tuning.scores()?;
+    tuning.keeping.score(&scores.runs)?;
+    tuning.keeping.end(ending)?;
+    let evaluated = tuning.told.len();
+    let method = Method::Tune(Tuned {
+        optimizer: options.optimizer.name(),
+        budget: tuning.budget,
+        design: tuning.design.len(),
+        evaluated,
+        termination,
+    });
+    let refits = match ending {
+        Ending::Complete if folds > 0 => {
+            let known = tuning.keeping.trials()?;
+            refits(study, options, run, folds, &known)?
+        }
+        _ => None,
+    };
+    run.tell_finishing(WEIGHING, evaluated);
+    run.install(|| Answer::new(study, method, ending, scores, refits))?
+}
+
+/// The best point of the same tuning without the recordings of each fold, in memory; trials that are `known` are not simulated
+/// again. `None` where it was interrupted, or where a fold has no point with a score.
+fn refits(
+    study: &Study,
+    options: &TuneOptions,
+    run: &RunOptions<'_>,
+    folds: usize,
+    known: &[Trial],
+) -> Result<Option<Vec<PointScore>>> {
+    let definition = study.definition();
+    let recordings = definition.recordings.len();
+    let mut best = Vec::new();
+    for number in 0..folds {
+        let study = study.without(&fold(recordings, definition.seed, folds, number));
+        let mut tuning = Tuning::open(&study, None, options, run)?;
+        tuning.known = known;
+        tuning.shown = ((number + 1) * options.budget, (folds + 1) * options.budget);
+        if tuning.search()? == Termination::Interrupted {
+            return Ok(None);
+        }
+        let scores = tuning.scores()?;
+        match scores.best {
+            Some(winner) => best.push(scores.points[winner].clone()),
+            None => return Ok(None),
+        }
+    }
+    Ok(Some(best))
+}
+
+/// What the optimizer is told of the study.
+///
+/// # Errors
+/// A budget that does not hold the first design and one batch, or that is too large.
+fn brief(study: &Study, options: &TuneOptions) -> Result<Brief> {
+    let definition = study.definition();
+    let ranges = definition.grid.ranges().iter();
+    let design = first_design(study, options);
+    let brief = Brief {
+        points: ranges.map(|range| range.points).collect(),
+        budget: options.budget.saturating_sub(design),
+        seed: definition.seed,
+    };
+    let batch = options.optimizer.batch(&brief).max(1);
+    if options.budget > MOST_POINTS {
+        return Err(Error::usage("the budget is too large")
+            .field("budget")
+            .found(options.budget)
+            .allowed(format!("at most {MOST_POINTS}")));
+    }
+    if brief.budget < batch {
+        let error = Error::usage("the budget is too small")
+            .field("budget")
+            .found(options.budget)
+            .allowed(format!(
+                "at least {}: a first design of {design} and one batch of {batch}",
+                design + batch
+            ));
+        return Err(if needs_basis(study) {
+            error.advise(Advice::MetricWithoutBasis)
+        } else {
+            error
+        });
+    }
+    Ok(brief)
+}
+
+struct Tuning<'a> {
+    study: &'a Study,
+    /// Most points: as many as are asked for, or as are stored already.
+    budget: usize,
+    options: &'a TuneOptions,
+    brief: Brief,
+    run: &'a RunOptions<'a>,
+    keeping: Keeping<'a>,
+    design: Vec<UnitPoint>,
+    basis: Option<Basis>,
+    told: Vec<Told>,
+    best: Option<f64>,
+    since_best: usize,
+    /// Trials of the same study by an earlier tuning, by index.
+    known: &'a [Trial],
+    /// Points before these, and all, for the progress.
+    shown: (usize, usize),
+}
+
+impl<'a> Tuning<'a> {
+    fn open(
+        study: &'a Study,
+        place: Option<(Place<'_>, Mode)>,
+        options: &'a TuneOptions,
+        run: &'a RunOptions<'a>,
+    ) -> Result<Self> {
+        brief(study, options)?;
+        let kept = Kept {
+            study,
+            fingerprint: study.tune_fingerprint(options),
+            kind: "tune",
+            expected: options.budget,
+        };
+        Self::with(study, Keeping::open(&kept, place)?, options, run)
+    }
+
+    fn with(
+        study: &'a Study,
+        keeping: Keeping<'a>,
+        options: &'a TuneOptions,
+        run: &'a RunOptions<'a>,
+    ) -> Result<Self> {
+        let brief = brief(study, options)?;
+        let design = first_design(study, options);
+        Ok(Self {
+            study,
+            budget: options.budget.max(keeping.finished()?.len()),
+            options,
+            design: space_filling(brief.dimensions(), 0, design, brief.seed),
+            brief,
+            run,
+            keeping,
+            basis: None,
+            told: Vec::new(),
+            best: None,
+            since_best: 0,
+            known: &[],
+            shown: (0, options.budget),
+        })
+    }
+
+    fn search(&mut self) -> Result<Termination> {
+        let design = self.design.clone();
+        if self.evaluate(&design)? == Ending::Interrupted {
+            return Ok(Termination::Interrupted);
+        }
+        let trials = self.keeping.rows_within(0..design.len())?;
+        self.basis = basis(self.study, trials.iter().flat_map(|trial| &trial.cases))?;
+        self.tell(&design)?;
+        loop {
+            if self.told.len() >= self.budget {
+                return Ok(Termination::Budget);
+            }
+            if self
+                .options
+                .patience
+                .is_some_and(|patience| self.since_best >= patience)
+            {
+                return Ok(Termination::NoImprovement);
+            }
+            let (design, told) = self.told.split_at(design.len());
+            let history = History { design, told };
+            let mut candidates = match self.options.optimizer.propose(&self.brief, &history)? {
+                Proposal::Evaluate(candidates) => candidates,
+                Proposal::Exhausted => return Ok(Termination::Exhausted),
+            };
+            candidates.truncate(self.budget - self.told.len());
+            if self.evaluate(&candidates)? == Ending::Interrupted {
+                return Ok(Termination::Interrupted);
+            }
+            self.tell(&candidates)?;
+        }
+    }
+
+    /// Evaluates the candidates that follow what has been told; stored ones are not simulated again.
+    fn evaluate(&mut self, candidates: &[UnitPoint]) -> Result<Ending> {
+        let offset = self.told.len();
+        let (before, total) = self.shown;
+        let grid = &self.study.definition().grid;
+        let batch = Batch::new(offset + candidates.len(), self.run);
+        drive(
+            &batch,
+            &mut self.keeping,
+            |index| {
+                let values = grid.values_at(&candidates[index - offset]);
+                match self.known.get(index) {
+                    Some(trial) if trial.values == values => Ok(trial.clone()),
+                    _ => self.study.simulate_values(index, values),
+                }
+            },
+            |done| self.run.tell(before + done, total, self.best),
+        )
+    }
+
+    /// Scores what was just evaluated and adds it to the history.
+    fn tell(&mut self, candidates: &[UnitPoint]) -> Result<()> {
+        let offset = self.told.len();
+        let trials = self
+            .keeping
+            .rows_within(offset..offset + candidates.len())?;
+        let scores = Scores::with_basis(self.study, &trials, self.basis.clone())?;
+        let grid = &self.study.definition().grid;
+        for ((point, scored), trial) in candidates.iter().zip(&scores.runs).zip(&trials) {
+            // An optimizer of somebody else may ask for other points when it is asked again.
+            if grid.values_at(point) != trial.values {
+                return Err(Error::conflict(
+                    "the stored points are not those that the optimizer asks for",
+                )
+                .found(format!("point {}", trial.index))
+                .hint("the same history must give the same proposal")
+                .advise(Advice::Restart));
+            }
+            self.notice(scored);
+            self.told.push(Told {
+                point: point.clone(),
+                score: scored.score,
+            });
+        }
+        self.keeping.score(&scores.runs)?;
+        let (before, total) = self.shown;
+        self.run.tell(before + self.told.len(), total, self.best);
+        Ok(())
+    }
+
+    fn notice(&mut self, scored: &PointScore) {
+        match scored.score {
+            Some(score) if self.best.is_none_or(|best| score < best) => {
+                self.best = Some(score);
+                self.since_best = 0;
+            }
+            _ => self.since_best += 1,
+        }
+    }
+
+    /// Scores of everything evaluated, also of a batch that was interrupted.
+    fn scores(&self) -> Result<Scores> {
+        let trials = self.keeping.trials()?;
+        match &self.basis {
+            Some(basis) => Scores::with_basis(self.study, &trials, Some(basis.clone())),
+            None => Scores::new(self.study, &trials),
+        }
+    }
+}

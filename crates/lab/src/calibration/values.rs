@@ -1,0 +1,61 @@
+//! Parameter values in a file: the `best.ron` of a sweep, readable wherever `--parameters` is.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use realgap_core::error::Result;
+use realgap_core::file::{Source, parse_ron, unique_keys};
+use realgap_engine::parameter::{Assignment, ParameterSet};
+
+/// Values with where they come from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Parameters")]
+pub struct BestFile {
+    /// What these values are, for people.
+    #[serde(default)]
+    pub description: String,
+    /// The study that they were fitted in, relative to this file: where this file stands in place of a study, that one is
+    /// read, with these values.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub study: Option<PathBuf>,
+    /// Name and value of each parameter.
+    #[serde(deserialize_with = "unique_keys")]
+    pub parameters: BTreeMap<String, f64>,
+    /// The recordings that they were fitted on ([`recording_id`](super::recording_id)); those held out are not among them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fitted_on: Vec<String>,
+}
+
+/// The study that a parameter file names, from the current folder; `None` for any other file.
+pub fn study_of(path: impl AsRef<Path>) -> Option<PathBuf> {
+    let path = path.as_ref();
+    let source = Source::read(path, "parameters").ok()?;
+    let file: BestFile = parse_ron(&source).ok()?;
+    Some(path.parent().unwrap_or(Path::new("")).join(file.study?))
+}
+
+/// Reads the values of a parameter file.
+///
+/// # Errors
+/// A missing or malformed file, unknown parameters, values out of bounds.
+pub fn read_parameters(path: impl AsRef<Path>) -> Result<ParameterSet> {
+    read_best(path).map(|(values, _)| values)
+}
+
+/// Reads the values of a parameter file, and which recordings they were fitted on.
+///
+/// # Errors
+/// As [`read_parameters`].
+pub fn read_best(path: impl AsRef<Path>) -> Result<(ParameterSet, Vec<String>)> {
+    let source = Source::read(path, "parameters")?;
+    let file: BestFile = parse_ron(&source)?;
+    let values = file
+        .parameters
+        .iter()
+        .map(|(name, value)| Assignment::new(name, *value).map_err(|e| source.at("parameters", e)))
+        .collect::<Result<_>>()?;
+    Ok((values, file.fitted_on))
+}

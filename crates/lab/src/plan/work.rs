@@ -1,0 +1,277 @@
+//! What can be shared among shards.
+
+use std::time::Instant;
+
+use super::cost::Cost;
+use super::file::Plan;
+use super::merge::Merged;
+use super::round::Round;
+use crate::calibration::{Repeatable, Study, TuneOptions};
+use crate::prediction::gap::{GapOptions, StudyGap};
+use crate::prediction::{EnsembleOptions, EnsembleReport};
+use crate::search::Search;
+use realgap_core::error::{Error, Result};
+use realgap_optimize::{Ending, RunOptions};
+use realgap_store::{Fingerprint, FolderLock, Part, RobotRow, Share, Table};
+
+/// Something long whose rows can be made by several workers.
+pub enum Work {
+    /// All points of a study's grid, and what may be the best of them again.
+    Sweep(Box<Study>),
+    /// The points that an optimizer asks for.
+    Tune(Box<Study>, TuneOptions),
+    /// The robots that a strategy proposes.
+    Search(Box<Search>),
+    /// Repeats of a study under its noise.
+    Ensemble(Box<Repeatable>, EnsembleOptions),
+    /// Runs of a study, without noise and under it, for its gap.
+    Gap(Box<Study>, GapOptions),
+}
+
+/// Runs are measured until they have taken so long together,
+const MEASURED_S: f64 = 2.0;
+/// or are so many.
+const MOST_MEASURED: usize = 12;
+
+impl Work {
+    /// Name of the study or search.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Sweep(study) | Self::Tune(study, _) => &study.definition().name,
+            Self::Search(search) => search.name(),
+            Self::Ensemble(study, _) => &study.definition.name,
+            Self::Gap(study, _) => &study.definition().name,
+        }
+    }
+
+    /// Everything that decides the results.
+    pub fn fingerprint(&self) -> Fingerprint {
+        match self {
+            Self::Sweep(study) => study.fingerprint(),
+            Self::Tune(study, options) => study.tune_fingerprint(options),
+            Self::Search(search) => search.fingerprint(),
+            Self::Ensemble(study, options) => EnsembleReport::fingerprint(study, options),
+            Self::Gap(study, options) => StudyGap::fingerprint(study, options),
+        }
+    }
+
+    /// Rows of the whole run: of a tuning or search the most there may be.
+    pub fn rows(&self) -> usize {
+        match self {
+            Self::Sweep(study) => study.sweep_runs(),
+            Self::Tune(_, options) => options.budget,
+            Self::Search(search) => search.strategy().budget(),
+            Self::Ensemble(study, options) => study.cases.len() * options.repeats,
+            Self::Gap(study, options) => StudyGap::runs(study, options),
+        }
+    }
+
+    /// One batch of it, with what it keeps in a worker's part.
+    fn follow<V: Visitor>(&self, visitor: V) -> Result<V::Output> {
+        match self {
+            Self::Sweep(study) => visitor.visit(|part, run| study.sweep_part(part, run)),
+            Self::Tune(study, options) => {
+                visitor.visit(|part, run| study.tune_part(part, options, run))
+            }
+            Self::Search(search) => visitor.visit(|part, run| search.run_part(part, run)),
+            Self::Ensemble(study, options) => {
+                visitor.visit(|part, run| EnsembleReport::part(study, options, part, run))
+            }
+            Self::Gap(study, options) => {
+                visitor.visit(|part, run| StudyGap::part(study, options, part, run))
+            }
+        }
+    }
+
+    /// Makes the rows of one shard in the round under way. How many of them are left: none, unless it was stopped.
+    ///
+    /// # Errors
+    /// A shard that somebody else is at work at, that is damaged or of another plan; a full disk; whatever a simulation refuses.
+    pub fn run_shard(&self, plan: &Plan, share: Share, run: &RunOptions<'_>) -> Result<usize> {
+        let round = plan.round()?;
+        plan.must_be_of(&self.fingerprint())?;
+        if round.complete || round.rows_of(share) == 0 {
+            return Ok(0);
+        }
+        let folder = plan.shard_folder(round.number, share.number());
+        let lock = FolderLock::make(&folder)?;
+        self.follow(OneShard {
+            plan,
+            round,
+            lock: &lock,
+            share,
+            run,
+        })
+    }
+
+    /// Takes over what the shards have made, and finds out what is to be made next: what was merged, the round that was under
+    /// way, and the one that is now.
+    ///
+    /// # Errors
+    /// As [`Work::run_shard`]; results that cannot be written.
+    pub fn merge(&self, plan: &Plan, run: &RunOptions<'_>) -> Result<(Merged, Round, Round)> {
+        plan.must_be_of(&self.fingerprint())?;
+        let round = if plan.has_round() {
+            plan.round()?
+        } else {
+            let (asked, missing) = self.missing(plan, run)?;
+            Round::found_again(plan.last_round(), asked, &missing)
+        };
+        if round.complete {
+            return Ok((Merged::default(), round, round));
+        }
+        let merged = self.follow(Absorbing { plan, round })?;
+        let (asked, missing) = self.missing(plan, run)?;
+        let next = round.after(asked, &missing);
+        plan.write_round(&next)?;
+        Ok((merged, round, next))
+    }
+
+    /// The first round of a plan.
+    ///
+    /// # Errors
+    /// As [`Work::run_shard`].
+    pub fn begin(&self, plan: &Plan, run: &RunOptions<'_>) -> Result<Round> {
+        let (asked, _) = self.missing(plan, run)?;
+        let round = Round::first(asked);
+        plan.write_round(&round)?;
+        Ok(round)
+    }
+
+    /// How many rows are asked for in the round under way and those before it, and which are not merged.
+    fn missing(&self, plan: &Plan, run: &RunOptions<'_>) -> Result<(usize, Vec<usize>)> {
+        self.follow(Looking { plan, run })
+    }
+
+    /// Measures a few runs on one thread.
+    ///
+    /// # Errors
+    /// As [`Work::run_shard`].
+    pub fn measure(&self) -> Result<Cost> {
+        let run = RunOptions {
+            jobs: 1,
+            ..RunOptions::default()
+        };
+        run.install(|| match self {
+            Self::Sweep(study) | Self::Tune(study, _) => {
+                let points = study.definition().grid.len();
+                self.cost(points, |n| Ok(study.simulate(n)?.stored_bytes()))
+            }
+            Self::Search(search) => {
+                let genomes = search.strategy().propose(&[])?;
+                self.cost(genomes.len(), |n| {
+                    let robot = search.evaluate(n, &genomes[n])?;
+                    Ok(RobotRow::from(&robot).stored_bytes())
+                })
+            }
+            Self::Ensemble(study, options) => self.cost(self.rows(), |n| {
+                Ok(EnsembleReport::repeat(study, options, n)?.stored_bytes())
+            }),
+            Self::Gap(study, options) => self.cost(self.rows(), |n| {
+                Ok(StudyGap::simulate(study, options, n)?.stored_bytes())
+            }),
+        })?
+    }
+
+    /// The mean over some of so many rows, spread over all of them; `make` makes one and says how large it is.
+    fn cost(&self, rows: usize, make: impl Fn(usize) -> Result<usize>) -> Result<Cost> {
+        let count = MOST_MEASURED.min(rows.max(1));
+        let begun = Instant::now();
+        let (mut measured, mut bytes) = (0, 0);
+        for step in 0..count {
+            // The middle of each of so many equal parts, the outermost of them in turn.
+            let place = if step % 2 == 0 {
+                step / 2
+            } else {
+                count - 1 - step / 2
+            };
+            bytes += make((2 * place + 1) * rows / (2 * count))?;
+            measured += 1;
+            if begun.elapsed().as_secs_f64() > MEASURED_S {
+                break;
+            }
+        }
+        Ok(Cost {
+            measured,
+            run_cpu_s: begun.elapsed().as_secs_f64() / measured as f64,
+            run_bytes: bytes as f64 / measured as f64,
+            runs: self.rows(),
+        })
+    }
+}
+
+/// Something that is done with every kind of work, whatever its rows are.
+trait Visitor {
+    type Output;
+
+    /// `follow` makes what a part takes of the batch under way.
+    fn visit<R: Table>(
+        self,
+        follow: impl Fn(&mut Part<R>, &RunOptions<'_>) -> Result<Ending>,
+    ) -> Result<Self::Output>;
+}
+
+/// Makes a shard's rows, and says how many are left.
+struct OneShard<'a> {
+    plan: &'a Plan,
+    round: Round,
+    lock: &'a FolderLock,
+    share: Share,
+    run: &'a RunOptions<'a>,
+}
+
+impl Visitor for OneShard<'_> {
+    type Output = usize;
+
+    fn visit<R: Table>(
+        self,
+        follow: impl Fn(&mut Part<R>, &RunOptions<'_>) -> Result<Ending>,
+    ) -> Result<usize> {
+        let (plan, lock) = (self.plan, self.lock);
+        let mut part = Part::<R>::open(&plan.store(), lock, self.share, &plan.fingerprint())?;
+        // Rows of this round are wanted, whatever happened since the plan was looked at.
+        if plan.round()? != self.round {
+            return Err(Error::conflict("the round was merged meanwhile")
+                .at_file(plan.folder())
+                .hint("run the shard again: the next round is under way"));
+        }
+        follow(&mut part, self.run)?;
+        part.close()
+    }
+}
+
+/// Finds out how many rows are asked for, and which are not merged.
+struct Looking<'a> {
+    plan: &'a Plan,
+    run: &'a RunOptions<'a>,
+}
+
+impl Visitor for Looking<'_> {
+    type Output = (usize, Vec<usize>);
+
+    fn visit<R: Table>(
+        self,
+        follow: impl Fn(&mut Part<R>, &RunOptions<'_>) -> Result<Ending>,
+    ) -> Result<(usize, Vec<usize>)> {
+        let mut part = Part::<R>::look(&self.plan.store(), &self.plan.fingerprint())?;
+        follow(&mut part, self.run)?;
+        Ok((part.asked(), part.missing()?))
+    }
+}
+
+/// Takes over what the shards have made.
+struct Absorbing<'a> {
+    plan: &'a Plan,
+    round: Round,
+}
+
+impl Visitor for Absorbing<'_> {
+    type Output = Merged;
+
+    fn visit<R: Table>(
+        self,
+        _: impl Fn(&mut Part<R>, &RunOptions<'_>) -> Result<Ending>,
+    ) -> Result<Merged> {
+        self.plan.absorb::<R>(&self.round)
+    }
+}

@@ -1,0 +1,362 @@
+//! The prediction card: what one robot will do before anybody builds it, how likely, and what that rests on.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+
+use super::economy::Economy;
+use super::ensemble::{Ensemble, Forecast, Motion, percent};
+use super::growth::Growth;
+use super::model::{self, ModelError, SuccessRange};
+use realgap_core::error::{Error, Result};
+use realgap_core::statistics::Proportion;
+use realgap_core::unit::{Unit, quantity};
+use realgap_core::warning::{Code, Warning};
+use realgap_engine::ENGINE_VERSION;
+use realgap_engine::parameter::ParameterSet;
+
+/// A robot that gets less far than this share of its body length without noise goes nowhere.
+const NOWHERE_BODY_LENGTHS: f64 = 0.1;
+
+/// What no number of a card knows of.
+const NOT_COVERED: [&str; 4] = [
+    "a robot that differs from its description",
+    "a floor that is uneven or wears",
+    "flexible parts, cables and batteries",
+    "what nobody wrote into the noise",
+];
+
+/// Which net displacement counts as success.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SuccessRule {
+    /// Half of what the run without noise does.
+    HalfOfNoiseFree,
+    /// At least so much, metres.
+    AtLeast(f64),
+}
+
+impl SuccessRule {
+    /// For people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::HalfOfNoiseFree => "half of the run without noise",
+            Self::AtLeast(_) => "as asked",
+        }
+    }
+}
+
+impl Serialize for SuccessRule {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.label())
+    }
+}
+
+/// How likely a robot gets far enough.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Success {
+    /// Far enough, metres.
+    pub least_displacement_m: f64,
+    /// Who said so.
+    pub rule: SuccessRule,
+    /// How likely, with its sampling error; diverged repeats are failures.
+    pub probability: Proportion,
+    /// What other models say; `None` where nobody looked.
+    pub range: Option<SuccessRange>,
+}
+
+impl Success {
+    /// The success of an ensemble; `None` where the rule is half of a run without noise that diverged or got
+    /// less than a tenth of a body length far.
+    ///
+    /// # Errors
+    /// A distance that is not above 0.
+    pub fn new(ensemble: &Ensemble, rule: SuccessRule) -> Result<Option<Self>> {
+        let least_displacement_m = match rule {
+            SuccessRule::AtLeast(least_m) if least_m.is_finite() && least_m > 0.0 => least_m,
+            SuccessRule::AtLeast(least_m) => {
+                return Err(Error::invalid("success must be a distance")
+                    .found(least_m)
+                    .allowed("more than 0 m"));
+            }
+            SuccessRule::HalfOfNoiseFree => {
+                let nowhere_m = NOWHERE_BODY_LENGTHS * ensemble.body_length_m;
+                let far_m = ensemble.noise_free.get().map(Motion::net_displacement_m);
+                match far_m.filter(|far_m| *far_m >= nowhere_m) {
+                    Some(far_m) => 0.5 * far_m,
+                    None => return Ok(None),
+                }
+            }
+        };
+        Ok(Some(Self {
+            least_displacement_m,
+            rule,
+            probability: ensemble.success(least_displacement_m),
+            range: None,
+        }))
+    }
+}
+
+/// A robot under other solver settings, with the draws that chose it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Rerun {
+    /// What was changed.
+    pub settings: &'static str,
+    /// Mean net displacement, metres; `None` where it failed.
+    pub mean_displacement_m: Option<f64>,
+    /// Change of the mean displacement as a share of that under the usual settings.
+    pub change: Option<f64>,
+    /// Why it failed.
+    pub failure: Option<String>,
+    /// Whether the change is within the tolerance.
+    pub survives: bool,
+}
+
+/// How a robot did among the finalists of a search.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Finals {
+    /// From 1; survivors first.
+    pub rank: usize,
+    /// Whether every rerun is within the tolerance.
+    pub survives: bool,
+    /// What was searched for.
+    pub objective: String,
+    /// Unit of both fitnesses.
+    pub unit: Unit,
+    /// With the draws of the search: that of a winner, which flatters.
+    pub search_fitness: Option<f64>,
+    /// With new draws; `None` where a repeat diverged.
+    pub fitness: Option<f64>,
+    /// What going costs, with new draws; `None` where it goes nowhere or no servo gives energy.
+    pub economy: Option<Economy>,
+    /// The robot under other solver settings.
+    pub reruns: Vec<Rerun>,
+}
+
+/// What one robot will do.
+///
+/// ```
+/// use realgap_optimize::RunOptions;
+/// use realgap_lab::prediction::{Card, SuccessRule, ensemble};
+/// use realgap_robot::morphology::Morphology;
+/// use realgap_engine::{Experiment, Noise};
+///
+/// let robot = Morphology::read("../../morphologies/tripod.ron")?;
+/// let mut experiment = Experiment::new(robot.assemble());
+/// experiment.duration_s = 1.0;
+/// let noise = Noise::unmeasured_robot();
+/// let repeats = ensemble::run(&experiment, &noise, 1, 4, &RunOptions::default())?;
+///
+/// let card = Card::new(robot.name(), &repeats, SuccessRule::AtLeast(0.01))?;
+/// assert!(card.success.as_ref().is_some_and(|success| success.probability.trials == 4));
+/// assert!(card.to_string().contains("net displacement"));
+/// # Ok::<(), realgap_core::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Card {
+    /// The robot's name.
+    pub robot: String,
+    /// How it did among the finalists of a search; `None` where nobody searched.
+    #[serde(flatten)]
+    pub finals: Option<Finals>,
+    /// How likely it gets far enough; `None` where nothing says what that is.
+    pub success: Option<Success>,
+    /// Fixed values of parameters.
+    pub parameters: BTreeMap<String, f64>,
+    /// Who stated the noise, e.g. a file; `None` where the card's maker does not say.
+    pub noise_from: Option<String>,
+    /// The engine and its precision.
+    pub engine: &'static str,
+    /// Version of this crate.
+    pub version: &'static str,
+    /// How fast a small difference grows; `None` where nobody looked.
+    pub growth: Option<Growth>,
+    /// What the repeats say.
+    pub prediction: Forecast,
+    /// How far models that are as valid part; `None` where nobody looked.
+    pub model: Option<ModelError>,
+    /// What no number here knows of.
+    pub not_covered: [&'static str; 4],
+    /// What the reader should know, what the prediction itself warns of included.
+    pub warnings: Vec<Warning>,
+}
+
+impl Card {
+    /// The card of an ensemble of this robot.
+    ///
+    /// # Errors
+    /// As [`Success::new`].
+    pub fn new(robot: impl Into<String>, ensemble: &Ensemble, rule: SuccessRule) -> Result<Self> {
+        let prediction = Forecast::new(ensemble)?;
+        let success = Success::new(ensemble, rule)?;
+        let mut warnings = prediction.warnings.clone();
+        if success.is_none() {
+            warnings.push(Warning::new(
+                Code::NoSuccessRule,
+                "without noise the robot goes nowhere (or diverges), so half of that is no success; say which net displacement is one",
+            ));
+        }
+        Ok(Self {
+            robot: robot.into(),
+            finals: None,
+            success,
+            parameters: BTreeMap::new(),
+            noise_from: None,
+            engine: ENGINE_VERSION,
+            version: env!("CARGO_PKG_VERSION"),
+            growth: None,
+            prediction,
+            model: None,
+            not_covered: NOT_COVERED,
+            warnings,
+        })
+    }
+
+    /// The card with the fixed values that the experiment had.
+    #[must_use]
+    pub fn with_parameters(mut self, set: &ParameterSet) -> Self {
+        self.parameters = set
+            .iter()
+            .map(|a| (a.parameter.name.to_owned(), a.value))
+            .collect();
+        self
+    }
+
+    /// The card with who stated the noise.
+    #[must_use]
+    pub fn with_noise_from(mut self, source: impl Into<String>) -> Self {
+        self.noise_from = Some(source.into());
+        self
+    }
+
+    /// The card with how fast a small difference grows, and the warning that goes with it.
+    #[must_use]
+    pub fn with_growth(mut self, growth: Option<Growth>) -> Self {
+        self.warnings.extend(growth.and_then(|g| g.warning()));
+        self.growth = growth;
+        self
+    }
+
+    /// The card with how far other models part about this ensemble.
+    #[must_use]
+    pub fn with_model(mut self, ensemble: &Ensemble, model: Option<ModelError>) -> Self {
+        if let (Some(success), Some(model)) = (&mut self.success, &model) {
+            success.range = Some(model.success(ensemble, success.least_displacement_m));
+        }
+        self.model = model;
+        self
+    }
+
+    /// The card with more that the reader should know, before its own warnings.
+    #[must_use]
+    pub fn with_warnings(mut self, mut warnings: Vec<Warning>) -> Self {
+        warnings.append(&mut self.warnings);
+        self.warnings = warnings;
+        self
+    }
+}
+
+impl fmt::Display for Card {
+    /// For people: a line for each thing that it says.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let metres = |m: f64| quantity(m, Unit::Metre);
+        let prediction = &self.prediction;
+        write!(
+            f,
+            "{}: {} repeats of {} s under noise",
+            self.robot, prediction.repeats, prediction.duration_s
+        )?;
+        if let Some(source) = &self.noise_from {
+            write!(f, " ({source})")?;
+        }
+        if let Some(success) = &self.success {
+            write!(
+                f,
+                "\n  P(success)        {}: net displacement of at least {} ({})",
+                percent(&success.probability),
+                metres(success.least_displacement_m),
+                success.rule.label()
+            )?;
+        }
+        if let Some(range) = self.success.as_ref().and_then(|success| success.range) {
+            write!(
+                f,
+                "\n    other models    {}; with another engine {} (90 %)",
+                model::percent(&range.models),
+                model::percent(&range.other_engine)
+            )?;
+        }
+        f.write_str(&prediction.numbers())?;
+        if let Some(model) = &self.model {
+            write!(f, "{model}")?;
+        }
+        if let Some(speed) = &prediction.speed_m_s {
+            let [mean, sd] = [speed.mean, speed.standard_deviation].map(|m_s| 1e3 * m_s);
+            write!(
+                f,
+                "\n  speed             {mean:.1} mm/s, standard deviation {sd:.1} mm/s (net displacement per time)"
+            )?;
+        }
+        if let Some(growth) = &self.growth {
+            write!(
+                f,
+                "\n  small differences grow by a factor of {:.1} per second",
+                growth.factor_per_s()
+            )?;
+        }
+        let over_models = self.model.as_ref().map(ModelError::behaviour_shares);
+        write!(
+            f,
+            "\n  not covered       {}\n{}",
+            self.not_covered.join("; "),
+            prediction.behaviour_table(None, over_models.as_deref())
+        )?;
+        match &self.finals {
+            Some(finals) => write!(f, "\n{finals}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for Finals {
+    /// For people: rank, fitness and what other settings change.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let fitness = |value: Option<f64>| {
+            value.map_or("none".to_owned(), |value| quantity(value, self.unit))
+        };
+        write!(
+            f,
+            "  rank              {}, {}: {} in the search, {} with new draws",
+            self.rank,
+            self.objective,
+            fitness(self.search_fitness),
+            fitness(self.fitness)
+        )?;
+        if let Some(economy) = &self.economy {
+            write!(f, "\n  energy            {economy}")?;
+        }
+        for rerun in &self.reruns {
+            let what = match (rerun.change, &rerun.failure) {
+                (_, Some(failure)) => format!("fails: {failure}"),
+                (Some(change), None) => format!("changes by {:.0} %", 100.0 * change),
+                (None, None) => "has nothing to be compared with".to_owned(),
+            };
+            let verdict = if rerun.survives {
+                "survives"
+            } else {
+                "does NOT survive"
+            };
+            write!(f, "\n    {:<17} {what}, {verdict}", rerun.settings)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(feature = "schema")]
+realgap_core::as_text! {
+    SuccessRule, "SuccessRule", "Who said what far enough is, in words.";
+}

@@ -1,0 +1,63 @@
+//! What going costs: energy per distance.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use realgap_core::statistics::mean;
+
+/// What going costs a robot, mechanically: what its servos gave, what they took counted as lost. No heat, no electronics.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Economy {
+    /// Mean over the repeats of what the servos gave, joules.
+    pub servo_j: f64,
+    /// All energy over all distance of the repeats, J/m.
+    pub joules_per_metre: f64,
+    /// The same per weight, dimensionless: mechanical cost of transport.
+    pub cost_of_transport: f64,
+    /// Largest share of the energy that the balance of a repeat does not explain.
+    pub residual_share: f64,
+}
+
+impl Economy {
+    /// Of repeats in which servos gave so much energy, over net displacements, by a robot of this weight. `None` where that is no
+    /// number: nothing given, nowhere got, no weight.
+    ///
+    /// ```
+    /// use realgap_lab::prediction::Economy;
+    ///
+    /// // 3 J in all over 1.5 m, by a robot of 5 N.
+    /// let economy = Economy::new(&[1.0, 2.0], &[0.5, 1.0], 5.0, [0.01, 0.004]).unwrap();
+    /// assert_eq!((economy.joules_per_metre, economy.cost_of_transport), (2.0, 0.4));
+    /// assert_eq!(economy.residual_share, 0.01);
+    /// ```
+    pub fn new(
+        servos_j: &[f64],
+        distances_m: &[f64],
+        weight_n: f64,
+        residual_shares: impl IntoIterator<Item = f64>,
+    ) -> Option<Self> {
+        let (servo_j, distance_m): (f64, f64) = (servos_j.iter().sum(), distances_m.iter().sum());
+        let is_number = servo_j > 0.0 && distance_m > 0.0 && weight_n > 0.0;
+        is_number.then(|| Self {
+            servo_j: mean(servos_j),
+            joules_per_metre: servo_j / distance_m,
+            cost_of_transport: servo_j / (distance_m * weight_n),
+            residual_share: residual_shares.into_iter().fold(0.0, f64::max),
+        })
+    }
+}
+
+impl fmt::Display for Economy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{:.3} J/m, cost of transport {:.2} ({:.3} J a run from the servos; the balance is open by {:.1} % at most)",
+            self.joules_per_metre,
+            self.cost_of_transport,
+            self.servo_j,
+            100.0 * self.residual_share
+        )
+    }
+}

@@ -1,0 +1,14 @@
+//! Distances between the outcomes of repeats.
+
+use realgap_path::trajectory::Prepared;
+
+/// Root mean square distance of corresponding points of two prepared paths in the plane, metres: the metric `rms`.
+pub fn rms_m(a: &Prepared, b: &Prepared) -> f64 {
+    let (a, b) = (a.xy_m(), b.xy_m());
+    let sum: f64 = a
+        .iter()
+        .zip(b)
+        .map(|(p, q)| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2))
+        .sum();
+    (sum / a.len() as f64).sqrt()
+}

@@ -1,0 +1,41 @@
+//! Many repeats of one experiment under noise: what will really happen, and how sure may we be?
+//!
+//! [`run`] simulates the repeats; [`Quantiles`], [`Envelope`] and [`behaviours`] say what they have in common and
+//! [`Forecast`] holds all of it. [`Reality`] holds an ensemble against recorded paths. Paper 003 (section 4) predicted one path and saw it
+//! in 15 % of the trials; this is the prediction it asks for instead.
+//!
+//! ```
+//! use realgap_optimize::RunOptions;
+//! use realgap_lab::prediction::ensemble::{Forecast, run};
+//! use realgap_robot::morphology::Morphology;
+//! use realgap_engine::{Experiment, Noise};
+//!
+//! let mut experiment = Experiment::new(Morphology::read("../../morphologies/tripod.ron")?.assemble());
+//! experiment.duration_s = 1.0;
+//! let repeats = run(&experiment, &Noise::unmeasured_robot(), 1, 6, &RunOptions::default())?;
+//! let forecast = Forecast::new(&repeats)?;
+//! assert!(forecast.displacement_m.is_some_and(|spread| spread.q05 <= spread.q95));
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+//!
+//! Needs no recordings. Same experiment, noise and seed → same bits, whatever the threads; repeat k alone is the
+//! same as repeat k of the ensemble ([`Noise::perturb`](realgap_engine::Noise::perturb)).
+
+mod behaviour;
+mod distance;
+mod envelope;
+mod forecast;
+mod quantiles;
+mod reality;
+mod run;
+mod words;
+
+pub use behaviour::{BEHAVIOURS, Behaviour, Behaviours, Kind, behaviours, cut_m};
+pub use distance::rms_m;
+pub use envelope::{Envelope, LEAST_PATHS, LEVELS, Region};
+pub use forecast::Forecast;
+pub use quantiles::{QUANTILES, Quantiles};
+pub use reality::{Coverage, RealRun, Reality};
+pub use run::{Ensemble, Motion, Repeat, repeat, run};
+pub use run::{Recall, no_camera, run_each, run_recalling};
+pub use words::percent;

@@ -1,0 +1,194 @@
+//! An ensemble held against recorded paths: are its confidences honest?
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::distance::rms_m;
+use super::envelope::LEVELS;
+use super::forecast::Forecast;
+use super::run::Ensemble;
+use realgap_core::statistics::{Proportion, mean};
+use realgap_path::trajectory::Prepared;
+
+/// Confidence level of the coverages' intervals.
+const INTERVAL: f64 = 0.95;
+
+/// One recorded run against the ensemble.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RealRun {
+    /// Name of the recording.
+    pub recording: String,
+    /// Net displacement, metres.
+    pub net_displacement_m: f64,
+    /// Name of the behaviour it shows: the one whose repeats are nearest on average; `None` where even these are
+    /// further off than behaviours are from each other: nothing like it was predicted.
+    pub behaviour: Option<String>,
+    /// Mean RMS distance to the repeats of the nearest behaviour, metres.
+    pub distance_m: f64,
+    /// Share of the time that its position lies in the central region, by level.
+    pub time_inside: [f64; 3],
+    /// Whether its last position lies in the central region, by level.
+    pub ends_inside: [bool; 3],
+    /// Whether its whole path lies in the band for whole paths, by level; `None` without one.
+    pub in_band: Option<[bool; 3]>,
+    /// Energy score of the ensemble for this run, metres; lower is better.
+    pub energy_score_m: f64,
+}
+
+/// How often reality lies in a central region that should hold it with probability `level`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Coverage {
+    /// What the region promises.
+    pub level: f64,
+    /// Share of the time, mean over the runs.
+    pub over_time: f64,
+    /// Runs that end in it, with the 95 % Wilson interval.
+    pub at_end: Proportion,
+    /// Whether `level` lies in that interval: the runs do not contradict the promise.
+    pub is_honest: bool,
+    /// Runs that stay in the band for whole paths, with the 95 % Wilson interval; `None` without one.
+    pub whole_path: Option<Proportion>,
+}
+
+/// An ensemble against recorded runs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Reality {
+    /// Coverage at each of [`LEVELS`].
+    pub coverage: Vec<Coverage>,
+    /// Mean energy score (Gneiting & Raftery 2007, section 4.3), metres: E‖X − y‖ − ½ E‖X − X′‖ with X, X′ repeats, y
+    /// reality and ‖·‖ the RMS distance of prepared paths.
+    pub energy_score_m: f64,
+    /// The score that reality would get on average if it were one more repeat: ½ E‖X − X′‖, metres.
+    pub expected_energy_score_m: f64,
+    /// The runs.
+    pub runs: Vec<RealRun>,
+}
+
+impl Reality {
+    /// Compares an ensemble and what is said about it with named prepared recordings, in true lengths; `None` without recordings or repeats.
+    pub fn new(
+        ensemble: &Ensemble,
+        forecast: &Forecast,
+        real: &[(&str, &Prepared)],
+    ) -> Option<Self> {
+        let repeats: Vec<(u64, &Prepared)> = ensemble
+            .motions()
+            .map(|(repeat, motion)| (repeat.number, &motion.path))
+            .collect();
+        if real.is_empty() || repeats.is_empty() {
+            return None;
+        }
+        let behaviours = &forecast.behaviours;
+        let envelope = forecast.envelope.as_ref()?;
+        let half_spread_m = 0.5 * mean_distance_m(&repeats);
+        let runs: Vec<RealRun> = real
+            .par_iter()
+            .map(|(name, path)| {
+                let distances_m: Vec<f64> = repeats.iter().map(|(_, r)| rms_m(r, path)).collect();
+                let nearest = behaviours
+                    .list
+                    .iter()
+                    .filter_map(|behaviour| {
+                        let of: Vec<f64> = repeats
+                            .iter()
+                            .zip(&distances_m)
+                            .filter(|((number, _), _)| behaviour.repeats.contains(number))
+                            .map(|(_, d)| *d)
+                            .collect();
+                        (!of.is_empty()).then(|| (mean(&of), behaviour))
+                    })
+                    .min_by(|a, b| a.0.total_cmp(&b.0));
+                let distance_m = nearest.map_or(f64::NAN, |(distance_m, _)| distance_m);
+                let last = path.xy_m().len() - 1;
+                RealRun {
+                    recording: (*name).to_owned(),
+                    net_displacement_m: path.net_displacement_m(),
+                    behaviour: nearest
+                        .filter(|(distance_m, _)| *distance_m <= behaviours.cut_m)
+                        .map(|(_, behaviour)| behaviour.name.clone()),
+                    distance_m,
+                    time_inside: std::array::from_fn(|level| {
+                        let inside = envelope.inside(level, &[path]);
+                        inside.iter().sum::<usize>() as f64 / inside.len() as f64
+                    }),
+                    ends_inside: std::array::from_fn(|level| {
+                        envelope.regions[last].contains(level, path.xy_m()[last])
+                    }),
+                    in_band: (forecast.band.as_ref())
+                        .map(|band| std::array::from_fn(|level| band.holds(level, path))),
+                    energy_score_m: mean(&distances_m) - half_spread_m,
+                }
+            })
+            .collect();
+        Some(Self::of_runs(runs, half_spread_m))
+    }
+
+    /// Recorded runs that each had an ensemble of their own, together; `None` for none.
+    pub fn pooled(parts: &[&Self]) -> Option<Self> {
+        if parts.is_empty() {
+            return None;
+        }
+        let runs: Vec<RealRun> = parts.iter().flat_map(|part| part.runs.clone()).collect();
+        let expected: Vec<f64> = parts
+            .iter()
+            .flat_map(|part| part.runs.iter().map(|_| part.expected_energy_score_m))
+            .collect();
+        Some(Self::of_runs(runs, mean(&expected)))
+    }
+
+    fn of_runs(runs: Vec<RealRun>, expected_energy_score_m: f64) -> Self {
+        let coverage = LEVELS
+            .iter()
+            .enumerate()
+            .map(|(index, &level)| {
+                let inside = runs.iter().filter(|run| run.ends_inside[index]).count();
+                let at_end = Proportion::new(inside, runs.len(), INTERVAL);
+                let shares: Vec<f64> = runs.iter().map(|run| run.time_inside[index]).collect();
+                let in_band: Option<Vec<bool>> =
+                    runs.iter().map(|run| Some(run.in_band?[index])).collect();
+                Coverage {
+                    whole_path: in_band.map(|held| {
+                        let count = held.iter().filter(|held| **held).count();
+                        Proportion::new(count, held.len(), INTERVAL)
+                    }),
+                    level,
+                    over_time: mean(&shares),
+                    at_end,
+                    is_honest: (at_end.low..=at_end.high).contains(&level),
+                }
+            })
+            .collect();
+        let scores: Vec<f64> = runs.iter().map(|run| run.energy_score_m).collect();
+        Self {
+            coverage,
+            energy_score_m: mean(&scores),
+            expected_energy_score_m,
+            runs,
+        }
+    }
+
+    /// How many runs show the behaviour of this name; `None` counts those that show none.
+    pub fn showing(&self, behaviour: Option<&str>) -> usize {
+        self.runs
+            .iter()
+            .filter(|run| run.behaviour.as_deref() == behaviour)
+            .count()
+    }
+}
+
+/// Mean distance over all pairs of different repeats, metres; 0 for one.
+fn mean_distance_m(repeats: &[(u64, &Prepared)]) -> f64 {
+    let n = repeats.len();
+    if n < 2 {
+        return 0.0;
+    }
+    // Summed in order, so that the bits do not depend on the threads.
+    let sums: Vec<f64> = (0..n)
+        .into_par_iter()
+        .map(|i| (i + 1..n).map(|j| rms_m(repeats[i].1, repeats[j].1)).sum())
+        .collect();
+    2.0 * sums.iter().sum::<f64>() / (n * (n - 1)) as f64
+}

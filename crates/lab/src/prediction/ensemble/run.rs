@@ -1,0 +1,277 @@
+//! Simulating the repeats.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Duration;
+
+use rayon::prelude::*;
+
+use realgap_core::error::{Error, Result};
+use realgap_core::warning::{Code, Warning};
+use realgap_engine::{EnergyBalance, Experiment, Noise, Outcome, Perturbation, Run};
+use realgap_optimize::RunOptions;
+use realgap_path::trajectory::{Prepared, prepare};
+
+/// A run that is known already, by its number.
+pub type Recall<'a> = &'a (dyn Fn(usize) -> Result<Option<Run>> + Sync);
+
+/// Below this many repeats, tails and rare behaviours are guesses.
+const FEW_REPEATS: usize = 20;
+
+/// What a repeat that ended did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// The prepared path.
+    pub path: Prepared,
+    /// Accumulated change of the tracked module's heading about the world z axis, radians.
+    pub turned_rad: f64,
+    /// Root mean square servo error, radians.
+    pub servo_rms_rad: f64,
+    /// Where its energy came from and went, where the experiment asks for it.
+    pub energy: Option<EnergyBalance>,
+}
+
+impl Motion {
+    /// Distance from first to last point in the plane, metres.
+    pub fn net_displacement_m(&self) -> f64 {
+        self.path.net_displacement_m()
+    }
+}
+
+/// One repeat.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Repeat {
+    /// Its number, from 0: with the ensemble's seed it can be replayed.
+    pub number: u64,
+    /// What was drawn.
+    pub perturbation: Perturbation,
+    /// What came of it.
+    pub outcome: Outcome<Motion>,
+}
+
+/// Repeats of one experiment under noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ensemble {
+    /// How the repeats differ.
+    pub noise: Noise,
+    /// Seed of all draws.
+    pub seed: u64,
+    /// How many repeats were asked for; fewer are here where the run was stopped.
+    pub asked: usize,
+    /// The repeats that were simulated, in order of their numbers.
+    pub repeats: Vec<Repeat>,
+    /// The experiment without noise: the one prediction a single simulation gives.
+    pub noise_free: Outcome<Motion>,
+    /// Length of each run, seconds.
+    pub duration_s: f64,
+    /// Edge length of the tracked module, metres.
+    pub body_length_m: f64,
+    /// CPU time of all runs.
+    pub cpu: Duration,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+impl Ensemble {
+    /// Whether all repeats that were asked for are here.
+    pub fn is_complete(&self) -> bool {
+        self.repeats.len() == self.asked
+    }
+
+    /// The repeats that ended, with their motions.
+    pub fn motions(&self) -> impl Iterator<Item = (&Repeat, &Motion)> {
+        self.repeats
+            .iter()
+            .filter_map(|repeat| Some((repeat, repeat.outcome.get()?)))
+    }
+}
+
+/// Simulates `repeats` repeats of `experiment` under `noise`.
+///
+/// The result does not depend on the threads. Once the run is stopped no repeat is begun; those that are done are returned
+/// ([`Ensemble::is_complete`]).
+/// A perturbation that the experiment already has is replaced by each draw.
+///
+/// # Errors
+/// Noise or settings that cannot be simulated, no repeats at all. Diverged repeats are outcomes, not errors.
+pub fn run(
+    experiment: &Experiment,
+    noise: &Noise,
+    seed: u64,
+    repeats: usize,
+    run: &RunOptions<'_>,
+) -> Result<Ensemble> {
+    run_recalling(experiment, noise, seed, repeats, &|_| Ok(None), run)
+}
+
+/// As [`run`]; a repeat that `recall` knows is not simulated again.
+///
+/// # Errors
+/// As [`run`], and those of `recall`.
+pub fn run_recalling(
+    experiment: &Experiment,
+    noise: &Noise,
+    seed: u64,
+    repeats: usize,
+    recall: Recall<'_>,
+    run: &RunOptions<'_>,
+) -> Result<Ensemble> {
+    let same = |_| experiment.clone();
+    let tell = |done| run.tell(done, repeats, None);
+    let stop = run.stop_flag();
+    run.install(|| run_each(experiment, same, recall, noise, seed, repeats, stop, tell))?
+}
+
+/// As [`run`] on the current rayon pool, with an experiment of its own for every repeat: `vary` gives that of a repeat by its number, e.g. with another draw of
+/// uncertain parameters. `experiment` is the one without noise.
+///
+/// # Errors
+/// As [`run`].
+#[expect(
+    clippy::too_many_arguments,
+    reason = "two callers, both here and in the search's finals"
+)]
+pub fn run_each(
+    experiment: &Experiment,
+    vary: impl Fn(u64) -> Experiment + Sync,
+    recall: Recall<'_>,
+    noise: &Noise,
+    seed: u64,
+    repeats: usize,
+    stop: &AtomicBool,
+    progress: impl Fn(usize) + Sync,
+) -> Result<Ensemble> {
+    noise.check()?;
+    if repeats == 0 {
+        return Err(Error::invalid("an ensemble needs repeats")
+            .field("repeats")
+            .found(0)
+            .allowed("1 or more"));
+    }
+    let intended = Experiment {
+        perturbation: Perturbation::default(),
+        ..experiment.clone()
+    };
+    let intended = realgap_engine::run(&intended)?;
+    let run_warnings = intended.warnings.clone();
+    let (noise_free, first_cpu) = outcome(intended)?;
+    let done = AtomicUsize::new(0);
+    let all: Vec<Option<(Repeat, Duration)>> = (0..repeats as u64)
+        .into_par_iter()
+        .map(|number| {
+            if stop.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+            let drawn = noise.perturb(&vary(number), seed, number);
+            let run = match recall(number as usize)? {
+                Some(run) => run,
+                None => recorded(realgap_engine::run(&drawn)?, noise, seed, number)?,
+            };
+            let (outcome, cpu) = outcome(run)?;
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
+            let repeat = Repeat {
+                number,
+                perturbation: drawn.perturbation,
+                outcome,
+            };
+            Ok(Some((repeat, cpu)))
+        })
+        .collect::<Result<_>>()?;
+    let cpu = first_cpu + all.iter().flatten().map(|(_, cpu)| *cpu).sum::<Duration>();
+    let mut ensemble = Ensemble {
+        noise: *noise,
+        seed,
+        asked: repeats,
+        repeats: all
+            .into_iter()
+            .flatten()
+            .map(|(repeat, _)| repeat)
+            .collect(),
+        noise_free,
+        duration_s: experiment.duration_s,
+        body_length_m: experiment.assembly.body_length_m,
+        cpu,
+        warnings: run_warnings,
+    };
+    let own = warnings(&ensemble);
+    ensemble.warnings.extend(own);
+    Ok(ensemble)
+}
+
+/// Simulates one repeat of an ensemble in full, as the noise's camera records it: the same run as repeat `number` of [`run`].
+///
+/// # Errors
+/// As [`run`].
+pub fn repeat(experiment: &Experiment, noise: &Noise, seed: u64, number: u64) -> Result<Run> {
+    noise.check()?;
+    let run = realgap_engine::run(&noise.perturb(experiment, seed, number))?;
+    recorded(run, noise, seed, number)
+}
+
+/// The run as the noise's camera sees it.
+fn recorded(run: Run, noise: &Noise, seed: u64, number: u64) -> Result<Run> {
+    let outcome = match run.outcome {
+        Outcome::Completed(motion) => Outcome::Completed(noise.record(motion, seed, number)?),
+        diverged @ Outcome::Diverged(_) => diverged,
+    };
+    Ok(Run { outcome, ..run })
+}
+
+/// Repeats without a camera are nearer to each other than recordings can be.
+pub fn no_camera(noise: &Noise) -> Option<Warning> {
+    (noise.camera.is_zero() && !noise.is_zero()).then(|| {
+        Warning::new(
+            Code::NoCamera,
+            "the noise has no camera, but recordings were seen by one: where repeats differ by less than it does (at first),              regions are too narrow; add e.g. camera: (position_m: Normal(0.001))",
+        )
+    })
+}
+
+fn outcome(run: Run) -> Result<(Outcome<Motion>, Duration)> {
+    let servo_rms_rad = run.servo_rms_rad;
+    let outcome = match run.outcome {
+        Outcome::Completed(motion) => Outcome::Completed(Motion {
+            path: prepare(&motion)?,
+            turned_rad: motion.turned_rad().unwrap_or(0.0),
+            servo_rms_rad,
+            energy: run.energy,
+        }),
+        Outcome::Diverged(divergence) => Outcome::Diverged(divergence),
+    };
+    Ok((outcome, run.cpu))
+}
+
+fn warnings(ensemble: &Ensemble) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let count = ensemble.repeats.len();
+    if ensemble.noise.is_zero() {
+        warnings.push(Warning::new(
+            Code::NoNoise,
+            "the noise is zero, so all repeats are the same run: nothing follows from this about how sure the prediction is",
+        ));
+    }
+    if !ensemble.is_complete() {
+        warnings.push(Warning::new(
+            Code::Incomplete,
+            format!("stopped after {count} of {} repeats", ensemble.asked),
+        ));
+    } else if count < FEW_REPEATS {
+        warnings.push(Warning::new(
+            Code::FewRepeats,
+            format!("{count} repeats say little about tails and rare behaviours; {FEW_REPEATS} are the least, 200 are usual"),
+        ));
+    }
+    let diverged = count - ensemble.motions().count();
+    if diverged > 0 {
+        warnings.push(Warning::new(
+            Code::Diverged,
+            format!("{diverged} of {count} repeats diverged; they count as failures and are in no other number"),
+        ));
+    }
+    if let Some(divergence) = ensemble.noise_free.divergence() {
+        warnings.push(Warning::new(
+            Code::Diverged,
+            format!("the run without noise diverged {divergence}"),
+        ));
+    }
+    warnings
+}

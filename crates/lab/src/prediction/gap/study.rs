@@ -1,0 +1,351 @@
+//! The gap of a study: its simulations, with and without noise, against its recordings.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::confidence::Confidence;
+use super::distance::{MetricGap, distances};
+use super::fitness::Fitness;
+use super::over_time::OverTime;
+use super::sample::{CaseRuns, Sample, Scoring};
+use crate::calibration::Study;
+use crate::prediction::ensemble::{self, Recall};
+use crate::prediction::kept::{row_of, runs_in};
+use realgap_core::error::{Error, Result};
+use realgap_core::warning::{Code, Warning};
+use realgap_engine::parameter::ParameterSet;
+use realgap_engine::{ENGINE_VERSION, Experiment, Noise, Run};
+use realgap_optimize::{Batch, Ending, RunOptions, drive};
+use realgap_path::comparison::{self, Metric};
+use realgap_path::trajectory::Source;
+use realgap_store::{Fingerprint, RunRow, Storage};
+
+/// What to simulate and how to compare.
+#[derive(Debug, Clone)]
+pub struct GapOptions {
+    /// The metrics.
+    pub metrics: Vec<&'static dyn Metric>,
+    /// How repeats differ; `None` or zero: no ensemble, so no confidence.
+    pub noise: Option<Noise>,
+    /// Repeats under noise of each start.
+    pub repeats: usize,
+    /// Seed of noise and permutations.
+    pub seed: u64,
+}
+
+/// How far a study's simulation is from its recordings.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StudyGap {
+    /// Name of the study.
+    pub study: String,
+    /// Name of the robot.
+    pub morphology: String,
+    /// Fixed values of the simulation.
+    pub parameters: BTreeMap<String, f64>,
+    /// Whether every run that was asked for is in these numbers.
+    pub complete: bool,
+    /// Number of recordings.
+    pub recordings: usize,
+    /// Where they come from.
+    pub source: Source,
+    /// Starts that were simulated: 1 where the recordings share it.
+    pub starts: usize,
+    /// Repeats under noise of each start; 0 without an ensemble.
+    pub repeats: usize,
+    /// Seed of noise and permutations.
+    pub seed: u64,
+    /// Noise floor, gap and ratio by metric.
+    pub metrics: Vec<MetricGap>,
+    /// How far the robot gets, real against simulated.
+    pub displacement: Option<Fitness>,
+    /// Errors over time.
+    pub over_time: OverTime,
+    /// Simulation confidence over time; `None` without an ensemble.
+    pub confidence: Option<Confidence>,
+    /// How repeats differ.
+    pub noise: Option<Noise>,
+    /// Engine and its version.
+    pub engine: &'static str,
+    /// Version of this crate.
+    pub version: &'static str,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+impl GapOptions {
+    /// The study's own metric, and two that everybody understands; its noise and seed; 200 repeats.
+    ///
+    /// # Errors
+    /// None: the metrics are known.
+    pub fn of(study: &Study) -> Result<Self> {
+        let definition = study.definition();
+        let mut metrics = vec![definition.metric];
+        for name in ["rms", "displacement"] {
+            let metric = comparison::by_name(name)?;
+            if metrics.iter().all(|known| known.name() != name) {
+                metrics.push(metric);
+            }
+        }
+        Ok(Self {
+            metrics,
+            noise: definition.noise,
+            repeats: 200,
+            seed: definition.seed,
+        })
+    }
+}
+
+impl StudyGap {
+    /// Simulates a study's starts, without noise and under it, and compares them with its recordings. Repeat k is repeat k of an
+    /// [ensemble](crate::prediction::ensemble::run()). Once the run is stopped no repeat is begun; what is done is reported as
+    /// incomplete.
+    ///
+    /// # Errors
+    /// Every run diverged, a metric that cannot compare, or no repeats asked for.
+    pub fn new(study: &Study, options: &GapOptions, run: &RunOptions<'_>) -> Result<Self> {
+        run.install(|| study_gap(study, options, &|_| Ok(None), run))?
+    }
+
+    /// As [`StudyGap::new`], of runs that several workers have made ([`StudyGap::part`]); what the store does not have is
+    /// simulated.
+    ///
+    /// # Errors
+    /// As [`StudyGap::new`]; a store that cannot be read, or of other runs.
+    pub fn of_store(
+        study: &Study,
+        options: &GapOptions,
+        folder: &Path,
+        run: &RunOptions<'_>,
+    ) -> Result<Self> {
+        let known = runs_in(folder, &Self::fingerprint(study, options))?;
+        run.install(|| study_gap(study, options, &known, run))?
+    }
+
+    /// Everything that decides the runs.
+    pub fn fingerprint(study: &Study, options: &GapOptions) -> Fingerprint {
+        study
+            .fingerprint()
+            .with("noise", format!("{:?}", options.noise))
+            .with("repeats", options.repeats)
+            .with("seed of the noise", options.seed)
+    }
+
+    /// Runs that are asked for: without noise and under it, of every start.
+    pub fn runs(study: &Study, options: &GapOptions) -> usize {
+        study.cases().len() * runs_a_start(options)
+    }
+
+    /// Simulates one worker's share of the runs.
+    ///
+    /// # Errors
+    /// As [`StudyGap::new`]; a full disk.
+    pub fn part(
+        study: &Study,
+        options: &GapOptions,
+        part: &mut impl Storage<RunRow>,
+        run: &RunOptions<'_>,
+    ) -> Result<Ending> {
+        let total = Self::runs(study, options);
+        let batch = Batch::new(total, run);
+        let make = |index| Self::simulate(study, options, index);
+        drive(&batch, part, make, |done| run.tell(done, total, None))
+    }
+
+    /// One run, counted over all starts.
+    ///
+    /// # Errors
+    /// As [`StudyGap::new`].
+    pub fn simulate(study: &Study, options: &GapOptions, index: usize) -> Result<RunRow> {
+        let runs = runs_a_start(options);
+        let experiment = study.experiment_with(index / runs, &ParameterSet::new())?;
+        let noise = usable_noise(options.noise, &mut Vec::new())?;
+        row_of(
+            index,
+            &one(&experiment, noise, options.seed, (index % runs) as u64)?,
+        )
+    }
+}
+
+/// Runs of every start: number 0 is the one without noise.
+fn runs_a_start(options: &GapOptions) -> usize {
+    match options.noise {
+        Some(noise) if !noise.is_zero() => options.repeats + 1,
+        _ => 1,
+    }
+}
+
+/// Run number `number` of a start.
+fn one(experiment: &Experiment, noise: Option<Noise>, seed: u64, number: u64) -> Result<Run> {
+    match (number.checked_sub(1), &noise) {
+        (Some(repeat), Some(noise)) => ensemble::repeat(experiment, noise, seed, repeat),
+        _ => realgap_engine::run(experiment),
+    }
+}
+
+fn study_gap(
+    study: &Study,
+    options: &GapOptions,
+    recall: Recall<'_>,
+    run: &RunOptions<'_>,
+) -> Result<StudyGap> {
+    let definition = study.definition();
+    if options.repeats == 0 {
+        return Err(Error::invalid("an ensemble needs repeats")
+            .field("repeats")
+            .found(0)
+            .allowed("1 or more"));
+    }
+    let mut warnings = study.warnings().to_vec();
+    let noise = usable_noise(options.noise, &mut warnings)?;
+    let repeats = noise.map_or(0, |_| options.repeats);
+    let mut real: Vec<Option<Sample>> = vec![None; definition.recordings.len()];
+    let mut cases = Vec::new();
+    let total = study.cases().len() * (repeats + 1);
+    let done = AtomicUsize::new(0);
+    let (mut begun, mut diverged) = (0, 0);
+    for (index, case) in study.cases().iter().enumerate() {
+        let experiment = study.experiment_with(index, &ParameterSet::new())?;
+        for target in &case.targets {
+            let there = target.in_true_lengths(experiment.recording_length_scale)?;
+            real[target.recording] = Some(Sample {
+                name: definition.recordings[target.recording].name.clone(),
+                motion: there.motion.clone(),
+                prepared: there.prepared.clone(),
+            });
+        }
+        // Number 0 is the run without noise. Once the run is stopped nothing is begun, but the first says something at least.
+        let runs: Vec<Option<Option<Sample>>> = (0..=repeats as u64)
+            .into_par_iter()
+            .map(|number| {
+                if run.is_stopped() && (index, number) != (0, 0) {
+                    return Ok(None);
+                }
+                let simulated = match recall(index * (repeats + 1) + number as usize)? {
+                    Some(run) => run,
+                    None => one(&experiment, noise, options.seed, number)?,
+                };
+                run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
+                completed(simulated, number).map(Some)
+            })
+            .collect::<Result<_>>()?;
+        let begun_here = runs.iter().flatten().count();
+        if begun_here == 0 {
+            for target in &case.targets {
+                real[target.recording] = None;
+            }
+            break;
+        }
+        begun += begun_here;
+        let mut runs = runs.into_iter();
+        let ideal = runs.next().flatten().flatten();
+        let ended: Vec<Sample> = runs.flatten().flatten().collect();
+        diverged += begun_here - ended.len() - usize::from(ideal.is_some());
+        cases.push(CaseRuns {
+            recordings: case.targets.iter().map(|t| t.recording).collect(),
+            ideal,
+            repeats: ended,
+        });
+    }
+    if diverged == begun {
+        return Err(
+            definition.at_file(Error::invalid("every run diverged").hint(
+                "simulate the robot alone first, then try a shorter timestep or more substeps",
+            )),
+        );
+    }
+    if diverged > 0 {
+        warnings.push(Warning::new(
+            Code::Diverged,
+            format!("{diverged} of {begun} runs diverged; they are in no number here"),
+        ));
+    }
+    if begun < total {
+        warnings.push(Warning::new(
+            Code::Incomplete,
+            format!("stopped after {begun} of {total} runs"),
+        ));
+    }
+    let real: Vec<Sample> = real.into_iter().flatten().collect();
+    warnings.extend(different_durations(&real));
+    let body_length_m = definition.morphology.assemble().body_length_m;
+    let scoring = Scoring {
+        metrics: options.metrics.clone(),
+        components: definition.components,
+        body_length_m: Some(body_length_m),
+        seed: options.seed,
+    };
+    let found = distances(&real, &cases, &scoring)?;
+    warnings.extend(found.warnings);
+    warnings.sort();
+    warnings.dedup();
+    Ok(StudyGap {
+        study: definition.name.clone(),
+        morphology: definition.morphology.name().to_owned(),
+        parameters: definition
+            .set
+            .iter()
+            .map(|a| (a.parameter.name.to_owned(), a.value))
+            .collect(),
+        complete: begun == total,
+        recordings: real.len(),
+        source: definition.source(),
+        starts: cases.len(),
+        repeats,
+        seed: options.seed,
+        metrics: found.metrics,
+        displacement: Fitness::new(&real, &cases)?,
+        over_time: OverTime::new(&real, &cases),
+        confidence: Confidence::new(&real, &cases, body_length_m)?,
+        noise,
+        engine: ENGINE_VERSION,
+        version: env!("CARGO_PKG_VERSION"),
+        warnings,
+    })
+}
+
+fn usable_noise(noise: Option<Noise>, warnings: &mut Vec<Warning>) -> Result<Option<Noise>> {
+    let message = match noise {
+        None => {
+            "the study does not say how repeats differ: there is no ensemble, and no simulation confidence"
+        }
+        Some(noise) if noise.is_zero() => {
+            "the noise is zero, so that all repeats are the same run: there is no ensemble, and no simulation confidence"
+        }
+        Some(noise) => {
+            noise.check()?;
+            warnings.extend(ensemble::no_camera(&noise));
+            return Ok(Some(noise));
+        }
+    };
+    warnings.push(Warning::new(Code::NoNoise, message));
+    Ok(None)
+}
+
+fn completed(run: Run, number: u64) -> Result<Option<Sample>> {
+    let name = match number.checked_sub(1) {
+        Some(repeat) => format!("repeat {repeat}"),
+        None => "without noise".to_owned(),
+    };
+    let motion = run.outcome.completed();
+    motion.map(|motion| Sample::new(name, motion)).transpose()
+}
+
+/// A time axis of seconds means little where runs differ in length.
+fn different_durations(real: &[Sample]) -> Option<Warning> {
+    let durations = real.iter().map(|run| run.motion.duration_s());
+    let shortest_s = durations.clone().fold(f64::INFINITY, f64::min);
+    let longest_s = durations.fold(0.0, f64::max);
+    (longest_s > 1.01 * shortest_s).then(|| {
+        Warning::new(
+            Code::DifferentDurations,
+            format!(
+                "recordings last {shortest_s:.2} to {longest_s:.2} s: curves over time are over the share of each run, drawn in seconds of the mean one"
+            ),
+        )
+    })
+}

@@ -1,0 +1,42 @@
+//! What the simulation says about reality, and how far it can be trusted.
+//!
+//! [`ensemble`] repeats one robot under noise; a [`Card`] says what the repeats mean for somebody who wants to build the
+//! robot; an [`EnsembleReport`] holds the repeats of a study against its recordings, and [`gap`] says how many of reality's own
+//! noise floors lie between the two.
+//!
+//! ```
+//! use realgap_optimize::RunOptions;
+//! use realgap_lab::calibration::{Overrides, Repeatable};
+//! use realgap_lab::prediction::{EnsembleOptions, EnsembleReport};
+//!
+//! let overrides = Overrides { limit_recordings: Some(2), ..Overrides::default() };
+//! let study = Repeatable::read("../../sweeps/tripod_self.ron", &overrides)?;
+//! let options = EnsembleOptions {
+//!     noise: study.noise()?,
+//!     noise_from: "the study".to_owned(),
+//!     repeats: 4,
+//!     seed: 1,
+//!     model: None,
+//! };
+//! let report = EnsembleReport::new(&study, &options, &RunOptions::default())?;
+//! assert_eq!(report.cases[0].forecast.repeats, 4);
+//! assert!(report.to_string().contains("energy score"));
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+
+mod card;
+mod economy;
+pub mod ensemble;
+pub mod gap;
+mod growth;
+mod kept;
+mod model;
+mod odds;
+mod report;
+
+pub use card::{Card, Finals, Rerun, Success, SuccessRule};
+pub use economy::Economy;
+pub use growth::Growth;
+pub use model::{LEVEL, Model, ModelError, Range, Source, SuccessRange};
+pub use odds::{EndCoverage, Odds, OddsOptions, RecordingOdds, Scored};
+pub use report::{EnsembleCase, EnsembleOptions, EnsembleReport};

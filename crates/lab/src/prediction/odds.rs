@@ -1,0 +1,379 @@
+//! Which pose a toss ends in, and where: a probability for each, and whether they keep what they promise.
+//!
+//! Every recording that ends at rest is simulated many times: starts and frictions as the noise draws them, timesteps and substeps
+//! as valid as the study's own. The share of the runs that end in a pose is its probability.
+
+use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_2;
+use std::fmt;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::ensemble::{LEVELS, Region};
+use crate::calibration::identification::{face_down, is_at_rest};
+use crate::calibration::{StartRule, Study};
+use realgap_core::error::{Error, Result};
+use realgap_core::statistics::{
+    Proportion, ReliabilityBin, brier, mean, percentile_interval, reliability, resamples,
+};
+use realgap_core::warning::{Code, Warning};
+use realgap_engine::parameter::ParameterSet;
+use realgap_engine::{Experiment, Noise};
+use realgap_optimize::RunOptions;
+use realgap_path::trajectory::Trajectory;
+
+/// Faces that may be down.
+const FACES: usize = 6;
+/// Places of a hinge: quarter turns.
+const QUARTERS: usize = 4;
+/// Resamples of an interval.
+const RESAMPLES: usize = 2000;
+const INTERVAL_LEVEL: f64 = 0.95;
+
+/// How the odds are found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OddsOptions {
+    /// How runs of one recording differ, numerics apart.
+    pub noise: Noise,
+    /// Runs of every recording.
+    pub runs: usize,
+    /// Seed of all draws.
+    pub seed: u64,
+}
+
+/// A mean over recordings with its 95 % bootstrap interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Scored {
+    /// The mean.
+    pub mean: f64,
+    /// Lower end of the interval.
+    pub low: f64,
+    /// Upper end of the interval.
+    pub high: f64,
+}
+
+/// The odds of one recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RecordingOdds {
+    /// Name of the recording.
+    pub recording: String,
+    /// The pose that it ended in.
+    pub real: String,
+    /// The pose of the run without noise; `None` where that diverged.
+    pub one_run: Option<String>,
+    /// Probability of every pose that a run ended in, and of the real one.
+    pub probabilities: BTreeMap<String, f64>,
+    /// Brier's score of these, summed over poses.
+    pub brier: f64,
+    /// Whether the real end lies in the regions of 50, 80 and 90 % of the runs' ends.
+    pub end_inside: [bool; LEVELS.len()],
+}
+
+/// How often the real end lies in a region of the runs' ends.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct EndCoverage {
+    /// What the region promises.
+    pub level: f64,
+    /// What it held.
+    pub observed: Proportion,
+}
+
+/// The odds of all recordings that end at rest, and what they were worth.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Odds {
+    /// Recordings that end at rest.
+    pub recordings: usize,
+    /// Runs of each.
+    pub runs: usize,
+    /// Runs that diverged; they have no end.
+    pub diverged: usize,
+    /// Brier's score, summed over poses (0 to 2), mean over recordings.
+    pub brier: Scored,
+    /// The same of one run without noise, which is certain.
+    pub brier_one_run: Scored,
+    /// Mean logarithm of the probability of what happened; 0 would be certain and right.
+    pub log_score: f64,
+    /// Of the ends' places in the plane.
+    pub end_coverage: [EndCoverage; LEVELS.len()],
+    /// Given probabilities and how often it happened.
+    pub reliability: Vec<ReliabilityBin>,
+    /// How the runs differ: fields of the noise that are not zero.
+    pub noise: Noise,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+    /// One row a recording.
+    pub rows: Vec<RecordingOdds>,
+}
+
+/// Where one run, or the recording, ends.
+struct End {
+    pose: String,
+    place_m: [f64; 2],
+}
+
+impl End {
+    /// `None` without orientations.
+    fn of(motion: &Trajectory, experiment: &Experiment) -> Option<Self> {
+        let turned = motion.orientations_world_from_body()?.last()?;
+        let place_m = motion.positions_world_m().last()?;
+        let mut pose = face_down(turned, &experiment.floor.normal_world())
+            .name()
+            .to_owned();
+        for joint in motion.joints() {
+            let quarters = (joint.angles_rad.last()? / FRAC_PI_2).round() as i64;
+            pose += &format!(" {} {}/4", joint.name, quarters.rem_euclid(QUARTERS as i64));
+        }
+        Some(Self {
+            pose,
+            place_m: [place_m.x, place_m.y],
+        })
+    }
+}
+
+/// Probabilities of `poses` poses from how often each came out of `runs`: one more run is thought to have been spread evenly, so
+/// that what was never seen is unlikely and not impossible.
+fn probability(count: usize, runs: usize, poses: usize) -> f64 {
+    (count as f64 + 1.0 / poses as f64) / (runs as f64 + 1.0)
+}
+
+impl Odds {
+    /// The odds of every recording of a study that ends at rest, with the study's fixed values and then `set`.
+    ///
+    /// # Errors
+    /// A study whose runs do not start from recordings, no recording that ends at rest, no run at all, or the run was stopped.
+    pub fn new(
+        study: &Study,
+        set: &ParameterSet,
+        options: &OddsOptions,
+        run: &RunOptions<'_>,
+    ) -> Result<Self> {
+        let definition = study.definition();
+        if definition.start == StartRule::Settled {
+            return Err(Error::invalid(
+                "a settled start says nothing about how tosses come to rest",
+            )
+            .field("start")
+            .hint("use `start: FromRecording`"));
+        }
+        if options.runs == 0 {
+            return Err(Error::invalid("odds need runs").field("runs").found(0));
+        }
+        options.noise.check()?;
+        let resting: Vec<usize> = (0..study.cases().len())
+            .filter(|&case| {
+                let recording = study.cases()[case].targets[0].recording;
+                is_at_rest(&definition.recordings[recording].trajectory)
+            })
+            .collect();
+        if resting.is_empty() {
+            return Err(Error::invalid("no recording ends at rest"));
+        }
+        let done = AtomicUsize::new(0);
+        let found = run.install(|| {
+            resting
+                .par_iter()
+                .map(|&case| {
+                    run.go_on()?;
+                    let row = odds_of(study, case, set, options);
+                    run.tell(
+                        done.fetch_add(1, Ordering::Relaxed) + 1,
+                        resting.len(),
+                        None,
+                    );
+                    row
+                })
+                .collect::<Result<Vec<_>>>()
+        })??;
+        Ok(Self::over(found, options, study.warnings().to_vec()))
+    }
+
+    fn over(found: Vec<Found>, options: &OddsOptions, mut warnings: Vec<Warning>) -> Self {
+        let diverged: usize = found.iter().map(|found| found.diverged).sum();
+        if diverged > 0 {
+            warnings.push(Warning::new(
+                Code::Diverged,
+                format!("{diverged} runs diverged; they have no end and are left out"),
+            ));
+        }
+        let scored = |values: Vec<f64>| {
+            let again = resamples(values.len(), RESAMPLES, options.seed);
+            let means: Vec<f64> = again.iter().map(|sample| sample.mean(&values)).collect();
+            let all = mean(&values);
+            let (low, high) =
+                percentile_interval(&means, 0.5 * (1.0 - INTERVAL_LEVEL)).unwrap_or((all, all));
+            Scored {
+                mean: all,
+                low,
+                high,
+            }
+        };
+        let one_run = |row: &RecordingOdds| {
+            if row.one_run.as_ref() == Some(&row.real) {
+                0.0
+            } else {
+                2.0
+            }
+        };
+        let forecasts: Vec<(f64, bool)> = found.iter().flat_map(Found::forecasts).collect();
+        let logs: Vec<f64> = found.iter().map(Found::log_probability).collect();
+        let rows: Vec<RecordingOdds> = found.into_iter().map(|found| found.row).collect();
+        let end_coverage = std::array::from_fn(|level| EndCoverage {
+            level: LEVELS[level],
+            observed: Proportion::new(
+                rows.iter().filter(|row| row.end_inside[level]).count(),
+                rows.len(),
+                INTERVAL_LEVEL,
+            ),
+        });
+        Self {
+            recordings: rows.len(),
+            runs: options.runs,
+            diverged,
+            brier: scored(rows.iter().map(|row| row.brier).collect()),
+            brier_one_run: scored(rows.iter().map(one_run).collect()),
+            log_score: mean(&logs),
+            end_coverage,
+            reliability: reliability(&forecasts),
+            noise: options.noise,
+            warnings,
+            rows,
+        }
+    }
+}
+
+/// The odds of one recording, and what is only needed to judge them.
+struct Found {
+    row: RecordingOdds,
+    diverged: usize,
+    /// Poses that there are.
+    poses: usize,
+    /// Probability of each pose that has no entry in the row.
+    rest: f64,
+}
+
+impl Found {
+    fn log_probability(&self) -> f64 {
+        libm::log(self.row.probabilities[&self.row.real])
+    }
+
+    fn forecasts(&self) -> Vec<(f64, bool)> {
+        let named = self.row.probabilities.iter();
+        let mut all: Vec<(f64, bool)> = named
+            .map(|(pose, probability)| (*probability, *pose == self.row.real))
+            .collect();
+        all.resize(self.poses, (self.rest, false));
+        all
+    }
+}
+
+fn odds_of(study: &Study, case: usize, set: &ParameterSet, options: &OddsOptions) -> Result<Found> {
+    let experiment = study.experiment_with(case, set)?;
+    let target = &study.cases()[case].targets[0];
+    let target = target.in_true_lengths(experiment.recording_length_scale)?;
+    let recording = &study.definition().recordings[target.recording];
+    let faceless = || {
+        Error::invalid("a recording without orientations has no pose that it ends in")
+            .at_file(&recording.path)
+    };
+    let real = End::of(&target.motion, &experiment).ok_or_else(faceless)?;
+    let end_of = |experiment: &Experiment| -> Result<Option<End>> {
+        let run = realgap_engine::run(experiment)?;
+        let motion = run.outcome.get();
+        Ok(motion.and_then(|motion| End::of(motion, experiment)))
+    };
+    let one_run = end_of(&experiment)?;
+    let mut ends = Vec::with_capacity(options.runs);
+    for number in 0..options.runs as u64 {
+        // Draws of their own for every recording, or else all would err alike.
+        let draw = number + case as u64 * (1 << 32);
+        let other = options.noise.perturb(&experiment, options.seed, draw);
+        ends.extend(end_of(&other.with_numerics(number))?);
+    }
+    let joints = target.motion.joints().len() as u32;
+    let poses = FACES * QUARTERS.pow(joints);
+    let count = |pose: &str| ends.iter().filter(|end| end.pose == pose).count();
+    let probabilities: BTreeMap<String, f64> = ends
+        .iter()
+        .map(|end| &end.pose)
+        .chain([&real.pose])
+        .map(|pose| (pose.clone(), probability(count(pose), ends.len(), poses)))
+        .collect();
+    let rest = probability(0, ends.len(), poses);
+    let places_m: Vec<[f64; 2]> = ends.iter().map(|end| end.place_m).collect();
+    let end_inside = if places_m.is_empty() {
+        [false; LEVELS.len()]
+    } else {
+        let region = Region::of_places(&places_m, experiment.assembly.body_length_m);
+        std::array::from_fn(|level| region.contains(level, real.place_m))
+    };
+    let found = Found {
+        diverged: options.runs - ends.len(),
+        poses,
+        rest,
+        row: RecordingOdds {
+            recording: recording.name.clone(),
+            one_run: one_run.map(|end| end.pose),
+            real: real.pose,
+            probabilities,
+            brier: 0.0,
+            end_inside,
+        },
+    };
+    let forecasts = found.forecasts();
+    let happened = forecasts.iter().position(|forecast| forecast.1);
+    let given: Vec<f64> = forecasts.iter().map(|forecast| forecast.0).collect();
+    let score = brier(&given, happened.unwrap_or(given.len()));
+    Ok(Found {
+        row: RecordingOdds {
+            brier: score,
+            ..found.row
+        },
+        ..found
+    })
+}
+
+impl fmt::Display for Odds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let scored = |s: &Scored| format!("{:.3} ({:.3} to {:.3})", s.mean, s.low, s.high);
+        write!(
+            f,
+            "odds: {} recordings that end at rest, {} runs each\n  Brier score       {}, summed over poses; one run without noise {}\n  log score         {:.3}",
+            self.recordings,
+            self.runs,
+            scored(&self.brier),
+            scored(&self.brier_one_run),
+            self.log_score
+        )?;
+        for coverage in &self.end_coverage {
+            let Proportion {
+                share, low, high, ..
+            } = coverage.observed;
+            write!(
+                f,
+                "\n  {:.0} % region of the end holds {:.1} % ({:.1} to {:.1})",
+                100.0 * coverage.level,
+                100.0 * share,
+                100.0 * low,
+                100.0 * high
+            )?;
+        }
+        for bin in &self.reliability {
+            write!(
+                f,
+                "\n  given {:>5.1} %: happened {:.1} % ({:.1} to {:.1}) of {}",
+                100.0 * bin.probability,
+                100.0 * bin.observed.share,
+                100.0 * bin.observed.low,
+                100.0 * bin.observed.high,
+                bin.observed.trials
+            )?;
+        }
+        Ok(())
+    }
+}

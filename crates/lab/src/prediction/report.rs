@@ -1,0 +1,358 @@
+//! What repeats of a study under noise say, and whether its recordings agree.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::ensemble::{self, Ensemble, Forecast, Reality, Recall};
+use super::kept::{row_of, runs_in};
+use super::model::ModelError;
+use crate::calibration::{RepeatCase, Repeatable, few_recordings};
+use realgap_core::error::Result;
+use realgap_core::file::sha256;
+use realgap_core::statistics::Proportion;
+use realgap_core::warning::Warning;
+use realgap_engine::parameter::ParameterSet;
+use realgap_engine::{ENGINE_VERSION, Noise};
+use realgap_optimize::{Batch, Ending, Progress, RunOptions, drive};
+use realgap_path::trajectory::{Prepared, Source};
+use realgap_store::{Fingerprint, RunRow, Storage};
+
+/// More cases than this are not printed one by one.
+const CASES_PRINTED: usize = 3;
+/// Level of the interval of a share of recordings.
+const INTERVAL: f64 = 0.95;
+
+/// How a study is repeated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnsembleOptions {
+    /// How repeats differ.
+    pub noise: Noise,
+    /// Who says so, e.g. a file.
+    pub noise_from: String,
+    /// Repeats of each start.
+    pub repeats: usize,
+    /// Seed of all draws.
+    pub seed: u64,
+    /// Points that recordings cannot tell apart, to take part in the model error (there may be none); `None`: no model error.
+    pub model: Option<Vec<ParameterSet>>,
+}
+
+/// The repeats of one start.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct EnsembleCase {
+    /// The study's name, or the recording's where every recording has its own start.
+    pub case: String,
+    /// The repeats themselves; not written with the report.
+    #[serde(skip)]
+    pub ensemble: Ensemble,
+    /// Prepared paths of its recordings, true lengths, metres; not written with the report.
+    #[serde(skip)]
+    pub real_paths_m: Vec<Vec<[f64; 2]>>,
+    /// What the repeats have in common.
+    #[serde(rename = "summary")]
+    pub forecast: Forecast,
+    /// How recordings compare with them; `None` where there are none.
+    pub reality: Option<Reality>,
+    /// How far models that are as valid part; `None` where nobody looked.
+    pub model: Option<ModelError>,
+    /// Recordings whose net displacement lies where 90 % of further runs end, the models and another engine included.
+    pub in_further_runs: Option<Proportion>,
+}
+
+/// What repeats of a study under noise say; its `Display` is for people.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct EnsembleReport {
+    /// Name of the study.
+    pub study: String,
+    /// Name of the robot.
+    pub morphology: String,
+    /// Whether every repeat of every start is here.
+    pub complete: bool,
+    /// Fixed values of the simulation.
+    pub parameters: BTreeMap<String, f64>,
+    /// Who says how repeats differ.
+    pub noise_from: String,
+    /// Engine and its version.
+    pub engine: &'static str,
+    /// Version of this crate.
+    pub version: &'static str,
+    /// Where the recordings come from.
+    pub source: Source,
+    /// All recordings against the ensembles of their starts.
+    pub reality: Option<Reality>,
+    /// One ensemble a start.
+    pub cases: Vec<EnsembleCase>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+impl EnsembleReport {
+    /// Repeats every start of a study. Once the run is stopped no repeat is begun; what is done is reported as incomplete.
+    ///
+    /// # Errors
+    /// Noise or settings that cannot be simulated, no repeats at all.
+    pub fn new(
+        study: &Repeatable,
+        options: &EnsembleOptions,
+        run: &RunOptions<'_>,
+    ) -> Result<Self> {
+        Self::recalling(study, options, &|_| Ok(None), run)
+    }
+
+    /// As [`EnsembleReport::new`], of repeats that several workers have made ([`EnsembleReport::part`]); what the store does not
+    /// have is simulated.
+    ///
+    /// # Errors
+    /// As [`EnsembleReport::new`]; a store that cannot be read, or of other repeats.
+    pub fn of_store(
+        study: &Repeatable,
+        options: &EnsembleOptions,
+        folder: &Path,
+        run: &RunOptions<'_>,
+    ) -> Result<Self> {
+        let known = runs_in(folder, &Self::fingerprint(study, options))?;
+        Self::recalling(study, options, &known, run)
+    }
+
+    /// Everything that decides the repeats.
+    pub fn fingerprint(study: &Repeatable, options: &EnsembleOptions) -> Fingerprint {
+        let definition = &study.definition;
+        let experiments = study
+            .cases
+            .iter()
+            .map(|case| format!("{:?}", case.experiment));
+        let experiments: String = experiments.collect();
+        let recordings = definition
+            .recordings
+            .iter()
+            .zip(&definition.recordings_sha256);
+        let fingerprint = Fingerprint::new()
+            .with("realgap", env!("CARGO_PKG_VERSION"))
+            .with("engine", ENGINE_VERSION)
+            .with("study", &definition.name)
+            .with("experiments sha256", sha256(experiments.as_bytes()))
+            .with("noise", format!("{:?}", options.noise))
+            .with("repeats", options.repeats)
+            .with("seed", options.seed);
+        recordings
+            .enumerate()
+            .fold(fingerprint, |print, (index, (recording, sha256))| {
+                print.with(format!("recording {index} {}", recording.name), sha256)
+            })
+    }
+
+    /// Simulates one worker's share of the repeats.
+    ///
+    /// # Errors
+    /// As [`EnsembleReport::new`]; a full disk.
+    pub fn part(
+        study: &Repeatable,
+        options: &EnsembleOptions,
+        part: &mut impl Storage<RunRow>,
+        run: &RunOptions<'_>,
+    ) -> Result<Ending> {
+        let total = study.cases.len() * options.repeats;
+        let batch = Batch::new(total, run);
+        let make = |index| Self::repeat(study, options, index);
+        drive(&batch, part, make, |done| run.tell(done, total, None))
+    }
+
+    /// One repeat, counted over all starts.
+    ///
+    /// # Errors
+    /// As [`EnsembleReport::new`].
+    pub fn repeat(study: &Repeatable, options: &EnsembleOptions, index: usize) -> Result<RunRow> {
+        let (case, number) = (index / options.repeats, index % options.repeats);
+        let experiment = &study.cases[case].experiment;
+        let run = ensemble::repeat(experiment, &options.noise, options.seed, number as u64)?;
+        row_of(index, &run)
+    }
+
+    fn recalling(
+        study: &Repeatable,
+        options: &EnsembleOptions,
+        recall: Recall<'_>,
+        run: &RunOptions<'_>,
+    ) -> Result<Self> {
+        let total = study.cases.len() * options.repeats;
+        let mut ensembles: Vec<(&RepeatCase, Ensemble)> = Vec::new();
+        for case in &study.cases {
+            // A case that is not begun says nothing; the first at least says so itself.
+            if run.is_stopped() && !ensembles.is_empty() {
+                break;
+            }
+            let before = ensembles.len() * options.repeats;
+            let tell = |progress: Progress| run.tell(before + progress.done, total, None);
+            let run = RunOptions {
+                progress: Some(&tell),
+                ..*run
+            };
+            let repeats = ensemble::run_recalling(
+                &case.experiment,
+                &options.noise,
+                options.seed,
+                options.repeats,
+                &|number| recall(before + number),
+                &run,
+            )?;
+            ensembles.push((case, repeats));
+        }
+        let mut report = run.install(|| Self::of(study, ensembles, &options.noise_from))??;
+        // Where every recording has a start of its own it would cost as much again for each of them.
+        if let ([only], [case], Some(points)) =
+            (&mut report.cases[..], &study.cases[..], &options.model)
+        {
+            only.add_model(case, points, run)?;
+        }
+        Ok(report)
+    }
+
+    fn of(
+        study: &Repeatable,
+        ensembles: Vec<(&RepeatCase, Ensemble)>,
+        noise_from: &str,
+    ) -> Result<Self> {
+        let definition = &study.definition;
+        let complete = ensembles.len() == study.cases.len()
+            && ensembles.iter().all(|(_, repeats)| repeats.is_complete());
+        let cases = ensembles
+            .into_iter()
+            .map(|(case, ensemble)| EnsembleCase::new(case, ensemble))
+            .collect::<Result<Vec<_>>>()?;
+        let parts: Vec<&Reality> = cases
+            .iter()
+            .filter_map(|case| case.reality.as_ref())
+            .collect();
+        let mut warnings = study.warnings.clone();
+        if let Some(case) = cases.iter().find(|case| case.reality.is_some()) {
+            warnings.extend(ensemble::no_camera(&case.ensemble.noise));
+        }
+        warnings.extend(few_recordings(definition.recordings.len()));
+        warnings.extend(cases.iter().flat_map(|case| case.forecast.warnings.clone()));
+        warnings.sort();
+        warnings.dedup();
+        Ok(Self {
+            study: definition.name.clone(),
+            morphology: definition.morphology.name().to_owned(),
+            complete,
+            parameters: definition
+                .set
+                .iter()
+                .map(|a| (a.parameter.name.to_owned(), a.value))
+                .collect(),
+            noise_from: noise_from.to_owned(),
+            engine: ENGINE_VERSION,
+            version: env!("CARGO_PKG_VERSION"),
+            source: definition.source(),
+            reality: Reality::pooled(&parts),
+            cases,
+            warnings,
+        })
+    }
+
+    /// Repeats that were simulated, of all starts together.
+    pub fn repeats(&self) -> usize {
+        self.cases.iter().map(|case| case.forecast.repeats).sum()
+    }
+
+    /// Whether not a single repeat came to its end.
+    pub fn is_lost(&self) -> bool {
+        let lost = |case: &EnsembleCase| case.forecast.displacement_m.is_none();
+        self.cases.iter().all(lost)
+    }
+}
+
+impl EnsembleCase {
+    fn new(case: &RepeatCase, ensemble: Ensemble) -> Result<Self> {
+        let forecast = Forecast::new(&ensemble)?;
+        let real: Vec<_> = case.real.iter().map(|(n, p)| (n.as_str(), p)).collect();
+        let reality = Reality::new(&ensemble, &forecast, &real);
+        Ok(Self {
+            case: case.name.clone(),
+            real_paths_m: case.real.iter().map(|(_, p)| p.xy_m().to_vec()).collect(),
+            ensemble,
+            forecast,
+            reality,
+            model: None,
+            in_further_runs: None,
+        })
+    }
+
+    fn add_model(
+        &mut self,
+        case: &RepeatCase,
+        points: &[ParameterSet],
+        run: &RunOptions<'_>,
+    ) -> Result<()> {
+        let quiet = RunOptions {
+            progress: None,
+            ..*run
+        };
+        let (ensemble, forecast) = (&self.ensemble, &self.forecast);
+        self.model = ModelError::new(&case.experiment, ensemble, forecast, points, &quiet)?;
+        if let (Some(model), false) = (&self.model, case.real.is_empty()) {
+            let inside = |path: &Prepared| model.further_run_m.contains(path.net_displacement_m());
+            let count = case.real.iter().filter(|(_, path)| inside(path)).count();
+            self.in_further_runs = Some(Proportion::new(count, case.real.len(), INTERVAL));
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for EnsembleReport {
+    /// Each start where there are few, then all recordings against the ensembles.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.cases.len() <= CASES_PRINTED {
+            for (index, case) in self.cases.iter().enumerate() {
+                if index > 0 {
+                    writeln!(f)?;
+                }
+                write!(f, "{case}")?;
+            }
+        } else {
+            write!(
+                f,
+                "{}: {} recordings with an ensemble of {} repeats each",
+                self.study,
+                self.cases.len(),
+                self.cases[0].forecast.repeats
+            )?;
+        }
+        match &self.reality {
+            Some(reality) => write!(f, "\n{reality}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for EnsembleCase {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let forecast = &self.forecast;
+        write!(
+            f,
+            "{}: {} repeats of {} s, {:.1} CPU s{}",
+            self.case,
+            forecast.repeats,
+            forecast.duration_s,
+            forecast.cpu_s,
+            forecast.numbers(),
+        )?;
+        if let Some(model) = &self.model {
+            write!(f, "{model}")?;
+        }
+        if let Some(held) = &self.in_further_runs {
+            write!(f, ": {} of {} recordings", held.count, held.trials)?;
+        }
+        let over_models = self.model.as_ref().map(ModelError::behaviour_shares);
+        write!(
+            f,
+            "\n{}",
+            forecast.behaviour_table(self.reality.as_ref(), over_models.as_deref())
+        )
+    }
+}

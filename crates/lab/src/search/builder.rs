@@ -1,0 +1,290 @@
+//! Building a search, from Rust or from a file: every setting is checked in one place.
+
+use std::sync::Arc;
+
+use super::body::Body;
+use super::descriptor::descriptor_named;
+use super::failure::FailureRules;
+use super::finals::FinalsSettings;
+use super::objective::Objective;
+use super::problem::Search;
+use super::strategy::{Space, StrategySettings};
+use super::uncertain::{UncertainParameters, UncertainRange};
+use realgap_core::Error;
+use realgap_core::Result;
+use realgap_core::file::check_name;
+use realgap_engine::Noise;
+use realgap_engine::parameter::{Assignment, ParameterSet};
+use realgap_robot::genome::{Development, Genome};
+use realgap_robot::morphology::Morphology;
+
+/// Most repeats of one robot.
+const REPEATS_AT_MOST: usize = 5000;
+/// Most robots: they are held in memory, and every proposal looks at all of them.
+const MOST_ROBOTS: usize = 1_000_000;
+
+/// A search under construction. Whatever is not said has the default of a search file.
+#[derive(Debug)]
+pub struct SearchBuilder {
+    pub(super) name: String,
+    pub(super) text: String,
+    pub(super) description: String,
+    strategy: Box<dyn StrategySettings>,
+    development: Development,
+    robot: Option<Morphology>,
+    genome: Option<Genome>,
+    duration_s: f64,
+    set: Vec<(String, f64)>,
+    overruling: ParameterSet,
+    ranges: Vec<UncertainRange>,
+    points: Vec<ParameterSet>,
+    noise: Option<(Noise, String)>,
+    objective: Objective,
+    repeats: usize,
+    failures: FailureRules,
+    finals: FinalsSettings,
+    seed: u64,
+}
+
+impl Search {
+    /// A search by this strategy: [`Evolution`](super::Evolution), [`MapElites`](super::MapElites),
+    /// [`GridSettings`](super::GridSettings) or [`CmaEsSettings`](super::CmaEsSettings).
+    pub fn builder(strategy: impl StrategySettings + 'static) -> SearchBuilder {
+        SearchBuilder::new(Box::new(strategy))
+    }
+}
+
+impl SearchBuilder {
+    pub(super) fn new(strategy: Box<dyn StrategySettings>) -> Self {
+        Self {
+            name: "search".to_owned(),
+            text: String::new(),
+            description: String::new(),
+            strategy,
+            development: Development::default(),
+            robot: None,
+            genome: None,
+            duration_s: 20.0,
+            set: Vec::new(),
+            overruling: ParameterSet::new(),
+            ranges: Vec::new(),
+            points: Vec::new(),
+            noise: None,
+            objective: Objective::default(),
+            repeats: 8,
+            failures: FailureRules::default(),
+            finals: FinalsSettings::default(),
+            seed: 1,
+        }
+    }
+
+    /// Its name, for pictures and messages: `search` where nobody says.
+    #[must_use]
+    pub fn name(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    /// How genomes become robots; of a given robot the ranges of its gait.
+    #[must_use]
+    pub fn development(mut self, development: Development) -> Self {
+        self.development = development;
+        self
+    }
+
+    /// Starts from this robot: its body stays, its gait may be searched.
+    #[must_use]
+    pub fn robot(mut self, robot: Morphology) -> Self {
+        self.robot = Some(robot);
+        self
+    }
+
+    /// Starts from this genome.
+    #[must_use]
+    pub fn genome(mut self, genome: Genome) -> Self {
+        self.genome = Some(genome);
+        self
+    }
+
+    /// Length of each run, seconds.
+    #[must_use]
+    pub fn duration_s(mut self, duration_s: f64) -> Self {
+        self.duration_s = duration_s;
+        self
+    }
+
+    /// A fixed value of a parameter, e.g. `floor.friction`.
+    #[must_use]
+    pub fn set(mut self, name: impl Into<String>, value: f64) -> Self {
+        self.set.push((name.into(), value));
+        self
+    }
+
+    /// Fixed values that overrule those of [`SearchBuilder::set`].
+    #[must_use]
+    pub fn overrule(mut self, set: &ParameterSet) -> Self {
+        self.overruling = set.clone();
+        self
+    }
+
+    /// A parameter that is only known to lie in this range: every repeat draws its value.
+    #[must_use]
+    pub fn uncertain(mut self, name: impl Into<String>, low: f64, high: f64) -> Self {
+        let name = name.into();
+        self.ranges.push(UncertainRange { name, low, high });
+        self
+    }
+
+    /// Points of which every repeat gets one, e.g. those that tuning could not tell apart.
+    #[must_use]
+    pub fn uncertain_points(mut self, points: Vec<ParameterSet>) -> Self {
+        self.points = points;
+        self
+    }
+
+    /// How else repeats differ, and who says so; an estimate for a robot that nobody has measured where nobody says.
+    #[must_use]
+    pub fn noise(mut self, noise: Noise, from: impl Into<String>) -> Self {
+        self.noise = Some((noise, from.into()));
+        self
+    }
+
+    /// What is to be made large.
+    #[must_use]
+    pub fn objective(mut self, objective: Objective) -> Self {
+        self.objective = objective;
+        self
+    }
+
+    /// Runs of every robot.
+    #[must_use]
+    pub fn repeats(mut self, repeats: usize) -> Self {
+        self.repeats = repeats;
+        self
+    }
+
+    /// What counts as a failure.
+    #[must_use]
+    pub fn failures(mut self, failures: FailureRules) -> Self {
+        self.failures = failures;
+        self
+    }
+
+    /// How the best are looked at again.
+    #[must_use]
+    pub fn finals(mut self, finals: FinalsSettings) -> Self {
+        self.finals = finals;
+        self
+    }
+
+    /// Seed of everything random, the strategy's choices included.
+    #[must_use]
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// The search.
+    ///
+    /// # Errors
+    /// The first setting that cannot be used; `field` is its name in a search file.
+    pub fn build(self) -> Result<Search> {
+        check_name(&self.name, "a search")?;
+        self.check_numbers()?;
+        self.development
+            .check()
+            .map_err(|e| within("development", e))?;
+        let (noise, noise_from) = match self.noise {
+            Some(stated) => stated,
+            None => (Noise::unmeasured_robot(), "estimate".to_owned()),
+        };
+        if let Some((field, error)) = noise.fault() {
+            return Err(error.field(format!("noise.{field}")));
+        }
+        self.objective.check().map_err(|e| within("objective", e))?;
+        if self.objective.from_s >= self.duration_s {
+            return Err(Error::invalid("nothing of the run counts")
+                .field("objective.from_s")
+                .found(self.objective.from_s)
+                .allowed(format!("less than the duration, {} s", self.duration_s)));
+        }
+        let set: Result<ParameterSet> = self
+            .set
+            .iter()
+            .map(|(name, value)| Assignment::new(name, *value))
+            .collect();
+        let set = set.map_err(|e| e.field("set"))?.with_all(&self.overruling);
+        let body = match self.robot {
+            Some(robot) => Body::Fixed(Box::new(robot), self.development),
+            None => Body::Developed(self.development),
+        };
+        let space = Space::new(body, self.genome, self.seed);
+        let strategy = self.strategy.strategy(&space)?;
+        if strategy.budget() > MOST_ROBOTS {
+            return Err(Error::invalid("too many robots")
+                .field("strategy")
+                .found(strategy.budget())
+                .allowed(format!("at most {MOST_ROBOTS}")));
+        }
+        for name in strategy.descriptors() {
+            descriptor_named(name).map_err(|e| e.field("strategy"))?;
+        }
+        Ok(Search {
+            name: self.name,
+            text: self.text,
+            description: self.description,
+            strategy: Arc::from(strategy),
+            space,
+            duration_s: self.duration_s,
+            set,
+            uncertain: UncertainParameters::new(self.ranges, self.points)?,
+            noise,
+            noise_from,
+            objective: self.objective,
+            repeats: self.repeats,
+            failures: self.failures,
+            finals: self.finals,
+        })
+    }
+
+    fn check_numbers(&self) -> Result<()> {
+        let most = REPEATS_AT_MOST as f64;
+        let (finals, failures) = (&self.finals, &self.failures);
+        for (field, value, low, high) in [
+            ("duration_s", self.duration_s, 0.01, 3600.0),
+            ("repeats", self.repeats as f64, 1.0, most),
+            ("finalists.count", finals.count as f64, 1.0, 60.0),
+            ("finalists.repeats", finals.repeats as f64, 1.0, most),
+            ("finalists.tolerance", finals.tolerance, 0.0, 10.0),
+            (
+                "failures.flight_body_lengths",
+                failures.flight_body_lengths,
+                0.0,
+                1e6,
+            ),
+            (
+                "failures.overlap_body_lengths",
+                failures.overlap_body_lengths,
+                0.0,
+                1e6,
+            ),
+        ] {
+            if !(low..=high).contains(&value) {
+                return Err(Error::invalid("out of range")
+                    .field(field)
+                    .found(value)
+                    .allowed(format!("{low} to {high}")));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The error with the name of the group before that of its field.
+fn within(group: &str, error: Error) -> Error {
+    let field = match error.field_name() {
+        Some(field) => format!("{group}.{field}"),
+        None => group.to_owned(),
+    };
+    error.field(field)
+}

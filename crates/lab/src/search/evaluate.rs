@@ -1,0 +1,174 @@
+//! One robot: built, put down, repeated under noise; and what that is worth.
+
+use rayon::prelude::*;
+
+use super::descriptor::{Behaviour, descriptor_named};
+use super::failure::{Failure, Reason};
+use super::objective::{Measure, Travel};
+use super::problem::Search;
+use super::robot::{EvaluatedRobot, Outcome, Performance};
+use realgap_core::Result;
+use realgap_core::warning::Code;
+use realgap_engine::{Experiment, Floor, Posture, settle, watch};
+use realgap_path::trajectory::prepare;
+use realgap_robot::genome::Genome;
+use realgap_robot::morphology::Morphology;
+
+/// The body is looked at this often, in steps: flight and overlap last longer than that.
+const LOOK_EVERY_STEPS: usize = 4;
+
+/// Every repeat of a robot, or the first failure.
+pub(super) type Repeats = std::result::Result<Vec<Travel>, Failure>;
+
+impl Search {
+    /// The experiment of one repeat of a robot: drawn parameters, then noise.
+    ///
+    /// # Errors
+    /// None for a search that was built.
+    pub fn repeat(&self, base: &Experiment, seed: u64, number: u64) -> Result<Experiment> {
+        let drawn = self.uncertain.draw(seed, number)?.apply(base);
+        Ok(self.noise.perturb(&drawn, seed, number))
+    }
+
+    /// Simulates one robot. Repeat 0 goes first: a robot that fails there is not repeated, and one that fails in any
+    /// repeat has failed, so that this saves time without changing any result. Uses the current rayon pool; the result does not depend
+    /// on it.
+    ///
+    /// # Errors
+    /// Settings that cannot be simulated.
+    pub fn evaluate(&self, index: usize, genome: &Genome) -> Result<EvaluatedRobot> {
+        let outcome = match self.build(index, genome)? {
+            Err(failure) => Outcome::Failed(failure),
+            Ok(robot) => match self.repeats_of(&robot, self.seed(), self.repeats, None)? {
+                Err(failure) => Outcome::Failed(failure),
+                Ok(repeats) => Outcome::Walked(self.performance(&robot, repeats)?),
+            },
+        };
+        Ok(EvaluatedRobot {
+            index,
+            genome: genome.clone(),
+            outcome,
+        })
+    }
+
+    fn performance(&self, robot: &Morphology, repeats: Vec<Travel>) -> Result<Performance> {
+        let body_length_m = self.body().length_m();
+        let behaviour = Behaviour {
+            robot,
+            repeats: &repeats,
+            body_length_m,
+        };
+        let names = self.strategy.descriptors();
+        let descriptors: Result<Vec<f64>> = names
+            .iter()
+            .map(|name| Ok(descriptor_named(name)?.of(&behaviour)))
+            .collect();
+        Ok(Performance {
+            fitness: self.objective.of(&repeats, body_length_m, self.duration_s),
+            descriptors: descriptors?,
+            repeats,
+        })
+    }
+
+    /// The robot of a genome if it is worth simulating.
+    fn build(
+        &self,
+        index: usize,
+        genome: &Genome,
+    ) -> Result<std::result::Result<Morphology, Failure>> {
+        let fail = |reason, seen: &dyn std::fmt::Display| Ok(Err(Failure::new(reason, seen)));
+        let robot = match self.body().build(&self.robot_name(index), genome) {
+            Ok(robot) => robot,
+            Err(misfit) => return fail(Reason::DoesNotDevelop, &misfit),
+        };
+        let blocked = robot.blocked_plates();
+        if let (true, Some((plate, other))) = (self.failures.plate_blocked, blocked.first()) {
+            let names = [plate, other].map(|&m| &robot.modules()[m].name);
+            let seen = format!("the plate of {} hits {}", names[0], names[1]);
+            return fail(Reason::PlateBlocked, &seen);
+        }
+        let settling = settle(&self.experiment(&robot))?;
+        for warning in settling.warnings() {
+            let reason = match warning.code {
+                Code::Diverged => Reason::Diverged,
+                Code::Toppled => Reason::Toppled,
+                _ => Reason::NotSettled,
+            };
+            if self.failures.unstable || reason == Reason::Diverged {
+                return fail(reason, &warning.message);
+            }
+        }
+        Ok(Ok(robot))
+    }
+
+    /// Repeats of one robot, in other settings where these are given; the failure of the first that fails.
+    ///
+    /// # Errors
+    /// Settings that cannot be simulated.
+    pub(super) fn repeats_of(
+        &self,
+        robot: &Morphology,
+        seed: u64,
+        repeats: usize,
+        change: Option<fn(&mut Experiment)>,
+    ) -> Result<Repeats> {
+        let base = self.experiment(robot);
+        let one = |number: usize| {
+            let mut experiment = self.repeat(&base, seed, number as u64)?;
+            if let Some(change) = change {
+                change(&mut experiment);
+            }
+            if self.objective.measure == Measure::SpeedPerEnergy {
+                experiment.energy_from_s = Some(self.objective.from_s);
+            }
+            self.observe(&experiment)
+        };
+        let first = match one(0)? {
+            Ok(first) => first,
+            Err(failure) => return Ok(Err(failure)),
+        };
+        let rest: Result<Vec<_>> = (1..repeats).into_par_iter().map(one).collect();
+        Ok(std::iter::once(Ok(first)).chain(rest?).collect())
+    }
+
+    /// One run, watched for what no robot can do.
+    fn observe(&self, experiment: &Experiment) -> Result<std::result::Result<Travel, Failure>> {
+        let assembly = &experiment.assembly;
+        let body_length_m = assembly.body_length_m;
+        let posture = Posture::new(assembly);
+        let floor: &Floor = &experiment.floor;
+        let (mut step, mut highest_m, mut deepest_m) = (0_usize, 0.0_f64, 0.0_f64);
+        let run = watch(experiment, &[], &mut |snapshot| {
+            if step.is_multiple_of(LOOK_EVERY_STEPS) {
+                highest_m = highest_m.max(posture.clearance_m(snapshot, floor));
+                deepest_m = deepest_m.max(posture.overlap_m(snapshot));
+            }
+            step += 1;
+        })?;
+        let (high, deep) = (highest_m / body_length_m, deepest_m / body_length_m);
+        let failure = match &run.outcome {
+            realgap_engine::Outcome::Diverged(divergence) => {
+                Failure::new(Reason::Diverged, divergence.to_string())
+            }
+            _ if high > self.failures.flight_body_lengths => Failure::new(
+                Reason::Flying,
+                format!("{high:.3} body lengths above the floor"),
+            ),
+            _ if deep > self.failures.overlap_body_lengths => Failure::new(
+                Reason::SelfPenetrating,
+                format!("parts are {deep:.3} body lengths inside each other"),
+            ),
+            realgap_engine::Outcome::Completed(motion) => {
+                let path = prepare(motion)?;
+                let turned_rad = motion.turned_rad().unwrap_or(0.0);
+                return Ok(Ok(self.objective.travel(
+                    &path,
+                    turned_rad,
+                    run.energy.as_ref(),
+                    self.duration_s,
+                )));
+            }
+        };
+        Ok(Err(failure))
+    }
+}

@@ -1,0 +1,164 @@
+//! The RON form of a search.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::builder::SearchBuilder;
+use super::failure::FailureRules;
+use super::finals::FinalsSettings;
+use super::objective::Objective;
+use super::problem::Search;
+use super::strategy::StrategyFile;
+use super::uncertain::{UncertainRange, read_indistinguishable};
+use realgap_core::Result;
+use realgap_core::file::{Source, name_of_file, parse_ron, unique_keys};
+use realgap_engine::Noise;
+use realgap_engine::parameter::ParameterSet;
+use realgap_robot::genome::{Development, Specimen};
+use realgap_robot::morphology::Morphology;
+
+/// What a body or a gait is taken from.
+#[derive(Debug, Clone, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+enum StartFile {
+    /// A genome's file, relative to this one.
+    Genome(PathBuf),
+    /// A robot's file, relative to this one.
+    Morphology(PathBuf),
+}
+
+/// A search file as written.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Search")]
+pub struct SearchFile {
+    /// What is looked for, for people.
+    #[serde(default)]
+    description: String,
+    /// How it is looked for.
+    strategy: StrategyFile,
+    /// The body or gait from which the search starts; some strategies need none.
+    start: Option<StartFile>,
+    /// Time of each run, seconds.
+    duration_s: f64,
+    /// How genes become a robot.
+    #[serde(default)]
+    development: Development,
+    /// Parameters with a fixed value, by name; `realgap parameters` lists all.
+    #[serde(default, deserialize_with = "unique_keys")]
+    set: BTreeMap<String, f64>,
+    /// What is not known exactly: every repeat draws from these ranges.
+    #[serde(default)]
+    parameters: Vec<UncertainRange>,
+    /// Results folder of a sweep, relative to this file: repeats draw from the points that cannot be told apart.
+    indistinguishable: Option<PathBuf>,
+    /// How repeats differ.
+    noise: Option<Noise>,
+    /// What is made large.
+    #[serde(default)]
+    objective: Objective,
+    /// Runs of each robot.
+    #[serde(default = "eight")]
+    repeats: usize,
+    /// What counts as a failure.
+    #[serde(default)]
+    failures: FailureRules,
+    /// How the best are looked at again.
+    #[serde(default)]
+    finalists: FinalsSettings,
+    /// Seed of everything random.
+    #[serde(default = "one")]
+    seed: u64,
+}
+
+fn eight() -> usize {
+    8
+}
+
+fn one() -> u64 {
+    1
+}
+
+/// What the caller wants different from the file.
+#[derive(Debug, Clone, Default)]
+pub struct Overrides {
+    /// Fixed values, after the file's own.
+    pub set: ParameterSet,
+    /// Folder with indistinguishable points in place of the file's.
+    pub indistinguishable: Option<PathBuf>,
+    /// Seed in place of the file's.
+    pub seed: Option<u64>,
+}
+
+impl Search {
+    /// Reads a search file; what it names is relative to it.
+    ///
+    /// # Errors
+    /// A malformed file, settings that cannot be used, files that cannot be read.
+    pub fn read(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
+        Self::parse(&Source::read(path, "search")?, overrides)
+    }
+
+    /// As [`Search::read`], of a text.
+    ///
+    /// # Errors
+    /// As [`Search::read`].
+    pub fn parse(source: &Source, overrides: &Overrides) -> Result<Self> {
+        let file: SearchFile = parse_ron(source)?;
+        let builder = builder(source, file, overrides)?;
+        builder.build().map_err(|error| {
+            let field = error.field_name().unwrap_or_default().to_owned();
+            source.at(&field, error)
+        })
+    }
+}
+
+fn builder(source: &Source, file: SearchFile, overrides: &Overrides) -> Result<SearchBuilder> {
+    let folder = source.path().parent().unwrap_or(Path::new(""));
+    let mut builder = SearchBuilder::new(file.strategy.0)
+        .development(file.development)
+        .duration_s(file.duration_s)
+        .overrule(&overrides.set)
+        .objective(file.objective)
+        .repeats(file.repeats)
+        .failures(file.failures)
+        .finals(file.finalists)
+        .seed(overrides.seed.unwrap_or(file.seed));
+    builder.name = name_of_file(source.path(), "a search")?;
+    builder.text = source.text().to_owned();
+    builder.description = file.description;
+    if let Some(noise) = file.noise {
+        builder = builder.noise(noise, file_name(source));
+    }
+    for (name, value) in file.set {
+        builder = builder.set(name, value);
+    }
+    for UncertainRange { name, low, high } in file.parameters {
+        builder = builder.uncertain(name, low, high);
+    }
+    let points = match (&overrides.indistinguishable, &file.indistinguishable) {
+        (Some(given), _) => read_indistinguishable(given)?,
+        (None, Some(named)) => read_indistinguishable(&folder.join(named))?,
+        (None, None) => Vec::new(),
+    };
+    builder = builder.uncertain_points(points);
+    match &file.start {
+        None => Ok(builder),
+        Some(StartFile::Genome(path)) => {
+            let specimen = Specimen::read(folder.join(path))?;
+            Ok(builder
+                .genome(specimen.genome)
+                .development(specimen.development))
+        }
+        Some(StartFile::Morphology(path)) => {
+            Ok(builder.robot(Morphology::read(folder.join(path))?))
+        }
+    }
+}
+
+fn file_name(source: &Source) -> String {
+    let name = source.path().file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}

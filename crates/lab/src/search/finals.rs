@@ -1,0 +1,322 @@
+//! The best robots, looked at again: other solver settings, and draws that the search has not seen.
+
+use serde::{Deserialize, Serialize};
+
+use super::evaluate::Repeats;
+use super::objective::Travel;
+use super::problem::Search;
+use super::robot::{EvaluatedRobot, mean_displacement_m};
+use super::run::SearchResults;
+use crate::prediction::ensemble::{self, Ensemble, Forecast};
+use crate::prediction::{Card, Economy, Finals, Growth, Rerun, Success, SuccessRule};
+use realgap_core::Error;
+use realgap_core::Result;
+use realgap_core::warning::{Code, Warning};
+use realgap_engine::parameter::ParameterSet;
+use realgap_engine::{EnergyBalance, Experiment};
+use realgap_optimize::{RunOptions, pool};
+use realgap_robot::morphology::Morphology;
+
+/// How the best are looked at again.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct FinalsSettings {
+    /// How many robots.
+    pub count: usize,
+    /// Repeats of each with draws that the search has not seen, for its prediction card and its rank.
+    pub repeats: usize,
+    /// Largest change of the mean displacement under other solver settings that it survives, as a share.
+    pub tolerance: f64,
+}
+
+impl Default for FinalsSettings {
+    fn default() -> Self {
+        Self {
+            count: 5,
+            repeats: 50,
+            tolerance: 0.25,
+        }
+    }
+}
+
+/// A change of the settings.
+type Change = fn(&mut Experiment);
+
+/// Other settings under which a robot must walk the same, with a name each.
+const RERUNS: [(&str, Change); 6] = [
+    ("half timestep", |e| e.solver.timestep_s *= 0.5),
+    ("double timestep", |e| e.solver.timestep_s *= 2.0),
+    ("half substeps", |e| {
+        e.solver.substeps = (e.solver.substeps / 2).max(1);
+    }),
+    ("double substeps", |e| e.solver.substeps *= 2),
+    // Convergence in the timestep alone is not correctness: too soft a contact converges, too, to something else.
+    ("limit of hard contact", |e| *e = e.at_limit(e.joint_kind())),
+    ("other joint kind at its limit", |e| {
+        *e = e.at_limit(e.joint_kind().other());
+    }),
+];
+
+/// One of the best robots.
+#[derive(Debug, Clone)]
+pub struct Finalist {
+    /// As the search saw it.
+    pub evaluated: EvaluatedRobot,
+    /// The robot.
+    pub robot: Morphology,
+    /// Repeats with new draws.
+    pub ensemble: Ensemble,
+    /// Its rank, and how it did under other settings.
+    pub finals: Finals,
+    /// What the repeats say.
+    prediction: Card,
+}
+
+impl Finalist {
+    /// What the repeats say.
+    pub fn prediction(&self) -> &Forecast {
+        &self.prediction.prediction
+    }
+
+    /// How likely it gets far enough; `None` where the run without noise goes nowhere.
+    pub fn success(&self) -> Option<&Success> {
+        self.prediction.success.as_ref()
+    }
+
+    /// The same with how it did elsewhere, e.g. in another simulator, which decides over its survival, too.
+    #[must_use]
+    pub fn with_rerun(mut self, rerun: Rerun) -> Self {
+        self.finals.survives &= rerun.survives;
+        self.finals.reruns.push(rerun);
+        self
+    }
+
+    /// The prediction card.
+    pub fn card(&self) -> Card {
+        Card {
+            finals: Some(self.finals.clone()),
+            ..self.prediction.clone()
+        }
+    }
+}
+
+impl Search {
+    /// Seed of the finalists' repeats: draws that the search has not seen.
+    pub fn finals_seed(&self) -> u64 {
+        self.seed().wrapping_add(1 << 32)
+    }
+
+    /// The best different robots, best first.
+    fn best(&self, robots: &[EvaluatedRobot]) -> Result<Vec<(EvaluatedRobot, Morphology)>> {
+        let mut order: Vec<&EvaluatedRobot> =
+            robots.iter().filter(|r| r.fitness().is_some()).collect();
+        // Stable: of equals the earlier.
+        order.sort_by(|a, b| {
+            let [a, b] = [a, b].map(|r| r.fitness().unwrap_or(f64::NEG_INFINITY));
+            b.total_cmp(&a)
+        });
+        let mut best: Vec<(EvaluatedRobot, Morphology)> = Vec::new();
+        for evaluated in order {
+            if best.len() == self.finals.count {
+                break;
+            }
+            let name = self.robot_name(evaluated.index);
+            let robot = self.body().build(&name, &evaluated.genome)?;
+            // Other genomes may mean the same robot, or one that differs in nothing that acts.
+            let is_new = best.iter().all(|(before, known)| {
+                let is_built_alike =
+                    known.modules() == robot.modules() && known.glue() == robot.glue();
+                !is_built_alike && !before.walked_as(evaluated)
+            });
+            if is_new {
+                best.push((evaluated.clone(), robot));
+            }
+        }
+        Ok(best)
+    }
+
+    /// Looks at the best robots again and ranks them: survivors of the reruns first, by the fitness with new draws.
+    /// The progress is that of the finalists.
+    ///
+    /// # Errors
+    /// Interrupted; settings that cannot be simulated.
+    pub fn finalists(
+        &self,
+        results: &SearchResults,
+        options: &RunOptions<'_>,
+    ) -> Result<Vec<Finalist>> {
+        pool(options.jobs)?.install(|| self.look_again(&results.robots, options))
+    }
+
+    fn look_again(
+        &self,
+        robots: &[EvaluatedRobot],
+        options: &RunOptions<'_>,
+    ) -> Result<Vec<Finalist>> {
+        let best = self.best(robots)?;
+        let count = best.len();
+        let mut finalists = Vec::new();
+        for (evaluated, robot) in best {
+            let mut reruns = Vec::new();
+            for (settings, change) in RERUNS {
+                stopped(options)?;
+                let (seed, repeats) = (self.seed(), self.repeats);
+                let again = self.repeats_of(&robot, seed, repeats, Some(change))?;
+                reruns.push(self.rerun(settings, &evaluated, &again));
+            }
+            let finalist = self.predict(evaluated, robot, reruns, options)?;
+            stopped(options)?;
+            finalists.push(finalist);
+            options.tell(finalists.len(), count, None);
+        }
+        Ok(rank(finalists))
+    }
+
+    fn rerun(&self, settings: &'static str, evaluated: &EvaluatedRobot, again: &Repeats) -> Rerun {
+        match again {
+            Err(failure) => Rerun {
+                settings,
+                mean_displacement_m: None,
+                change: None,
+                failure: Some(failure.to_string()),
+                survives: false,
+            },
+            Ok(repeats) => {
+                let now_m = mean_displacement_m(repeats);
+                let change = evaluated
+                    .mean_displacement_m()
+                    .map(|before_m| (now_m - before_m) / before_m);
+                Rerun {
+                    settings,
+                    mean_displacement_m: Some(now_m),
+                    change,
+                    failure: None,
+                    survives: change.is_some_and(|c| c.abs() <= self.finals.tolerance),
+                }
+            }
+        }
+    }
+
+    fn predict(
+        &self,
+        evaluated: EvaluatedRobot,
+        robot: Morphology,
+        reruns: Vec<Rerun>,
+        options: &RunOptions<'_>,
+    ) -> Result<Finalist> {
+        let ensemble = self.repeat_again(&robot, options)?;
+        let finals = Finals {
+            // Known once all finalists are.
+            rank: 0,
+            survives: reruns.iter().all(|rerun| rerun.survives),
+            objective: self.objective.label(),
+            unit: self.objective.measure.unit(),
+            search_fitness: evaluated.fitness(),
+            fitness: self.fitness_of(&ensemble),
+            economy: self.economy_of(&robot, &ensemble),
+            reruns,
+        };
+        let prediction = Card::new(robot.name(), &ensemble, SuccessRule::HalfOfNoiseFree)?
+            .with_parameters(&self.set)
+            .with_noise_from(&self.noise_from)
+            .with_growth(Growth::of(&self.experiment(&robot))?);
+        Ok(Finalist {
+            evaluated,
+            robot,
+            ensemble,
+            finals,
+            prediction,
+        })
+    }
+
+    /// Repeats of a robot with draws that the search has not seen.
+    pub(super) fn repeat_again(
+        &self,
+        robot: &Morphology,
+        options: &RunOptions<'_>,
+    ) -> Result<Ensemble> {
+        let mut base = self.experiment(robot);
+        base.energy_from_s = Some(self.objective.from_s);
+        let seed = self.finals_seed();
+        // `run_each` takes no errors, and draws of checked ranges have none.
+        let drawn: Result<Vec<ParameterSet>> = (0..self.finals.repeats as u64)
+            .map(|number| self.uncertain.draw(seed, number))
+            .collect();
+        let drawn = drawn?;
+        let mut ensemble = ensemble::run_each(
+            &base,
+            |number| drawn[number as usize].apply(&base),
+            &|_| Ok(None),
+            // What the robot does counts here, not what somebody sees of it.
+            &self.noise.without_camera(),
+            seed,
+            self.finals.repeats,
+            options.stop_flag(),
+            |_| (),
+        )?;
+        if !self.uncertain.is_empty() {
+            ensemble.warnings.push(Warning::new(
+                Code::UncertainParameters,
+                "repeats differ in the parameters that tuning left open, too; the run without noise has the fixed values",
+            ));
+        }
+        Ok(ensemble)
+    }
+
+    /// What counts of every repeat that ended.
+    fn travels<'a>(&'a self, ensemble: &'a Ensemble) -> impl Iterator<Item = Travel> + 'a {
+        ensemble.motions().map(|(_, motion)| {
+            let energy = motion.energy.as_ref();
+            self.objective
+                .travel(&motion.path, motion.turned_rad, energy, self.duration_s)
+        })
+    }
+
+    /// What going costs; `None` where a servo gave nothing or the robot got nowhere.
+    fn economy_of(&self, robot: &Morphology, ensemble: &Ensemble) -> Option<Economy> {
+        let weight_n = robot.summary().mass_kg * self.experiment(robot).gravity_m_s2;
+        let travels: Vec<Travel> = self.travels(ensemble).collect();
+        let servos_j = travels.iter().map(|travel| travel.servo_j);
+        let distances_m = travels.iter().map(|travel| travel.displacement_m);
+        let balances = ensemble
+            .motions()
+            .filter_map(|(_, motion)| motion.energy.as_ref());
+        Economy::new(
+            &servos_j.collect::<Option<Vec<f64>>>()?,
+            &distances_m.collect::<Vec<f64>>(),
+            weight_n,
+            balances.map(EnergyBalance::residual_share),
+        )
+    }
+
+    /// The objective of an ensemble; `None` where a repeat diverged.
+    pub(super) fn fitness_of(&self, ensemble: &Ensemble) -> Option<f64> {
+        let repeats: Vec<Travel> = self.travels(ensemble).collect();
+        let all_walked = repeats.len() == ensemble.repeats.len() && !repeats.is_empty();
+        let body_length_m = self.body().length_m();
+        all_walked.then(|| self.objective.of(&repeats, body_length_m, self.duration_s))
+    }
+}
+
+/// Survivors of every rerun first, by the fitness with new draws; the draws that chose a robot have no say.
+pub fn rank(mut finalists: Vec<Finalist>) -> Vec<Finalist> {
+    finalists.sort_by(|a, b| {
+        let key = |f: &Finalist| f.finals.fitness.unwrap_or(f64::NEG_INFINITY);
+        let survives = |f: &Finalist| f.finals.survives;
+        (survives(b).cmp(&survives(a))).then(key(b).total_cmp(&key(a)))
+    });
+    for (index, finalist) in finalists.iter_mut().enumerate() {
+        finalist.finals.rank = index + 1;
+    }
+    finalists
+}
+
+fn stopped(options: &RunOptions<'_>) -> Result<()> {
+    if options.is_stopped() {
+        return Err(Error::interrupted(
+            "interrupted while the best robots were looked at again",
+        ));
+    }
+    Ok(())
+}

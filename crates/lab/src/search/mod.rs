@@ -1,0 +1,122 @@
+//! The search for the best robot: genomes, strategies, an objective under noise, finalists.
+//!
+//! [`Search::builder`] states a search, [`Search::read`] reads one from a file. [`Search::run`] lets its [`Strategy`] propose
+//! robots and evaluates them under noise, in memory; [`Search::run_in`] does the same into the store of a results folder. The best
+//! are looked at again by [`Search::finalists`]. Strategies see genomes and fitness only; what is
+//! made large is an [`Objective`] over repeats that differ by noise and by what tuning left open ([`UncertainParameters`]).
+//!
+//! ```
+//! use realgap_optimize::RunOptions;
+//! use realgap_lab::search::{Evolution, FinalsSettings, Search};
+//!
+//! let search = Search::builder(Evolution { population: 3, generations: 2, ..Evolution::default() })
+//!     .uncertain("floor.friction", 0.3, 0.5)
+//!     .duration_s(0.5)
+//!     .repeats(2)
+//!     .finals(FinalsSettings { count: 1, repeats: 4, ..FinalsSettings::default() })
+//!     .build()?;
+//! let options = RunOptions::default();
+//! let results = search.run(&options)?;
+//! assert_eq!(results.robots.len(), search.strategy().budget());
+//! for finalist in search.finalists(&results, &options)? {
+//!     println!("{}", finalist.card());
+//! }
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+//!
+//! # The file
+//!
+//! ```
+//! use realgap_core::file::Source;
+//! use realgap_lab::search::{Overrides, Search};
+//!
+//! let text = r#"Search(
+//!     strategy: Evolution(population: 10, generations: 10),
+//!     duration_s: 20.0,
+//!     objective: (measure: Displacement, aggregate: LowerQuantile(0.2)),
+//!     parameters: [(name: "floor.friction", low: 0.3, high: 0.5)],
+//! )"#;
+//! let search = Search::parse(&Source::new("best.ron", text), &Overrides::default())?;
+//! assert_eq!((search.strategy().name(), search.strategy().budget(), search.repeats()), ("evolution", 82, 8));
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+//!
+//! | field | meaning | default |
+//! |---|---|---|
+//! | `strategy` | `Evolution(population, generations, elites, selection, variation)`, `MapElites(axes, initial, batch, evaluations, variation)`, `Grid(genes)` or `CmaEs(evaluations, genes)` | |
+//! | `start` | of `Grid` and `CmaEs`: `Genome("file.ron")`, or `Morphology("file.ron")` for its gait alone | |
+//! | `duration_s` | length of each run | |
+//! | `development` | settings of [`Development`](realgap_robot::genome::Development); of a genome file its own | |
+//! | `set` | fixed parameters, `{"floor.friction": 0.4}` | |
+//! | `parameters` | what is only known to a range, `[(name, low, high)]`: every repeat draws | |
+//! | `indistinguishable` | a folder of `sweep` or `tune`: every repeat gets one of the points that cannot be told from its best | |
+//! | `noise` | as in a study | an estimate |
+//! | `objective` | `(measure: Displacement, Straightness, Speed or SpeedPerEnergy; aggregate: Mean, LowerQuantile(level) or MeanMinusSd(k); from_s: what comes before does not count)` | displacement, 20 % quantile |
+//! | `repeats` | runs of every robot; all robots get the same draws | 8 |
+//! | `failures` | [`FailureRules`] | |
+//! | `finalists` | [`FinalsSettings`] | |
+//! | `seed` | of everything random | 1 |
+//!
+//! # Strategies alone
+//!
+//! [`OPERATORS`] vary genomes, [`SELECTIONS`] pick their parents, and a [`Strategy`] proposes what to try next. None of these
+//! knows a simulator: who searches evaluates the proposals and hands the history back.
+//!
+//! ```
+//! use realgap_robot::genome::Genome;
+//! use realgap_lab::search::{Evaluated, Evolution, Strategy, generator};
+//!
+//! // As much amplitude as possible, without any physics.
+//! let strategy = Evolution { generations: 5, ..Evolution::default() };
+//! let mut history: Vec<Evaluated> = Vec::new();
+//! loop {
+//!     let proposed = strategy.propose(&history)?;
+//!     if proposed.is_empty() {
+//!         break;
+//!     }
+//!     history.extend(proposed.into_iter().map(|genome: Genome| {
+//!         let fitness = genome.genes().iter().map(|gene| gene.values()[6]).sum();
+//!         Evaluated { genome, fitness: Some(fitness), descriptors: Vec::new() }
+//!     }));
+//! }
+//! let best = history.iter().map(Evaluated::comparable).fold(f64::NEG_INFINITY, f64::max);
+//! let first = history[..10].iter().map(Evaluated::comparable).fold(f64::NEG_INFINITY, f64::max);
+//! assert!(best > first);
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+
+mod baseline;
+mod body;
+mod builder;
+mod descriptor;
+mod evaluate;
+mod failure;
+mod file;
+mod finals;
+mod objective;
+mod problem;
+mod robot;
+mod run;
+mod strategy;
+mod uncertain;
+
+pub use baseline::Baseline;
+pub use body::Body;
+pub use builder::SearchBuilder;
+pub use descriptor::{Behaviour, DESCRIPTORS, Descriptor, descriptor_named};
+pub use failure::{Failure, FailureRules, Reason};
+pub use file::Overrides;
+#[cfg(feature = "schema")]
+pub use file::SearchFile;
+pub use finals::{Finalist, FinalsSettings, rank};
+pub use objective::{Aggregate, Measure, Objective, Travel};
+pub use problem::Search;
+pub use realgap_store::Mode;
+pub use robot::{EvaluatedRobot, Outcome, Performance};
+pub use run::SearchResults;
+pub use strategy::{
+    Archive, Axis, CmaEs, CmaEsSettings, Dose, Evaluated, Evolution, GeneValues, Grid,
+    GridSettings, MapElites, OPERATORS, Operator, SELECTIONS, STRATEGIES, Selection, Space,
+    Strategy, StrategySettings, Variation, generator, operator_named, selection_named,
+};
+pub use uncertain::{UncertainParameters, UncertainRange, read_indistinguishable};

@@ -1,0 +1,217 @@
+//! What is wanted of a robot: a measure of each repeat, and one number of all of them.
+
+use serde::{Deserialize, Serialize};
+
+use realgap_core::Error;
+use realgap_core::Result;
+use realgap_core::statistics::{mean, quantile, standard_deviation};
+use realgap_core::unit::Unit;
+use realgap_engine::EnergyBalance;
+use realgap_path::trajectory::Prepared;
+
+/// What is measured in one repeat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Measure {
+    /// Distance from start to end in the plane, metres: the papers' fitness.
+    Displacement,
+    /// Displacement per length of the path, 0 to 1; 0 for a robot that gets less than one body length far.
+    Straightness,
+    /// Displacement per time, m/s.
+    Speed,
+    /// Displacement per joule that the servos gave, m/J: speed per power is distance per energy. What they took counts as lost
+    /// ([`realgap_engine::EnergyBalance::servo_positive_j`]). 0 for a robot that gets less than one body length far: who
+    /// hardly moves hardly spends.
+    SpeedPerEnergy,
+}
+
+/// One number for all repeats.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Aggregate {
+    /// Their mean.
+    Mean,
+    /// A quantile, level from 0 to 1; low ones prefer robots that rarely fail.
+    LowerQuantile(f64),
+    /// Mean minus so many standard deviations.
+    MeanMinusSd(f64),
+}
+
+/// What is to be made large.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct Objective {
+    /// Of each repeat.
+    pub measure: Measure,
+    /// Of all of them.
+    pub aggregate: Aggregate,
+    /// Seconds of each run that do not count: whoever falls over does so at once, and gets somewhere by that.
+    pub from_s: f64,
+}
+
+impl Default for Objective {
+    /// Displacement, its 20 % quantile.
+    fn default() -> Self {
+        Self {
+            measure: Measure::Displacement,
+            aggregate: Aggregate::LowerQuantile(0.2),
+            from_s: 0.0,
+        }
+    }
+}
+
+/// What one repeat did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Travel {
+    /// From start (or from where it counts) to end in the plane, metres.
+    pub displacement_m: f64,
+    /// Along the path, metres.
+    pub path_length_m: f64,
+    /// Change of the heading, radians, left positive.
+    pub turned_rad: f64,
+    /// What the servos gave meanwhile, joules; `None` where nobody counted.
+    pub servo_j: Option<f64>,
+}
+
+impl Travel {
+    /// Displacement per path length; 0 below one body length of displacement, where there is no direction to speak of.
+    pub fn straightness(&self, body_length_m: f64) -> f64 {
+        if self.displacement_m < body_length_m {
+            return 0.0;
+        }
+        (self.displacement_m / self.path_length_m).min(1.0)
+    }
+
+    /// Displacement per energy, m/J; 0 below one body length, and where no servo gave any or nobody counted.
+    pub fn metres_per_joule(&self, body_length_m: f64) -> f64 {
+        match self.servo_j {
+            Some(servo_j) if servo_j > 0.0 && self.displacement_m >= body_length_m => {
+                self.displacement_m / servo_j
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+impl Measure {
+    /// Its value for one repeat, in [`Measure::unit`].
+    pub fn of(self, travel: &Travel, body_length_m: f64, duration_s: f64) -> f64 {
+        match self {
+            Self::Displacement => travel.displacement_m,
+            Self::Straightness => travel.straightness(body_length_m),
+            Self::Speed => travel.displacement_m / duration_s,
+            Self::SpeedPerEnergy => travel.metres_per_joule(body_length_m),
+        }
+    }
+
+    /// Its unit.
+    pub fn unit(self) -> Unit {
+        match self {
+            Self::Displacement => Unit::Metre,
+            Self::Straightness => Unit::One,
+            Self::Speed => Unit::MetrePerSecond,
+            Self::SpeedPerEnergy => Unit::MetrePerJoule,
+        }
+    }
+
+    /// For people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Displacement => "displacement",
+            Self::Straightness => "straightness",
+            Self::Speed => "speed",
+            Self::SpeedPerEnergy => "speed per energy",
+        }
+    }
+}
+
+impl Aggregate {
+    /// The number of some repeats; at least one.
+    pub fn of(self, values: &[f64]) -> f64 {
+        match self {
+            Self::Mean => mean(values),
+            Self::LowerQuantile(level) => quantile(values, level),
+            Self::MeanMinusSd(k) => mean(values) - k * standard_deviation(values),
+        }
+    }
+}
+
+impl Objective {
+    /// What counts of one run of this length; `energy` as counted from [`Objective::from_s`] on.
+    pub fn travel(
+        &self,
+        path: &Prepared,
+        turned_rad: f64,
+        energy: Option<&EnergyBalance>,
+        duration_s: f64,
+    ) -> Travel {
+        let servo_j = energy.map(|energy| energy.servo_positive_j);
+        let xy_m = path.xy_m();
+        let share = (self.from_s / duration_s).clamp(0.0, 1.0);
+        let first = (share * (xy_m.len() - 1) as f64).round() as usize;
+        if first == 0 {
+            return Travel {
+                displacement_m: path.net_displacement_m(),
+                path_length_m: path.path_length_m(),
+                turned_rad,
+                servo_j,
+            };
+        }
+        let distance_m = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let counted = &xy_m[first..];
+        Travel {
+            displacement_m: distance_m(counted[0], counted[counted.len() - 1]),
+            path_length_m: counted.windows(2).map(|w| distance_m(w[0], w[1])).sum(),
+            turned_rad,
+            servo_j,
+        }
+    }
+
+    /// Its value for the repeats of one robot; at least one.
+    pub fn of(&self, repeats: &[Travel], body_length_m: f64, duration_s: f64) -> f64 {
+        let values = repeats.iter();
+        let counted_s = duration_s - self.from_s;
+        let values = values.map(|travel| self.measure.of(travel, body_length_m, counted_s));
+        self.aggregate.of(&values.collect::<Vec<_>>())
+    }
+
+    /// Checks that it can be computed.
+    ///
+    /// # Errors
+    /// A quantile's level or a factor out of range.
+    pub fn check(&self) -> Result<()> {
+        if !(0.0..=3600.0).contains(&self.from_s) {
+            return Err(Error::invalid("out of range")
+                .field("from_s")
+                .found(self.from_s)
+                .allowed("0 to less than the duration"));
+        }
+        let (value, highest) = match self.aggregate {
+            Aggregate::Mean => return Ok(()),
+            Aggregate::LowerQuantile(level) => (level, 1.0),
+            Aggregate::MeanMinusSd(k) => (k, 100.0),
+        };
+        if (0.0..=highest).contains(&value) {
+            return Ok(());
+        }
+        Err(Error::invalid("out of range")
+            .field("aggregate")
+            .found(value)
+            .allowed(format!("0 to {highest}")))
+    }
+
+    /// For people, e.g. `displacement, 20 % quantile`.
+    pub fn label(&self) -> String {
+        let aggregate = match self.aggregate {
+            Aggregate::Mean => "mean".to_owned(),
+            Aggregate::LowerQuantile(level) => format!("{} % quantile", 100.0 * level),
+            Aggregate::MeanMinusSd(k) => format!("mean - {k} sd"),
+        };
+        let after = match self.from_s {
+            0.0 => String::new(),
+            from_s => format!(" after {from_s} s"),
+        };
+        format!("{}{after}, {aggregate}", self.measure.label())
+    }
+}

@@ -1,0 +1,136 @@
+//! A search: what is searched, by whom, and what is to be made large.
+
+use std::sync::Arc;
+
+use super::body::Body;
+use super::failure::FailureRules;
+use super::finals::FinalsSettings;
+use super::objective::Objective;
+use super::strategy::{Space, Strategy};
+use super::uncertain::UncertainParameters;
+use realgap_engine::parameter::ParameterSet;
+use realgap_engine::{Experiment, Noise, Sampling};
+use realgap_robot::morphology::Morphology;
+use realgap_store::Fingerprint;
+
+/// A search whose settings have been checked. It is made by [`Search::builder`] or read from a file by [`Search::read`].
+#[derive(Debug, Clone)]
+pub struct Search {
+    pub(super) name: String,
+    pub(super) text: String,
+    pub(super) description: String,
+    pub(super) strategy: Arc<dyn Strategy>,
+    pub(super) space: Space,
+    pub(super) duration_s: f64,
+    pub(super) set: ParameterSet,
+    pub(super) uncertain: UncertainParameters,
+    pub(super) noise: Noise,
+    pub(super) noise_from: String,
+    pub(super) objective: Objective,
+    pub(super) repeats: usize,
+    pub(super) failures: FailureRules,
+    pub(super) finals: FinalsSettings,
+}
+
+impl Search {
+    /// Its name: the stem of its file.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The file as written; empty where there is none.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// What it is for.
+    pub fn description(&self) -> &str {
+        &self.description
+    }
+
+    /// What chooses the robots.
+    pub fn strategy(&self) -> &dyn Strategy {
+        self.strategy.as_ref()
+    }
+
+    /// How genomes become robots.
+    pub fn body(&self) -> &Body {
+        self.space.body()
+    }
+
+    /// Length of each run, seconds.
+    pub fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+
+    /// Fixed values of parameters.
+    pub fn set(&self) -> &ParameterSet {
+        &self.set
+    }
+
+    /// Parameters whose values differ from repeat to repeat.
+    pub fn uncertain(&self) -> &UncertainParameters {
+        &self.uncertain
+    }
+
+    /// How else repeats differ.
+    pub fn noise(&self) -> &Noise {
+        &self.noise
+    }
+
+    /// What is made large.
+    pub fn objective(&self) -> &Objective {
+        &self.objective
+    }
+
+    /// Runs of every robot.
+    pub fn repeats(&self) -> usize {
+        self.repeats
+    }
+
+    /// What counts as a failure.
+    pub fn failures(&self) -> &FailureRules {
+        &self.failures
+    }
+
+    /// How the best are looked at again.
+    pub fn finals(&self) -> &FinalsSettings {
+        &self.finals
+    }
+
+    /// Seed of everything random.
+    pub fn seed(&self) -> u64 {
+        self.space.seed()
+    }
+
+    /// Name of a robot.
+    pub fn robot_name(&self, index: usize) -> String {
+        format!("robot_{index:05}")
+    }
+
+    /// The experiment of a robot with the fixed values, without noise.
+    pub fn experiment(&self, robot: &Morphology) -> Experiment {
+        let mut experiment = Experiment::new(robot.assemble());
+        experiment.duration_s = self.duration_s;
+        experiment.sampling = Sampling::Rate(60.0);
+        self.set.apply(&experiment)
+    }
+
+    /// Everything that decides the results.
+    pub fn fingerprint(&self) -> Fingerprint {
+        Fingerprint::new()
+            .with("realgap", env!("CARGO_PKG_VERSION"))
+            .with("engine", realgap_engine::ENGINE_VERSION)
+            .with("search", &self.name)
+            .with("strategy", format!("{:?}", self.strategy))
+            .with("body", format!("{:?}", self.body()))
+            .with("duration_s", self.duration_s)
+            .with("set", &self.set)
+            .with("uncertain parameters", format!("{:?}", self.uncertain))
+            .with("noise", format!("{:?}", self.noise))
+            .with("objective", self.objective.label())
+            .with("repeats", self.repeats)
+            .with("failures", format!("{:?}", self.failures))
+            .with("seed", self.seed())
+    }
+}

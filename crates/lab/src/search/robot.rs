@@ -1,0 +1,168 @@
+//! A robot that has been simulated: what it did, or why it failed.
+
+use super::failure::{Failure, Reason};
+use super::objective::Travel;
+use super::strategy::Evaluated;
+use realgap_core::Error;
+use realgap_core::Result;
+use realgap_core::statistics::mean;
+use realgap_robot::genome::{Gene, Genome};
+use realgap_store::{RobotOutcome, RobotRow, TravelRow};
+
+/// A robot of a search with what it is worth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EvaluatedRobot {
+    /// Position in the search's order, from 0.
+    pub index: usize,
+    /// The genome.
+    pub genome: Genome,
+    /// What came of it.
+    pub outcome: Outcome,
+}
+
+/// What came of a robot.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// It was simulated to the end in every repeat.
+    Walked(Performance),
+    /// It has no fitness.
+    Failed(Failure),
+}
+
+/// What a robot did in its repeats.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Performance {
+    /// In the unit of the objective's measure, larger is better.
+    pub fitness: f64,
+    /// Every repeat, in order.
+    pub repeats: Vec<Travel>,
+    /// The descriptors that the strategy asks for, in its order.
+    pub descriptors: Vec<f64>,
+}
+
+impl EvaluatedRobot {
+    /// What it did; `None` for a failure.
+    pub fn performance(&self) -> Option<&Performance> {
+        match &self.outcome {
+            Outcome::Walked(performance) => Some(performance),
+            Outcome::Failed(_) => None,
+        }
+    }
+
+    /// Fitness in the unit of the objective's measure; `None` for a failure.
+    pub fn fitness(&self) -> Option<f64> {
+        self.performance().map(|performance| performance.fitness)
+    }
+
+    /// Mean net displacement over the repeats, metres; `None` for a failure.
+    pub fn mean_displacement_m(&self) -> Option<f64> {
+        self.performance()
+            .map(|performance| mean_displacement_m(&performance.repeats))
+    }
+
+    /// Whether both walked, and did the very same in every repeat.
+    pub fn walked_as(&self, other: &Self) -> bool {
+        let repeats = |robot: &Self| robot.performance().map(|p| p.repeats.clone());
+        repeats(self).is_some() && repeats(self) == repeats(other)
+    }
+
+    /// Why there is no fitness; `None` where there is one.
+    pub fn failure(&self) -> Option<&Failure> {
+        match &self.outcome {
+            Outcome::Walked(_) => None,
+            Outcome::Failed(failure) => Some(failure),
+        }
+    }
+
+    /// As a strategy sees it.
+    pub fn evaluated(&self) -> Evaluated {
+        Evaluated {
+            genome: self.genome.clone(),
+            fitness: self.fitness(),
+            descriptors: self
+                .performance()
+                .map(|performance| performance.descriptors.clone())
+                .unwrap_or_default(),
+        }
+    }
+}
+
+/// Mean net displacement of some repeats, metres.
+pub(super) fn mean_displacement_m(repeats: &[Travel]) -> f64 {
+    mean(&repeats.iter().map(|t| t.displacement_m).collect::<Vec<_>>())
+}
+
+impl From<&EvaluatedRobot> for RobotRow {
+    fn from(robot: &EvaluatedRobot) -> Self {
+        let outcome = match &robot.outcome {
+            Outcome::Failed(failure) => RobotOutcome::Failed {
+                reason: failure.reason.code().to_owned(),
+                seen: failure.seen.clone(),
+            },
+            Outcome::Walked(performance) => RobotOutcome::Walked {
+                fitness: performance.fitness,
+                repeats: performance
+                    .repeats
+                    .iter()
+                    .map(|travel| TravelRow {
+                        displacement_m: travel.displacement_m,
+                        path_length_m: travel.path_length_m,
+                        turned_rad: travel.turned_rad,
+                        servo_j: travel.servo_j,
+                    })
+                    .collect(),
+                descriptors: performance.descriptors.clone(),
+            },
+        };
+        let genes = robot.genome.genes().iter();
+        Self {
+            index: robot.index,
+            genome: genes.flat_map(|gene| *gene.values()).collect(),
+            outcome,
+        }
+    }
+}
+
+impl TryFrom<&RobotRow> for EvaluatedRobot {
+    type Error = Error;
+
+    fn try_from(row: &RobotRow) -> Result<Self> {
+        let strange = |what: &str| {
+            Error::conflict("a stored robot cannot be understood")
+                .field(format!("robot {}", row.index))
+                .found(what)
+        };
+        let (genes, rest) = row.genome.as_chunks::<{ Gene::LEN }>();
+        let genome = Genome::try_from(genes.to_vec());
+        let genome = genome.ok().filter(|_| rest.is_empty());
+        let outcome = match &row.outcome {
+            RobotOutcome::Failed { reason, seen } => {
+                let reason = Reason::by_code(reason)
+                    .ok_or_else(|| strange("a reason to fail that is none"))?;
+                Outcome::Failed(Failure::new(reason, seen))
+            }
+            RobotOutcome::Walked {
+                fitness,
+                repeats,
+                descriptors,
+            } => Outcome::Walked(Performance {
+                fitness: *fitness,
+                repeats: repeats
+                    .iter()
+                    .map(|travel| Travel {
+                        displacement_m: travel.displacement_m,
+                        path_length_m: travel.path_length_m,
+                        turned_rad: travel.turned_rad,
+                        servo_j: travel.servo_j,
+                    })
+                    .collect(),
+                descriptors: descriptors.clone(),
+            }),
+        };
+        Ok(Self {
+            index: row.index,
+            genome: genome.ok_or_else(|| strange("numbers that are no genome"))?,
+            outcome,
+        })
+    }
+}

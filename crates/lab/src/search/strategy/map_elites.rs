@@ -1,0 +1,163 @@
+//! MAP-Elites: the best robot of every kind of behaviour.
+//!
+//! J.-B. Mouret and J. Clune, "Illuminating search spaces by mapping elites", arXiv 1504.04909, 2015.
+
+use rand::RngExt as _;
+use serde::Deserialize;
+
+use super::space::within_strategy;
+use super::{Archive, Axis, Evaluated, Space, Strategy, StrategySettings, Variation, generator};
+use realgap_core::Error;
+use realgap_core::Result;
+use realgap_robot::genome::Genome;
+
+/// Random robots first, then children of the elites of randomly chosen cells.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct MapElites {
+    /// The axes of the archive, at least one.
+    pub axes: Vec<Axis>,
+    /// Random robots at the beginning.
+    pub initial: usize,
+    /// Robots proposed at once after that.
+    pub batch: usize,
+    /// Robots of the whole search.
+    pub evaluations: usize,
+    /// How children are made.
+    pub variation: Variation,
+    /// Seed of every random choice; that of the search in place of it where the strategy is part of one.
+    #[serde(skip)]
+    pub seed: u64,
+}
+
+impl Default for MapElites {
+    /// A hundred robots, ten at a time; without an axis, which only the user knows.
+    fn default() -> Self {
+        Self {
+            axes: Vec::new(),
+            initial: 10,
+            batch: 10,
+            evaluations: 100,
+            variation: Variation::default(),
+            seed: 1,
+        }
+    }
+}
+
+/// Most cells of one archive.
+const CELLS_AT_MOST: usize = 1_000_000;
+
+impl MapElites {
+    /// Checks every setting.
+    ///
+    /// # Errors
+    /// The first that cannot be used.
+    pub fn check(&self) -> Result<()> {
+        if self.axes.is_empty() {
+            return Err(Error::invalid("an archive without descriptors")
+                .field("axes")
+                .allowed("at least one axis")
+                .hint(
+                    "name what tells robots apart, e.g. the number of modules and of driven faces",
+                ));
+        }
+        for (index, axis) in self.axes.iter().enumerate() {
+            let span = axis.to - axis.from;
+            if !(span.is_finite() && span > 0.0) || axis.cells == 0 {
+                return Err(Error::invalid("not a usable axis")
+                    .field(format!("axes[{index}]"))
+                    .found(format!(
+                        "{} cells from {} to {}",
+                        axis.cells, axis.from, axis.to
+                    ))
+                    .allowed("at least one cell, `from` below `to`, both finite"));
+            }
+        }
+        let cells = self
+            .axes
+            .iter()
+            .try_fold(1_usize, |all, axis| all.checked_mul(axis.cells));
+        if cells.is_none_or(|cells| cells > CELLS_AT_MOST) {
+            return Err(Error::invalid("too many cells")
+                .field("axes")
+                .allowed(format!("at most {CELLS_AT_MOST} in all")));
+        }
+        for (field, value) in [
+            ("initial", self.initial),
+            ("batch", self.batch),
+            ("evaluations", self.evaluations),
+        ] {
+            if value == 0 {
+                return Err(Error::invalid("must not be 0")
+                    .field(field)
+                    .found(value)
+                    .allowed("1 or more"));
+            }
+        }
+        self.variation.check()
+    }
+}
+
+impl StrategySettings for MapElites {
+    fn strategy(&self, space: &Space) -> Result<Box<dyn Strategy>> {
+        space.must_be_free()?;
+        let strategy = Self {
+            seed: space.seed(),
+            ..self.clone()
+        };
+        strategy.check().map_err(within_strategy)?;
+        space.must_hold(&strategy.variation)?;
+        Ok(Box::new(strategy))
+    }
+}
+
+impl Strategy for MapElites {
+    fn name(&self) -> &'static str {
+        "map-elites"
+    }
+
+    fn budget(&self) -> usize {
+        self.evaluations
+    }
+
+    fn descriptors(&self) -> Vec<&str> {
+        self.axes.iter().map(|axis| axis.name.as_str()).collect()
+    }
+
+    fn archive(&self, history: &[Evaluated]) -> Result<Option<Archive>> {
+        self.check()?;
+        Ok(Some(Archive::new(&self.axes, history)))
+    }
+
+    fn propose(&self, history: &[Evaluated]) -> Result<Vec<Genome>> {
+        self.check()?;
+        if history.len() >= self.evaluations {
+            return Ok(Vec::new());
+        }
+        let (step, done, size) = match history.len().checked_sub(self.initial) {
+            None => (0, history.len(), self.initial),
+            Some(later) => (1 + later / self.batch, later % self.batch, self.batch),
+        };
+        let mut rng = generator(self.seed, step as u64);
+        // What the batch knew when it began, however much of it is done.
+        let known = &history[..history.len() - done];
+        let archive = Archive::new(&self.axes, known);
+        let elites: Vec<usize> = archive.cells().iter().filter_map(|cell| *cell).collect();
+        let mut batch = Vec::with_capacity(size);
+        for _ in 0..size {
+            // As long as everything fails, keep on drawing.
+            batch.push(if elites.is_empty() {
+                self.variation.random(&mut rng)?
+            } else {
+                let first = elites[rng.random_range(0..elites.len())];
+                let second = elites[rng.random_range(0..elites.len())];
+                let (first, second) = (&known[first].genome, &known[second].genome);
+                self.variation.child(first, second, &mut rng)?
+            });
+        }
+        let left = self.evaluations - known.len();
+        batch.truncate(left);
+        Ok(batch.split_off(done))
+    }
+}

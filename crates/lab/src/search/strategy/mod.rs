@@ -1,0 +1,102 @@
+//! Strategies: what to try next, as a pure function of what was tried.
+//!
+//! A [`Strategy`] sees genomes, fitness and descriptors, never a simulator: who searches evaluates what it proposes and
+//! hands the history back. Adding one is one file and one line in `registry.rs`; `tests/strategy_contract.rs` holds every
+//! one to the same contract.
+
+mod archive;
+mod cma_es;
+mod evolution;
+mod generator;
+mod grid;
+mod map_elites;
+mod operator;
+mod registry;
+mod selection;
+mod space;
+mod variation;
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use realgap_core::Result;
+use realgap_robot::genome::Genome;
+
+pub use archive::{Archive, Axis};
+pub use cma_es::{CmaEs, CmaEsSettings};
+pub use evolution::Evolution;
+pub use generator::generator;
+pub use grid::{GeneValues, Grid, GridSettings};
+pub use map_elites::MapElites;
+pub use operator::{Dose, OPERATORS, Operator, operator_named};
+pub use registry::STRATEGIES;
+pub(super) use registry::StrategyFile;
+pub use selection::{SELECTIONS, Selection, selection_named};
+pub use space::Space;
+pub use variation::Variation;
+
+/// A genome and how it did.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Evaluated {
+    /// The genome.
+    pub genome: Genome,
+    /// Fitness, larger is better; `None` for a failure (did not develop, diverged, flew).
+    pub fitness: Option<f64>,
+    /// Behaviour descriptors, in the order of [`Strategy::descriptors`].
+    pub descriptors: Vec<f64>,
+}
+
+impl Evaluated {
+    /// Fitness as it is compared: a failure or NaN is negative infinity.
+    pub fn comparable(&self) -> f64 {
+        self.fitness
+            .filter(|fitness| !fitness.is_nan())
+            .unwrap_or(f64::NEG_INFINITY)
+    }
+}
+
+/// Proposes genomes. Pure: the same history gives the same proposals, so that a search is resumed by replaying it.
+pub trait Strategy: fmt::Debug + Send + Sync {
+    /// Name in tables and pictures.
+    fn name(&self) -> &'static str;
+
+    /// Robots of the whole search.
+    fn budget(&self) -> usize;
+
+    /// What people call the robots that are proposed at once.
+    fn batch_name(&self) -> &'static str {
+        "batch"
+    }
+
+    /// Names of the descriptors that it wants of every robot, in the order of [`Evaluated::descriptors`].
+    fn descriptors(&self) -> Vec<&str> {
+        Vec::new()
+    }
+
+    /// What it keeps of a history, where that is an archive.
+    ///
+    /// # Errors
+    /// Settings that cannot be used.
+    fn archive(&self, history: &[Evaluated]) -> Result<Option<Archive>> {
+        let _ = history;
+        Ok(None)
+    }
+
+    /// The rest of the batch under way: what is to be evaluated and added to the history, in this order, before the next
+    /// call. Nothing when the search is complete.
+    ///
+    /// # Errors
+    /// Settings that cannot be used.
+    fn propose(&self, history: &[Evaluated]) -> Result<Vec<Genome>>;
+}
+
+/// What makes a strategy: its settings, as a file has them, become one once they know what is searched.
+pub trait StrategySettings: fmt::Debug + Send + Sync {
+    /// The strategy.
+    ///
+    /// # Errors
+    /// Settings that cannot be used here; `field` starts with `strategy` or `start`.
+    fn strategy(&self, space: &Space) -> Result<Box<dyn Strategy>>;
+}

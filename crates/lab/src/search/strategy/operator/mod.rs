@@ -1,0 +1,95 @@
+//! Operators: from parents to one child.
+//!
+//! One file and one line in [`OPERATORS`] add another; `tests/strategy_contract.rs` holds every one to the same contract.
+
+mod gaussian;
+mod length;
+mod one_point;
+mod uniform;
+
+use rand::Rng;
+
+use realgap_core::Error;
+use realgap_core::Result;
+use realgap_core::file::look_up;
+use realgap_robot::genome::{Gene, Genome};
+
+/// How much an operator may change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dose {
+    /// Probability that it acts: on each number (`gaussian`), on the genome (all others). At 0 the first parent
+    /// comes back as it is.
+    pub rate: f64,
+    /// Standard deviation of a change of a number, as a share of its range (`gaussian` only).
+    pub standard_deviation: f64,
+    /// Most modules of a child, at least 1.
+    pub max_modules: usize,
+}
+
+impl Dose {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// The first that is out of range.
+    pub fn check(&self) -> Result<()> {
+        for (field, value) in [
+            ("rate", self.rate),
+            ("standard_deviation", self.standard_deviation),
+        ] {
+            if !(0.0..=1.0).contains(&value) {
+                return Err(Error::invalid("out of range")
+                    .field(field)
+                    .found(value)
+                    .allowed("0 to 1"));
+            }
+        }
+        if !(1..=Genome::MAX_MODULES).contains(&self.max_modules) {
+            return Err(Error::invalid("out of range")
+                .field("max_modules")
+                .found(self.max_modules)
+                .allowed(format!("1 to {}", Genome::MAX_MODULES)));
+        }
+        Ok(())
+    }
+}
+
+/// Makes one child. The child's numbers are from 0 to 1, and it has no more modules than the dose allows where its parents
+/// have not. Same parents, dose and generator state: same child.
+pub trait Operator: Sync {
+    /// Name in files and on the command line.
+    fn name(&self) -> &'static str;
+
+    /// What it does, in one line.
+    fn doc(&self) -> &'static str;
+
+    /// True if it needs two different parents; the second is not looked at otherwise.
+    fn is_crossover(&self) -> bool;
+
+    /// The child.
+    fn vary(&self, first: &Genome, second: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome;
+}
+
+/// Every operator.
+pub const OPERATORS: &[&dyn Operator] = &[
+    &gaussian::Gaussian,
+    &length::Length::Add,
+    &length::Length::Remove,
+    &length::Length::Duplicate,
+    &one_point::OnePoint,
+    &uniform::Uniform,
+];
+
+/// The operator of this name.
+///
+/// # Errors
+/// An unknown name.
+pub fn operator_named(name: &str) -> Result<&'static dyn Operator> {
+    look_up("operator", name, OPERATORS.iter().copied(), |operator| {
+        operator.name()
+    })
+}
+
+/// The child of these genes, or the parent where they are no genome.
+fn child_or(parent: &Genome, genes: Vec<Gene>) -> Genome {
+    Genome::new(genes).unwrap_or_else(|_| parent.clone())
+}

@@ -1,0 +1,33 @@
+//! The first modules of one parent, the rest of the other.
+
+use rand::{Rng, RngExt};
+
+use super::{Dose, Operator, child_or};
+use realgap_robot::genome::Genome;
+
+/// Cuts both parents behind the same module.
+pub(super) struct OnePoint;
+
+impl Operator for OnePoint {
+    fn name(&self) -> &'static str {
+        "one-point"
+    }
+
+    fn doc(&self) -> &'static str {
+        "the first modules of one parent and the rest of the other, with the probability `rate`"
+    }
+
+    fn is_crossover(&self) -> bool {
+        true
+    }
+
+    fn vary(&self, first: &Genome, second: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome {
+        if !rng.random_bool(dose.rate) {
+            return first.clone();
+        }
+        let cut = rng.random_range(1..=first.len().min(second.len()));
+        let mut genes = first.genes()[..cut].to_vec();
+        genes.extend_from_slice(&second.genes()[cut..]);
+        child_or(first, genes)
+    }
+}

@@ -1,0 +1,46 @@
+//! Every number from either parent.
+
+use rand::{Rng, RngExt};
+
+use super::{Dose, Operator, child_or};
+use realgap_robot::genome::{Gene, Genome};
+
+/// Tosses a coin for the length and for every number that both parents have.
+pub(super) struct Uniform;
+
+impl Operator for Uniform {
+    fn name(&self) -> &'static str {
+        "uniform"
+    }
+
+    fn doc(&self) -> &'static str {
+        "every number from either parent, and the length of either, with the probability `rate`"
+    }
+
+    fn is_crossover(&self) -> bool {
+        true
+    }
+
+    fn vary(&self, first: &Genome, second: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome {
+        if !rng.random_bool(dose.rate) {
+            return first.clone();
+        }
+        let frame = if rng.random() { first } else { second };
+        let genes = frame
+            .genes()
+            .iter()
+            .enumerate()
+            .map(|(index, &own)| {
+                match (first.genes().get(index), second.genes().get(index)) {
+                    (Some(a), Some(b)) => Gene::clamped(std::array::from_fn(|number| {
+                        let from = if rng.random() { a } else { b };
+                        from.values()[number]
+                    })),
+                    // Only the parent that gives the length has this module.
+                    _ => own,
+                }
+            })
+            .collect();
+        child_or(first, genes)
+    }
+}

@@ -1,0 +1,114 @@
+//! What tuning left open: other values of parameters for every repeat.
+
+use std::path::Path;
+
+use rand::RngExt as _;
+use serde::{Deserialize, Serialize};
+
+use realgap_core::Error;
+use realgap_core::Result;
+use realgap_core::random::Numbered;
+use realgap_engine::parameter::{Assignment, ParameterSet, by_name};
+
+/// A parameter that is only known to be in a range.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Uncertain")]
+pub struct UncertainRange {
+    /// Name, as `realgap parameters` lists it.
+    pub name: String,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// Parameters whose values differ from repeat to repeat, because nobody knows them better.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct UncertainParameters {
+    ranges: Vec<UncertainRange>,
+    points: Vec<ParameterSet>,
+}
+
+impl UncertainParameters {
+    /// Ranges, drawn evenly, and points of which every repeat gets one. Ranges overrule points.
+    ///
+    /// # Errors
+    /// Unknown parameters, ends out of bounds or in the wrong order.
+    pub fn new(ranges: Vec<UncertainRange>, points: Vec<ParameterSet>) -> Result<Self> {
+        for (index, range) in ranges.iter().enumerate() {
+            let at = |error: Error| error.field(format!("parameters[{index}]"));
+            let parameter = by_name(&range.name).map_err(at)?;
+            parameter.check(range.low).map_err(at)?;
+            parameter.check(range.high).map_err(at)?;
+            if range.low > range.high {
+                return Err(at(Error::invalid("the ends are in the wrong order")
+                    .found(format!("{} to {}", range.low, range.high))
+                    .allowed("low not above high")));
+            }
+        }
+        Ok(Self { ranges, points })
+    }
+
+    /// True where every repeat has the same values.
+    pub fn is_empty(&self) -> bool {
+        self.ranges.is_empty() && self.points.is_empty()
+    }
+
+    /// Values of one repeat: depends on seed and repeat alone.
+    ///
+    /// # Errors
+    /// None for what [`UncertainParameters::new`] has checked.
+    pub fn draw(&self, seed: u64, repeat: u64) -> Result<ParameterSet> {
+        let mut rng = Numbered::UncertainParameter.generator(seed, repeat);
+        let mut set = match self.points.len() {
+            0 => ParameterSet::new(),
+            count => self.points[rng.random_range(0..count)].clone(),
+        };
+        for range in &self.ranges {
+            let share: f64 = rng.random();
+            let value = range.low * (1.0 - share) + range.high * share;
+            set = set.with(Assignment::new(&range.name, value)?);
+        }
+        Ok(set)
+    }
+}
+
+/// File of a results folder with the points that cannot be told apart from its best one.
+const INDISTINGUISHABLE_FILE: &str = "indistinguishable.csv";
+
+/// The points of a results folder that cannot be told apart from its best one.
+///
+/// # Errors
+/// No such file, unknown parameters, values that are no numbers or out of bounds, no point at all.
+pub fn read_indistinguishable(folder: &Path) -> Result<Vec<ParameterSet>> {
+    let path = folder.join(INDISTINGUISHABLE_FILE);
+    let bytes = std::fs::read(&path).map_err(|e| {
+        Error::io("read the indistinguishable points", &path, &e)
+            .hint("name a folder that a sweep or tuning has written")
+    })?;
+    let torn =
+        |e: csv::Error| Error::invalid(format!("cannot read the points: {e}")).at_file(&path);
+    let mut reader = csv::Reader::from_reader(bytes.as_slice());
+    let header = reader.headers().map_err(torn)?.clone();
+    let mut points = Vec::new();
+    for row in reader.records() {
+        let row = row.map_err(torn)?;
+        let values = header.iter().zip(row.iter()).map(|(name, text)| {
+            let value = text
+                .parse()
+                .map_err(|_| Error::invalid("not a number").field(name).found(text))?;
+            Assignment::new(name, value)
+        });
+        let point: Result<ParameterSet> = values.collect();
+        points.push(point.map_err(|e| e.at_file(&path))?);
+    }
+    if points.is_empty() {
+        return Err(
+            Error::invalid("no point is indistinguishable from the best")
+                .at_file(&path)
+                .hint("the study found no best point"),
+        );
+    }
+    Ok(points)
+}

@@ -1,0 +1,227 @@
+//! The driver owns parallelism, the store, progress and stopping; it knows nothing of what is evaluated.
+
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+use super::options::RunOptions;
+use realgap_core::error::{Advice, Error, Result};
+use realgap_store::Storage;
+
+/// How a drive ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// Every point has been evaluated.
+    Complete,
+    /// Stopped early; everything finished so far is stored.
+    Interrupted,
+}
+
+/// A batch of points to be evaluated into a storage.
+pub struct Batch<'a> {
+    /// Number of points of the study.
+    pub points: usize,
+    /// Number of threads, at least 1.
+    pub jobs: usize,
+    /// Set from outside to stop after the points under way.
+    pub stop: &'a AtomicBool,
+}
+
+impl<'a> Batch<'a> {
+    /// So many points, as a run asks for.
+    pub fn new(points: usize, run: &'a RunOptions<'_>) -> Self {
+        Self {
+            points,
+            jobs: run.jobs,
+            stop: run.stop_flag(),
+        }
+    }
+}
+
+/// Threads for everything that a study does in parallel.
+///
+/// # Errors
+/// More threads than the system gives.
+pub fn pool(jobs: usize) -> Result<rayon::ThreadPool> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(jobs.max(1))
+        .build()
+        .map_err(|e| {
+            Error::conflict(format!("cannot start {jobs} threads: {e}"))
+                .advise(Advice::FewerThreads)
+        })
+}
+
+/// Evaluates all points that the storage does not have yet and takes, in parallel, and keeps each as it comes. Where others
+/// are missing that it does not take, the drive ends as interrupted.
+///
+/// Which thread evaluates which point has no influence on any result. `progress` is called on the
+/// calling thread with the number of points finished so far, stored ones included.
+///
+/// # Errors
+/// The first error of `evaluate` or of the store; everything finished before is stored.
+pub fn drive<R: Send>(
+    batch: &Batch<'_>,
+    store: &mut impl Storage<R>,
+    evaluate: impl Fn(usize) -> Result<R> + Sync,
+    mut progress: impl FnMut(usize),
+) -> Result<Ending> {
+    let finished: BTreeSet<usize> = store.finished()?;
+    let mut todo: Vec<usize> = (0..batch.points)
+        .filter(|index| !finished.contains(index))
+        .collect();
+    let mut done = batch.points - todo.len();
+    store.begin(batch.points);
+    todo.retain(|index| store.takes(*index));
+    progress(done);
+    // A thread without a point of its own helps with the cases of the others.
+    let pool = pool(batch.jobs)?;
+    let jobs = batch.jobs.clamp(1, todo.len().max(1));
+    let next = AtomicUsize::new(0);
+    let abort = AtomicBool::new(false);
+    let (sender, receiver) = mpsc::channel::<Result<R>>();
+    let mut first_error = None;
+    pool.in_place_scope(|scope| {
+        for _ in 0..jobs {
+            let (sender, next, abort, todo, evaluate) =
+                (sender.clone(), &next, &abort, &todo, &evaluate);
+            scope.spawn(move |_| {
+                while !abort.load(Ordering::Relaxed) && !batch.stop.load(Ordering::Relaxed) {
+                    let Some(&index) = todo.get(next.fetch_add(1, Ordering::Relaxed)) else {
+                        break;
+                    };
+                    if sender.send(evaluate(index)).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        while let Ok(first) = receiver.recv() {
+            // Whatever has piled up meanwhile goes into the same transaction.
+            let mut trials = Vec::new();
+            for result in std::iter::once(first).chain(receiver.try_iter()) {
+                match result {
+                    Ok(trial) => trials.push(trial),
+                    Err(error) => {
+                        abort.store(true, Ordering::Relaxed);
+                        first_error.get_or_insert(error);
+                    }
+                }
+            }
+            if let Err(error) = store.insert(&trials) {
+                abort.store(true, Ordering::Relaxed);
+                first_error.get_or_insert(error);
+                continue;
+            }
+            done += trials.len();
+            progress(done);
+        }
+    });
+    match first_error {
+        Some(error) => Err(error),
+        None if done == batch.points => Ok(Ending::Complete),
+        None => Ok(Ending::Interrupted),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realgap_store::{CaseOutcome, CaseRow, Fingerprint, Store, Trial};
+
+    fn trial(index: usize) -> Trial {
+        let case = CaseRow {
+            steps: index as u64,
+            outcome: CaseOutcome::Diverged(format!("at {}", (index as f64).sin())),
+        };
+        Trial {
+            index,
+            values: vec![index as f64],
+            cases: vec![case],
+        }
+    }
+
+    #[test]
+    fn an_interrupted_drive_goes_on_where_it_stopped_and_ends_with_the_same_bits() {
+        let whole = tempfile::tempdir().unwrap();
+        let parts = tempfile::tempdir().unwrap();
+        let fingerprint = Fingerprint::new();
+        let never = AtomicBool::new(false);
+        let mut store = Store::create(whole.path(), &fingerprint).unwrap();
+        let batch = Batch {
+            points: 40,
+            jobs: 1,
+            stop: &never,
+        };
+        assert_eq!(
+            drive(&batch, &mut store, |i| Ok(trial(i)), |_| ()).unwrap(),
+            Ending::Complete
+        );
+
+        let stop = AtomicBool::new(false);
+        let mut partial = Store::create(parts.path(), &fingerprint).unwrap();
+        let batch = Batch {
+            points: 40,
+            jobs: 3,
+            stop: &stop,
+        };
+        let ending = drive(
+            &batch,
+            &mut partial,
+            |i| {
+                if i == 11 {
+                    stop.store(true, Ordering::Relaxed);
+                }
+                Ok(trial(i))
+            },
+            |_| (),
+        );
+        assert_eq!(ending.unwrap(), Ending::Interrupted);
+        let before = partial.finished().unwrap().len();
+        assert!((1..40).contains(&before), "{before}");
+        let batch = Batch {
+            points: 40,
+            jobs: 2,
+            stop: &never,
+        };
+        let mut first_progress = None;
+        let ending = drive(
+            &batch,
+            &mut partial,
+            |i| Ok(trial(i)),
+            |n| {
+                first_progress.get_or_insert(n);
+            },
+        );
+        assert_eq!(ending.unwrap(), Ending::Complete);
+        assert_eq!(first_progress, Some(before));
+        assert_eq!(partial.trials().unwrap(), store.trials().unwrap());
+    }
+
+    #[test]
+    fn an_error_stops_the_drive_and_keeps_what_was_finished() {
+        let folder = tempfile::tempdir().unwrap();
+        let never = AtomicBool::new(false);
+        let mut store = Store::create(folder.path(), &Fingerprint::new()).unwrap();
+        let batch = Batch {
+            points: 10,
+            jobs: 1,
+            stop: &never,
+        };
+        let error = drive(
+            &batch,
+            &mut store,
+            |i| {
+                if i == 4 {
+                    Err(Error::invalid("point 4"))
+                } else {
+                    Ok(trial(i))
+                }
+            },
+            |_| (),
+        );
+        assert_eq!(error.unwrap_err().message(), "point 4");
+        assert!(store.finished().unwrap().len() >= 4);
+    }
+}

@@ -1,0 +1,382 @@
+//! Heat map: the score over two parameters, with the best point and all that cannot be told from it.
+
+use std::path::Path;
+
+use plotters::backend::DrawingBackend;
+use plotters::style::RGBColor;
+
+use super::axis::{self, AxisSpec, Truth, check_length, check_values, edges};
+use super::canvas::{Align, Canvas, Letter};
+use super::colour::{FAINT_INK, INK, WHITE, score_colour};
+use super::font::{Weight, shorten};
+use super::frame::{BELOW_LABEL, Frame, LABEL_SIZE, left_of_label, left_of_ticks, tick_letter};
+use super::heading::{Caption, Heading};
+use super::legend::{Legend, Symbol, draw_diverged, draw_evaluated, draw_ring, draw_star};
+use super::picture::{self, Picture};
+use super::scale::{COLOUR_DECADES, Scale, ScoreScale, Tick};
+use realgap_core::Error;
+use realgap_core::Result;
+use realgap_core::unit::DisplayUnit;
+use realgap_core::unit::Unit;
+
+const WIDTH: f64 = 1200.0;
+const HEIGHT: f64 = 950.0;
+const MARGIN: f64 = 34.0;
+const BAR_GAP: f64 = 30.0;
+const BAR_WIDTH: f64 = 34.0;
+
+/// A heat map; the point (ix, iy) has index `iy * x_values.len() + ix` in `scores` and
+/// `indistinguishable`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeatMap {
+    /// What is shown, and where it comes from.
+    pub caption: Caption,
+    /// The horizontal parameter.
+    pub x: AxisSpec,
+    /// The vertical parameter.
+    pub y: AxisSpec,
+    /// Values of the horizontal parameter, strictly increasing.
+    pub x_values: Vec<f64>,
+    /// Values of the vertical parameter, strictly increasing.
+    pub y_values: Vec<f64>,
+    /// Row by row, `x` fastest; `None` (and anything not finite) is no score, e.g. a diverged simulation.
+    pub scores: Vec<Option<f64>>,
+    /// What points without a score are called, e.g. `diverged`.
+    pub missing: String,
+    /// What the score is, e.g. `PCA discrepancy`.
+    pub score_label: String,
+    /// Unit in which the scores are given; they are shown in one of handy size.
+    pub score_unit: Unit,
+    /// How scores become colours; the label of the colour bar says so.
+    pub scale: ScoreScale,
+    /// (ix, iy) of the best point.
+    pub best: Option<(usize, usize)>,
+    /// Where the best point lies, if not in the middle of its cell.
+    pub best_at: Option<(f64, f64)>,
+    /// Points that cannot be told from the best, in the order of `scores`; empty for none.
+    pub indistinguishable: Vec<bool>,
+    /// The true values, where they are known.
+    pub truth: Option<Truth>,
+    /// Where the scores come from, if that is not every cell: each point gets a dot.
+    pub evaluated: Vec<(f64, f64)>,
+    /// Bright is a large score, as for a fitness; otherwise a small one, as for a distance.
+    pub larger_is_better: bool,
+    /// Lines above the cells, in the units of the axes: walls of a map.
+    pub lines: Vec<Vec<(f64, f64)>>,
+}
+
+/// Draws a heat map into a PNG or SVG file.
+pub fn draw_heat_map(map: &HeatMap, path: impl AsRef<Path>) -> Result<()> {
+    map.check()?;
+    picture::write(map, path.as_ref())
+}
+
+impl HeatMap {
+    fn check(&self) -> Result<()> {
+        check_values("x_values", &self.x_values)?;
+        check_values("y_values", &self.y_values)?;
+        let points = self.x_values.len() * self.y_values.len();
+        check_length("scores", self.scores.len(), points)?;
+        if !self.indistinguishable.is_empty() {
+            check_length("indistinguishable", self.indistinguishable.len(), points)?;
+        }
+        if let Some((ix, iy)) = self.best
+            && (ix >= self.x_values.len() || iy >= self.y_values.len())
+        {
+            return Err(Error::invalid("the best point lies outside the grid")
+                .field("best")
+                .found(format!("({ix}, {iy})"))
+                .allowed(format!(
+                    "up to ({}, {})",
+                    self.x_values.len() - 1,
+                    self.y_values.len() - 1
+                )));
+        }
+        Ok(())
+    }
+
+    fn score(&self, ix: usize, iy: usize) -> Option<f64> {
+        self.scores[iy * self.x_values.len() + ix].filter(|score| score.is_finite())
+    }
+
+    /// Where the best point lies, which is in the cell (ix, iy).
+    fn place(&self, ix: usize, iy: usize) -> (f64, f64) {
+        self.best_at
+            .unwrap_or((self.x_values[ix], self.y_values[iy]))
+    }
+
+    fn is_indistinguishable(&self, ix: usize, iy: usize) -> bool {
+        ix < self.x_values.len()
+            && iy < self.y_values.len()
+            && self
+                .indistinguishable
+                .get(iy * self.x_values.len() + ix)
+                .is_some_and(|&inside| inside)
+    }
+
+    fn finite_scores(&self) -> Vec<f64> {
+        self.scores
+            .iter()
+            .filter_map(|score| score.filter(|s| s.is_finite()))
+            .collect()
+    }
+
+    fn legend(&self, finite: &[f64], unit: DisplayUnit) -> Legend {
+        let mut entries = Vec::new();
+        if let Some((ix, iy)) = self.best {
+            let score = self
+                .score(ix, iy)
+                .map_or("diverged".to_string(), |score| unit.format(score));
+            let (x, y) = self.place(ix, iy);
+            let place = format!("{}, {}", self.x.at(x), self.y.at(y));
+            entries.push((Symbol::Star, format!("best: {score} at {place}")));
+        }
+        let inside = self
+            .indistinguishable
+            .iter()
+            .filter(|&&inside| inside)
+            .count();
+        if inside > 0 {
+            let text = format!(
+                "cannot be told from the best ({inside} of {})",
+                self.scores.len()
+            );
+            entries.push((Symbol::Outline, text));
+        }
+        if !self.evaluated.is_empty() {
+            let text = format!("evaluated ({})", self.evaluated.len());
+            entries.push((Symbol::Evaluated, text));
+        }
+        let diverged = self.scores.len() - finite.len();
+        if diverged > 0 {
+            entries.push((Symbol::Diverged, format!("{} ({diverged})", self.missing)));
+        }
+        if let Some(truth) = &self.truth {
+            let place = format!("{}, {}", self.x.at(truth.x), self.y.at(truth.y));
+            entries.push((Symbol::Ring, format!("{}: {place}", truth.label)));
+        }
+        Legend::new(entries, WIDTH - 2.0 * MARGIN)
+    }
+
+    fn colour(&self, share: f64) -> RGBColor {
+        score_colour(if self.larger_is_better {
+            1.0 - share
+        } else {
+            share
+        })
+    }
+
+    fn draw_cells<B: DrawingBackend>(
+        &self,
+        canvas: &mut Canvas<B>,
+        frame: &Frame,
+        scores: &Scale,
+        factor: f64,
+    ) {
+        let xs: Vec<f64> = edges(&self.x_values)
+            .iter()
+            .map(|&x| frame.at_x(x))
+            .collect();
+        let ys: Vec<f64> = edges(&self.y_values)
+            .iter()
+            .map(|&y| frame.at_y(y))
+            .collect();
+        for iy in 0..self.y_values.len() {
+            let colour = |ix| {
+                self.score(ix, iy)
+                    .map(|score| self.colour(scores.share(score * factor)))
+            };
+            let mut start = 0;
+            while start < self.x_values.len() {
+                // Neighbours of one look become one area: smaller files, no seams.
+                let look = colour(start);
+                let mut end = start + 1;
+                while end < self.x_values.len() && colour(end) == look {
+                    end += 1;
+                }
+                let (from, to) = ((xs[start], ys[iy + 1]), (xs[end], ys[iy]));
+                match look {
+                    Some(colour) => canvas.cell(from, to, colour),
+                    None => draw_diverged(canvas, from, to),
+                }
+                start = end;
+            }
+        }
+        for (width, colour) in [(6.0, WHITE), (3.0, INK)] {
+            self.draw_boundary(canvas, &xs, &ys, width, colour);
+        }
+    }
+
+    /// The edges between cells inside the indistinguishable set and cells outside it.
+    fn draw_boundary<B: DrawingBackend>(
+        &self,
+        canvas: &mut Canvas<B>,
+        xs: &[f64],
+        ys: &[f64],
+        width: f64,
+        colour: RGBColor,
+    ) {
+        let half = width / 2.0;
+        let mut segment = |from: (f64, f64), to: (f64, f64)| {
+            let (from, to) = (
+                (from.0.round(), from.1.round()),
+                (to.0.round(), to.1.round()),
+            );
+            canvas.fill(
+                (from.0.min(to.0) - half, from.1.min(to.1) - half),
+                (from.0.max(to.0) + half, from.1.max(to.1) + half),
+                colour,
+            );
+        };
+        for iy in 0..self.y_values.len() {
+            for ix in 0..self.x_values.len() {
+                if !self.is_indistinguishable(ix, iy) {
+                    continue;
+                }
+                if ix == 0 || !self.is_indistinguishable(ix - 1, iy) {
+                    segment((xs[ix], ys[iy]), (xs[ix], ys[iy + 1]));
+                }
+                if !self.is_indistinguishable(ix + 1, iy) {
+                    segment((xs[ix + 1], ys[iy]), (xs[ix + 1], ys[iy + 1]));
+                }
+                if iy == 0 || !self.is_indistinguishable(ix, iy - 1) {
+                    segment((xs[ix], ys[iy]), (xs[ix + 1], ys[iy]));
+                }
+                if !self.is_indistinguishable(ix, iy + 1) {
+                    segment((xs[ix], ys[iy + 1]), (xs[ix + 1], ys[iy + 1]));
+                }
+            }
+        }
+    }
+
+    fn draw_marks<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, frame: &Frame) {
+        for line in &self.lines {
+            let inside = line.iter().map(|&(x, y)| {
+                let [left, right] = [frame.x.low, frame.x.high];
+                let [low, high] = [frame.y.low, frame.y.high];
+                frame.at((x.clamp(left, right), y.clamp(low, high)))
+            });
+            let points: Vec<_> = inside.collect();
+            for (width, colour) in [(6.0, WHITE), (3.0, INK)] {
+                canvas.path(&points, width, colour, None);
+            }
+        }
+        for &(x, y) in &self.evaluated {
+            let inside = [frame.x.share(x), frame.y.share(y)];
+            if inside.iter().all(|share| (0.0..=1.0).contains(share)) {
+                draw_evaluated(canvas, frame.at((x, y)));
+            }
+        }
+        if let Some(truth) = &self.truth {
+            let is_inside = [frame.x.share(truth.x), frame.y.share(truth.y)]
+                .iter()
+                .all(|share| (0.0..=1.0).contains(share));
+            if is_inside {
+                draw_ring(canvas, frame.at((truth.x, truth.y)));
+            }
+        }
+        if let Some((ix, iy)) = self.best {
+            draw_star(canvas, frame.at(self.place(ix, iy)));
+        }
+    }
+}
+
+impl Picture for HeatMap {
+    fn size(&self) -> (u32, u32) {
+        (WIDTH as u32, HEIGHT as u32)
+    }
+
+    fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+        let finite = self.finite_scores();
+        let unit = DisplayUnit::for_values(self.score_unit, finite.iter().copied());
+        let shown: Vec<f64> = finite.iter().map(|score| score * unit.factor).collect();
+        let scores = Scale::for_scores(&shown, self.scale, COLOUR_DECADES);
+        let bar_ticks = scores.ticks(7);
+
+        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
+        heading.draw(canvas, MARGIN, 14.0);
+        let legend = self.legend(&finite, unit);
+        let legend_top = HEIGHT - 16.0 - legend.height();
+        legend.draw(canvas, MARGIN, legend_top);
+
+        let (x_edges, y_edges) = (edges(&self.x_values), edges(&self.y_values));
+        let x = Scale::linear(x_edges[0], x_edges[x_edges.len() - 1]);
+        let y = Scale::linear(y_edges[0], y_edges[y_edges.len() - 1]);
+        let x_ticks = axis::ticks(&self.x, &self.x_values, &x, 7);
+        let y_ticks = axis::ticks(&self.y, &self.y_values, &y, 8);
+        let right_of_frame = if finite.is_empty() {
+            30.0
+        } else {
+            BAR_GAP + BAR_WIDTH + left_of_ticks(&bar_ticks) + 12.0 + LABEL_SIZE
+        };
+        let frame = Frame {
+            left: MARGIN + left_of_label(&y_ticks),
+            top: 14.0 + heading.height() + 22.0,
+            right: WIDTH - MARGIN + 8.0 - right_of_frame,
+            bottom: legend_top - 14.0 - BELOW_LABEL,
+            x,
+            y,
+        };
+        self.draw_cells(canvas, &frame, &scores, unit.factor);
+        frame.draw_outline(canvas);
+        frame.draw_x_axis(canvas, &x_ticks, &self.x.title());
+        frame.draw_y_axis(canvas, &y_ticks, &self.y.title());
+        self.draw_marks(canvas, &frame);
+        if finite.is_empty() {
+            let centre = (
+                (frame.left + frame.right) / 2.0,
+                (frame.top + frame.bottom) / 2.0,
+            );
+            canvas.cell(
+                (centre.0 - 210.0, centre.1 - 30.0),
+                (centre.0 + 210.0, centre.1 + 30.0),
+                WHITE,
+            );
+            let letter = Letter::new(28.0, Weight::Bold, FAINT_INK);
+            canvas.text_beside("every simulation diverged", centre, Align::Centre, letter);
+        } else {
+            let label = format!("{}{}", unit.label(&self.score_label), scores.remark());
+            self.draw_colour_bar(canvas, &frame, &scores, &bar_ticks, &label);
+        }
+    }
+}
+
+impl HeatMap {
+    fn draw_colour_bar<B: DrawingBackend>(
+        &self,
+        canvas: &mut Canvas<B>,
+        frame: &Frame,
+        scores: &Scale,
+        ticks: &[Tick],
+        label: &str,
+    ) {
+        let bar = Frame {
+            left: (frame.right + BAR_GAP).round(),
+            right: (frame.right + BAR_GAP).round() + BAR_WIDTH,
+            y: *scores,
+            ..*frame
+        };
+        let (top, bottom) = (bar.top.round(), bar.bottom.round());
+        let steps = (bottom - top).max(1.0) as usize;
+        for step in 0..steps {
+            let y = top + step as f64;
+            let share = 1.0 - (step as f64 + 0.5) / steps as f64;
+            canvas.cell((bar.left, y), (bar.right, y + 1.0), self.colour(share));
+        }
+        bar.draw_outline(canvas);
+        for tick in ticks {
+            let y = bar.at_y(tick.value).round();
+            canvas.fill((bar.right, y - 1.0), (bar.right + 7.0, y + 1.0), INK);
+            canvas.text_beside(
+                &tick.label,
+                (bar.right + 13.0, y),
+                Align::Left,
+                tick_letter(),
+            );
+        }
+        let baseline = bar.right + left_of_ticks(ticks) + 12.0 + 0.8 * LABEL_SIZE;
+        let middle = (bar.top + bar.bottom) / 2.0;
+        let label = shorten(label, Weight::Regular, LABEL_SIZE, bottom - top);
+        canvas.text_upwards(&label, (baseline, middle), super::frame::label_letter());
+    }
+}

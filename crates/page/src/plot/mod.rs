@@ -1,0 +1,70 @@
+//! Pictures and tables: plain data in, a file or a text out.
+//!
+//! | what | function | shows |
+//! |---|---|---|
+//! | [`HeatMap`] | [`draw_heat_map`] | the score over two parameters |
+//! | [`Curve`] | [`draw_curve`] | the score over one parameter |
+//! | [`PanelGrid`] | [`draw_panels`] | simulated paths at several parameter values, over the real ones |
+//! | [`LinePlot`] | [`draw_lines`] | lines, dots and bands over time or number of simulations |
+//! | [`Cloud`] | [`plane()`], [`draw_lines`] | recordings and simulations in the first two principal components |
+//! | [`BarChart`] | [`draw_bars`] | what each of many causes changes |
+//! | [`ColumnChart`] | [`draw_columns`] | a few values for each of several things |
+//! | [`Stack`] | [`draw_stack`] | several quantities over one axis, one above the other |
+//! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
+//! | [`EnsemblePlot`] | [`draw_ensemble`] | repeats by behaviour, their envelope over time, the real runs |
+//! | [`Animation`] | [`draw_animation`] | a robot in motion, as the bytes of an animated PNG |
+//! | [`Gallery`] | [`draw_gallery`] | robots as shaded boxes |
+//! | [`TextTable`] | [`TextTable::render`] | a table for the terminal |
+//!
+//! Every `draw_…` function writes PNG or SVG by the extension of the path. The file is complete or
+//! it is not there, and the same data give the same bytes. Nothing here knows where the data come
+//! from: callers fill the structs. This is the only room that names `plotters`.
+
+mod animation;
+mod axis;
+mod bar;
+mod block;
+mod canvas;
+mod colour;
+mod column;
+mod cuboid;
+mod curve;
+mod ensemble;
+mod font;
+mod frame;
+mod gallery;
+mod heading;
+mod heatmap;
+mod legend;
+mod line;
+mod overlay;
+mod panel;
+mod path;
+mod picture;
+mod plane;
+mod scale;
+mod stack;
+#[cfg(test)]
+mod tests;
+
+pub use animation::{Animation, Look, Moment, Trace, draw_animation};
+pub use axis::{AxisSpec, Truth};
+pub use bar::{Bar, BarChart, draw_bars};
+pub use block::{Block, BlockKind, DrivenFace, Motion};
+pub use column::{ColumnChart, ColumnSeries, draw_columns};
+pub use cuboid::Cuboid;
+pub use curve::{Curve, draw_curve};
+pub use ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
+pub use gallery::{Command, Gallery, GalleryRobot, ModuleName, draw_gallery};
+pub use heading::Caption;
+pub use heatmap::{HeatMap, draw_heat_map};
+pub use line::{LinePlot, Series, SeriesKind, draw_lines};
+pub use overlay::{Overlay, OverlayPath, draw_overlay};
+pub use panel::{Panel, PanelGrid, draw_panels};
+pub use path::PathPoint;
+pub use picture::check_picture_path;
+pub use plane::{Cloud, plane};
+pub use realgap_core::table::{Side, TextTable};
+pub use realgap_core::unit::{DisplayUnit, number, quantity};
+pub use scale::ScoreScale;
+pub use stack::{Stack, StackRow, draw_stack};

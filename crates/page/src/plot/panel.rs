@@ -1,0 +1,279 @@
+//! Panels: simulated paths at several parameter values, each over the real ones.
+
+use std::path::Path;
+
+use plotters::backend::DrawingBackend;
+
+use super::canvas::{Align, Canvas, Letter};
+use super::colour::{BLUE, DIVERGED, FAINT_INK, INK, VERMILLION, tint};
+use super::font::{Weight, shorten, wrap};
+use super::frame::{BELOW_LABEL, Frame, left_of_label};
+use super::heading::{Caption, Heading};
+use super::legend::{Legend, Symbol, draw_star, draw_start};
+use super::path::{PathPoint, bounds_cm, draw_path, equal_aspect, finite_cm};
+use super::picture::{self, Picture};
+use super::scale::{Scale, Tick};
+use realgap_core::Result;
+use realgap_core::unit::DisplayUnit;
+use realgap_core::unit::Unit;
+
+const WIDTH: f64 = 1260.0;
+const MARGIN: f64 = 30.0;
+const GAP: f64 = 30.0;
+const ROW_GAP: f64 = 10.0;
+/// Room above a panel for the discrepancy, and for each line of the note.
+const TITLE: f64 = 38.0;
+const NOTE_LINE: f64 = 26.0;
+const NOTE_LINES_AT_MOST: usize = 3;
+const TITLE_SIZE: f64 = 23.0;
+const NOTE_SIZE: f64 = 20.0;
+/// Height of a panel as a share of its width.
+const SHAPE: std::ops::RangeInclusive<f64> = 0.42..=1.1;
+
+/// One panel: simulated paths at one set of parameter values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// Discrepancy, in the unit of the figure; `None` (or not finite) means diverged.
+    pub score: Option<f64>,
+    /// The parameter values, e.g. `friction 0.29, restitution 0.45`.
+    pub note: String,
+    /// Simulated paths in metres, one for each recording that was simulated.
+    pub simulated_m: Vec<Vec<PathPoint>>,
+    /// Whether this is the best of the sweep; it gets a thick frame and a star.
+    pub is_best: bool,
+}
+
+/// A grid of panels with common axes, filled row by row from the top left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PanelGrid {
+    /// What is shown, and where it comes from.
+    pub caption: Caption,
+    /// Panels side by side, 1 to 6; three for nine panels.
+    pub columns: usize,
+    /// The panels, at most 60.
+    pub panels: Vec<Panel>,
+    /// Real paths in metres, behind the simulated ones of every panel.
+    pub reality_m: Vec<Vec<PathPoint>>,
+    /// What the legend calls them, e.g. `reality` or `stand-in for reality`.
+    pub reality_label: String,
+    /// Unit of the scores.
+    pub unit: Unit,
+}
+
+/// Draws a grid of panels into a PNG or SVG file.
+pub fn draw_panels(grid: &PanelGrid, path: impl AsRef<Path>) -> Result<()> {
+    picture::check_rows("panels", grid.panels.len(), grid.columns)?;
+    picture::write(grid, path.as_ref())
+}
+
+struct Layout {
+    heading: Heading,
+    legend: Legend,
+    x: Scale,
+    y: Scale,
+    x_ticks: Vec<Tick>,
+    y_ticks: Vec<Tick>,
+    unit: DisplayUnit,
+    /// Room above each panel.
+    head: f64,
+    left: f64,
+    top: f64,
+    panel_width: f64,
+    panel_height: f64,
+    legend_top: f64,
+    height: f64,
+}
+
+impl Panel {
+    fn finite_score(&self) -> Option<f64> {
+        self.score.filter(|score| score.is_finite())
+    }
+
+    fn note_lines(&self, width: f64) -> Vec<String> {
+        wrap(
+            &self.note,
+            Weight::Regular,
+            NOTE_SIZE,
+            width,
+            NOTE_LINES_AT_MOST,
+        )
+    }
+}
+
+impl PanelGrid {
+    fn layout(&self) -> Layout {
+        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
+        let legend = self.legend();
+        let columns = self.columns.min(self.panels.len()) as f64;
+        let rows = self.panels.len().div_ceil(self.columns) as f64;
+
+        // A diverged path leads anywhere and would shrink all others to a dot.
+        let good = self
+            .panels
+            .iter()
+            .filter(|panel| panel.finite_score().is_some());
+        let simulated = good.flat_map(|panel| &panel.simulated_m);
+        let (x, y) = bounds_cm(self.reality_m.iter().chain(simulated).map(Vec::as_slice));
+        let shape = ((y.1 - y.0) / (x.1 - x.0)).clamp(*SHAPE.start(), *SHAPE.end());
+        let tick_count = |length: f64| (length / 50.0).clamp(3.0, 9.0) as usize;
+        // The width of the labels decides the width of the panels and the other way round: one
+        // round is enough, as only the number of digits matters.
+        let (_, rough) = equal_aspect(x, y, 1.0 / shape);
+        let left = (MARGIN + left_of_label(&rough.ticks(4))).round();
+        let panel_width = ((WIDTH - MARGIN - left - GAP * (columns - 1.0)) / columns).floor();
+        let panel_height = (panel_width.min(560.0) * shape).round();
+        let (x, y) = equal_aspect(x, y, panel_width / panel_height);
+        let note_lines = self
+            .panels
+            .iter()
+            .map(|panel| panel.note_lines(panel_width).len());
+        let head = TITLE + NOTE_LINE * note_lines.max().unwrap_or(0) as f64;
+        let top = (14.0 + heading.height() + 10.0).round();
+        let legend_top =
+            top + rows * (head + panel_height) + (rows - 1.0) * ROW_GAP + BELOW_LABEL + 10.0;
+        let scores = self.panels.iter().filter_map(Panel::finite_score);
+        Layout {
+            height: legend_top + legend.height() + 14.0,
+            x_ticks: x.ticks(tick_count(panel_width)),
+            y_ticks: y.ticks(tick_count(panel_height)),
+            unit: DisplayUnit::for_values(self.unit, scores),
+            head,
+            heading,
+            legend,
+            x,
+            y,
+            left,
+            top,
+            panel_width,
+            panel_height,
+            legend_top,
+        }
+    }
+
+    fn legend(&self) -> Legend {
+        let line = |colour, width| Symbol::Line {
+            colour,
+            width,
+            dash: None,
+        };
+        let mut entries = Vec::new();
+        if !self.reality_m.is_empty() {
+            let (colour, width) = self.reality_style();
+            let text = match self.reality_m.len() {
+                1 => self.reality_label.clone(),
+                count => format!("{} ({count} runs)", self.reality_label),
+            };
+            entries.push((line(colour, width), text));
+        }
+        entries.push((line(BLUE, 3.5), "simulation".to_string()));
+        entries.push((Symbol::Start, "start".to_string()));
+        if self.panels.iter().any(|panel| panel.is_best) {
+            entries.push((Symbol::Star, "best of the sweep".to_string()));
+        }
+        Legend::new(entries, WIDTH - 2.0 * MARGIN)
+    }
+
+    /// One real path stands out; many are a background.
+    fn reality_style(&self) -> (plotters::style::RGBColor, f64) {
+        if self.reality_m.len() == 1 {
+            (INK, 4.0)
+        } else {
+            (tint(INK, 0.45), 2.0)
+        }
+    }
+
+    fn draw_panel<B: DrawingBackend>(
+        &self,
+        canvas: &mut Canvas<B>,
+        panel: &Panel,
+        frame: &Frame,
+        layout: &Layout,
+    ) {
+        let score = panel.finite_score();
+        if score.is_none() {
+            canvas.cell(
+                (frame.left, frame.top),
+                (frame.right, frame.bottom),
+                DIVERGED,
+            );
+        } else {
+            frame.draw_grid(canvas, &layout.x_ticks, &layout.y_ticks);
+        }
+        let (colour, width) = self.reality_style();
+        for path in &self.reality_m {
+            draw_path(canvas, frame, &finite_cm(path), width, colour, None);
+        }
+        if score.is_some() {
+            let width = if panel.simulated_m.len() > 3 {
+                2.0
+            } else {
+                3.5
+            };
+            for path in &panel.simulated_m {
+                draw_path(canvas, frame, &finite_cm(path), width, BLUE, None);
+            }
+        }
+        draw_start(canvas, frame.at((0.0, 0.0)));
+        frame.draw_outline(canvas);
+        if panel.is_best {
+            let (from, to) = ((frame.left, frame.top), (frame.right, frame.bottom));
+            canvas.outline(from, to, 5.0, VERMILLION);
+        }
+
+        let width = frame.right - frame.left;
+        let title = match score {
+            Some(score) => layout.unit.format(score),
+            None => "diverged".to_string(),
+        };
+        let title_colour = if score.is_some() { INK } else { FAINT_INK };
+        let letter = Letter::new(TITLE_SIZE, Weight::Bold, title_colour);
+        let mut title_left = frame.left;
+        let head_top = frame.top - layout.head;
+        if panel.is_best {
+            draw_star(canvas, (title_left + 17.0, head_top + 18.0));
+            title_left += 40.0;
+        }
+        let title = shorten(&title, Weight::Bold, TITLE_SIZE, width);
+        canvas.text(&title, (title_left, head_top + 27.0), Align::Left, letter);
+        let letter = Letter::new(NOTE_SIZE, Weight::Regular, FAINT_INK);
+        for (index, line) in panel.note_lines(width).iter().enumerate() {
+            let baseline = head_top + TITLE - 11.0 + NOTE_LINE * (index as f64 + 1.0);
+            canvas.text(line, (frame.left, baseline), Align::Left, letter);
+        }
+    }
+}
+
+impl Picture for PanelGrid {
+    fn size(&self) -> (u32, u32) {
+        (WIDTH as u32, self.layout().height.ceil() as u32)
+    }
+
+    fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+        let layout = self.layout();
+        layout.heading.draw(canvas, MARGIN, 14.0);
+        layout.legend.draw(canvas, MARGIN, layout.legend_top);
+        for (index, panel) in self.panels.iter().enumerate() {
+            let (row, column) = (index / self.columns, index % self.columns);
+            let left = layout.left + column as f64 * (layout.panel_width + GAP);
+            let top = layout.top
+                + layout.head
+                + row as f64 * (layout.head + layout.panel_height + ROW_GAP);
+            let frame = Frame {
+                left,
+                top,
+                right: left + layout.panel_width,
+                bottom: top + layout.panel_height,
+                x: layout.x,
+                y: layout.y,
+            };
+            self.draw_panel(canvas, panel, &frame, &layout);
+            // Axes are common: numbers at the left, and below the lowest panel of each column.
+            if column == 0 {
+                frame.draw_y_axis(canvas, &layout.y_ticks, "y (cm)");
+            }
+            if index + self.columns >= self.panels.len() {
+                frame.draw_x_axis(canvas, &layout.x_ticks, "x (cm)");
+            }
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Dots in the plane of two principal components.
+
+use super::axis::AxisSpec;
+use super::heading::Caption;
+use super::line::{LinePlot, Series, SeriesKind};
+use super::scale::ScoreScale;
+use realgap_core::unit::Unit;
+
+/// Dots of one kind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cloud {
+    /// Text of the legend.
+    pub label: String,
+    /// Which of the colours.
+    pub colour: usize,
+    /// Coefficients of the two components, metres.
+    pub points_m: Vec<(f64, f64)>,
+}
+
+/// The same unit on both axes, whatever the spread: areas are to be compared.
+fn in_cm(points_m: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    points_m
+        .iter()
+        .map(|(a, b)| (100.0 * a, 100.0 * b))
+        .collect()
+}
+
+/// The plot of these clouds, later ones above earlier ones; `shares` are those of the two components in the variance, 0 to 1.
+pub fn plane(caption: Caption, shares: [f64; 2], clouds: Vec<Cloud>) -> LinePlot {
+    let label = |number: usize| {
+        let share = 100.0 * shares[number - 1];
+        format!("component {number}, {share:.0} % of the variance (cm)")
+    };
+    let series = clouds
+        .into_iter()
+        .filter(|cloud| !cloud.points_m.is_empty());
+    LinePlot {
+        caption,
+        x: AxisSpec::new(label(1), Unit::One),
+        y_label: label(2),
+        y_unit: Unit::One,
+        scale: ScoreScale::Linear,
+        y_range: None,
+        series: series
+            .map(|cloud| Series {
+                label: cloud.label,
+                points: in_cm(&cloud.points_m),
+                kind: SeriesKind::Dots,
+                colour: cloud.colour,
+            })
+            .collect(),
+    }
+}

@@ -1,0 +1,210 @@
+//! Several quantities over the same axis, one above the other.
+
+use std::path::Path;
+
+use plotters::backend::DrawingBackend;
+
+use super::axis::{self, AxisSpec};
+use super::canvas::{Canvas, Point};
+use super::frame::{BELOW_LABEL, Frame, left_of_label};
+use super::heading::{Caption, Heading};
+use super::line::{Series, check_bands, draw_series, finite_points, legend};
+use super::picture::{self, Picture};
+use super::scale::{AXIS_DECADES, Scale, ScoreScale, with_room};
+use realgap_core::Error;
+use realgap_core::Result;
+use realgap_core::unit::{DisplayUnit, Unit};
+
+const WIDTH: f64 = 1200.0;
+const ROW_HEIGHT: f64 = 250.0;
+const GAP: f64 = 26.0;
+const MARGIN: f64 = 34.0;
+
+/// One quantity of a [`Stack`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct StackRow {
+    /// Its own horizontal quantity; `None` where it shares that of the stack.
+    pub x: Option<AxisSpec>,
+    /// What the quantity is.
+    pub y_label: String,
+    /// Unit of the y values given; they are shown in one of handy size.
+    pub y_unit: Unit,
+    /// What is drawn, later ones above earlier ones.
+    pub series: Vec<Series>,
+}
+
+/// Rows over one horizontal axis. The legend is that of the first row: the others show the same things.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stack {
+    /// What is shown, and where it comes from.
+    pub caption: Caption,
+    /// The horizontal quantity.
+    pub x: AxisSpec,
+    /// The rows, from the top.
+    pub rows: Vec<StackRow>,
+}
+
+/// Draws the rows into a PNG or SVG file.
+///
+/// # Errors
+/// No row or more than 60, a row without any finite point, a band of the wrong length, a path that is no picture's, a full disk.
+pub fn draw_stack(stack: &Stack, path: impl AsRef<Path>) -> Result<()> {
+    picture::check_rows("rows", stack.rows.len(), 1)?;
+    for row in &stack.rows {
+        check_bands(&row.series)?;
+        if finite_points(&row.series).next().is_none() {
+            return Err(Error::invalid("there is nothing to draw")
+                .field(&row.y_label)
+                .allowed("at least one finite point"));
+        }
+    }
+    picture::write(stack, path.as_ref())
+}
+
+/// A row with its axis.
+struct Axis<'a> {
+    row: &'a StackRow,
+    unit: DisplayUnit,
+    y: Scale,
+}
+
+impl<'a> Axis<'a> {
+    fn new(row: &'a StackRow) -> Self {
+        let ys: Vec<f64> = finite_points(&row.series).map(|(_, y)| y).collect();
+        let unit = DisplayUnit::for_values(row.y_unit, ys.iter().copied());
+        let shown: Vec<f64> = ys.iter().map(|y| y * unit.factor).collect();
+        let y = with_room(Scale::for_scores(&shown, ScoreScale::Linear, AXIS_DECADES));
+        Self { row, unit, y }
+    }
+}
+
+fn x_scale(points: impl Iterator<Item = Point>) -> Scale {
+    let ends = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = points.fold(ends, |(low, high), (x, _)| (low.min(x), high.max(x)));
+    match low <= high {
+        true => Scale::linear(low, high),
+        false => Scale::linear(0.0, 1.0),
+    }
+}
+
+impl Stack {
+    /// Height of all rows with their axes.
+    fn rows_height(&self) -> f64 {
+        let own = self.rows.iter().filter(|row| row.x.is_some()).count() as f64;
+        let gaps = self.rows.len().saturating_sub(1) as f64;
+        self.rows.len() as f64 * ROW_HEIGHT + gaps * GAP + own * BELOW_LABEL
+    }
+
+    fn is_last(&self, index: usize) -> bool {
+        index + 1 == self.rows.len()
+    }
+
+    fn first(&self) -> &[Series] {
+        self.rows.first().map_or(&[], |row| &row.series)
+    }
+}
+
+impl Picture for Stack {
+    fn size(&self) -> (u32, u32) {
+        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
+        let legend = legend(self.first(), WIDTH - 2.0 * MARGIN);
+        let shared = self.rows.last().is_some_and(|row| row.x.is_none());
+        let plots = self.rows_height() + if shared { BELOW_LABEL } else { 0.0 };
+        let height = 14.0 + heading.height() + 22.0 + plots + 14.0 + legend.height() + 16.0;
+        (WIDTH as u32, height.ceil() as u32)
+    }
+
+    fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+        let height = f64::from(self.size().1);
+        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
+        heading.draw(canvas, MARGIN, 14.0);
+        let legend = legend(self.first(), WIDTH - 2.0 * MARGIN);
+        legend.draw(canvas, MARGIN, height - 16.0 - legend.height());
+
+        let shared = self.rows.iter().filter(|row| row.x.is_none());
+        let shared_x = x_scale(shared.flat_map(|row| finite_points(&row.series)));
+        let axes: Vec<Axis<'_>> = self.rows.iter().map(Axis::new).collect();
+        let left = axes
+            .iter()
+            .map(|axis| MARGIN + left_of_label(&axis.y.ticks(5)))
+            .fold(0.0, f64::max);
+        let mut top = 14.0 + heading.height() + 22.0;
+        for (index, axis) in axes.iter().enumerate() {
+            let y_ticks = axis.y.ticks(5);
+            let (spec, x) = match &axis.row.x {
+                Some(own) => (own, x_scale(finite_points(&axis.row.series))),
+                None => (&self.x, shared_x),
+            };
+            let x_ticks = axis::round_ticks(spec, &x, 9);
+            let frame = Frame {
+                left,
+                top,
+                right: WIDTH - MARGIN,
+                bottom: top + ROW_HEIGHT,
+                x,
+                y: axis.y,
+            };
+            frame.draw_grid(canvas, &x_ticks, &y_ticks);
+            for series in &axis.row.series {
+                draw_series(canvas, &frame, series, axis.unit.factor);
+            }
+            frame.draw_outline(canvas);
+            frame.draw_y_axis(canvas, &y_ticks, &axis.unit.label(&axis.row.y_label));
+            if axis.row.x.is_some() || self.is_last(index) {
+                frame.draw_x_axis(canvas, &x_ticks, &spec.title());
+            }
+            let below = if axis.row.x.is_some() {
+                BELOW_LABEL
+            } else {
+                0.0
+            };
+            top += ROW_HEIGHT + GAP + below;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::SeriesKind;
+
+    fn stack(points: Vec<Point>) -> Stack {
+        let series = Series {
+            label: "run".to_owned(),
+            points,
+            kind: SeriesKind::Line,
+            colour: 0,
+        };
+        let row = |label: &str| StackRow {
+            x: None,
+            y_label: label.to_owned(),
+            y_unit: Unit::Metre,
+            series: vec![series.clone()],
+        };
+        Stack {
+            caption: Caption::new("over time", "a test"),
+            x: AxisSpec::new("time", Unit::Second),
+            rows: vec![row("ahead"), row("height")],
+        }
+    }
+
+    #[test]
+    fn every_row_has_its_own_axis_and_the_last_the_common_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("stack.svg");
+        draw_stack(&stack(vec![(0.0, 0.0), (1.0, 0.2)]), &file).unwrap();
+        let drawn = std::fs::read_to_string(&file).unwrap();
+        assert!(drawn.contains("ahead (cm)") && drawn.contains("height (cm)"));
+        assert_eq!(drawn.matches("time (s)").count(), 1);
+    }
+
+    #[test]
+    fn a_row_with_nothing_in_it_is_refused_by_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = draw_stack(
+            &stack(vec![(0.0, f64::NAN)]),
+            folder.path().join("stack.svg"),
+        );
+        assert_eq!(error.unwrap_err().field_name(), Some("ahead"));
+    }
+}

@@ -1,0 +1,281 @@
+//! Charts as SVG inside of a page: readable without scripts, in both themes, on paper.
+//!
+//! Colours are classes (`sim`, `real`, `band`), which the style sheet fills in; where the scripts find the attribute
+//! `data-chart="time"` they add a cursor that moves with the replay.
+
+use std::fmt::Write as _;
+
+use super::page::html;
+use realgap_core::unit::decimals;
+
+/// Size of a chart in its own units; the page scales it.
+const WIDTH: f64 = 440.0;
+const HEIGHT: f64 = 250.0;
+const LEFT: f64 = 60.0;
+const RIGHT: f64 = 12.0;
+const TOP: f64 = 12.0;
+const BOTTOM: f64 = 40.0;
+
+/// A line of a chart.
+#[derive(Debug)]
+pub(super) struct Line {
+    /// Class of its colour.
+    pub class: &'static str,
+    /// Points.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// What the axes of a chart are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Axes {
+    /// Something over time: a cursor follows the replay.
+    #[default]
+    Time,
+    /// A path seen from above, one scale for both axes: dots follow the replay.
+    Map,
+    /// Something over anything else.
+    Plain,
+}
+
+/// A chart of lines over two axes.
+#[derive(Debug, Default)]
+pub(super) struct Chart {
+    /// Said to who does not see it.
+    pub alt: String,
+    /// With units.
+    pub x_label: String,
+    /// With units.
+    pub y_label: String,
+    /// What they are.
+    pub axes: Axes,
+    /// Whether the upright axis begins at 0, or lower where numbers are.
+    pub from_zero: bool,
+    /// Lower and upper end at each x, the widest first.
+    pub bands: Vec<Vec<[f64; 3]>>,
+    /// Lines, the first below all others.
+    pub lines: Vec<Line>,
+    /// Marks of single points above all lines.
+    pub dots: Vec<Line>,
+}
+
+/// From numbers to places.
+#[derive(Debug, Clone, Copy)]
+struct Frame {
+    x: [f64; 2],
+    y: [f64; 2],
+}
+
+impl Frame {
+    fn place(&self, [x, y]: [f64; 2]) -> (f64, f64) {
+        let share = |value: f64, [low, high]: [f64; 2]| (value - low) / (high - low);
+        (
+            LEFT + share(x, self.x) * (WIDTH - LEFT - RIGHT),
+            HEIGHT - BOTTOM - share(y, self.y) * (HEIGHT - TOP - BOTTOM),
+        )
+    }
+}
+
+impl Chart {
+    fn frame(&self) -> Frame {
+        let band = self.bands.iter().flatten();
+        let banded = band.flat_map(|[x, low, high]| [[*x, *low], [*x, *high]]);
+        let drawn = self.lines.iter().chain(&self.dots);
+        let points = drawn.flat_map(|line| &line.points).copied();
+        let (mut x, mut y) = (
+            [f64::INFINITY, f64::NEG_INFINITY],
+            [f64::INFINITY, f64::NEG_INFINITY],
+        );
+        let is_map = self.axes == Axes::Map;
+        if self.from_zero && !is_map {
+            y = [0.0, 0.0];
+        }
+        for point in points.chain(banded) {
+            for (range, value) in [(&mut x, point[0]), (&mut y, point[1])] {
+                if value.is_finite() {
+                    *range = [range[0].min(value), range[1].max(value)];
+                }
+            }
+        }
+        for range in [&mut x, &mut y] {
+            if range[1] - range[0] < 1e-9 || !(range[1] - range[0]).is_finite() {
+                let middle = if range[0].is_finite() { range[0] } else { 0.0 };
+                *range = [middle, middle + 1e-3];
+            }
+        }
+        if is_map {
+            let (wide, high) = (WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM);
+            let scale = 1.08 * ((x[1] - x[0]) / wide).max((y[1] - y[0]) / high);
+            for (range, length) in [(&mut x, wide), (&mut y, high)] {
+                let middle = 0.5 * (range[0] + range[1]);
+                *range = [middle - 0.5 * scale * length, middle + 0.5 * scale * length];
+            }
+        } else {
+            let room = 0.06 * (y[1] - y[0]);
+            y[1] += room;
+            if y[0] != 0.0 {
+                y[0] -= room;
+            }
+        }
+        Frame { x, y }
+    }
+
+    /// The chart as an `svg` element.
+    pub fn svg(&self) -> String {
+        let frame = self.frame();
+        let (low, high) = (
+            frame.place([frame.x[0], frame.y[0]]),
+            frame.place([frame.x[1], frame.y[1]]),
+        );
+        let kind = match self.axes {
+            Axes::Time => "time",
+            Axes::Map => "map",
+            Axes::Plain => "plain",
+        };
+        let mut svg = format!(
+            "<svg class=\"chart\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\" data-chart=\"{kind}\" \
+             data-x=\"{} {}\" data-y=\"{} {}\" data-box=\"{} {} {} {}\">",
+            html(&self.alt),
+            frame.x[0],
+            frame.x[1],
+            frame.y[0],
+            frame.y[1],
+            low.0,
+            high.1,
+            high.0,
+            low.1,
+        );
+        for value in ticks(frame.x) {
+            let (x, _) = frame.place([value, frame.y[0]]);
+            let _infallible = write!(
+                svg,
+                "<line class=\"grid\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{TOP}\" y2=\"{:.1}\"/><text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+                low.1,
+                low.1 + 15.0,
+                tick_text(value, frame.x),
+            );
+        }
+        for value in ticks(frame.y) {
+            let (_, y) = frame.place([frame.x[0], value]);
+            let _infallible = write!(
+                svg,
+                "<line class=\"grid\" x1=\"{LEFT}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                high.0,
+                LEFT - 6.0,
+                y + 4.0,
+                tick_text(value, frame.y),
+            );
+        }
+        let _infallible = write!(
+            svg,
+            "<text class=\"axis\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
+             <text class=\"axis\" transform=\"translate(11 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+            0.5 * (low.0 + high.0),
+            HEIGHT - 7.0,
+            html(&self.x_label),
+            0.5 * (low.1 + high.1),
+            html(&self.y_label),
+        );
+        for band in self.bands.iter().filter(|band| !band.is_empty()) {
+            let upper = band.iter().map(|[x, _, high]| [*x, *high]);
+            let lower = band.iter().rev().map(|[x, low, _]| [*x, *low]);
+            let points = path(&frame, upper.chain(lower));
+            let _infallible = write!(svg, "<path class=\"band\" d=\"{points}Z\"/>");
+        }
+        for line in &self.lines {
+            let points = path(&frame, line.points.iter().copied());
+            let _infallible = write!(svg, "<path class=\"line {}\" d=\"{points}\"/>", line.class);
+        }
+        for dots in &self.dots {
+            for point in dots
+                .points
+                .iter()
+                .filter(|p| p[0].is_finite() && p[1].is_finite())
+            {
+                let (x, y) = frame.place(*point);
+                let _infallible = write!(
+                    svg,
+                    "<circle class=\"mark {}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>",
+                    dots.class
+                );
+            }
+        }
+        svg.push_str("</svg>");
+        svg
+    }
+}
+
+/// A path through the points, to a tenth of a unit; points that would not be seen apart are one.
+fn path(frame: &Frame, points: impl Iterator<Item = [f64; 2]>) -> String {
+    let mut text = String::new();
+    let mut last = String::new();
+    for (x, y) in points.map(|point| frame.place(point)) {
+        if !(x.is_finite() && y.is_finite()) {
+            continue;
+        }
+        let place = format!("{x:.1} {y:.1}");
+        if place != last {
+            let _infallible = write!(text, "{}{place}", if text.is_empty() { "M" } else { "L" });
+            last = place;
+        }
+    }
+    text
+}
+
+/// Step of the ticks: 1, 2 or 5 times a power of ten, four to eight of them.
+fn step([low, high]: [f64; 2]) -> f64 {
+    let rough = (high - low) / 5.0;
+    let power = 10_f64.powf(rough.log10().floor());
+    let of = |factor: f64| factor * power;
+    [1.0, 2.0, 5.0, 10.0]
+        .map(of)
+        .into_iter()
+        .find(|step| *step >= rough * 0.999)
+        .unwrap_or(power)
+}
+
+fn ticks(range: [f64; 2]) -> Vec<f64> {
+    let step = step(range);
+    let first = (range[0] / step - 1e-9).ceil() as i64;
+    let last = (range[1] / step + 1e-9).floor() as i64;
+    (first..=last.min(first + 20))
+        .map(|k| k as f64 * step)
+        .collect()
+}
+
+fn tick_text(value: f64, range: [f64; 2]) -> String {
+    let places = (-step(range).log10().floor()).clamp(0.0, 9.0) as usize;
+    decimals(value, places)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(ticks([0.0, 10.0]), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
+        let texts: Vec<String> = ticks([-0.03, 0.07])
+            .into_iter()
+            .map(|t| tick_text(t, [-0.03, 0.07]))
+            .collect();
+        assert_eq!(texts, ["-0.02", "0.00", "0.02", "0.04", "0.06"]);
+    }
+
+    #[test]
+    fn a_chart_of_nothing_is_still_a_chart_and_names_are_no_markup() {
+        let chart = Chart {
+            alt: "\"><script>".to_owned(),
+            bands: vec![Vec::new()],
+            ..Chart::default()
+        };
+        let svg = chart.svg();
+        assert!(
+            !svg.contains("<script")
+                && !svg.contains("\"Z\"")
+                && !svg.contains("NaN")
+                && !svg.contains("inf"),
+            "{svg}"
+        );
+        roxmltree::Document::parse(&svg).unwrap();
+    }
+}

@@ -1,0 +1,412 @@
+//! The story of an ensemble: how far, which behaviours, how likely, how honest.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::chart::{Axes, Chart, Line};
+use super::section::{Section, figure, figures, pictures};
+use super::story::Story;
+use super::value::{
+    at, first_text, float, floats, is, list, measured, percent, proportion, span, table, text_of,
+};
+use realgap_core::error::Result;
+use realgap_core::unit::{counted, decimals, number};
+
+/// Colours of behaviours, the first for what was predicted.
+const CLASSES: [&str; 6] = ["b0", "b1", "b2", "b3", "b4", "b5"];
+/// Charts of more starts than this would hide the first.
+const STARTS: usize = 6;
+
+pub(super) fn ensemble(folder: &Path, report: &Value) -> Result<Story> {
+    let cases = list(report, "cases");
+    let first = cases
+        .first()
+        .map_or(&Value::Null, |case| at(case, "summary"));
+    let mut motion = String::new();
+    for case in cases.iter().take(STARTS) {
+        let name = if cases.len() > 1 {
+            text_of(case, "case")
+        } else {
+            ""
+        };
+        motion += &charts(name, at(case, "summary"));
+    }
+    if cases.len() > STARTS {
+        motion += &format!(
+            "<p class=\"note\">{} of {} starts; ensemble.json holds all.</p>",
+            STARTS,
+            cases.len()
+        );
+    }
+    let reality = at(report, "reality");
+    let mut said = answer(first, "");
+    if let Some(coverage) = list(reality, "coverage").last() {
+        let end = at(coverage, "at_end");
+        said += &format!(
+            " Of {}, {} end in the region that should hold {}: {}.",
+            runs(report, float(end, "trials")),
+            end.get("count").map_or_else(String::new, Value::to_string),
+            percent(float(coverage, "level")),
+            match is(coverage, "is_honest") {
+                Some(true) => "these confidences are honest as far as so few runs can tell",
+                Some(false) =>
+                    "these confidences are NOT honest, and the simulation knows too little",
+                None => "nothing more is said",
+            }
+        );
+    }
+    Ok(Story {
+        kind: "ensemble",
+        name: first_text(report, &["study"])
+            .unwrap_or("ensemble")
+            .to_owned(),
+        answer: said,
+        sections: vec![
+            Section::new(
+                "behaviours",
+                "What it does, and how likely",
+                behaviour_table(first, cases),
+            ),
+            Section::new("motion", "Where it will be", motion),
+            Section::new("distance", "How far", distances(cases)),
+            Section::new("reality", "How honest that is", honesty(reality)),
+            Section::new("noise", "What repeats differ by", noise(first)),
+            pictures(folder, "pictures", "All repeats", |_| true)?,
+        ],
+        said: vec!["reality", "cases"],
+        ..Story::default()
+    })
+}
+
+fn runs(report: &Value, count: Option<f64>) -> String {
+    let what = match text_of(report, "source") {
+        "StandIn" => "stand-in run",
+        _ => "real run",
+    };
+    counted(count.unwrap_or(0.0) as usize, what)
+}
+
+pub(super) fn answer(summary: &Value, sure: &str) -> String {
+    let far = at(summary, "displacement_m");
+    let behaviours = list(at(summary, "behaviours"), "list");
+    let likely = behaviours
+        .iter()
+        .max_by(|a, b| share(a).total_cmp(&share(b)))
+        .map_or_else(String::new, |behaviour| {
+            format!(
+                "; the most likely of {} is “{}” with {}",
+                counted(behaviours.len(), "behaviour"),
+                text_of(behaviour, "name"),
+                percent(Some(share(behaviour)))
+            )
+        });
+    let seconds = float(summary, "duration_s").map_or_else(String::new, |s| decimals(s, 1));
+    format!(
+        "In {seconds} s it goes {} in nine of ten repeats, {} in the middle one{likely}.{sure}",
+        span(float(far, "q05"), float(far, "q95"), "m"),
+        measured(float(far, "q50"), "m"),
+    )
+}
+
+fn share(behaviour: &Value) -> f64 {
+    float(at(behaviour, "probability"), "share").unwrap_or(0.0)
+}
+
+pub(super) fn behaviour_table(first: &Value, cases: &[Value]) -> String {
+    let many = cases.len() > 1;
+    let rows = cases.iter().take(40).flat_map(|case| {
+        let list = list(at(at(case, "summary"), "behaviours"), "list");
+        list.iter().map(move |behaviour| {
+            let mut row = vec![
+                text_of(behaviour, "name").to_owned(),
+                proportion(at(behaviour, "probability")),
+                measured(float(behaviour, "mean_displacement_m"), "m"),
+                behaviour
+                    .get("representative")
+                    .and_then(Value::as_u64)
+                    .map_or("–".to_owned(), |n| n.to_string()),
+            ];
+            if many {
+                row.insert(0, text_of(case, "case").to_owned());
+            }
+            row
+        })
+    });
+    let mut head = vec![
+        "behaviour",
+        "probability (95 %)",
+        "net displacement",
+        "typical repeat",
+    ];
+    if many {
+        head.insert(0, "start");
+    }
+    let diverged = at(first, "diverged");
+    let lost = match float(diverged, "count") {
+        Some(count) if count > 0.0 => {
+            format!("<p>{} of the repeats diverged.</p>", proportion(diverged))
+        }
+        _ => String::new(),
+    };
+    format!(
+        "{}{lost}<p class=\"note\">Repeats are one behaviour where their paths are nearer than {} to each other. More repeats narrow the probabilities; only other noise or another model moves them.</p>",
+        table(&head, rows),
+        measured(float(at(first, "behaviours"), "cut_m"), "m"),
+    )
+}
+
+/// Paths of the behaviours with the region of the end, and the regions over time.
+pub(super) fn charts(name: &str, summary: &Value) -> String {
+    let behaviours = list(at(summary, "behaviours"), "list");
+    let mut lines: Vec<Line> = Vec::new();
+    let regions = list(at(summary, "envelope"), "regions");
+    if let Some(end) = regions.last() {
+        lines.extend([0, 2].map(|level| Line {
+            class: "edge",
+            points: ellipse(end, level),
+        }));
+    }
+    for (index, behaviour) in behaviours.iter().enumerate().rev() {
+        let places = list(behaviour, "path_xy_m").iter();
+        let points =
+            places.filter_map(|place| Some([place.get(0)?.as_f64()?, place.get(1)?.as_f64()?]));
+        lines.push(Line {
+            class: CLASSES[index % CLASSES.len()],
+            points: points.collect(),
+        });
+    }
+    let map = Chart {
+        alt: "A typical path of each behaviour, and where half and nine of ten repeats end"
+            .to_owned(),
+        x_label: "x [m]".to_owned(),
+        y_label: "y [m]".to_owned(),
+        axes: Axes::Map,
+        lines,
+        ..Chart::default()
+    };
+    let times = floats(at(summary, "envelope"), "times_s");
+    let over_time = |axis: usize, label: &str| {
+        // The ellipse's shadow on the axis.
+        let band = |level: usize| -> Vec<[f64; 3]> {
+            let at_time = times.iter().zip(regions);
+            at_time
+                .map(|(t, region)| {
+                    let middle = floats(region, "centre_m")
+                        .get(axis)
+                        .copied()
+                        .unwrap_or(f64::NAN);
+                    let spread = floats(region, "covariance_m2")
+                        .get(2 * axis)
+                        .copied()
+                        .unwrap_or(0.0)
+                        .max(0.0)
+                        .sqrt();
+                    let radius = floats(region, "radii").get(level).copied().unwrap_or(0.0);
+                    [*t, middle - radius * spread, middle + radius * spread]
+                })
+                .collect()
+        };
+        let middle = band(0)
+            .iter()
+            .map(|[t, low, high]| [*t, 0.5 * (low + high)])
+            .collect();
+        Chart {
+            alt: format!("{label}: regions of half and nine of ten repeats over time"),
+            x_label: "time [s]".to_owned(),
+            y_label: label.to_owned(),
+            bands: vec![band(2), band(0)],
+            lines: vec![Line {
+                class: "sim",
+                points: middle,
+            }],
+            ..Chart::default()
+        }
+    };
+    let mut all = vec![figure(
+        "Typical paths",
+        &map.svg(),
+        "One path of each behaviour, from the origin, net displacement to the right. Rings: where half and nine of ten repeats end.",
+    )];
+    if !times.is_empty() {
+        all.push(figure(
+            "Along the way",
+            &over_time(0, "x [m]").svg(),
+            "Dark: half of the repeats, light: nine of ten.",
+        ));
+        all.push(figure(
+            "Across it",
+            &over_time(1, "y [m]").svg(),
+            "Less noise at the start and in friction would make the bands narrower.",
+        ));
+    }
+    let legend: String = behaviours
+        .iter()
+        .take(CLASSES.len())
+        .enumerate()
+        .map(|(index, behaviour)| {
+            format!(
+                "<span><i class=\"key {}\"></i>{} ({})</span>",
+                CLASSES[index],
+                super::page::html(text_of(behaviour, "name")),
+                percent(Some(share(behaviour)))
+            )
+        })
+        .collect();
+    let title = if name.is_empty() {
+        String::new()
+    } else {
+        format!("<h3>{}</h3>", super::page::html(name))
+    };
+    format!(
+        "{title}<div class=\"legend\">{legend}</div>{}",
+        figures(&all)
+    )
+}
+
+/// The edge of a region: those points whose Mahalanobis distance is its radius.
+fn ellipse(region: &Value, level: usize) -> Vec<[f64; 2]> {
+    let (centre, c) = (floats(region, "centre_m"), floats(region, "covariance_m2"));
+    let radius = floats(region, "radii").get(level).copied().unwrap_or(0.0);
+    let ([x, y], [xx, xy, yy]) = (centre.as_slice(), c.as_slice()) else {
+        return Vec::new();
+    };
+    // Cholesky: a circle becomes the ellipse.
+    let a = xx.max(f64::MIN_POSITIVE).sqrt();
+    let b = xy / a;
+    let d = (yy - b * b).max(0.0).sqrt();
+    (0..=64)
+        .map(|k| {
+            let angle = std::f64::consts::TAU * f64::from(k) / 64.0;
+            let (u, v) = (radius * angle.cos(), radius * angle.sin());
+            [x + a * u, y + b * u + d * v]
+        })
+        .collect()
+}
+
+pub(super) fn distances(cases: &[Value]) -> String {
+    let quantities = [
+        ("net displacement", "displacement_m", "m"),
+        ("length of the path", "path_length_m", "m"),
+        ("speed", "speed_m_s", "m/s"),
+        ("turned", "turned_rad", "rad"),
+    ];
+    let many = cases.len() > 1;
+    let rows = cases.iter().take(40).flat_map(|case| {
+        let summary = at(case, "summary");
+        quantities.iter().filter_map(move |(name, field, unit)| {
+            let found = summary.get(*field).filter(|found| found.is_object())?;
+            let quantile = |q: &str| measured(float(found, q), unit);
+            let free = if *field == "displacement_m" {
+                measured(float(summary, "noise_free_displacement_m"), unit)
+            } else {
+                "–".to_owned()
+            };
+            let name = if many {
+                format!("{}: {name}", text_of(case, "case"))
+            } else {
+                (*name).to_owned()
+            };
+            Some(vec![
+                name,
+                quantile("mean"),
+                quantile("standard_deviation"),
+                quantile("q05"),
+                quantile("q50"),
+                quantile("q95"),
+                free,
+            ])
+        })
+    });
+    table(
+        &[
+            "",
+            "mean",
+            "standard deviation",
+            "5 %",
+            "50 %",
+            "95 %",
+            "without noise",
+        ],
+        rows,
+    )
+}
+
+fn honesty(reality: &Value) -> String {
+    let coverage = list(reality, "coverage");
+    if coverage.is_empty() {
+        return String::new();
+    }
+    let rows = coverage.iter().map(|level| {
+        vec![
+            percent(float(level, "level")),
+            percent(float(level, "over_time")),
+            proportion(at(level, "at_end")),
+            match is(level, "is_honest") {
+                Some(true) => "yes",
+                Some(false) => "NO: region too narrow or too wide",
+                None => "–",
+            }
+            .to_owned(),
+            proportion(at(level, "whole_path")),
+        ]
+    });
+    let first = table(
+        &[
+            "region of",
+            "recorded runs inside, over time",
+            "at the end (95 %)",
+            "honest",
+            "whole paths in their band",
+        ],
+        rows,
+    );
+    let runs = list(reality, "runs").iter().map(|run| {
+        vec![
+            text_of(run, "recording").to_owned(),
+            text_of(run, "behaviour").to_owned(),
+            measured(float(run, "net_displacement_m"), "m"),
+            measured(float(run, "distance_m"), "m"),
+            measured(float(run, "energy_score_m"), "m"),
+        ]
+    });
+    format!(
+        "{first}<p class=\"note\">Energy score {}; if reality were one more repeat it would be {}. More recordings make this sharper.</p><details><summary>Recording by recording</summary>{}</details>",
+        measured(float(reality, "energy_score_m"), "m"),
+        measured(float(reality, "expected_energy_score_m"), "m"),
+        table(
+            &[
+                "recording",
+                "does",
+                "net displacement",
+                "from its behaviour",
+                "energy score"
+            ],
+            runs
+        )
+    )
+}
+
+pub(super) fn noise(summary: &Value) -> String {
+    let noise = at(summary, "noise");
+    let size_of = |size: &Value| match size.as_array().map(Vec::as_slice) {
+        Some([low, high]) => Some(span(low.as_f64(), high.as_f64(), "")),
+        _ => size.as_f64().filter(|size| *size != 0.0).map(number),
+    };
+    let row = |name: String, value: &Value| {
+        let (kind, size) = value.as_object()?.iter().next()?;
+        Some(vec![name, kind.clone(), size_of(size)?])
+    };
+    let fields = |value: &Value, before: &str| -> Vec<Vec<String>> {
+        let fields = value.as_object().into_iter().flatten();
+        fields
+            .filter_map(|(name, value)| row(format!("{before}{}", name.replace('_', " ")), value))
+            .collect()
+    };
+    let mut rows = fields(noise, "");
+    rows.extend(fields(at(noise, "camera"), "camera: "));
+    if rows.is_empty() {
+        return String::new();
+    }
+    table(&["what", "drawn from", "size"], rows)
+}

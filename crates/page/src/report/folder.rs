@@ -1,0 +1,62 @@
+//! A results folder as one page: what its own files say, nothing else.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::kept::Kept;
+use super::section::{Section, numbers, provenance, warnings};
+use super::value::{read_json, text_of};
+use super::{ensemble, gap, prediction, replay, search, study};
+use realgap_core::error::{Error, Result};
+
+/// Reports that folders hold.
+const REPORTS: [&str; 4] = [
+    "summary.json",
+    "ensemble.json",
+    "gap.json",
+    "prediction.json",
+];
+
+/// The page of a results folder; `command` is said to have made the page.
+///
+/// # Errors
+/// A folder without a report; unreadable files; a damaged store.
+pub fn folder_page(folder: &Path, command: &str) -> Result<String> {
+    let Some(file) = REPORTS.iter().find(|name| folder.join(name).is_file()) else {
+        return Err(Error::invalid("no finished results here")
+            .at_file(folder)
+            .allowed("a folder with summary.json, ensemble.json, gap.json or prediction.json")
+            .hint("name a folder that sweep, tune, search, ensemble, gap or predict has written"));
+    };
+    let report: Value = read_json(&folder.join(file), "a report")?;
+    let kept = Kept::read(folder)?;
+    let kept = kept.as_ref();
+    let mut story = match *file {
+        "ensemble.json" => ensemble::ensemble(folder, &report)?,
+        "gap.json" => gap::gap(folder, &report)?,
+        "prediction.json" => prediction::prediction(folder, &report)?,
+        _ if report.get("search").is_some() => search::search(folder, &report)?,
+        _ => study::story(folder, &report, kept)?,
+    };
+    text_of(&report, "description").clone_into(&mut story.description);
+    if let Some(shown) = kept.and_then(|kept| kept.replay.as_ref()) {
+        let seen = Section::new("replay", "In motion", replay::stage(&shown.scene));
+        let at = story.sections.len().min(2);
+        story.sections.insert(at, seen);
+    }
+    let said = story.said.clone();
+    let command_again = kept
+        .map(|kept| kept.command.as_str())
+        .filter(|text| !text.is_empty());
+    story.sections.extend([
+        warnings(&report),
+        numbers(&report, &said),
+        provenance(
+            &report,
+            command_again,
+            Some(command).filter(|page| Some(*page) != command_again),
+        ),
+    ]);
+    Ok(story.page(kept))
+}

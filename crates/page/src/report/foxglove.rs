@@ -1,0 +1,206 @@
+//! A replay as an MCAP file that Foxglove shows: boxes in frames that move, paths, and poses to plot.
+
+use nalgebra::{Isometry3, Vector3};
+use serde_json::{Value, json};
+
+use super::replay::Replay;
+use super::stage::{Actor, Kind, Solid, Stage};
+use realgap_core::error::Result;
+use realgap_core::file::{McapWriter, Topic, stamp};
+
+/// Most samples of one run in a file.
+const MOST_SAMPLES: usize = 20_000;
+/// Frame of the world.
+const WORLD: &str = "world";
+/// How thick paths are, metres; a point is as wide as three of them.
+const PATH_M: f64 = 0.008;
+/// How much of what is behind a recorded robot shows through it.
+const GHOST_ALPHA: f64 = 0.4;
+
+impl Replay<'_> {
+    /// The replay as an MCAP file for Foxglove, with its schemas in JSON: `/tf` (`FrameTransforms`) moves the frames `RUN/part0` and
+    /// so on, `/floor` and `/RUN/scene` (`SceneUpdate`) have the boxes in them and the whole path, `/RUN/pose` (`PoseInFrame`) is the
+    /// tracked module. Times count from the start of each run. Of a run of more than 20 000 samples every second, third, … is in the
+    /// file.
+    ///
+    /// # Errors
+    /// Paths too long to be compared.
+    pub fn mcap(&self) -> Result<Vec<u8>> {
+        let stage = self.stage(MOST_SAMPLES)?;
+        let mut topics = vec![
+            Topic::Transforms("/tf".to_owned()),
+            Topic::Scene("/floor".to_owned()),
+        ];
+        for actor in &stage.actors {
+            topics.push(Topic::Scene(format!("/{}/scene", actor.name)));
+            topics.push(Topic::Pose(format!("/{}/pose", actor.name)));
+        }
+        let mut file = McapWriter::new(topics);
+        let [tf, floor, first] = [0, 1, 2];
+        let fixed: Vec<Value> = stage.fixed.iter().map(|solid| cube(solid, 1.0)).collect();
+        file.message(
+            floor,
+            0,
+            &scene(vec![entity("fixed", WORLD, &fixed, &[], &[])]),
+        );
+        for (index, actor) in stage.actors.iter().enumerate() {
+            file.message(first + 2 * index, 0, &scene(entities(actor)));
+        }
+        for (time_ns, index, sample) in in_order(&stage) {
+            let actor = &stage.actors[index];
+            let transforms = transforms(actor, sample, time_ns);
+            file.message(tf, time_ns, &json!({ "transforms": transforms }));
+            let turn = actor
+                .turns
+                .as_ref()
+                .map_or_else(Default::default, |turns| turns[sample]);
+            let pose = Isometry3::from_parts(actor.places_m[sample].into(), turn);
+            let message =
+                json!({ "timestamp": stamp(time_ns), "frame_id": WORLD, "pose": pose_json(&pose) });
+            file.message(first + 2 * index + 1, time_ns, &message);
+        }
+        Ok(file.finish())
+    }
+}
+
+/// All samples by time: time, run and number.
+fn in_order(stage: &Stage) -> Vec<(u64, usize, usize)> {
+    let mut all = Vec::new();
+    for (index, actor) in stage.actors.iter().enumerate() {
+        let times = actor.times_s.iter().enumerate();
+        all.extend(times.map(|(sample, time_s)| ((time_s * 1e9).round() as u64, index, sample)));
+    }
+    all.sort_unstable();
+    all
+}
+
+fn frame(actor: &Actor, part: &str) -> String {
+    format!("{}/{part}", actor.name)
+}
+
+fn transforms(actor: &Actor, sample: usize, time_ns: u64) -> Vec<Value> {
+    let one = |name: &str, pose: &Isometry3<f64>| {
+        json!({
+            "timestamp": stamp(time_ns),
+            "parent_frame_id": WORLD,
+            "child_frame_id": frame(actor, name),
+            "translation": vector(&pose.translation.vector),
+            "rotation": turn(pose),
+        })
+    };
+    let movers = actor.movers.iter();
+    let mut all: Vec<Value> = movers
+        .map(|mover| one(&mover.name, &mover.poses[sample]))
+        .collect();
+    if all.is_empty() {
+        let place = actor.places_m[sample];
+        all.push(one(
+            POINT,
+            &Isometry3::from_parts(place.into(), Default::default()),
+        ));
+    }
+    all
+}
+
+/// Name of the frame of a run of which only a path is known.
+const POINT: &str = "point";
+
+fn entities(actor: &Actor) -> Vec<Value> {
+    let (alpha, own) = match actor.is_recorded {
+        true => (GHOST_ALPHA, Some(Kind::Recorded)),
+        false => (1.0, None),
+    };
+    let mut all = Vec::new();
+    for mover in &actor.movers {
+        let cubes: Vec<Value> = (mover.solids.iter())
+            .map(|solid| {
+                let kind = own.unwrap_or(solid.kind);
+                let solid = Solid {
+                    kind,
+                    ..solid.clone()
+                };
+                cube(&solid, alpha)
+            })
+            .collect();
+        all.push(entity(
+            &mover.name,
+            &frame(actor, &mover.name),
+            &cubes,
+            &[],
+            &[],
+        ));
+    }
+    let colour = own.unwrap_or(Kind::Run);
+    if actor.movers.is_empty() {
+        let wide = Vector3::repeat(3.0 * PATH_M);
+        let ball = json!({
+            "pose": pose_json(&Isometry3::identity()),
+            "size": vector(&wide),
+            "color": colour_json(colour, 1.0),
+        });
+        all.push(entity(POINT, &frame(actor, POINT), &[], &[ball], &[]));
+    }
+    let points: Vec<Value> = actor.places_m.iter().map(vector).collect();
+    let path = json!({
+        // A strip.
+        "type": 0,
+        "pose": pose_json(&Isometry3::identity()),
+        "thickness": PATH_M,
+        "scale_invariant": false,
+        "points": points,
+        "color": colour_json(colour, 1.0),
+        "colors": [],
+        "indices": [],
+    });
+    all.push(entity("path", WORLD, &[], &[], &[path]));
+    all
+}
+
+fn scene(entities: Vec<Value>) -> Value {
+    json!({ "deletions": [], "entities": entities })
+}
+
+fn entity(id: &str, frame: &str, cubes: &[Value], spheres: &[Value], lines: &[Value]) -> Value {
+    json!({
+        "timestamp": stamp(0),
+        "frame_id": frame,
+        "id": id,
+        // Until it is replaced.
+        "lifetime": stamp(0),
+        "frame_locked": true,
+        "metadata": [], "arrows": [], "cubes": cubes, "spheres": spheres, "cylinders": [],
+        "lines": lines, "triangles": [], "texts": [], "models": [],
+    })
+}
+
+fn cube(solid: &Solid, alpha: f64) -> Value {
+    let alpha = if solid.kind == Kind::Floor {
+        0.6
+    } else {
+        alpha
+    };
+    json!({
+        "pose": pose_json(&solid.pose),
+        "size": vector(&(2.0 * solid.half_m)),
+        "color": colour_json(solid.kind, alpha),
+    })
+}
+
+fn colour_json(kind: Kind, alpha: f64) -> Value {
+    let [r, g, b] = kind.colour();
+    let share = |channel: u8| f64::from(channel) / 255.0;
+    json!({ "r": share(r), "g": share(g), "b": share(b), "a": alpha })
+}
+
+fn vector(v: &Vector3<f64>) -> Value {
+    json!({ "x": v.x, "y": v.y, "z": v.z })
+}
+
+fn turn(pose: &Isometry3<f64>) -> Value {
+    let q = pose.rotation;
+    json!({ "x": q.i, "y": q.j, "z": q.k, "w": q.w })
+}
+
+fn pose_json(pose: &Isometry3<f64>) -> Value {
+    json!({ "position": vector(&pose.translation.vector), "orientation": turn(pose) })
+}

@@ -1,0 +1,149 @@
+//! The best point's run beside the recorded ones: as it is without scripts; with them, that of the chosen point.
+
+use super::chart::{Axes, Chart, Line};
+use super::kept::{Kept, KeptPath};
+use super::page::html;
+use super::points::{Paths, Points};
+use super::section::{figure, figures};
+use realgap_core::unit::{counted, number};
+
+fn line(class: &'static str, points: Vec<[f64; 2]>) -> Line {
+    Line { class, points }
+}
+
+fn recorded_of(kept: Option<&Kept>) -> &[KeptPath] {
+    kept.map_or(&[], |kept| kept.recorded.as_slice())
+}
+
+/// The best point's path over the recorded ones: as it is without scripts; with them, that of the chosen point.
+pub(super) fn from_above(
+    points: &Points,
+    paths: Option<&Paths>,
+    best: Option<usize>,
+    kept: Option<&Kept>,
+) -> String {
+    let (Some(paths), Some(best)) = (paths, best) else {
+        return String::new();
+    };
+    let recorded = recorded_of(kept);
+    let mut lines: Vec<Line> = recorded
+        .iter()
+        .map(|path| line("real", path.xy_m.clone()))
+        .collect();
+    lines.push(line("sim", paths.xy_m[best].clone()));
+    let map = Chart {
+        alt: "Path of the chosen point over the recorded paths, seen from above".to_owned(),
+        x_label: "x [m]".to_owned(),
+        y_label: "y [m]".to_owned(),
+        axes: Axes::Map,
+        lines,
+        ..Chart::default()
+    };
+    let values = points.points[best].values.iter().zip(&points.names);
+    let title = values
+        .map(|(value, name)| format!("{name} = {}", number(*value)))
+        .collect::<Vec<_>>()
+        .join(", ");
+    let legend = if recorded.is_empty() {
+        "<span>This folder keeps no recorded paths: run the command again, or see its trajectories.png.</span>".to_owned()
+    } else {
+        format!(
+            "<span><i class=\"key real\"></i>{} ({})</span>",
+            html(kept.map_or("recorded", |kept| kept.reality.as_str())),
+            counted(recorded.len(), "run")
+        )
+    };
+    format!(
+        "<figure><p id=\"chosen\" aria-live=\"polite\">{}: the best point.</p>{}<div class=\"legend\"><span><i class=\"key sim\"></i>simulated</span>{legend}<span id=\"legend-best\" hidden><i class=\"key faint\"></i>simulated, best point</span></div><figcaption>The tracked module's path as it is compared: from the origin, net displacement to the right; one scale for both axes.</figcaption></figure>",
+        html(&title),
+        named(&map, "path"),
+    )
+}
+
+/// How far the best point's run and the recorded ones are at each time, and from each other.
+pub(super) fn over_time(paths: Option<&Paths>, best: Option<usize>, kept: Option<&Kept>) -> String {
+    let (Some(paths), Some(best)) = (paths, best) else {
+        return String::new();
+    };
+    let (recorded, own) = (recorded_of(kept), &paths.xy_m[best]);
+    let duration_s = kept.map_or(1.0, |kept| kept.duration_s);
+    let along = |xy_m: &[[f64; 2]], duration_s: f64| -> Vec<[f64; 2]> {
+        let steps = xy_m.len().saturating_sub(1).max(1) as f64;
+        let places = xy_m.iter().enumerate();
+        places
+            .map(|(k, place)| [duration_s * k as f64 / steps, place[0]])
+            .collect()
+    };
+    let mut lines: Vec<Line> = recorded
+        .iter()
+        .map(|path| line("real", along(&path.xy_m, path.duration_s)))
+        .collect();
+    lines.push(line("sim", along(own, duration_s)));
+    let time = if kept.is_some() {
+        "time [s]"
+    } else {
+        "share of the run"
+    };
+    let along = Chart {
+        alt: "How far along its direction the robot is, over time".to_owned(),
+        x_label: time.to_owned(),
+        y_label: "x [m]".to_owned(),
+        lines,
+        ..Chart::default()
+    };
+    let mut all = vec![figure(
+        "Along the way",
+        &named(&along, "along"),
+        "Parallel lines go equally fast; a different slope is what friction or gait would have to change.",
+    )];
+    if !recorded.is_empty() {
+        let lines = recorded
+            .iter()
+            .map(|path| line("sim", apart(own, duration_s, path)))
+            .collect();
+        let error = Chart {
+            alt: "Distance to each recorded run at equal times".to_owned(),
+            x_label: time.to_owned(),
+            y_label: "distance to recorded [m]".to_owned(),
+            from_zero: true,
+            lines,
+            ..Chart::default()
+        };
+        all.push(figure(
+            "Distance to each recorded run",
+            &named(&error, "error"),
+            "The band is how far recorded runs are from the mean of the others: inside of it, nothing more can be asked of the simulation.",
+        ));
+    }
+    figures(&all)
+}
+
+/// A chart that the scripts draw anew.
+fn named(chart: &Chart, id: &str) -> String {
+    chart
+        .svg()
+        .replacen("<svg ", &format!("<svg id=\"{id}\" "), 1)
+}
+
+/// Distance of a run to a recorded one at equal times, as long as both last.
+fn apart(own: &[[f64; 2]], duration_s: f64, path: &KeptPath) -> Vec<[f64; 2]> {
+    let steps = own.len().saturating_sub(1).max(1) as f64;
+    let last = path.xy_m.len().saturating_sub(1);
+    let place = |t_s: f64| {
+        let at = (t_s / path.duration_s * last as f64).clamp(0.0, last as f64);
+        let below = (at.floor() as usize).min(last.saturating_sub(1));
+        let (a, b) = (path.xy_m.get(below)?, path.xy_m.get(below + 1)?);
+        Some([0, 1].map(|axis| a[axis] + (b[axis] - a[axis]) * (at - below as f64)))
+    };
+    let times = own
+        .iter()
+        .enumerate()
+        .map(|(k, p)| (duration_s * k as f64 / steps, p));
+    times
+        .take_while(|(t_s, _)| *t_s <= path.duration_s + 1e-9)
+        .filter_map(|(t_s, p)| {
+            let other = place(t_s)?;
+            Some([t_s, (p[0] - other[0]).hypot(p[1] - other[1])])
+        })
+        .collect()
+}

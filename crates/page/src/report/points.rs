@@ -1,0 +1,172 @@
+//! The points of a sweep or a tuning as a page needs them: values, scores, paths.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::block::Block;
+use super::heat::{Point, heat_map};
+use super::value::text_of;
+use realgap_core::error::{Error, Result};
+use realgap_store::{STORE_FILE, Store, Trial};
+
+/// Prepared paths are rounded to this in the page.
+pub(super) const PATH_STEP_M: f64 = 1e-4;
+/// Numbers of all paths together in a page; paths of more points have fewer places.
+const MOST_NUMBERS: usize = 180_000;
+
+/// The rows of `points.csv`.
+#[derive(Debug, Default)]
+pub(super) struct Points {
+    /// Names of the parameters.
+    pub names: Vec<String>,
+    /// In the order of the file.
+    pub points: Vec<Point>,
+}
+
+/// Stored paths of the points, each from its first run.
+#[derive(Debug)]
+pub(super) struct Paths {
+    /// Prepared, metres; empty where a point has none.
+    pub xy_m: Vec<Vec<[f64; 2]>>,
+}
+
+impl Points {
+    pub fn read(folder: &Path) -> Result<Self> {
+        let mut all = Self::default();
+        let path = folder.join("points.csv");
+        if !path.is_file() {
+            return Ok(all);
+        }
+        let fail =
+            |e: csv::Error| Error::invalid(format!("cannot read the table: {e}")).at_file(&path);
+        let mut reader = csv::Reader::from_path(&path).map_err(fail)?;
+        let header = reader.headers().map_err(fail)?.clone();
+        let Some(score) = header.iter().position(|name| name == "score") else {
+            return Ok(all);
+        };
+        let is_in = header.iter().position(|name| name == "indistinguishable");
+        all.names = header.iter().take(score).map(str::to_owned).collect();
+        for row in reader.records() {
+            let row = row.map_err(fail)?;
+            let values: Option<Vec<f64>> = row
+                .iter()
+                .take(score)
+                .map(|cell| cell.parse().ok())
+                .collect();
+            let Some(values) = values else {
+                let line = row.position().map_or(0, csv::Position::line) as usize;
+                return Err(Error::invalid("a value is not a number")
+                    .at_file(&path)
+                    .at_line(line, 1));
+            };
+            all.points.push(Point {
+                values,
+                score: row.get(score).and_then(|cell| cell.parse().ok()),
+                is_in: is_in.and_then(|column| row.get(column)) == Some("true"),
+            });
+        }
+        Ok(all)
+    }
+
+    /// The map of scores over two parameters.
+    pub fn map(&self, report: &Value) -> Option<String> {
+        heat_map(&self.points, &self.names, text_of(report, "unit"))
+    }
+
+    /// The point that the report calls the best, else that of the lowest score.
+    pub fn best(&self, report: &Value) -> Option<usize> {
+        let named = report.get("best").and_then(|best| best.get("parameters"));
+        let is_named = |point: &Point| {
+            let values = self.names.iter().map(|name| named?.get(name)?.as_f64());
+            values
+                .zip(&point.values)
+                .all(|(named, value)| named == Some(*value))
+        };
+        let lowest = || {
+            let scored = self.points.iter().enumerate();
+            scored
+                .filter_map(|(index, point)| Some((index, point.score?)))
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .map(|(index, _)| index)
+        };
+        self.points.iter().position(is_named).or_else(lowest)
+    }
+
+    /// The stored path of every point; `None` where the folder keeps none.
+    pub fn paths(&self, folder: &Path) -> Result<Option<Paths>> {
+        if self.points.is_empty() || !folder.join(STORE_FILE).is_file() {
+            return Ok(None);
+        }
+        let trials = Store::<Trial>::read(folder)?.trials()?;
+        let path = |point: &Point| {
+            // The first run of a point is that with the study's own settings, or the nearest to it.
+            let trial = trials.iter().find(|trial| trial.values == point.values);
+            let case = trial.and_then(|trial| trial.cases.first()?.completed());
+            case.map_or_else(Vec::new, |result| result.path_xy_m.clone())
+        };
+        let xy_m: Vec<_> = self.points.iter().map(path).collect();
+        let is_any = xy_m.iter().any(|path| !path.is_empty());
+        Ok(is_any.then_some(Paths { xy_m }))
+    }
+
+    pub fn json(&self, best: Option<usize>) -> Value {
+        let rows = self.points.iter();
+        json!({
+            "names": self.names,
+            "best": best,
+            "rows": rows.map(|p| json!([p.values, p.score, p.is_in])).collect::<Vec<_>>(),
+        })
+    }
+}
+
+impl Paths {
+    /// Adds the paths to a block, x then y of each.
+    pub fn push(&self, block: &mut Block) {
+        let numbers: usize = self.xy_m.iter().map(|path| 2 * path.len()).sum();
+        let every = numbers.div_ceil(MOST_NUMBERS).max(1);
+        for path in &self.xy_m {
+            push_path(block, &thinned(path, path.len().div_ceil(every)));
+        }
+    }
+}
+
+/// Adds a path to a block, x then y.
+pub(super) fn push_path(block: &mut Block, xy_m: &[[f64; 2]]) {
+    for axis in 0..2 {
+        block.push(xy_m.iter().map(|place| place[axis]), PATH_STEP_M);
+    }
+}
+
+/// A path of `count` places, again at equal steps of time.
+fn thinned(path: &[[f64; 2]], count: usize) -> Vec<[f64; 2]> {
+    if count >= path.len() || count < 2 {
+        return path.to_vec();
+    }
+    let step = (path.len() - 1) as f64 / (count - 1) as f64;
+    let place = |k: usize| {
+        let at = k as f64 * step;
+        let below = (at.floor() as usize).min(path.len() - 2);
+        let (a, b) = (path[below], path[below + 1]);
+        let share = at - below as f64;
+        [0, 1].map(|axis| a[axis] + (b[axis] - a[axis]) * share)
+    };
+    (0..count).map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thinned_path_keeps_its_ends_and_its_pace() {
+        let path: Vec<[f64; 2]> = (0..=10)
+            .map(|k| [f64::from(k), -2.0 * f64::from(k)])
+            .collect();
+        assert_eq!(
+            thinned(&path, 3),
+            [[0.0, -0.0], [5.0, -10.0], [10.0, -20.0]]
+        );
+        assert_eq!(thinned(&path, 11), path);
+    }
+}

@@ -1,0 +1,431 @@
+//! A robot in motion, its recorded runs over it: one page.
+
+use serde_json::{Value, json};
+
+use super::block::Block;
+use super::chart::{Axes, Chart, Line};
+use super::kept::KeptReplay;
+use super::motion::{STEPS, boxes, fixed_boxes, known_parts, moving_boxes, push_film};
+use super::page::{
+    BAR, BLOCK, CHART, CLOCK, Page, REPLAY, SCENE, STYLE, THREE, fill, html, script_json,
+};
+use super::section::{body, warning_section};
+use super::stage::Stage;
+use super::track::{CURVE, distances, laid_onto, mean, spread};
+use super::value::{entries, pairs_of};
+use realgap_core::error::Result;
+use realgap_core::unit::{Unit, counted, decimals, quantity};
+use realgap_core::warning::Warning;
+use realgap_engine::{Film, Floor, SceneBody};
+use realgap_path::trajectory::{Recording, Source, Trajectory};
+use realgap_robot::morphology::Morphology;
+
+/// Most numbers of one run in the page; a longer run shows every second, third, … sample.
+const MOST_NUMBERS: usize = 240_000;
+/// The same where the replay is a part of a larger page.
+const FEWER_NUMBERS: usize = 40_000;
+
+const ALONE: &str = include_str!("page/alone.js");
+
+/// What a run that was simulated for its page is called.
+pub const SIMULATION: &str = "simulation";
+
+/// What a replay shows.
+#[derive(Debug, Clone)]
+pub struct Replay<'a> {
+    /// The robot; without one a moving point is shown.
+    pub robot: Option<&'a Morphology>,
+    /// The run.
+    pub run: &'a Film,
+    /// What the run is called: [`SIMULATION`], or the name of its file.
+    pub run_name: &'a str,
+    /// Recorded runs to be shown over it.
+    pub recordings: &'a [Recording],
+    /// Whether recordings are moved and turned onto the run's start and direction, as they are for comparison. Otherwise
+    /// both are in one frame.
+    pub align: bool,
+    /// The ground.
+    pub floor: Floor,
+    /// Other bodies; those that move are shown as far as the run knows where they are.
+    pub scene: &'a [SceneBody],
+    /// What the reader should know.
+    pub warnings: &'a [Warning],
+    /// Versions, settings, hashes, the command: name and value.
+    pub provenance: &'a [(String, String)],
+}
+
+/// A recorded run as it is shown.
+struct Ghost<'a> {
+    name: &'a str,
+    film: Film,
+    /// Distance to the run, over time.
+    apart: Vec<[f64; 2]>,
+}
+
+impl Replay<'_> {
+    /// The page: one HTML file.
+    ///
+    /// # Errors
+    /// Paths too long to be compared.
+    pub fn page(&self) -> Result<String> {
+        let ghosts = self.ghosts()?;
+        let tracks: Vec<&Trajectory> = ghosts.iter().map(|ghost| &ghost.film.track).collect();
+        let noise = spread(&tracks);
+        let (motion, kept) = self.motion(&ghosts, MOST_NUMBERS);
+        let scene = self.scene_json(&ghosts);
+        let title = match self.robot {
+            Some(robot) => format!("{}: replay", robot.name()),
+            None => format!("{}: replay", self.run_name),
+        };
+        let body = self.body(&ghosts, &noise, &kept);
+        let page = Page {
+            title: &title,
+            styles: &[STYLE],
+            body: &body,
+            data: &[("scene-data", script_json(&scene)), ("motion-data", motion)],
+            scripts: &[THREE, BLOCK, CLOCK, CHART, SCENE, REPLAY, ALONE],
+        };
+        Ok(page.text())
+    }
+
+    /// What the page of a results folder shows of it: fewer samples than a page of its own.
+    ///
+    /// # Errors
+    /// Paths too long to be compared.
+    pub fn kept(&self) -> Result<KeptReplay> {
+        let ghosts = self.ghosts()?;
+        Ok(KeptReplay {
+            scene: self.scene_json(&ghosts),
+            motion: self.motion(&ghosts, FEWER_NUMBERS).0,
+        })
+    }
+
+    /// All motions, and every how manyth sample of each is in there.
+    fn motion(&self, ghosts: &[Ghost<'_>], most: usize) -> (String, Vec<usize>) {
+        let mut block = Block::default();
+        let films = std::iter::once(self.run).chain(ghosts.iter().map(|ghost| &ghost.film));
+        let kept = films
+            .map(|film| push_film(&mut block, film, self.scene, most))
+            .collect();
+        (block.text(), kept)
+    }
+
+    /// Who moves in it and how, at most so many samples of each run.
+    pub(super) fn stage(&self, most: usize) -> Result<Stage> {
+        let ghosts = self.ghosts()?;
+        let run = std::iter::once((self.run_name, self.run));
+        let all = run.chain(ghosts.iter().map(|ghost| (ghost.name, &ghost.film)));
+        Ok(Stage::new(self.robot, all, self.floor, self.scene, most))
+    }
+
+    fn ghosts(&self) -> Result<Vec<Ghost<'_>>> {
+        let assembly = self.robot.map(Morphology::assemble);
+        self.recordings
+            .iter()
+            .map(|recording| {
+                let film = match &assembly {
+                    Some(assembly) => Film::of_recording(assembly, recording),
+                    None => Film {
+                        track: recording.trajectory.clone(),
+                        parts: Vec::new(),
+                        scene: Vec::new(),
+                    },
+                };
+                let film = if self.align {
+                    laid_onto(&film, &self.run.track)?
+                } else {
+                    film
+                };
+                Ok(Ghost {
+                    name: &recording.name,
+                    apart: distances(&self.run.track, &film.track),
+                    film,
+                })
+            })
+            .collect()
+    }
+
+    pub(super) fn reality(&self) -> &'static str {
+        Source::of(self.recordings).reality_label()
+    }
+
+    fn scene_json(&self, ghosts: &[Ghost<'_>]) -> Value {
+        let track = |name: &str, film: &Film, is_recorded: bool| {
+            json!({
+                "name": name,
+                "recorded": is_recorded,
+                "parts": known_parts(self.scene, film),
+            })
+        };
+        let mut tracks = vec![track(self.run_name, self.run, false)];
+        tracks.extend(
+            ghosts
+                .iter()
+                .map(|ghost| track(ghost.name, &ghost.film, true)),
+        );
+        let mut all = self.robot.map(boxes).unwrap_or_default();
+        all.extend(moving_boxes(self.scene, self.run));
+        json!({
+            "steps": STEPS,
+            "tracks": tracks,
+            "parts": self.run.parts.len(),
+            "boxes": all,
+            "floor": { "height_m": self.floor.height_m, "slope_rad": self.floor.slope_rad },
+            "scene": self.scene.iter().flat_map(fixed_boxes).collect::<Vec<_>>(),
+        })
+    }
+
+    /// The run at the beginning of a sentence.
+    fn subject(&self) -> String {
+        match self.run_name {
+            SIMULATION => "The simulation".to_owned(),
+            name => name.to_owned(),
+        }
+    }
+
+    /// The answer in at most two sentences.
+    fn answer(&self, ghosts: &[Ghost<'_>], noise: &[[f64; 3]]) -> String {
+        let net_m = self.run.track.net_displacement_world_m().xy().norm();
+        let length = |m: f64| quantity(m, Unit::Metre);
+        let went = format!(
+            "{} goes {} in {} s, along a path of {}.",
+            self.subject(),
+            length(net_m),
+            decimals(self.run.track.duration_s(), 1),
+            length(self.run.track.path_length_xy_m()),
+        );
+        if ghosts.is_empty() {
+            return html(&went);
+        }
+        let means = ghosts.iter().map(|ghost| mean(&ghost.apart));
+        let apart_m = means.sum::<f64>() / ghosts.len() as f64;
+        let mut text = format!(
+            "{went} At equal times it is {} from {} ({}), on average over time",
+            length(apart_m),
+            match Source::of(self.recordings) {
+                Source::Real => "reality",
+                Source::StandIn => "the stand-in for reality",
+            },
+            counted(ghosts.len(), "run"),
+        );
+        if !noise.is_empty() {
+            let low = noise
+                .iter()
+                .map(|[t, low, _]| [*t, *low])
+                .collect::<Vec<_>>();
+            let high = noise
+                .iter()
+                .map(|[t, _, high]| [*t, *high])
+                .collect::<Vec<_>>();
+            text += &format!(
+                "; each of those runs is {} to {} from the mean of the others",
+                length(mean(&low)),
+                length(mean(&high)),
+            );
+        }
+        html(&(text + "."))
+    }
+
+    fn body(&self, ghosts: &[Ghost<'_>], noise: &[[f64; 3]], kept: &[usize]) -> String {
+        let name = self.robot.map_or(self.run_name, Morphology::name);
+        let stand_in = match Source::of(self.recordings) {
+            Source::StandIn => {
+                "<p class=\"note\">The recorded runs are stand-ins made by a simulator, not hardware.</p>"
+            }
+            Source::Real => "",
+        };
+        let legend = if ghosts.is_empty() {
+            String::new()
+        } else {
+            format!(
+                "<span><i class=\"key real\"></i>{}</span>{}",
+                html(self.reality()),
+                if noise.is_empty() {
+                    ""
+                } else {
+                    "<span><i class=\"key band\"></i>its own spread: each run from the mean of the others</span>"
+                },
+            )
+        };
+        let aligned = match (ghosts.is_empty(), self.align) {
+            (true, _) => "",
+            (false, true) => {
+                "Recorded runs are moved to the same start and turned about the vertical so that all go the same way, as for comparison."
+            }
+            (false, false) => "Recorded and simulated runs are shown in the frame of their files.",
+        };
+        let thinned = if kept.iter().any(|every| *every > 1) {
+            " Of long runs only every few samples are in this page."
+        } else {
+            ""
+        };
+        let description = self.robot.map_or("", Morphology::description);
+        let values = [
+            ("name", html(name)),
+            ("answer", self.answer(ghosts, noise)),
+            ("description", html(description)),
+            ("stage", stage_of(self.run_name, &legend)),
+            ("bar", BAR.to_owned()),
+            ("stand_in", stand_in.to_owned()),
+            ("aligned", aligned.to_owned()),
+            ("thinned", thinned.to_owned()),
+            ("charts", self.charts(ghosts, noise)),
+            ("table", self.table(ghosts)),
+            ("warnings", warning_list(self.warnings)),
+            ("provenance", entries(pairs_of(self.provenance))),
+        ];
+        fill(include_str!("page/replay.html"), &values)
+    }
+
+    fn charts(&self, ghosts: &[Ghost<'_>], noise: &[[f64; 3]]) -> String {
+        let xy = |track: &Trajectory| {
+            let positions = track.positions_world_m();
+            let every = positions.len().div_ceil(4 * CURVE).max(1);
+            let ends = positions.iter().step_by(every).chain(positions.last());
+            ends.map(|p| [p.x, p.y]).collect::<Vec<_>>()
+        };
+        let real = |points| Line {
+            class: "real",
+            points,
+        };
+        let sim = |points| Line {
+            class: "sim",
+            points,
+        };
+        let mut paths: Vec<Line> = ghosts
+            .iter()
+            .map(|ghost| real(xy(&ghost.film.track)))
+            .collect();
+        paths.push(sim(xy(&self.run.track)));
+        let map = Chart {
+            alt: "The paths seen from above".to_owned(),
+            x_label: "x [m]".to_owned(),
+            y_label: "y [m]".to_owned(),
+            axes: Axes::Map,
+            lines: paths,
+            ..Chart::default()
+        };
+        let over_time = if ghosts.is_empty() {
+            let start = self.run.track.positions_world_m()[0];
+            let first_s = self.run.track.times_s()[0];
+            let samples = self
+                .run
+                .track
+                .times_s()
+                .iter()
+                .zip(self.run.track.positions_world_m());
+            let points = samples.map(|(t, p)| [t - first_s, (p - start).xy().norm()]);
+            Chart {
+                alt: "Distance from the start over time".to_owned(),
+                y_label: "distance from the start [m]".to_owned(),
+                from_zero: true,
+                lines: vec![sim(points.collect())],
+                ..Chart::default()
+            }
+        } else {
+            Chart {
+                alt: "Distance between the run and each recorded run over time".to_owned(),
+                y_label: "distance to recorded [m]".to_owned(),
+                bands: vec![noise.to_vec()],
+                from_zero: true,
+                lines: ghosts
+                    .iter()
+                    .map(|ghost| sim(ghost.apart.clone()))
+                    .collect(),
+                ..Chart::default()
+            }
+        };
+        let over_time = Chart {
+            x_label: "time [s]".to_owned(),
+            ..over_time
+        };
+        let caption = if ghosts.is_empty() {
+            "How far the tracked module is from where it started."
+        } else {
+            "How far the run is from each recorded run at the same time. Inside the band it is no farther than recorded runs are from each other."
+        };
+        format!(
+            "<figure><h2>Distance over time</h2>{}<figcaption>{caption} Click or drag to move in time.</figcaption></figure>\
+             <figure><h2>Paths from above</h2>{}<figcaption>The tracked module's path; one scale for both axes.</figcaption></figure>",
+            over_time.svg(),
+            map.svg(),
+        )
+    }
+
+    fn table(&self, ghosts: &[Ghost<'_>]) -> String {
+        let net = |track: &Trajectory| {
+            quantity(track.net_displacement_world_m().xy().norm(), Unit::Metre)
+        };
+        let known = |film: &Film| match film.parts.iter().flatten().count() {
+            0 => "path only".to_owned(),
+            count if count == film.parts.len() => "all parts".to_owned(),
+            count => format!("{count} of {}", counted(film.parts.len(), "part")),
+        };
+        let mut rows = format!(
+            "<tr class=\"sim\"><th scope=\"row\">{}</th><td>{} s</td><td>{}</td><td>{}</td><td>–</td><td>–</td><td>–</td></tr>",
+            html(self.run_name),
+            decimals(self.run.track.duration_s(), 2),
+            known(self.run),
+            net(&self.run.track),
+        );
+        for ghost in ghosts {
+            let length = |m: f64| quantity(m, Unit::Metre);
+            let farthest = ghost
+                .apart
+                .iter()
+                .copied()
+                .reduce(|a, b| if b[1] > a[1] { b } else { a });
+            let [at_s, most_m] = farthest.unwrap_or_default();
+            let end_m = ghost.apart.last().map_or(0.0, |[_, m]| *m);
+            rows += &format!(
+                "<tr><th scope=\"row\">{}</th><td>{} s</td><td>{}</td><td>{}</td><td>{}</td><td>{} at {} s</td><td>{}</td></tr>",
+                html(ghost.name),
+                decimals(ghost.film.track.duration_s(), 2),
+                known(&ghost.film),
+                net(&ghost.film.track),
+                length(mean(&ghost.apart)),
+                length(most_m),
+                decimals(at_s, 1),
+                length(end_m),
+            );
+        }
+        rows
+    }
+}
+
+/// Warnings as a section; nothing where there are none.
+fn warning_list(warnings: &[Warning]) -> String {
+    let warnings = warnings.iter();
+    let pairs = warnings.map(|warning| (warning.code.name(), warning.message.as_str()));
+    body(&[warning_section(pairs)])
+}
+
+/// Where a robot is seen in space; `legend` is markup.
+fn stage_of(run: &str, legend: &str) -> String {
+    let values = [("run", html(run)), ("legend", legend.to_owned())];
+    fill(include_str!("page/stage.html"), &values)
+}
+
+/// Where a kept replay is seen in space.
+pub(super) fn stage(scene: &Value) -> String {
+    let tracks = scene.get("tracks").and_then(Value::as_array);
+    let tracks = tracks.map_or(&[][..], Vec::as_slice);
+    let name = |track: &Value| {
+        track
+            .get("name")
+            .and_then(Value::as_str)
+            .unwrap_or_default()
+            .to_owned()
+    };
+    let run = tracks.first().map(name).unwrap_or_default();
+    let recorded: Vec<String> = tracks.iter().skip(1).map(name).collect();
+    let legend = if recorded.is_empty() {
+        String::new()
+    } else {
+        format!(
+            "<span><i class=\"key real\"></i>recorded: {}</span>",
+            html(&recorded.join(", "))
+        )
+    };
+    stage_of(&run, &legend)
+}

@@ -1,0 +1,238 @@
+//! Sections of a report, and those that every report has.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::base64;
+use super::page::html;
+use super::value::{definitions, list, pairs_of, scalar, scalars, text_of};
+use realgap_core::error::{Error, Result};
+use realgap_core::warning::Code;
+
+/// A part of a page with a name in its contents.
+#[derive(Debug, Clone)]
+pub(super) struct Section {
+    /// Where the contents lead.
+    pub id: &'static str,
+    /// As the contents say.
+    pub title: &'static str,
+    /// What is below the title; nothing where the section is left out.
+    pub html: String,
+}
+
+impl Section {
+    /// A section; empty content leaves it out.
+    pub fn new(id: &'static str, title: &'static str, html: String) -> Self {
+        Self { id, title, html }
+    }
+}
+
+/// Sections one after the other.
+pub(super) fn body(sections: &[Section]) -> String {
+    let there = sections.iter().filter(|section| !section.html.is_empty());
+    there
+        .map(|Section { id, title, html }| {
+            format!("<section class=\"card\" id=\"{id}\"><h2>{title}</h2>{html}</section>\n")
+        })
+        .collect()
+}
+
+/// Links to the sections.
+pub(super) fn contents(sections: &[Section]) -> String {
+    let there = sections.iter().filter(|section| !section.html.is_empty());
+    let links: String = there
+        .map(|Section { id, title, .. }| format!("<li><a href=\"#{id}\">{title}</a></li>"))
+        .collect();
+    format!("<nav class=\"contents\" aria-label=\"Contents\"><ol>{links}</ol></nav>")
+}
+
+/// A figure of charts with what it says, and what would change the answer.
+pub(super) fn figure(title: &str, chart: &str, caption: &str) -> String {
+    format!(
+        "<figure><h3>{}</h3>{chart}<figcaption>{}</figcaption></figure>",
+        html(title),
+        html(caption)
+    )
+}
+
+/// Several figures beside each other, where there is room.
+pub(super) fn figures(all: &[String]) -> String {
+    format!("<div class=\"figures\">{}</div>", all.concat())
+}
+
+/// What the reader should know, with what to do about it; those of parts of the report, too.
+pub(super) fn warnings(report: &Value) -> Section {
+    let mut all: Vec<(String, String)> = Vec::new();
+    collect(report, 0, &mut all);
+    warning_section(pairs_of(&all))
+}
+
+/// Codes and messages, each with its remedy.
+pub(super) fn warning_section<'a>(all: impl Iterator<Item = (&'a str, &'a str)>) -> Section {
+    let items: String = all
+        .map(|(code, message)| {
+            let remedy = Code::by_name(code).map_or_else(String::new, |code| {
+                format!(
+                    "<span class=\"remedy\">What to do: {}.</span>",
+                    html(code.remedy())
+                )
+            });
+            format!(
+                "<li><code>{}</code> {} {remedy}</li>",
+                html(code),
+                html(message)
+            )
+        })
+        .collect();
+    let list = if items.is_empty() {
+        String::new()
+    } else {
+        format!("<ul>{items}</ul>")
+    };
+    Section::new("warnings", "Warnings", list)
+}
+
+/// Warnings of a report and of what it holds, each once.
+fn collect(value: &Value, depth: usize, all: &mut Vec<(String, String)>) {
+    if depth > 4 {
+        return;
+    }
+    for warning in list(value, "warnings") {
+        let pair = (
+            text_of(warning, "code").to_owned(),
+            text_of(warning, "message").to_owned(),
+        );
+        if !all.contains(&pair) {
+            all.push(pair);
+        }
+    }
+    let inner: Vec<&Value> = match value {
+        Value::Object(fields) => fields.values().collect(),
+        Value::Array(items) => items.iter().collect(),
+        _ => Vec::new(),
+    };
+    for value in inner {
+        collect(value, depth + 1, all);
+    }
+}
+
+/// Numbers of the report that no other section holds.
+pub(super) fn numbers(report: &Value, said: &[&str]) -> Section {
+    let always = ["description", "provenance", "warnings", "engine", "version"];
+    let said: Vec<&str> = said.iter().copied().chain(always).collect();
+    let all = scalars(report, &said);
+    let list = if all.is_empty() {
+        String::new()
+    } else {
+        definitions(pairs_of(&all))
+    };
+    Section::new("numbers", "Numbers", list)
+}
+
+/// Versions, settings, hashes, and the command that does it again.
+pub(super) fn provenance(report: &Value, command: Option<&str>, page: Option<&str>) -> Section {
+    let mut pairs: Vec<(String, String)> = Vec::new();
+    if let Some(command) = command {
+        pairs.push(("run it again".to_owned(), command.to_owned()));
+    }
+    for name in ["engine", "version", "seed"] {
+        if let Some(text) = report.get(name).and_then(scalar) {
+            let shown = if name == "version" { "realgap" } else { name };
+            pairs.push((shown.to_owned(), text));
+        }
+    }
+    let entries = report.get("provenance").and_then(Value::as_object);
+    for (name, value) in entries.into_iter().flatten() {
+        pairs.push((
+            name.clone(),
+            scalar(value).unwrap_or_else(|| value.to_string()),
+        ));
+    }
+    if let Some(page) = page {
+        pairs.push(("this page".to_owned(), page.to_owned()));
+    }
+    Section::new(
+        "provenance",
+        "How this was made",
+        definitions(pairs_of(&pairs)),
+    )
+}
+
+/// Pictures that are larger stay in the folder.
+const LARGEST_PICTURE: u64 = 1_500_000;
+
+/// The pictures of a folder that are not `drawn` by the page itself, in elements that run nothing: PNG where there is one,
+/// because an SVG needs its fonts.
+pub(super) fn pictures(
+    folder: &Path,
+    id: &'static str,
+    title: &'static str,
+    wanted: impl Fn(&str) -> bool,
+) -> Result<Section> {
+    let mut stems = Vec::new();
+    let entries =
+        fs::read_dir(folder).map_err(|e| Error::io("look into the results folder", folder, &e))?;
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let Some(stem) = name.strip_suffix(".png").or(name.strip_suffix(".svg")) else {
+            continue;
+        };
+        let is_there = stems.iter().any(|s| s == stem);
+        if wanted(stem) && !is_there {
+            stems.push(stem.to_owned());
+        }
+    }
+    stems.sort();
+    let mut figures = String::new();
+    for stem in stems {
+        let size = |ending: &str| {
+            let path = folder.join(format!("{stem}.{ending}"));
+            fs::metadata(&path)
+                .ok()
+                .filter(|m| m.is_file() && m.len() <= LARGEST_PICTURE)
+                .map(|_| path)
+        };
+        let chosen = size("png").map(|path| (path, "image/png"));
+        let Some((path, kind)) = chosen.or_else(|| size("svg").map(|path| (path, "image/svg+xml")))
+        else {
+            continue;
+        };
+        figures += &embedded(&path, kind, &stem.replace('_', " "))?;
+    }
+    Ok(Section::new(id, title, beside(&figures)))
+}
+
+/// A picture as a figure that needs no file beside the page.
+pub(super) fn embedded(path: &Path, kind: &str, name: &str) -> Result<String> {
+    let content = fs::read(path).map_err(|e| Error::io("read the file", path, &e))?;
+    let name = html(name);
+    Ok(format!(
+        "<figure><h3>{name}</h3><img alt=\"{name}\" src=\"data:{kind};base64,{}\"></figure>",
+        base64::encode(&content)
+    ))
+}
+
+/// Figures of pictures beside each other; nothing of none.
+pub(super) fn beside(figures: &str) -> String {
+    if figures.is_empty() {
+        return String::new();
+    }
+    format!("<div class=\"pictures\">{figures}</div>")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_warning_of_any_part_is_said_once_with_its_remedy() {
+        let one = serde_json::json!({ "code": "few-recordings", "message": "<2>" });
+        let report = serde_json::json!({ "warnings": [one], "cases": [{ "warnings": [one] }] });
+        let section = warnings(&report);
+        assert_eq!(section.html.matches("<li>").count(), 1);
+        assert!(section.html.contains(Code::FewRecordings.remedy()));
+        assert!(!section.html.contains("<2>"));
+    }
+}

@@ -1,0 +1,251 @@
+//! What a replay shows, apart from how: who moves, of which boxes they are, where they are over time.
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+
+use super::motion::{BoxKind, robot_boxes};
+use realgap_engine::{Film, Floor, SceneBody, SceneMotion, part_name};
+use realgap_robot::morphology::Morphology;
+
+/// A colour: red, green, blue.
+pub(super) type Colour = [u8; 3];
+
+/// What a box stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Passive,
+    Active,
+    Plate,
+    Floor,
+    /// A body beside the robot.
+    Other,
+    /// A run of which only a path is known.
+    Run,
+    /// Whatever was recorded.
+    Recorded,
+}
+
+impl Kind {
+    /// What was recorded is green everywhere, a run is blue.
+    pub(super) fn colour(self) -> Colour {
+        match self {
+            Self::Passive => [217, 211, 197],
+            Self::Active => [120, 178, 216],
+            Self::Plate => [213, 94, 0],
+            Self::Floor => [238, 238, 234],
+            Self::Other => [169, 163, 154],
+            Self::Run => [0, 114, 178],
+            Self::Recorded => [0, 138, 100],
+        }
+    }
+
+    /// The same as shares of light, as glTF and cameras have it.
+    pub(super) fn light(self) -> [f64; 3] {
+        self.colour().map(|channel| {
+            let share = f64::from(channel) / 255.0;
+            if share <= 0.04045 {
+                share / 12.92
+            } else {
+                ((share + 0.055) / 1.055).powf(2.4)
+            }
+        })
+    }
+}
+
+impl From<BoxKind> for Kind {
+    fn from(kind: BoxKind) -> Self {
+        match kind {
+            BoxKind::Passive => Self::Passive,
+            BoxKind::Active => Self::Active,
+            BoxKind::Plate => Self::Plate,
+        }
+    }
+}
+
+/// Half the height of the slab that stands for the floor, metres.
+const FLOOR_HALF_M: f64 = 0.001;
+/// How far the floor reaches beyond the paths, metres.
+const FLOOR_MARGIN_M: f64 = 0.15;
+
+/// A box in the frame of what carries it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Solid {
+    pub(super) half_m: Vector3<f64>,
+    pub(super) pose: Isometry3<f64>,
+    pub(super) kind: Kind,
+}
+
+/// Boxes that move as one.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Mover {
+    pub(super) name: String,
+    pub(super) solids: Vec<Solid>,
+    /// Poses in the world at the actor's times.
+    pub(super) poses: Vec<Isometry3<f64>>,
+}
+
+/// One run, simulated or recorded.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Actor {
+    /// Differs from that of all others.
+    pub(super) name: String,
+    pub(super) is_recorded: bool,
+    /// Seconds since its start.
+    pub(super) times_s: Vec<f64>,
+    /// The tracked point in the world.
+    pub(super) places_m: Vec<Vector3<f64>>,
+    /// Its orientation, where known.
+    pub(super) turns: Option<Vec<UnitQuaternion<f64>>>,
+    /// Its parts, and other bodies that move; none where only a path is known.
+    pub(super) movers: Vec<Mover>,
+}
+
+/// All of it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Stage {
+    /// The run, then recorded runs.
+    pub(super) actors: Vec<Actor>,
+    /// What stands still; the floor is the first.
+    pub(super) fixed: Vec<Solid>,
+    /// Every how manyth sample is shown, at most.
+    pub(super) every: usize,
+}
+
+impl Stage {
+    /// The run and recorded ones by name, at most so many samples of each.
+    pub(super) fn new<'a>(
+        robot: Option<&Morphology>,
+        films: impl Iterator<Item = (&'a str, &'a Film)>,
+        floor: Floor,
+        scene: &[SceneBody],
+        most: usize,
+    ) -> Self {
+        let mut actors: Vec<Actor> = Vec::new();
+        let mut largest = 1;
+        for (name, film) in films {
+            let every = film.track.len().div_ceil(most).max(1);
+            largest = largest.max(every);
+            let mut actor = actor(robot, film, scene, every);
+            actor.is_recorded = !actors.is_empty();
+            let is_taken = |name: &str| actors.iter().any(|other| other.name == name);
+            let names = std::iter::once(name.to_owned());
+            let mut names = names.chain((2..).map(|number| format!("{name} {number}")));
+            actor.name = names.find(|name| !is_taken(name)).unwrap_or_default();
+            actors.push(actor);
+        }
+        let mut fixed = vec![slab(&actors, floor)];
+        for body in scene {
+            let SceneMotion::Fixed { world_from_body } = &body.motion else {
+                continue;
+            };
+            fixed.extend(body.boxes.iter().map(|one| Solid {
+                half_m: 0.5 * one.sides_m,
+                pose: world_from_body * one.body_from_box,
+                kind: Kind::Other,
+            }));
+        }
+        Self {
+            actors,
+            fixed,
+            every: largest,
+        }
+    }
+
+    /// How long the longest run is, seconds.
+    pub(super) fn duration_s(&self) -> f64 {
+        let ends = self.actors.iter().filter_map(|actor| actor.times_s.last());
+        ends.copied().fold(0.0, f64::max)
+    }
+}
+
+fn actor(robot: Option<&Morphology>, film: &Film, scene: &[SceneBody], every: usize) -> Actor {
+    let track = &film.track;
+    let last = track.len() - 1;
+    let mut picks: Vec<usize> = (0..=last).step_by(every).collect();
+    if picks.last() != Some(&last) {
+        picks.push(last);
+    }
+    let pick = |poses: &[Isometry3<f64>]| picks.iter().map(|k| poses[*k]).collect();
+    let boxes = robot.map(robot_boxes).unwrap_or_default();
+    let mut movers = Vec::new();
+    for (part, poses) in film.parts.iter().enumerate() {
+        let Some(poses) = poses else { continue };
+        let own = boxes.iter().filter(|one| one.part == part);
+        movers.push(Mover {
+            name: part_name(part),
+            solids: own
+                .map(|one| Solid {
+                    half_m: one.half_m,
+                    pose: one.part_from_box,
+                    kind: one.kind.into(),
+                })
+                .collect(),
+            poses: pick(poses),
+        });
+    }
+    for (body, poses) in scene.iter().zip(&film.scene) {
+        if matches!(body.motion, SceneMotion::Fixed { .. }) {
+            continue;
+        }
+        movers.push(Mover {
+            name: body.name.clone(),
+            solids: body
+                .boxes
+                .iter()
+                .map(|one| Solid {
+                    half_m: 0.5 * one.sides_m,
+                    pose: one.body_from_box,
+                    kind: Kind::Other,
+                })
+                .collect(),
+            poses: pick(poses),
+        });
+    }
+    let (times_s, places) = (track.times_s(), track.positions_world_m());
+    Actor {
+        name: String::new(),
+        is_recorded: false,
+        times_s: picks.iter().map(|k| times_s[*k] - times_s[0]).collect(),
+        places_m: picks.iter().map(|k| places[*k]).collect(),
+        turns: (track.orientations_world_from_body())
+            .map(|turns| picks.iter().map(|k| turns[*k]).collect()),
+        movers,
+    }
+}
+
+/// A piece of floor below all paths.
+fn slab(actors: &[Actor], floor: Floor) -> Solid {
+    let places = || actors.iter().flat_map(|actor| &actor.places_m);
+    let range = |axis: usize| {
+        let low = places().map(|p| p[axis]).fold(f64::INFINITY, f64::min);
+        let high = places().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
+        (0.5 * (low + high), 0.5 * (high - low) + FLOOR_MARGIN_M)
+    };
+    let ((x, half_x), (y, half_y)) = (range(0), range(1));
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), floor.slope_rad);
+    let up = turn * Vector3::z();
+    // The point of the floor above or below the middle of the paths.
+    let z = floor.height_m - floor.slope_rad.tan() * x;
+    let middle = Vector3::new(x, y, z) - FLOOR_HALF_M * up;
+    Solid {
+        half_m: Vector3::new(half_x / floor.slope_rad.cos(), half_y, FLOOR_HALF_M),
+        pose: Isometry3::from_parts(middle.into(), turn),
+        kind: Kind::Floor,
+    }
+}
+
+/// Orientations, each with the sign that is nearer to the one before: both signs are the same turn.
+pub(super) fn continuous(
+    turns: impl Iterator<Item = UnitQuaternion<f64>>,
+) -> impl Iterator<Item = UnitQuaternion<f64>> {
+    let mut last: Option<UnitQuaternion<f64>> = None;
+    turns.map(move |turn| {
+        let is_far = last.is_some_and(|last| last.coords.dot(&turn.coords) < 0.0);
+        let next = if is_far {
+            UnitQuaternion::new_unchecked(-turn.into_inner())
+        } else {
+            turn
+        };
+        last = Some(next);
+        next
+    })
+}

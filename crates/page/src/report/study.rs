@@ -1,0 +1,415 @@
+//! The story of a sweep or a tuning.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::block::Block;
+use super::chart::{Axes, Chart, Line};
+use super::kept::Kept;
+use super::page::script_json;
+use super::path::{from_above, over_time};
+use super::points::{PATH_STEP_M, Points, push_path};
+use super::section::{Section, figure, figures, pictures};
+use super::sheet::Sheet;
+use super::story::Story;
+use super::value::{
+    at, count, first_text, float, floats, is, list, measured, percent, span, table, text_of,
+};
+use realgap_core::error::Result;
+use realgap_core::unit::{counted, number};
+
+/// Fewer numbers than this of a report stand in the section of numbers, because others tell them.
+const SAID: [&str; 8] = [
+    "study",
+    "best",
+    "verdicts",
+    "audit",
+    "validation",
+    "uncertainty",
+    "tuning",
+    "pose",
+];
+
+pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Result<Story> {
+    let points = Points::read(folder)?;
+    let paths = points.paths(folder)?;
+    let best = points.best(report);
+    let map = points.map(report);
+    let has_map = map.is_some();
+    let mut story = Story {
+        kind: if report.get("tuning").is_some_and(|tuning| !tuning.is_null()) {
+            "tuning"
+        } else {
+            "sweep"
+        },
+        name: first_text(report, &["study"])
+            .unwrap_or("results")
+            .to_owned(),
+        answer: answer(report, kept),
+        sections: vec![
+            Section::new(
+                "map",
+                "Scores, and the path of each point",
+                heat(
+                    &points,
+                    report,
+                    map,
+                    &from_above(&points, paths.as_ref(), best, kept),
+                ),
+            ),
+            Section::new(
+                "over-time",
+                "The chosen point over time",
+                over_time(paths.as_ref(), best, kept),
+            ),
+        ],
+        said: SAID.to_vec(),
+        ..Story::default()
+    };
+    story.sections.push(Section::new(
+        "verdicts",
+        "What the recordings say about each parameter",
+        verdicts(folder, report)?,
+    ));
+    story.sections.push(Section::new(
+        "convergence",
+        "How the optimizer came there",
+        convergence(folder, report)?,
+    ));
+    let is_plane = |stem: &str| stem == "components";
+    story.sections.push(pictures(
+        folder,
+        "components",
+        "Every run in the first two principal components",
+        is_plane,
+    )?);
+    story.sections.push(Section::new(
+        "validation",
+        "On recordings that were held out",
+        validation(report),
+    ));
+    story.sections.push(Section::new(
+        "audit",
+        "Numerical audit: what no recording can tell",
+        audit(report),
+    ));
+    let has_paths = paths.is_some() && best.is_some();
+    let is_drawn = move |stem: &str| {
+        stem.starts_with("profile_")
+            || is_plane(stem)
+            || (has_map && stem == "heatmap")
+            || (has_paths && stem == "trajectories")
+            || stem == "convergence"
+    };
+    story
+        .sections
+        .push(pictures(folder, "pictures", "More pictures", |stem| {
+            !is_drawn(stem)
+        })?);
+    if let (Some(paths), Some(best)) = (paths, best) {
+        let mut block = Block::default();
+        paths.push(&mut block);
+        let recorded = kept.map_or(&[][..], |kept| kept.recorded.as_slice());
+        for path in recorded {
+            push_path(&mut block, &path.xy_m);
+        }
+        let names = recorded
+            .iter()
+            .map(|path| json!([path.name, path.duration_s]));
+        let mut data = points.json(Some(best));
+        data["step"] = json!(PATH_STEP_M);
+        data["duration_s"] = json!(kept.map_or(1.0, |kept| kept.duration_s));
+        data["recorded"] = names.collect();
+        story.data = vec![
+            ("point-data", script_json(&data)),
+            ("path-data", block.text()),
+        ];
+    }
+    Ok(story)
+}
+
+/// Two sentences: where the simulation is nearest, and what the recordings determine.
+fn answer(report: &Value, kept: Option<&Kept>) -> String {
+    let reality = match kept.map_or("", |kept| kept.reality.as_str()) {
+        "" => "the recordings".to_owned(),
+        "reality" => "reality".to_owned(),
+        stand_in => format!("the {stand_in}"),
+    };
+    let best = at(report, "best");
+    let Some(parameters) = best.get("parameters").and_then(Value::as_object) else {
+        return "Not determined: no point has a score.".to_owned();
+    };
+    let unit = text_of(report, "unit");
+    let verdicts = list(report, "verdicts");
+    let names = |identified: bool| -> Vec<&str> {
+        verdicts
+            .iter()
+            .filter(|v| is(v, "identified") == Some(identified))
+            .map(|v| text_of(v, "parameter"))
+            .collect()
+    };
+    let (known, open) = (names(true), names(false));
+    let values: Vec<String> = parameters
+        .iter()
+        .map(|(name, value)| {
+            let value = value.as_f64().map_or_else(String::new, number);
+            let interval = verdicts
+                .iter()
+                .find(|verdict| {
+                    text_of(verdict, "parameter") == name && known.contains(&name.as_str())
+                })
+                .map(|verdict| floats(verdict, "interval"));
+            match interval.as_deref() {
+                Some([low, high]) => format!(
+                    "{name} = {value} (90 %: {} to {})",
+                    number(*low),
+                    number(*high)
+                ),
+                _ => format!("{name} = {value}"),
+            }
+        })
+        .collect();
+    let over = match count(best, "settings") {
+        Some(settings) if settings > 1 => {
+            format!(" on average over {settings} equally valid numerical settings")
+        }
+        _ => " in one run each, numerical luck included".to_owned(),
+    };
+    let mut text = format!(
+        "The simulation comes nearest to {reality} at {}: {} {}{over}.",
+        values.join(", "),
+        text_of(report, "metric"),
+        measured(float(best, "score"), unit),
+    );
+    text += &match (known.is_empty(), open.is_empty()) {
+        (true, true) => " Nothing is said about how sure that is.".to_owned(),
+        (false, true) => format!(
+            " {} narrowed down by {}.",
+            listed(&known),
+            counted(
+                count(report, "recordings").unwrap_or(0) as usize,
+                "recording"
+            )
+        ),
+        (true, false) => format!(" {} not determined by these recordings.", listed(&open)),
+        (false, false) => format!(
+            " {} narrowed down, {} not determined by these recordings.",
+            listed(&known),
+            listed(&open)
+        ),
+    };
+    if is(report, "complete") == Some(false) {
+        text += " Unfinished: this is what there is so far.";
+    }
+    text
+}
+
+/// `a is`, `a and b are`.
+fn listed(names: &[&str]) -> String {
+    match names {
+        [one] => format!("{one} is"),
+        [first @ .., last] => format!("{} and {last} are", first.join(", ")),
+        [] => String::new(),
+    }
+}
+
+fn heat(points: &Points, report: &Value, map: Option<String>, path: &str) -> String {
+    if points.points.is_empty() {
+        return String::new();
+    }
+    let unit = text_of(report, "unit");
+    let mut order: Vec<_> = points.points.iter().collect();
+    order.sort_by(|a, b| {
+        let key = |score: Option<f64>| score.unwrap_or(f64::INFINITY);
+        key(a.score).total_cmp(&key(b.score))
+    });
+    let mut head: Vec<&str> = points.names.iter().map(String::as_str).collect();
+    head.extend(["score", "not told from the best"]);
+    let rows = order.iter().map(|point| {
+        let mut row: Vec<String> = point.values.iter().map(|v| number(*v)).collect();
+        row.push(measured(point.score, unit));
+        row.push(if point.is_in { "yes" } else { "" }.to_owned());
+        row
+    });
+    let table = format!(
+        "<details><summary>Table of {} points, best first</summary>{}</details>",
+        order.len(),
+        table(&head, rows)
+    );
+    let alike = match order.iter().filter(|point| point.is_in).count() {
+        0 => String::new(),
+        alike => format!(
+            "<p class=\"note\">{alike} of {} points cannot be told apart from the best.</p>",
+            order.len()
+        ),
+    };
+    let map = map.map_or_else(String::new, |map| {
+        format!(
+            "<figure>{map}<figcaption>Light is near to the recordings. Framed: cannot be told apart from the best, which has the thick frame. Choose a cell (click, or arrow keys) to see its path. More recordings, or finer numerics where the audit says so, would make the framed set smaller.</figcaption></figure>"
+        )
+    });
+    format!("{alike}<div class=\"pair\">{map}{path}</div>{table}")
+}
+
+fn verdicts(folder: &Path, report: &Value) -> Result<String> {
+    let verdicts = list(report, "verdicts");
+    if verdicts.is_empty() {
+        return Ok(String::new());
+    }
+    let rows = verdicts.iter().map(|verdict| {
+        let interval = floats(verdict, "interval");
+        vec![
+            text_of(verdict, "parameter").to_owned(),
+            measured(float(verdict, "best"), text_of(verdict, "unit")),
+            span(interval.first().copied(), interval.get(1).copied(), ""),
+            if is(verdict, "identified") == Some(true) {
+                "narrowed down"
+            } else {
+                "not determined"
+            }
+            .to_owned(),
+            text_of(verdict, "text").to_owned(),
+        ]
+    });
+    let table = table(&["parameter", "best", "90 % interval", "", "verdict"], rows);
+    let profiles = profiles(folder, report)?;
+    Ok(figures(&profiles) + &table)
+}
+
+/// The best score along each parameter, from `profiles.csv`.
+fn profiles(folder: &Path, report: &Value) -> Result<Vec<String>> {
+    let sheet = Sheet::read(folder, "profiles.csv")?;
+    let (x, y) = (sheet.numbers("value"), sheet.numbers("lowest_score"));
+    let (names, alike) = (sheet.texts("parameter"), sheet.texts("indistinguishable"));
+    // Name, points, and those of them that cannot be told from the best.
+    let mut all: Vec<(&str, [Vec<[f64; 2]>; 2])> = Vec::new();
+    for (index, name) in names.into_iter().enumerate() {
+        let (Some(x), Some(y)) = (x.get(index), y.get(index)) else {
+            continue;
+        };
+        if all.last().is_none_or(|(last, ..)| *last != name) {
+            all.push((name, [Vec::new(), Vec::new()]));
+        }
+        if let Some((_, [points, marked])) = all.last_mut() {
+            points.push([*x, *y]);
+            if alike.get(index) == Some(&"true") {
+                marked.push([*x, *y]);
+            }
+        }
+    }
+    let unit = text_of(report, "unit");
+    let score = format!("lowest {} [{unit}]", text_of(report, "metric"));
+    Ok(all
+        .into_iter()
+        .map(|(name, [points, alike])| {
+            let chart = Chart {
+                alt: format!("Lowest score over {name}"),
+                x_label: name.to_owned(),
+                y_label: score.clone(),
+                axes: Axes::Plain,
+                lines: vec![Line { class: "sim", points }],
+                dots: vec![Line { class: "in", points: alike }],
+                ..Chart::default()
+            };
+            figure(name, &chart.svg(), "Marked: cannot be told apart from the best. A steeper valley needs recordings that react more to this parameter.")
+        })
+        .collect())
+}
+
+/// Every score in the order of the optimizer, and the best so far as steps.
+fn convergence(folder: &Path, report: &Value) -> Result<String> {
+    let sheet = Sheet::read(folder, "trials.csv")?;
+    let (scores, best) = (sheet.numbers("score"), sheet.numbers("best_so_far"));
+    if best.is_empty() {
+        return Ok(String::new());
+    }
+    let mut steps: Vec<[f64; 2]> = Vec::new();
+    for (index, value) in best
+        .iter()
+        .enumerate()
+        .filter(|(_, value)| value.is_finite())
+    {
+        if let Some([_, before]) = steps.last().copied() {
+            steps.push([index as f64, before]);
+        }
+        steps.push([index as f64, *value]);
+    }
+    let points = scores
+        .iter()
+        .enumerate()
+        .map(|(index, score)| [index as f64, *score]);
+    let chart = Chart {
+        alt: "Score of each point in order, and the best so far".to_owned(),
+        x_label: "point".to_owned(),
+        y_label: format!(
+            "{} [{}]",
+            text_of(report, "metric"),
+            text_of(report, "unit")
+        ),
+        axes: Axes::Plain,
+        from_zero: true,
+        lines: vec![Line {
+            class: "sim",
+            points: steps,
+        }],
+        dots: vec![Line {
+            class: "grey",
+            points: points.collect(),
+        }],
+        ..Chart::default()
+    };
+    Ok(figures(&[figure(
+        "Score point by point",
+        &chart.svg(),
+        "Line: the best so far. A line that still falls at its end asks for a larger budget.",
+    )]))
+}
+
+fn validation(report: &Value) -> String {
+    let validation = at(report, "validation");
+    let Some(fields) = validation.as_object() else {
+        return String::new();
+    };
+    let unit = text_of(report, "unit");
+    let rows = fields.iter().filter_map(|(name, value)| {
+        let shown = value
+            .as_f64()
+            .map(|v| measured(Some(v), unit))
+            .or_else(|| super::value::scalar(value))?;
+        Some(vec![name.replace('_', " "), shown])
+    });
+    table(&["", "value"], rows)
+}
+
+fn audit(report: &Value) -> String {
+    let audit = at(report, "audit");
+    let rows = list(audit, "rows");
+    if rows.is_empty() {
+        return String::new();
+    }
+    let unit = text_of(report, "unit");
+    let score = float(at(report, "best"), "score");
+    let cells = rows.iter().map(|row| {
+        let change = float(row, "change");
+        vec![
+            text_of(row, "setting").to_owned(),
+            if is(row, "coarser") == Some(true) {
+                "coarser"
+            } else {
+                "as fine or finer"
+            }
+            .to_owned(),
+            measured(float(row, "score"), unit),
+            measured(change, unit),
+            percent(change.zip(score).map(|(change, score)| change / score)),
+        ]
+    });
+    format!(
+        "<p class=\"note\">The best point again under other settings of the engine that are as good or better, or coarser. What a finer setting changes is a floor below which no fit can be trusted.</p>{}",
+        table(
+            &["setting", "is", "score then", "change", "of the best score"],
+            cells
+        )
+    )
+}

@@ -1,0 +1,207 @@
+//! Reports as they stand in a folder: JSON of which anything may be missing, and what it says for people.
+
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use super::page::html;
+use realgap_core::error::{Error, Result};
+use realgap_core::unit::{Unit, number, quantity};
+
+/// A JSON file; `whose` is for the message, e.g. `a report`.
+///
+/// # Errors
+/// A file that cannot be read, or holds something else.
+pub(super) fn read_json<T: DeserializeOwned>(path: &Path, whose: &str) -> Result<T> {
+    let text = std::fs::read_to_string(path).map_err(|e| Error::io("read the file", path, &e))?;
+    serde_json::from_str(&text)
+        .map_err(|e| Error::invalid(format!("not {whose}: {e}")).at_file(path))
+}
+
+pub(super) fn text_of<'a>(value: &'a Value, name: &str) -> &'a str {
+    value.get(name).and_then(Value::as_str).unwrap_or_default()
+}
+
+pub(super) fn first_text<'a>(value: &'a Value, names: &[&str]) -> Option<&'a str> {
+    let texts = names.iter().map(|name| text_of(value, name));
+    texts.into_iter().find(|text| !text.is_empty())
+}
+
+pub(super) fn list<'a>(value: &'a Value, name: &str) -> &'a [Value] {
+    value
+        .get(name)
+        .and_then(Value::as_array)
+        .map_or(&[], Vec::as_slice)
+}
+
+pub(super) fn float(value: &Value, name: &str) -> Option<f64> {
+    value.get(name).and_then(Value::as_f64)
+}
+
+pub(super) fn count(value: &Value, name: &str) -> Option<u64> {
+    value.get(name).and_then(Value::as_u64)
+}
+
+pub(super) fn is(value: &Value, name: &str) -> Option<bool> {
+    value.get(name).and_then(Value::as_bool)
+}
+
+/// The value at `a.b.c`; null where there is none.
+pub(super) fn at<'a>(value: &'a Value, path: &str) -> &'a Value {
+    path.split('.')
+        .try_fold(value, |value, name| value.get(name))
+        .unwrap_or(&Value::Null)
+}
+
+/// Numbers of a list.
+pub(super) fn floats(value: &Value, name: &str) -> Vec<f64> {
+    let values = list(value, name).iter();
+    values.map(|v| v.as_f64().unwrap_or(f64::NAN)).collect()
+}
+
+/// A number with its unit as people write it, or a dash.
+pub(super) fn measured(value: Option<f64>, unit: &str) -> String {
+    match (value, unit) {
+        (None, _) => "–".to_owned(),
+        (Some(value), "m") => quantity(value, Unit::Metre),
+        (Some(value), "" | "1") => number(value),
+        (Some(value), unit) => format!("{} {unit}", number(value)),
+    }
+}
+
+/// `low to high`, or a dash.
+pub(super) fn span(low: Option<f64>, high: Option<f64>, unit: &str) -> String {
+    if low.is_none() && high.is_none() {
+        return "–".to_owned();
+    }
+    format!("{} to {}", measured(low, unit), measured(high, unit))
+}
+
+/// A share as whole percent, or a dash.
+pub(super) fn percent(share: Option<f64>) -> String {
+    share.map_or_else(|| "–".to_owned(), |share| format!("{:.0} %", 100.0 * share))
+}
+
+/// A proportion of a report: its share with the interval of sampling.
+pub(super) fn proportion(value: &Value) -> String {
+    match float(value, "share") {
+        None => "–".to_owned(),
+        share => format!(
+            "{} ({} to {})",
+            percent(share),
+            percent(float(value, "low")),
+            percent(float(value, "high"))
+        ),
+    }
+}
+
+/// A value without parts, for people; `None` for what has parts or is nothing.
+pub(super) fn scalar(value: &Value) -> Option<String> {
+    match value {
+        Value::Number(n) if n.is_f64() => n.as_f64().map(number),
+        Value::Number(n) => Some(n.to_string()),
+        Value::String(text) => Some(text.clone()),
+        Value::Bool(yes) => Some(if *yes { "yes" } else { "no" }.to_owned()),
+        _ => None,
+    }
+}
+
+/// Cells longer than this are text, which may wrap.
+const WORDS: usize = 36;
+
+/// A table; the first column names its rows. Cells are texts, nothing in them is markup.
+pub(super) fn table(head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let rows: Vec<Vec<String>> = rows.into_iter().collect();
+    let is_words = |column: usize| {
+        let mut cells = rows.iter().filter_map(|row| row.get(column));
+        cells.any(|cell| cell.chars().count() > WORDS)
+    };
+    let words: Vec<bool> = (0..head.len()).map(is_words).collect();
+    let class = |column: usize| match words.get(column) {
+        Some(true) => " class=\"words\"",
+        _ => "",
+    };
+    let head: String = head
+        .iter()
+        .enumerate()
+        .map(|(column, name)| format!("<th scope=\"col\"{}>{}</th>", class(column), html(name)))
+        .collect();
+    let mut body = String::new();
+    for row in rows.iter() {
+        body.push_str("<tr>");
+        for (column, cell) in row.iter().enumerate() {
+            let words = class(column);
+            let cell = html(cell);
+            body += &if column == 0 {
+                format!("<th scope=\"row\"{words}>{cell}</th>")
+            } else {
+                format!("<td{words}>{cell}</td>")
+            };
+        }
+        body.push_str("</tr>");
+    }
+    format!(
+        "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
+    )
+}
+
+/// What stands directly in a report, or one level below, and is a number or a short text; names in `said` are told elsewhere.
+pub(super) fn scalars(report: &Value, said: &[&str]) -> Vec<(String, String)> {
+    let mut all = Vec::new();
+    for (name, value) in report.as_object().into_iter().flatten() {
+        if said.contains(&name.as_str()) {
+            continue;
+        }
+        let shown = name.replace('_', " ");
+        if let Some(text) = scalar(value) {
+            all.push((shown.clone(), text));
+        }
+        for (inner, value) in value.as_object().into_iter().flatten() {
+            if let Some(text) = scalar(value) {
+                all.push((format!("{shown}: {}", inner.replace('_', " ")), text));
+            }
+        }
+    }
+    all
+}
+
+/// Pairs of texts, borrowed.
+pub(super) fn pairs_of(pairs: &[(String, String)]) -> impl Iterator<Item = (&str, &str)> {
+    let pairs = pairs.iter();
+    pairs.map(|(name, text)| (name.as_str(), text.as_str()))
+}
+
+/// Names and values.
+pub(super) fn definitions<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
+    format!("<dl>{}</dl>", entries(pairs))
+}
+
+/// What stands in a list of names and values.
+pub(super) fn entries<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
+    let entry = |(name, value)| format!("<dt>{}</dt><dd>{}</dd>", html(name), html(value));
+    pairs.into_iter().map(entry).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whatever_is_missing_is_a_dash() {
+        let report = serde_json::json!({ "a": { "b": { "low": 0.25 } }, "n": [1.0, null] });
+        assert_eq!(float(at(&report, "a.b"), "low"), Some(0.25));
+        assert!(at(&report, "a.x.low").is_null());
+        assert_eq!(measured(None, "m"), "–");
+        assert_eq!(measured(Some(0.118), "m"), "11.8 cm");
+        assert_eq!(span(Some(0.01), None, "m"), "1.00 cm to –");
+        assert!(floats(&report, "n")[1].is_nan());
+        assert_eq!(percent(Some(0.123)), "12 %");
+    }
+
+    #[test]
+    fn cells_are_no_markup() {
+        let table = table(&["<a>"], [vec!["<b>".to_owned(), "x".to_owned()]]);
+        assert!(!table.contains("<a>") && !table.contains("<b>"), "{table}");
+    }
+}

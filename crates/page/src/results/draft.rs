@@ -1,0 +1,186 @@
+//! Results take the place of older ones all at once.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::kind::{Kind, PAGE};
+use super::timing;
+use realgap_core::error::{Error, Result};
+
+/// Where results wait until all of them are written. Nobody else calls a folder like this.
+const DRAFT: &str = ".realgap-draft";
+
+/// Lets `write` fill a draft inside of `folder`, then moves every file of it to its place, and then removes what an older
+/// run left there: results of this kind that are not in the draft. Whoever is stopped before the last file is written leaves the
+/// older results whole.
+///
+/// # Errors
+/// Those of `write`; a full disk or an unwritable folder.
+pub(super) fn publish<T>(
+    folder: &Path,
+    kind: Kind,
+    write: impl FnOnce(&Path) -> Result<T>,
+) -> Result<T> {
+    let draft = folder.join(DRAFT);
+    remove_draft(&draft)?;
+    fs::create_dir_all(&draft).map_err(|e| Error::io("make the folder", &draft, &e))?;
+    let written = write(&draft).inspect_err(|_| {
+        // Best effort: the first error is the one that matters.
+        let _ignored = remove_draft(&draft);
+    })?;
+    let new = files(&draft)?;
+    // A page of the same results is theirs: it stays until another takes its place, so that whoever is killed before that
+    // has one.
+    let has_page = PAGE.iter().any(|name| folder.join(name).exists());
+    let is_as_before = has_page
+        && new.iter().all(|name| {
+            let [made, there] = [&draft, folder].map(|place| fs::read(place.join(name)).ok());
+            made.is_some() && made == there
+        });
+    for name in &new {
+        let (from, to) = (draft.join(name), folder.join(name));
+        if let Some(parent) = to.parent() {
+            fs::create_dir_all(parent).map_err(|e| Error::io("make the folder", parent, &e))?;
+        }
+        fs::rename(&from, &to).map_err(|e| Error::io("write the file", &to, &e))?;
+    }
+    remove_draft(&draft)?;
+    for name in files(folder)?.difference(&new) {
+        let stays = |name: &str| name == timing::FILE || (is_as_before && PAGE.contains(&name));
+        if name
+            .to_str()
+            .is_some_and(|name| kind.has(name) && !stays(name))
+        {
+            let old = folder.join(name);
+            fs::remove_file(&old).map_err(|e| Error::io("remove an old result", &old, &e))?;
+        }
+    }
+    Ok(written)
+}
+
+fn remove_draft(draft: &Path) -> Result<()> {
+    match fs::remove_dir_all(draft) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+            Err(Error::io("remove an unfinished draft", draft, &e))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Paths of the files in a folder and in its folders, relative to it. Links are not followed.
+pub(super) fn files(folder: &Path) -> Result<BTreeSet<PathBuf>> {
+    let refuse = |e: &std::io::Error| Error::io("look into the results folder", folder, e);
+    let mut all = BTreeSet::new();
+    for entry in fs::read_dir(folder).map_err(|e| refuse(&e))? {
+        let entry = entry.map_err(|e| refuse(&e))?;
+        let name = PathBuf::from(entry.file_name());
+        let kind = entry.file_type().map_err(|e| refuse(&e))?;
+        if kind.is_file() {
+            all.insert(name);
+        } else if kind.is_dir() {
+            let inside = fs::read_dir(entry.path()).map_err(|e| refuse(&e))?;
+            let files = inside
+                .flatten()
+                .filter(|file| file.file_type().is_ok_and(|kind| kind.is_file()));
+            all.extend(files.map(|file| name.join(file.file_name())));
+        }
+    }
+    Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let files = files(folder).unwrap();
+        files.iter().map(|f| f.display().to_string()).collect()
+    }
+
+    #[test]
+    fn new_results_replace_old_ones_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let put = |name: &str| {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, "old").unwrap();
+        };
+        for name in [
+            "history.csv",
+            "archive.csv",
+            "best/01_robot_00001.ron",
+            "best/mine.ron",
+            "notes.txt",
+            "timing.json",
+        ] {
+            put(name);
+        }
+        publish(folder.path(), Kind::Search, |draft| {
+            fs::write(draft.join("history.csv"), "new").unwrap();
+            fs::create_dir(draft.join("best")).unwrap();
+            fs::write(draft.join("best/01_robot_00002.ron"), "new").unwrap();
+            Ok(())
+        })
+        .unwrap();
+        assert_eq!(
+            names(folder.path()),
+            [
+                "best/01_robot_00002.ron",
+                "best/mine.ron",
+                "history.csv",
+                "notes.txt",
+                "timing.json"
+            ]
+        );
+        assert_eq!(
+            fs::read_to_string(folder.path().join("history.csv")).unwrap(),
+            "new"
+        );
+        assert!(!folder.path().join(DRAFT).exists());
+    }
+
+    /// Who is killed between results and page has the old page, if that says what the results say.
+    #[test]
+    fn a_page_goes_with_the_results_that_it_is_of() {
+        let folder = tempfile::tempdir().unwrap();
+        let publish_points = |text: &str| {
+            publish(folder.path(), Kind::Study, |draft| {
+                fs::write(draft.join("points.csv"), text).unwrap();
+                Ok(())
+            })
+            .unwrap();
+            names(folder.path())
+        };
+        publish_points("one");
+        for name in PAGE {
+            fs::write(folder.path().join(name), "page of one").unwrap();
+        }
+        assert_eq!(
+            publish_points("one"),
+            ["page.json", "points.csv", "report.html"]
+        );
+        assert_eq!(publish_points("two"), ["points.csv"]);
+    }
+
+    #[test]
+    fn whoever_fails_midway_leaves_the_old_results_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("points.csv"), "old").unwrap();
+        let failed = publish(folder.path(), Kind::Study, |draft| {
+            fs::write(draft.join("points.csv"), "half").unwrap();
+            Err::<(), _>(Error::invalid("the disk is full"))
+        });
+        assert_eq!(failed.unwrap_err().message(), "the disk is full");
+        assert_eq!(
+            fs::read_to_string(folder.path().join("points.csv")).unwrap(),
+            "old"
+        );
+        assert_eq!(names(folder.path()), ["points.csv"]);
+        // A draft that was left by a kill is no obstacle.
+        fs::create_dir(folder.path().join(DRAFT)).unwrap();
+        fs::write(folder.path().join(DRAFT).join("points.csv"), "half").unwrap();
+        publish(folder.path(), Kind::Gap, |_| Ok(())).unwrap();
+        assert_eq!(names(folder.path()), ["points.csv"]);
+    }
+}

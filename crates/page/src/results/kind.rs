@@ -1,0 +1,193 @@
+//! Which files of a results folder are results: those may be replaced and removed, nothing else.
+
+use std::path::Path;
+
+use super::{draft, search, timing};
+use realgap_core::error::{Advice, Error, Result};
+use realgap_engine::parameter;
+use realgap_store::{FolderLock, STORE_FILE};
+
+/// What a results folder is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Kind {
+    /// A sweep or a tuning.
+    Study,
+    /// A search.
+    Search,
+    /// Repeats of a study.
+    Ensemble,
+    /// The gap of a study, or the noise floor of recordings.
+    Gap,
+    /// The prediction card of a robot.
+    Prediction,
+}
+
+/// What a command leaves for people to open, and what it keeps for that.
+pub(super) const PAGE: [&str; 2] = ["report.html", "page.json"];
+
+impl Kind {
+    /// Whether results of this kind are in a file of this name (its path inside of the folder).
+    pub(super) fn has(self, name: &str) -> bool {
+        if name == timing::FILE || PAGE.contains(&name) {
+            return true;
+        }
+        match self {
+            Self::Study => is_of_a_study(name),
+            Self::Search => search::is_of_a_search(name),
+            Self::Ensemble => {
+                ["ensemble.json", "repeats.csv"].contains(&name)
+                    || picture(name).is_some_and(|stem| is_numbered(stem, "ensemble"))
+            }
+            Self::Gap => {
+                name == "gap.json"
+                    || picture(name).is_some_and(|stem| ["confidence", "rmse"].contains(&stem))
+            }
+            Self::Prediction => {
+                ["prediction.json", "repeats.csv"].contains(&name)
+                    || picture(name) == Some("prediction")
+            }
+        }
+    }
+}
+
+/// The name of a picture without its ending.
+fn picture(name: &str) -> Option<&str> {
+    name.strip_suffix(".png").or(name.strip_suffix(".svg"))
+}
+
+/// `STEM` or `STEM_001`.
+fn is_numbered(name: &str, stem: &str) -> bool {
+    let digits = |text: &str| text.len() >= 3 && text.bytes().all(|b| b.is_ascii_digit());
+    name.strip_prefix(stem)
+        .is_some_and(|rest| rest.is_empty() || rest.strip_prefix('_').is_some_and(digits))
+}
+
+fn is_of_a_study(name: &str) -> bool {
+    let Some((stem, ending)) = name.rsplit_once('.') else {
+        return false;
+    };
+    match ending {
+        "csv" => [
+            "points",
+            "indistinguishable",
+            "scores",
+            "profiles",
+            "trials",
+        ]
+        .contains(&stem),
+        "json" => ["summary", "basis"].contains(&stem),
+        "ron" => stem == "best",
+        "png" | "svg" => {
+            let is_pair = |rest: &str| {
+                let number = |text: &str| text.parse::<usize>().is_ok();
+                rest.split_once('_')
+                    .is_some_and(|(a, b)| number(a) && number(b))
+            };
+            let is_parameter =
+                |rest: &str| parameter::all().any(|p| p.name.replace('.', "_") == rest);
+            [
+                "heatmap",
+                "heatmap_fitness",
+                "curve",
+                "trajectories",
+                "convergence",
+                "components",
+            ]
+            .contains(&stem)
+                || stem.strip_prefix("heatmap_").is_some_and(is_pair)
+                || stem.strip_prefix("profile_").is_some_and(is_parameter)
+        }
+        _ => false,
+    }
+}
+
+/// Checks, before the work, that results of this kind replace nothing of others in `folder`: a folder that nobody has written
+/// results into holds no file with the name of one.
+///
+/// # Errors
+/// Such a file; a folder that stands where a result would.
+pub fn check_folder(folder: &Path, kind: Kind) -> Result<()> {
+    if !folder.is_dir() {
+        return Ok(());
+    }
+    let entries = std::fs::read_dir(folder)
+        .map_err(|e| Error::io("look into the results folder", folder, &e))?;
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        if entry.path().is_dir() && name.to_str().is_some_and(|name| kind.has(name)) {
+            return Err(
+                Error::conflict("a folder stands where a result would be written")
+                    .at_file(entry.path())
+                    .hint("move it away")
+                    .advise(Advice::OtherFolder),
+            );
+        }
+    }
+    if FolderLock::was_in(folder) || folder.join(STORE_FILE).exists() {
+        return Ok(());
+    }
+    let files = draft::files(folder)?;
+    let others = files
+        .iter()
+        .find(|name| name.to_str().is_some_and(|name| kind.has(name)));
+    match others {
+        None => Ok(()),
+        Some(name) => Err(Error::conflict(
+            "this file would be replaced, and nothing says that this program wrote it",
+        )
+        .at_file(folder.join(name))
+        .hint("move it away")
+        .advise(Advice::OtherFolder)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_exact_names_are_results() {
+        for (kind, name) in [
+            (Kind::Study, "points.csv"),
+            (Kind::Study, "heatmap_1_2.png"),
+            (Kind::Study, "profile_floor_friction.svg"),
+            (Kind::Study, "timing.json"),
+            (Kind::Gap, "report.html"),
+            (Kind::Search, "page.json"),
+            (Kind::Search, "best/01_robot_00042.ron"),
+            (Kind::Ensemble, "ensemble_001.png"),
+            (Kind::Gap, "rmse.svg"),
+            (Kind::Prediction, "prediction.png"),
+        ] {
+            assert!(kind.has(name), "{kind:?} {name}");
+        }
+        for (kind, name) in [
+            (Kind::Study, "my_points.csv"),
+            (Kind::Study, "heatmap_mine.png"),
+            (Kind::Study, "profile_of_me.png"),
+            (Kind::Study, "notes.txt"),
+            (Kind::Ensemble, "ensemble_mine.png"),
+            (Kind::Ensemble, "ensemble_1.png"),
+            (Kind::Gap, "confidence_2.png"),
+            (Kind::Prediction, "ensemble.json"),
+        ] {
+            assert!(!kind.has(name), "{kind:?} {name}");
+        }
+    }
+
+    #[test]
+    fn a_file_of_others_is_never_replaced_where_nobody_has_written_results() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("best.ron"), "mine").unwrap();
+        check_folder(folder.path(), Kind::Gap).unwrap();
+        let error = check_folder(folder.path(), Kind::Study).unwrap_err();
+        assert!(error.to_string().contains("best.ron"), "{error}");
+        std::fs::write(folder.path().join(STORE_FILE), "").unwrap();
+        check_folder(folder.path(), Kind::Study).unwrap();
+        check_folder(&folder.path().join("missing"), Kind::Study).unwrap();
+        std::fs::create_dir(folder.path().join("points.csv")).unwrap();
+        let error = check_folder(folder.path(), Kind::Study).unwrap_err();
+        assert!(error.to_string().contains("points.csv"), "{error}");
+    }
+}

@@ -1,0 +1,475 @@
+//! The pictures of a results folder: heat map or curve, and paths across the grid.
+
+use std::path::Path;
+
+use crate::plot::{
+    AxisSpec, Caption, Curve, HeatMap, Panel, PanelGrid, ScoreScale, Truth, draw_curve,
+    draw_heat_map, draw_panels,
+};
+use realgap_core::error::Result;
+use realgap_core::unit::{Unit, counted};
+use realgap_lab::calibration::{Answer, Method, PointScore, Study};
+use realgap_optimize::{Grid, Range};
+use realgap_path::trajectory::Prepared;
+
+use super::cell::cells;
+use super::{convergence, plane};
+
+/// Draws everything that the points evaluated so far allow.
+pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
+    if answer.scores.points.is_empty() {
+        return Ok(());
+    }
+    let map = Map::new(study, answer);
+    let ranges = study.definition().grid.ranges();
+    if ranges.len() > 1 {
+        map.draw_profiles(folder)?;
+    }
+    if let Method::Tune(tuned) = &answer.method {
+        convergence::draw(folder, study, answer, tuned, &map.subtitle)?;
+    }
+    plane::draw(folder, study, answer, &map.subtitle)?;
+    match ranges {
+        [x] => map.draw_curve(x, folder)?,
+        [_, _] => {
+            draw_both(&map.slice(0, 1), &folder.join("heatmap"))?;
+            draw_both(&map.fitness(), &folder.join("heatmap_fitness"))?;
+        }
+        _ if map.cells.is_empty() => return map.draw_best_panels(&folder.join("trajectories.png")),
+        ranges => {
+            for first in 0..ranges.len() {
+                for second in first + 1..ranges.len() {
+                    let pair = [first, second].map(|i| ranges[i].parameter.name.replace('.', "_"));
+                    draw_both(
+                        &map.slice(first, second),
+                        &folder.join(format!("heatmap_{}_{}", pair[0], pair[1])),
+                    )?;
+                }
+            }
+        }
+    }
+    map.draw_panels(&folder.join("trajectories.png"))
+}
+
+/// Scores by grid index, with what the captions need.
+struct Map<'a> {
+    study: &'a Study,
+    answer: &'a Answer,
+    title: String,
+    subtitle: String,
+    score_label: String,
+    /// What stands for each point of the grid; empty where there are too many parameters to show an optimizer's points so.
+    cells: Vec<Option<(&'a PointScore, bool)>>,
+}
+
+impl<'a> Map<'a> {
+    fn new(study: &'a Study, answer: &'a Answer) -> Self {
+        let report = &answer.report;
+        let definition = study.definition();
+        let cells = cells(study, answer);
+        let source = definition.source();
+        let mut subtitle = format!(
+            "{}: {} {}",
+            definition.morphology.name(),
+            definition.recordings.len(),
+            source.recordings_label()
+        );
+        if let Method::Tune(tuned) = &answer.method {
+            subtitle += &format!("; {} points chosen by {}", report.points, tuned.optimizer);
+        }
+        if !report.complete {
+            subtitle += &format!(
+                " - INCOMPLETE: {} of {} points",
+                report.points, report.points_total
+            );
+        }
+        Self {
+            study,
+            answer,
+            title: format!(
+                "{}: distance between simulation and recordings",
+                definition.name
+            ),
+            subtitle,
+            score_label: format!("{} discrepancy", definition.metric.name()),
+            cells,
+        }
+    }
+
+    /// Subtitle of a picture in which cells stand for points.
+    fn cell_subtitle(&self) -> String {
+        match self.answer.method {
+            Method::Sweep => self.subtitle.clone(),
+            Method::Tune(_) => format!("{}, each cell shows the nearest", self.subtitle),
+        }
+    }
+
+    fn grid(&self) -> &Grid {
+        &self.study.definition().grid
+    }
+
+    fn score(&self, index: usize) -> Option<f64> {
+        self.cells[index].and_then(|(point, _)| point.score)
+    }
+
+    fn is_indistinguishable(&self, index: usize) -> bool {
+        self.cells[index].is_some_and(|(_, is_in)| is_in)
+    }
+
+    fn best_coordinates(&self) -> Option<Vec<usize>> {
+        let best = &self.answer.scores.points[self.answer.scores.best?];
+        Some(self.grid().nearest(&best.values))
+    }
+
+    /// Something of the best point, where no grid says where it lies.
+    fn chosen<T>(&self, of: impl Fn(&PointScore) -> T) -> Option<T> {
+        match self.answer.method {
+            Method::Sweep => None,
+            Method::Tune(_) => Some(of(&self.answer.scores.points[self.answer.scores.best?])),
+        }
+    }
+
+    fn truth(&self, x: &Range, y: Option<&Range>) -> Option<Truth> {
+        let known = &self.study.definition().truth;
+        let x = known.value(x.parameter.name)?;
+        let y = match y {
+            Some(y) => known.value(y.parameter.name)?,
+            None => 0.0,
+        };
+        Some(Truth {
+            x,
+            y,
+            label: "hidden value of the stand-in".to_owned(),
+        })
+    }
+
+    /// The 2-D slice through the best point along two parameters.
+    fn slice(&self, first: usize, second: usize) -> HeatMap {
+        let ranges = self.grid().ranges();
+        let (x, y) = (&ranges[first], &ranges[second]);
+        let best = self.best_coordinates();
+        let mut coordinates = best.clone().unwrap_or_else(|| vec![0; ranges.len()]);
+        let mut scores = Vec::new();
+        let mut indistinguishable = Vec::new();
+        for iy in 0..y.points {
+            for ix in 0..x.points {
+                coordinates[first] = ix;
+                coordinates[second] = iy;
+                let index = self.grid().index(&coordinates);
+                scores.push(self.score(index));
+                indistinguishable.push(self.is_indistinguishable(index));
+            }
+        }
+        let mut subtitle = self.cell_subtitle();
+        if let (Some(best), true) = (&best, ranges.len() > 2) {
+            let others = (0..ranges.len()).filter(|i| *i != first && *i != second);
+            let fixed: Vec<String> = others
+                .map(|i| {
+                    format!(
+                        "{} = {}",
+                        ranges[i].parameter.name,
+                        short(ranges[i].value(best[i]))
+                    )
+                })
+                .collect();
+            subtitle += &format!("; slice through the best point at {}", fixed.join(", "));
+        }
+        HeatMap {
+            missing: "diverged".to_owned(),
+            caption: Caption::new(self.title.clone(), subtitle),
+            x: axis(x),
+            y: axis(y),
+            x_values: x.values(),
+            y_values: y.values(),
+            scores,
+            score_label: self.score_label.clone(),
+            score_unit: self.answer.scores.unit,
+            scale: ScoreScale::Auto,
+            best_at: self.chosen(|point| (point.values[first], point.values[second])),
+            evaluated: match self.answer.method {
+                Method::Sweep => Vec::new(),
+                Method::Tune(_) => {
+                    let points = self.answer.scores.points.iter();
+                    points
+                        .map(|p| (p.values[first], p.values[second]))
+                        .collect()
+                }
+            },
+            larger_is_better: false,
+            lines: Vec::new(),
+            best: best.map(|best| (best[first], best[second])),
+            indistinguishable,
+            truth: self.truth(x, Some(y)),
+        }
+    }
+
+    /// Over both parameters the difference in distance travelled alone, which paper 003 (figure 2) calls fitness and shows.
+    fn fitness(&self) -> HeatMap {
+        let ranges = self.grid().ranges();
+        let places = (0..ranges[1].points)
+            .flat_map(|iy| (0..ranges[0].points).map(move |ix| self.grid().index(&[ix, iy])));
+        HeatMap {
+            caption: Caption::new(
+                format!(
+                    "{}: difference in distance travelled (fitness)",
+                    self.study.definition().name
+                ),
+                format!(
+                    "{}; star and outline are those of {}",
+                    self.cell_subtitle(),
+                    self.score_label
+                ),
+            ),
+            scores: places
+                .map(|index| self.cells[index].and_then(|(point, _)| point.displacement_error_m))
+                .collect(),
+            score_label: "net displacement, mean difference".to_owned(),
+            score_unit: Unit::Metre,
+            ..self.slice(0, 1)
+        }
+    }
+
+    /// The score at every point that was simulated.
+    fn draw_curve(&self, x: &Range, folder: &Path) -> Result<()> {
+        let points = &self.answer.scores.points;
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        order.sort_by(|a, b| points[*a].values[0].total_cmp(&points[*b].values[0]));
+        order.dedup_by(|a, b| points[*a].values[0] == points[*b].values[0]);
+        let is_in = |position: &usize| {
+            let uncertainty = self.answer.uncertainty.as_ref();
+            uncertainty.is_some_and(|u| u.indistinguishable[*position])
+        };
+        let best = self.answer.scores.best;
+        let curve = Curve {
+            caption: Caption::new(self.title.clone(), self.subtitle.clone()),
+            x: axis(x),
+            x_values: order.iter().map(|p| points[*p].values[0]).collect(),
+            scores: order.iter().map(|p| points[*p].score).collect(),
+            score_label: self.score_label.clone(),
+            score_unit: self.answer.scores.unit,
+            scale: ScoreScale::Auto,
+            best: order.iter().position(|p| best == Some(*p)),
+            indistinguishable: order.iter().map(is_in).collect(),
+            truth: self.truth(x, None),
+        };
+        draw_curve(&curve, folder.join("curve.png"))?;
+        draw_curve(&curve, folder.join("curve.svg"))
+    }
+
+    /// The best score that each value of a parameter allows, whatever the others.
+    fn draw_profiles(&self, folder: &Path) -> Result<()> {
+        for (range, profile) in self.grid().ranges().iter().zip(&self.answer.profiles) {
+            // Values that nobody tried are left out; a hole in the line would say that they diverged.
+            let tried: Vec<usize> = (0..profile.values.len())
+                .filter(|index| profile.scores[*index].is_some())
+                .collect();
+            if tried.len() < 2 {
+                continue;
+            }
+            let best = tried.iter().enumerate().min_by(|(_, a), (_, b)| {
+                let score = |index: &usize| profile.scores[*index].unwrap_or(f64::INFINITY);
+                score(a).total_cmp(&score(b))
+            });
+            let curve = Curve {
+                caption: Caption::new(
+                    format!(
+                        "{}: lowest score at each {}",
+                        self.study.definition().name,
+                        range.parameter.name
+                    ),
+                    format!(
+                        "{}; the others wherever that is; smooth through all runs",
+                        self.subtitle
+                    ),
+                ),
+                x: axis(range),
+                x_values: tried.iter().map(|index| profile.values[*index]).collect(),
+                scores: tried.iter().map(|index| profile.scores[*index]).collect(),
+                score_label: self.score_label.clone(),
+                score_unit: self.answer.scores.unit,
+                scale: ScoreScale::Auto,
+                best: best.map(|(position, _)| position),
+                indistinguishable: tried
+                    .iter()
+                    .map(|index| profile.indistinguishable[*index])
+                    .collect(),
+                truth: self.truth(range, None),
+            };
+            let stem = format!("profile_{}", range.parameter.name.replace('.', "_"));
+            draw_curve(&curve, folder.join(format!("{stem}.png")))?;
+            draw_curve(&curve, folder.join(format!("{stem}.svg")))?;
+        }
+        Ok(())
+    }
+
+    /// The nine best points' paths: an optimizer's points lie on no grid.
+    fn draw_best_panels(&self, path: &Path) -> Result<()> {
+        let mut points: Vec<&PointScore> = self.answer.scores.points.iter().collect();
+        points.retain(|point| point.score.is_some());
+        points.sort_by(|a, b| {
+            let score = |point: &PointScore| point.score.unwrap_or(f64::INFINITY);
+            score(a).total_cmp(&score(b))
+        });
+        let panels: Vec<Panel> = points
+            .iter()
+            .take(9)
+            .enumerate()
+            .map(|(position, point)| self.panel(point, position == 0))
+            .collect();
+        self.draw_panel_grid(path, "the nine best simulated paths", 3, panels)
+    }
+
+    /// Nine panels across the first two parameters, the others at their best, reality behind; the first
+    /// recording's where every recording has its own start. As figure 3 of paper 003.
+    fn draw_panels(&self, path: &Path) -> Result<()> {
+        let ranges = self.grid().ranges();
+        let best = self.best_coordinates();
+        let mut coordinates = best.clone().unwrap_or_else(|| vec![0; ranges.len()]);
+        let mut panels = Vec::new();
+        let rows = if ranges.len() > 1 {
+            picks(ranges[1].points, best.as_ref().map(|b| b[1]))
+        } else {
+            vec![0]
+        };
+        let columns = picks(ranges[0].points, best.as_ref().map(|b| b[0]));
+        for row in rows.iter().rev() {
+            for column in &columns {
+                coordinates[0] = *column;
+                if ranges.len() > 1 {
+                    coordinates[1] = *row;
+                }
+                let index = self.grid().index(&coordinates);
+                let Some((point, _)) = self.cells[index] else {
+                    continue;
+                };
+                panels.push(self.panel(point, best.as_deref() == Some(&coordinates[..])));
+            }
+        }
+        self.draw_panel_grid(
+            path,
+            "simulated paths across the grid",
+            columns.len(),
+            panels,
+        )
+    }
+
+    fn draw_panel_grid(
+        &self,
+        path: &Path,
+        what: &str,
+        columns: usize,
+        panels: Vec<Panel>,
+    ) -> Result<()> {
+        if panels.is_empty() {
+            return Ok(());
+        }
+        let definition = self.study.definition();
+        let settled = self.study.cases().len() == 1;
+        let real: Vec<&Prepared> = if settled {
+            self.study.real_paths()
+        } else {
+            self.study.real_paths().into_iter().take(1).collect()
+        };
+        let shown = if settled {
+            self.subtitle.clone()
+        } else {
+            format!(
+                "paths of recording {}; scores are means over {}",
+                definition.recordings[0].name,
+                counted(definition.recordings.len(), "recording")
+            )
+        };
+        let grid = PanelGrid {
+            caption: Caption::new(
+                format!(
+                    "{}: {what}, {} above each",
+                    definition.name, self.score_label
+                ),
+                shown,
+            ),
+            columns,
+            panels,
+            reality_m: real
+                .iter()
+                .map(|prepared| prepared.xy_m().to_vec())
+                .collect(),
+            reality_label: definition.source().reality_label().to_owned(),
+            unit: self.answer.scores.unit,
+        };
+        draw_panels(&grid, path)
+    }
+
+    fn panel(&self, point: &PointScore, is_best: bool) -> Panel {
+        let shown = self.grid().ranges().iter().zip(&point.values).take(2);
+        let note: Vec<String> = shown
+            .map(|(range, value)| {
+                let name = range.parameter.name.rsplit('.').next().unwrap_or_default();
+                format!("{name} {}", short(*value))
+            })
+            .collect();
+        let path = (!point.path_xy_m.is_empty()).then(|| point.path_xy_m.clone());
+        Panel {
+            score: point.score,
+            note: note.join(", "),
+            simulated_m: path.into_iter().collect(),
+            is_best,
+        }
+    }
+}
+
+/// As PNG and as SVG.
+fn draw_both(map: &HeatMap, stem: &Path) -> Result<()> {
+    draw_heat_map(map, stem.with_extension("png"))?;
+    draw_heat_map(map, stem.with_extension("svg"))
+}
+
+fn axis(range: &Range) -> AxisSpec {
+    AxisSpec::new(range.parameter.name, range.parameter.unit)
+}
+
+/// Three indices spread over `0..points`, the middle of each third, one of them moved onto the best.
+fn picks(points: usize, best: Option<usize>) -> Vec<usize> {
+    let mut picks: Vec<usize> = if points < 3 {
+        (0..points).collect()
+    } else {
+        [1, 3, 5]
+            .map(|sixth| (sixth * (points - 1) + 3) / 6)
+            .to_vec()
+    };
+    if let Some(best) = best
+        && let Some(nearest) = picks.iter_mut().min_by_key(|pick| pick.abs_diff(best))
+    {
+        *nearest = best;
+    }
+    picks
+}
+
+/// A number as short as it can be said without losing the grid: up to four decimals.
+fn short(value: f64) -> String {
+    let text = format!("{value:.4}");
+    if !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panels_spread_over_the_grid_and_one_of_them_is_the_best() {
+        assert_eq!(picks(21, Some(8)), [3, 8, 17]);
+        assert_eq!(picks(21, None), [3, 10, 17]);
+        assert_eq!(picks(2, Some(1)), [0, 1]);
+        assert_eq!(picks(3, Some(2)), [0, 1, 2]);
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(
+            [short(0.43), short(1.0), short(0.05 + 0.1)],
+            ["0.43", "1", "0.15"]
+        );
+    }
+}

@@ -1,0 +1,80 @@
+//! Recordings and simulations in the plane of the first two principal components, and the basis for other studies.
+
+use std::path::Path;
+
+use super::ensemble::write_report;
+use crate::plot::{Caption, Cloud, draw_lines, plane};
+use realgap_core::error::Result;
+use realgap_lab::calibration::{Answer, PointScore, Study};
+use realgap_path::comparison::Basis;
+use realgap_path::trajectory::Prepared;
+
+/// The basis of the scores as `basis.json`, where the metric has one: `--basis` takes it in another study.
+pub(super) fn write_basis(folder: &Path, answer: &Answer) -> Result<()> {
+    match &answer.scores.basis {
+        Some(basis) => write_report(folder, "basis.json", basis),
+        None => Ok(()),
+    }
+}
+
+/// Every run and every recording as a dot, where there are two components.
+pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer, subtitle: &str) -> Result<()> {
+    let real = study.real_paths();
+    let runs: Vec<(&PointScore, Prepared)> = answer
+        .scores
+        .runs
+        .iter()
+        .filter(|run| run.score.is_some() && !run.path_xy_m.is_empty())
+        .map(|run| Ok((run, Prepared::from_xy_m(run.path_xy_m.clone())?)))
+        .collect::<Result<_>>()?;
+    let all = real
+        .iter()
+        .copied()
+        .chain(runs.iter().map(|(_, path)| path));
+    let Some(basis) = Basis::plane(answer.scores.basis.as_ref(), all)? else {
+        return Ok(());
+    };
+    let points = &answer.scores.points;
+    let is_at = |run: &PointScore, place: usize| points[place].values == run.values;
+    let is_in = |run: &PointScore| {
+        answer.uncertainty.as_ref().is_some_and(|uncertainty| {
+            let mut marked = (0..points.len()).filter(|p| uncertainty.indistinguishable[*p]);
+            marked.any(|place| is_at(run, place))
+        })
+    };
+    let (mut others, mut alike, mut best) = (Vec::new(), Vec::new(), Vec::new());
+    for (run, path) in &runs {
+        let is_best = answer.scores.best.is_some_and(|best| is_at(run, best));
+        let group = match (is_best, is_in(run)) {
+            (true, _) => &mut best,
+            (false, true) => &mut alike,
+            (false, false) => &mut others,
+        };
+        group.push(basis.in_plane_m(path));
+    }
+    let definition = study.definition();
+    let reality = real.iter().map(|path| basis.in_plane_m(path)).collect();
+    let cloud = |label: &str, colour: usize, points_m: Vec<(f64, f64)>| Cloud {
+        label: label.to_owned(),
+        colour,
+        points_m,
+    };
+    let plot = plane(
+        Caption::new(
+            format!(
+                "{}: paths in the first two principal components",
+                definition.name
+            ),
+            subtitle,
+        ),
+        basis.plane_shares(),
+        vec![
+            cloud("simulated", 4, others),
+            cloud("simulated, cannot be told from the best", 2, alike),
+            cloud("simulated, best values", 0, best),
+            cloud(definition.source().reality_label(), 1, reality),
+        ],
+    );
+    draw_lines(&plot, folder.join("components.png"))?;
+    draw_lines(&plot, folder.join("components.svg"))
+}

@@ -1,0 +1,135 @@
+//! Portraits: what a robot looks like, as boxes for [`plot`](crate::plot).
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use crate::plot::{
+    Block, BlockKind, Caption, Command, DrivenFace, Gallery, GalleryRobot, ModuleName, Motion,
+    draw_gallery, number,
+};
+use realgap_core::Result;
+use realgap_robot::morphology::{DriveAxis, Morphology, Role, Solid};
+
+/// Time over which a gait is drawn, seconds, and its points.
+pub(super) const GAIT_S: f64 = 2.0;
+const GAIT_POINTS: usize = 120;
+/// More names than this hide the robot.
+const NAMES_AT_MOST: usize = 12;
+
+/// What each servo is told, in the order of the hinges.
+fn commands(robot: &Morphology) -> Vec<Command> {
+    let time_s = |k: usize| GAIT_S * k as f64 / (GAIT_POINTS - 1) as f64;
+    let hinges = robot.assemble().hinges.into_iter();
+    let told = hinges.filter_map(|hinge| Some((hinge.name, hinge.actuator?.gait)));
+    told.map(|(servo, gait)| Command {
+        servo,
+        angles_rad: (0..GAIT_POINTS)
+            .map(|k| gait.angle_rad(time_s(k)))
+            .collect(),
+    })
+    .collect()
+}
+
+fn centre_m(solid: &Solid) -> Vector3<f64> {
+    solid.robot_from_solid.translation.vector
+}
+
+/// Half of its sides along the robot's axes.
+fn half_m(solid: &Solid) -> Vector3<f64> {
+    let turn = solid.robot_from_solid.rotation.to_rotation_matrix();
+    turn.matrix().abs() * solid.half_extents_m
+}
+
+/// The names of its modules, if there are not too many.
+fn names(robot: &Morphology) -> Vec<ModuleName> {
+    let modules = robot.modules();
+    if modules.len() > NAMES_AT_MOST {
+        return Vec::new();
+    }
+    let assembly = robot.assemble();
+    let solids = assembly.parts.iter().flat_map(|part| &part.solids);
+    solids
+        .filter(|solid| solid.role == Role::Cube && solid.number == 0)
+        .map(|solid| ModuleName {
+            text: modules[solid.module].name.clone(),
+            lower_m: (centre_m(solid) - half_m(solid)).into(),
+            upper_m: (centre_m(solid) + half_m(solid)).into(),
+            is_tracked: solid.module == robot.track(),
+        })
+        .collect()
+}
+
+/// The boxes of a robot at zero servo angles, robot frame, and its gait, with a title and a note to stand above them.
+pub fn portrait(robot: &Morphology, note: impl Into<String>) -> GalleryRobot {
+    let modules = robot.modules();
+    let mut blocks = Vec::new();
+    for solid in robot.assemble().parts.iter().flat_map(|part| &part.solids) {
+        // A plate with a module glued onto it is inside of that module; the band of its cube shows it.
+        if !solid.collides {
+            continue;
+        }
+        let turn = solid.robot_from_solid.rotation;
+        let (centre_m, half_m) = (centre_m(solid), half_m(solid));
+        let drive = modules[solid.module].drive.filter(|_| solid.number == 0);
+        let driven = drive.map(|drive| {
+            let normal = turn * drive.face.normal();
+            DrivenFace {
+                axis: normal.iamax(),
+                positive: normal[normal.iamax()] > 0.0,
+                motion: match drive.axis {
+                    DriveAxis::Normal { .. } => Motion::Spin,
+                    DriveAxis::Tangent { .. } => Motion::Bend,
+                },
+            }
+        });
+        blocks.push(Block {
+            lower_m: (centre_m - half_m).into(),
+            upper_m: (centre_m + half_m).into(),
+            kind: match (solid.role, driven) {
+                (Role::Plate, _) => BlockKind::Plate,
+                (Role::Cube, Some(_)) => BlockKind::Active,
+                (Role::Cube, None) => BlockKind::Passive,
+            },
+            driven,
+        });
+    }
+    GalleryRobot {
+        title: robot.name().to_owned(),
+        note: note.into(),
+        blocks,
+        names: Vec::new(),
+        commands: commands(robot),
+    }
+}
+
+/// Draws one robot into a PNG or SVG file, with its size and mass.
+///
+/// # Errors
+/// As [`draw_gallery`].
+pub fn draw(robot: &Morphology, path: impl AsRef<Path>) -> Result<()> {
+    let summary = robot.summary();
+    let size_m = summary.size_m();
+    let count =
+        |count: usize, one: &str| format!("{count} {one}{}", if count == 1 { "" } else { "s" });
+    let note = format!(
+        "{}, {}, {} g, {} × {} × {} cm, at zero servo angles",
+        count(summary.modules, "module"),
+        count(summary.servos, "servo"),
+        number(1e3 * summary.mass_kg),
+        number(1e2 * size_m.x),
+        number(1e2 * size_m.y),
+        number(1e2 * size_m.z),
+    );
+    let gallery = Gallery {
+        caption: Caption::new(robot.name(), robot.description()),
+        columns: 1,
+        robots: vec![GalleryRobot {
+            title: note,
+            names: names(robot),
+            ..portrait(robot, "")
+        }],
+        gait_s: GAIT_S,
+    };
+    draw_gallery(&gallery, path)
+}

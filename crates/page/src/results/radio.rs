@@ -1,0 +1,116 @@
+//! Maps of radio: how strong an anchor is everywhere, and where a model errs.
+
+use std::path::Path;
+
+use crate::plot::{AxisSpec, Caption, HeatMap, ScoreScale, Truth, draw_heat_map};
+use realgap_core::error::Result;
+use realgap_core::unit::Unit;
+use realgap_sense::arena::{Anchor, Arena};
+use realgap_sense::radio::{CELL_M, Evaluation, Link, RadioModel};
+
+/// Cells along the longer side of a map of strengths.
+const CELLS: usize = 160;
+
+/// Middles of cells along a side.
+fn middles(length_m: f64, cell_m: f64) -> Vec<f64> {
+    let count = (length_m / cell_m).ceil().max(1.0) as usize;
+    (0..count).map(|k| (k as f64 + 0.5) * cell_m).collect()
+}
+
+/// A map of an arena without values.
+fn blank(arena: &Arena, cell_m: f64, caption: Caption, score_label: String) -> HeatMap {
+    let [x, y] = arena.size_m;
+    let closed = arena.objects.iter().map(|object| {
+        let mut corners = object.outline_m();
+        corners.extend(corners.first().copied());
+        corners.into_iter().map(|[x, y]| (x, y)).collect()
+    });
+    HeatMap {
+        caption,
+        x: AxisSpec::new("x", Unit::Metre),
+        y: AxisSpec::new("y", Unit::Metre),
+        x_values: middles(x, cell_m),
+        y_values: middles(y, cell_m),
+        scores: Vec::new(),
+        missing: "nothing heard here".to_owned(),
+        score_label,
+        score_unit: Unit::One,
+        scale: ScoreScale::Linear,
+        best: None,
+        best_at: None,
+        indistinguishable: Vec::new(),
+        truth: None,
+        evaluated: Vec::new(),
+        larger_is_better: false,
+        lines: closed.collect(),
+    }
+}
+
+/// How strong an anchor's signal is everywhere in an arena.
+///
+/// # Errors
+/// A path that is no picture's, a full disk.
+pub fn draw_strength_map(
+    model: &RadioModel,
+    arena: &Arena,
+    anchor: &Anchor,
+    path: impl AsRef<Path>,
+) -> Result<()> {
+    let [x, y] = arena.size_m;
+    let caption = Caption::new(
+        format!("Strength of anchor {} in {}", anchor.name, arena.name),
+        format!("{}; {}", model.propagation.formula(), model.description),
+    );
+    let mut map = blank(
+        arena,
+        x.max(y) / CELLS as f64,
+        caption,
+        "strength (dBm)".to_owned(),
+    );
+    for y in &map.y_values {
+        for x in &map.x_values {
+            let link = Link::new(arena, model.robot_at([*x, *y]), anchor.position_m);
+            map.scores.push(Some(model.strength_dbm(&link)));
+        }
+    }
+    map.larger_is_better = true;
+    map.truth = Some(Truth {
+        x: anchor.position_m[0],
+        y: anchor.position_m[1],
+        label: format!("anchor {}", anchor.name),
+    });
+    draw_heat_map(&map, path)
+}
+
+/// Where a model errs: the root mean square error of every quarter of a metre.
+///
+/// # Errors
+/// A path that is no picture's, a full disk.
+pub fn draw_error_map(found: &Evaluation, arena: &Arena, path: impl AsRef<Path>) -> Result<()> {
+    let caption = Caption::new(
+        format!("Where the radio model errs in {}", arena.name),
+        format!(
+            "{}; {:.2} dB over {} strengths",
+            found.propagation, found.rmse_db, found.readings
+        ),
+    );
+    let mut map = blank(
+        arena,
+        CELL_M,
+        caption,
+        "root mean square error (dB)".to_owned(),
+    );
+    let columns = map.x_values.len();
+    map.scores = vec![None; columns * map.y_values.len()];
+    for (at_m, error_db) in &found.errors {
+        let [ix, iy] = at_m.map(|v| (v / CELL_M).floor());
+        let is_in = ix >= 0.0 && iy >= 0.0 && (ix as usize) < columns;
+        if let Some(score) = is_in
+            .then(|| map.scores.get_mut(iy as usize * columns + ix as usize))
+            .flatten()
+        {
+            *score = Some(*error_db);
+        }
+    }
+    draw_heat_map(&map, path)
+}

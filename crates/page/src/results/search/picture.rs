@@ -1,0 +1,277 @@
+//! Pictures of a search: fitness over the robots, the archive, the best robots, their paths.
+
+use std::path::Path;
+
+use crate::plot::{
+    AxisSpec, Caption, Gallery, HeatMap, LinePlot, ScoreScale, Series, SeriesKind, draw_gallery,
+    draw_heat_map, draw_lines, number,
+};
+use crate::results::ensemble::{EnsembleResult, draw_repeats};
+use crate::results::portrait::{GAIT_S, portrait};
+use realgap_core::error::Result;
+use realgap_core::statistics::mean;
+use realgap_core::unit::{Unit, counted};
+use realgap_lab::search::{Archive, Finalist, Search, SearchResults, descriptor_named};
+
+/// Draws all pictures that there is something for.
+pub(super) fn draw(
+    folder: &Path,
+    search: &Search,
+    results: &SearchResults,
+    elites: Option<&Archive>,
+    finalists: &[Finalist],
+) -> Result<()> {
+    let fitness = fitness(search, results);
+    let elites = elites.map(|elites| archive(search, results, elites));
+    let elites = elites.transpose()?.flatten();
+    for extension in ["png", "svg"] {
+        let at = |stem: &str| folder.join(format!("{stem}.{extension}"));
+        if let Some(plot) = &fitness {
+            draw_lines(plot, at("fitness"))?;
+        }
+        if let Some(map) = &elites {
+            draw_heat_map(map, at("archive"))?;
+        }
+        if !finalists.is_empty() {
+            draw_gallery(&gallery(search, finalists), at("gallery"))?;
+        }
+    }
+    let Some(best) = finalists.first() else {
+        return Ok(());
+    };
+    let result = EnsembleResult {
+        ensemble: &best.ensemble,
+        summary: best.prediction(),
+        real_paths_m: Vec::new(),
+        real_label: "reality",
+        title: if best.finals.survives {
+            format!("{}: what the best robot will do", best.robot.name())
+        } else {
+            format!(
+                "{}: what the best robot does in these settings, and NOT in others",
+                best.robot.name()
+            )
+        },
+    };
+    draw_repeats(folder, "paths", &result)
+}
+
+/// Fitness of every robot over the batches that the strategy proposed; over their numbers where that was one batch.
+/// Nothing where every robot failed.
+fn fitness(search: &Search, results: &SearchResults) -> Option<LinePlot> {
+    let one_batch = results.batches.len() < 2;
+    let mut dots = Vec::new();
+    let mut best: Vec<(f64, f64)> = Vec::new();
+    let mut means = Vec::new();
+    for (batch, size) in results.batches.iter().enumerate() {
+        let from = first_of(&results.batches, batch);
+        let here = results
+            .robots
+            .iter()
+            .filter(|robot| (from..from + size).contains(&robot.index));
+        let mut values = Vec::new();
+        for (robot, value) in here.filter_map(|robot| Some((robot, robot.fitness()?))) {
+            values.push(value);
+            let so_far = best.last().map_or(value, |(_, held)| held.max(value));
+            let x = if one_batch { robot.index } else { batch } as f64;
+            dots.push((x, value));
+            match best.last_mut() {
+                Some(last) if last.0 == x => last.1 = so_far,
+                _ => best.push((x, so_far)),
+            }
+        }
+        if !one_batch && !values.is_empty() {
+            means.push((batch as f64, mean(&values)));
+        }
+    }
+    if dots.is_empty() {
+        return None;
+    }
+    let strategy = search.strategy();
+    let failed = results
+        .robots
+        .iter()
+        .filter(|robot| robot.failure().is_some())
+        .count();
+    let series = |label: &str, points, kind, colour| Series {
+        label: label.to_owned(),
+        points,
+        kind,
+        colour,
+    };
+    let incomplete = if results.robots.len() < strategy.budget() {
+        "INCOMPLETE: "
+    } else {
+        ""
+    };
+    Some(LinePlot {
+        caption: Caption::new(
+            format!("{}: fitness over {}", search.name(), strategy.name()),
+            format!(
+                "{incomplete}{}, {} each of {} s, {failed} failed and are not shown, seed {}",
+                counted(results.robots.len(), "robot"),
+                counted(search.repeats(), "repeat"),
+                search.duration_s(),
+                search.seed()
+            ),
+        ),
+        x: AxisSpec::new(
+            if one_batch {
+                "robot"
+            } else {
+                strategy.batch_name()
+            },
+            Unit::One,
+        ),
+        y_label: search.objective().label(),
+        y_unit: search.objective().measure.unit(),
+        scale: ScoreScale::Linear,
+        y_range: None,
+        series: [
+            ("a robot", dots, SeriesKind::Dots, 4),
+            ("mean of those that walked", means, SeriesKind::Line, 1),
+            ("best so far", best, SeriesKind::Steps, 0),
+        ]
+        .into_iter()
+        .filter(|(_, points, ..)| !points.is_empty())
+        .map(|(label, points, kind, colour)| series(label, points, kind, colour))
+        .collect(),
+    })
+}
+
+/// Index of the first robot of a batch.
+fn first_of(batches: &[usize], batch: usize) -> usize {
+    batches[..batch].iter().sum()
+}
+
+/// The best fitness over the first two axes, whatever the others; nothing for one axis.
+fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Result<Option<HeatMap>> {
+    let [x, y, ..] = archive.axes() else {
+        return Ok(None);
+    };
+    let elites = archive.elites();
+    let mut scores: Vec<Option<f64>> = vec![None; x.cells * y.cells];
+    let mut best: Option<((usize, usize), f64)> = None;
+    for (along, elite) in &elites {
+        let Some(fitness) = results.robots[*elite].fitness() else {
+            continue;
+        };
+        let cell = &mut scores[along[1] * x.cells + along[0]];
+        *cell = Some(cell.map_or(fitness, |held| held.max(fitness)));
+        if best.is_none_or(|(_, held)| fitness > held) {
+            best = Some(((along[0], along[1]), fitness));
+        }
+    }
+    if elites.is_empty() {
+        return Ok(None);
+    }
+    let centres = |axis: &realgap_lab::search::Axis| -> Vec<f64> {
+        let width = (axis.to - axis.from) / axis.cells as f64;
+        let centre = |cell: usize| axis.from + (cell as f64 + 0.5) * width;
+        let centres: Vec<f64> = (0..axis.cells).map(centre).collect();
+        // Where every cell holds one count, the count is what it stands for: no robot has 1.5 modules.
+        let counts: Vec<f64> = (0..axis.cells)
+            .map(|cell| (axis.from + cell as f64 * width).ceil())
+            .collect();
+        let is_count = descriptor_named(&axis.name).is_ok_and(|d| d.is_count);
+        if is_count && (width - 1.0).abs() < 1e-9 {
+            counts
+        } else {
+            centres
+        }
+    };
+    let spec = |axis: &realgap_lab::search::Axis| -> Result<AxisSpec> {
+        let descriptor = descriptor_named(&axis.name)?;
+        let unit = descriptor.unit.symbol();
+        let label = axis.name.strip_suffix(&format!("_{unit}"));
+        let label = label.unwrap_or(&axis.name).replace('_', " ");
+        let spec = AxisSpec::new(label, descriptor.unit);
+        Ok(if descriptor.is_count {
+            spec.whole()
+        } else {
+            spec
+        })
+    };
+    Ok(Some(HeatMap {
+        caption: Caption::new(
+            format!("{}: the best robot of every kind", search.name()),
+            format!(
+                "{} in {} of {} cells, {} simulated, seed {}",
+                counted(elites.len(), "elite"),
+                scores.iter().flatten().count(),
+                scores.len(),
+                counted(results.robots.len(), "robot"),
+                search.seed()
+            ),
+        ),
+        x: spec(x)?,
+        y: spec(y)?,
+        x_values: centres(x),
+        y_values: centres(y),
+        scores,
+        missing: "no robot".to_owned(),
+        score_label: search.objective().label(),
+        score_unit: search.objective().measure.unit(),
+        scale: ScoreScale::Linear,
+        best: best.map(|(cell, _)| cell),
+        best_at: None,
+        evaluated: Vec::new(),
+        larger_is_better: true,
+        lines: Vec::new(),
+        indistinguishable: Vec::new(),
+        truth: None,
+    }))
+}
+
+fn gallery(search: &Search, finalists: &[Finalist]) -> Gallery {
+    let robots = finalists
+        .iter()
+        .enumerate()
+        .map(|(index, finalist)| {
+            let far = finalist.prediction().displacement_m.map_or(
+                "every repeat diverged".to_owned(),
+                |d| {
+                    let [q05, q50, q95] = [d.q05, d.q50, d.q95].map(|m| number(100.0 * m));
+                    format!("{q50} cm (90 %: {q05} to {q95} cm)")
+                },
+            );
+            let success = finalist.success().map_or(String::new(), |s| {
+                format!(
+                    ", P(over {} cm) {:.0} %",
+                    number(100.0 * s.least_displacement_m),
+                    100.0 * s.probability.share
+                )
+            });
+            let survives = if finalist.finals.survives {
+                ""
+            } else {
+                ", does NOT survive reruns"
+            };
+            let mut drawn = portrait(&finalist.robot, format!("{far}{success}{survives}"));
+            drawn.title = format!("{}. {}", index + 1, finalist.robot.name());
+            drawn
+        })
+        .collect();
+    Gallery {
+        gait_s: GAIT_S,
+        caption: Caption::new(
+            if finalists.iter().any(|finalist| finalist.finals.survives) {
+                format!("{}: the best robots", search.name())
+            } else {
+                format!(
+                    "{}: the best robots, none of which walks the same in other settings",
+                    search.name()
+                )
+            },
+            format!(
+                "{} of {}, {}, in {} s; at zero servo angles",
+                search.strategy().name(),
+                counted(search.strategy().budget(), "robot"),
+                search.objective().label(),
+                search.duration_s()
+            ),
+        ),
+        columns: finalists.len().min(4),
+        robots,
+    }
+}

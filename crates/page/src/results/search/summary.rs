@@ -1,0 +1,195 @@
+//! `summary.json` of a search.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use realgap_core::error::Result;
+use realgap_core::warning::{Code, Warning};
+use realgap_lab::prediction::Rerun;
+use realgap_lab::search::{Baseline, Finalist, Search, SearchResults};
+use realgap_optimize::Ending;
+
+/// One of the best robots, in short.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct BestRobot {
+    /// From 1; survivors first.
+    pub rank: usize,
+    /// Position in the search's order.
+    pub index: usize,
+    /// The files in `best/`, without ending.
+    pub file: String,
+    /// Number of modules.
+    pub modules: usize,
+    /// Number of servos.
+    pub servos: usize,
+    /// With the draws of the search.
+    pub search_fitness: Option<f64>,
+    /// With new draws.
+    pub fitness: Option<f64>,
+    /// Median net displacement with new draws, metres.
+    pub median_displacement_m: Option<f64>,
+    /// 5 % and 95 % quantile of it, metres.
+    pub displacement_q05_q95_m: Option<[f64; 2]>,
+    /// Net displacement that counts as success, metres: half of what the run without noise does.
+    pub success_m: Option<f64>,
+    /// Probability of it.
+    pub success: Option<f64>,
+    /// What the servos give over the distance, J/m.
+    pub joules_per_metre: Option<f64>,
+    /// The same per weight: mechanical cost of transport.
+    pub cost_of_transport: Option<f64>,
+    /// Whether half and double timestep and substeps, the limit of hard contact and the other joint kind at its own leave its displacement
+    /// within the tolerance.
+    pub survives: bool,
+    /// Largest change under these, as a share; `None` where it failed.
+    pub largest_change: Option<f64>,
+    /// The settings of the rerun that failed or changed most.
+    pub worst_rerun: Option<&'static str>,
+}
+
+/// A whole search in short: `summary.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SearchSummary {
+    /// Name of the search.
+    pub search: String,
+    /// Name of the strategy.
+    pub strategy: &'static str,
+    /// What was made large.
+    pub objective: String,
+    /// Unit of fitness.
+    pub unit: &'static str,
+    /// Whether all robots were simulated.
+    pub complete: bool,
+    /// Robots simulated.
+    pub robots: usize,
+    /// Robots of the whole search.
+    pub robots_total: usize,
+    /// Runs of every robot.
+    pub repeats: usize,
+    /// Length of every run, seconds.
+    pub duration_s: f64,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Robots without fitness, by reason.
+    pub failures: BTreeMap<&'static str, usize>,
+    /// Best fitness in the search.
+    pub best_fitness: Option<f64>,
+    /// Cells of the archive that hold a robot, and all cells.
+    pub archive: Option<[usize; 2]>,
+    /// What the search started from, with the draws that rank the best; `None` where it draws its own robots.
+    pub baseline: Option<Baseline>,
+    /// The best robots, looked at again; empty where the search was interrupted.
+    pub best: Vec<BestRobot>,
+    /// The engine and its precision.
+    pub engine: &'static str,
+    /// Version of this crate.
+    pub version: &'static str,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+impl BestRobot {
+    /// A finalist whose files are called `file`.
+    pub(super) fn new(file: String, finalist: &Finalist) -> Self {
+        let (robot, finals) = (&finalist.robot, &finalist.finals);
+        let displacement_m = finalist.prediction().displacement_m;
+        let changes: Option<Vec<f64>> = finals.reruns.iter().map(|r| r.change).collect();
+        let size = |rerun: &Rerun| rerun.change.map_or(f64::INFINITY, f64::abs);
+        let worst = finals
+            .reruns
+            .iter()
+            .max_by(|a, b| size(a).total_cmp(&size(b)));
+        Self {
+            rank: finals.rank,
+            index: finalist.evaluated.index,
+            file,
+            modules: robot.modules().len(),
+            servos: robot.summary().servos,
+            search_fitness: finals.search_fitness,
+            fitness: finals.fitness,
+            median_displacement_m: displacement_m.map(|d| d.q50),
+            displacement_q05_q95_m: displacement_m.map(|d| [d.q05, d.q95]),
+            success_m: finalist.success().map(|s| s.least_displacement_m),
+            success: finalist.success().map(|s| s.probability.share),
+            joules_per_metre: finals.economy.map(|economy| economy.joules_per_metre),
+            cost_of_transport: finals.economy.map(|economy| economy.cost_of_transport),
+            survives: finals.survives,
+            worst_rerun: worst.map(|rerun| rerun.settings),
+            largest_change: changes
+                .map(|all| all.iter().fold(0.0, |most: f64, c| most.max(c.abs()))),
+        }
+    }
+}
+
+impl SearchSummary {
+    pub(super) fn new(
+        search: &Search,
+        results: &SearchResults,
+        best: Vec<BestRobot>,
+        baseline: Option<&Baseline>,
+    ) -> Result<Self> {
+        let strategy = search.strategy();
+        let mut failures = BTreeMap::new();
+        for failure in results.robots.iter().filter_map(|r| r.failure()) {
+            *failures.entry(failure.reason.code()).or_insert(0) += 1;
+        }
+        let archive = strategy.archive(&results.history())?;
+        Ok(Self {
+            search: search.name().to_owned(),
+            strategy: strategy.name(),
+            objective: search.objective().label(),
+            unit: search.objective().measure.unit().label(),
+            complete: results.ending == Ending::Complete,
+            robots: results.robots.len(),
+            robots_total: strategy.budget(),
+            repeats: search.repeats(),
+            duration_s: search.duration_s(),
+            seed: search.seed(),
+            failures,
+            best_fitness: results
+                .robots
+                .iter()
+                .filter_map(|r| r.fitness())
+                .reduce(f64::max),
+            archive: archive.map(|archive| [archive.elites().len(), archive.cells().len()]),
+            warnings: warnings(search, &best, baseline),
+            baseline: baseline.cloned(),
+            best,
+            engine: realgap_engine::ENGINE_VERSION,
+            version: env!("CARGO_PKG_VERSION"),
+        })
+    }
+}
+
+fn warnings(search: &Search, best: &[BestRobot], baseline: Option<&Baseline>) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    if search.noise().is_zero() && search.uncertain().is_empty() {
+        warnings.push(Warning::new(
+            Code::NoNoise,
+            "all repeats are the same run: the best robot is the best at one point, and nothing says how sure that is",
+        ));
+    }
+    if !best.is_empty() && best.iter().all(|robot| !robot.survives) {
+        warnings.push(Warning::new(
+            Code::NoSurvivor,
+            "no finalist walks the same under other solver settings: what was found may be an artefact of the simulation",
+        ));
+    }
+    let fitness = baseline.and_then(|baseline| baseline.fitness);
+    let best_again = best
+        .iter()
+        .filter_map(|robot| robot.fitness)
+        .reduce(f64::max);
+    if let (Some(start), Some(found)) = (fitness, best_again)
+        && found <= start
+    {
+        warnings.push(Warning::new(
+            Code::BaselineNotBeaten,
+            "no finalist is better than what the search started from, with draws that chose neither",
+        ));
+    }
+    warnings
+}

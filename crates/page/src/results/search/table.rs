@@ -1,0 +1,78 @@
+//! `history.csv` and `archive.csv`: the same bytes for the same search, however it was run.
+
+use std::path::Path;
+
+use crate::results::table::{number, write};
+use realgap_core::error::Result;
+use realgap_lab::search::{Archive, Search, SearchResults};
+
+/// One row a robot, in the strategy's order.
+pub(super) fn write_history(folder: &Path, search: &Search, results: &SearchResults) -> Result<()> {
+    let descriptors = search.strategy().descriptors();
+    let mut header = vec![
+        "robot",
+        "generation",
+        "modules",
+        "fitness",
+        "unit",
+        "status",
+        "seen",
+        "mean_displacement_m",
+    ];
+    header.extend(&descriptors);
+    header.push("genome");
+    let unit = search.objective().measure.unit().label();
+    let rows = results.robots.iter().map(|robot| {
+        let (status, seen) = robot.failure().map_or(("walked", ""), |failure| {
+            (failure.reason.code(), failure.seen.as_str())
+        });
+        let mut row = vec![
+            robot.index.to_string(),
+            results.batch_of(robot.index).to_string(),
+            robot.genome.len().to_string(),
+            number(robot.fitness()),
+            unit.to_owned(),
+            status.to_owned(),
+            seen.split_whitespace().collect::<Vec<_>>().join(" "),
+            number(robot.mean_displacement_m()),
+        ];
+        let values = robot.performance().map_or(&[][..], |p| &p.descriptors);
+        row.extend((0..descriptors.len()).map(|index| number(values.get(index).copied())));
+        let genes = robot.genome.genes().iter().flat_map(|gene| gene.values());
+        row.push(genes.map(f64::to_string).collect::<Vec<_>>().join(" "));
+        row
+    });
+    write(&folder.join("history.csv"), &header, rows)
+}
+
+/// One row an elite.
+pub(super) fn write_archive(
+    folder: &Path,
+    search: &Search,
+    results: &SearchResults,
+    archive: &Archive,
+) -> Result<()> {
+    let axes = archive.axes();
+    let cells: Vec<String> = axes.iter().map(|a| format!("{}_cell", a.name)).collect();
+    let header: Vec<&str> = cells
+        .iter()
+        .map(String::as_str)
+        .chain(axes.iter().map(|axis| axis.name.as_str()))
+        .chain(["robot", "fitness", "unit"])
+        .collect();
+    let unit = search.objective().measure.unit().label();
+    let elites = archive.elites();
+    let rows = elites.iter().map(|(along, elite)| {
+        let robot = &results.robots[*elite];
+        let mut row: Vec<String> = along.iter().map(usize::to_string).collect();
+        let values = robot.performance().map_or(&[][..], |p| &p.descriptors);
+        row.extend(values.iter().map(f64::to_string));
+        row.extend([
+            robot.index.to_string(),
+            number(robot.fitness()),
+            unit.to_owned(),
+        ]);
+        row
+    });
+    write(&folder.join("archive.csv"), &header, rows)
+}

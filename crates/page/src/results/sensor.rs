@@ -1,0 +1,383 @@
+//! Pictures of a characterised sensor: figures 3 and 4 of paper 000.
+
+use std::path::Path;
+
+use crate::plot::{AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
+use realgap_core::error::{Error, Result};
+use realgap_core::unit::{LengthUnit, Unit};
+use realgap_sense::arena::Arena;
+use realgap_sense::belief::{BeliefReport, TrialSet};
+use realgap_sense::graph::{Scan, ScanLog, Sensorgraph};
+use realgap_sense::range::{Beam, Characterisation, RangeSensor, ReadingLog, ReadingUnit};
+
+/// Points of a drawn curve.
+const POINTS: usize = 300;
+
+fn series(
+    label: impl Into<String>,
+    kind: SeriesKind,
+    colour: usize,
+    points: Vec<(f64, f64)>,
+) -> Series {
+    Series {
+        label: label.into(),
+        points,
+        kind,
+        colour,
+    }
+}
+
+/// `reading (cm)`.
+fn reading_label(what: &str, unit: &ReadingUnit) -> String {
+    match unit.symbol() {
+        "" => format!("{what} (the sensor's own unit)"),
+        symbol => format!("{what} ({symbol})"),
+    }
+}
+
+fn distance_axis(unit: LengthUnit) -> AxisSpec {
+    AxisSpec::new(format!("distance ({})", unit.symbol()), Unit::One)
+}
+
+/// Mean and spread over the distance: what was read and the model, as figure 4.
+///
+/// # Errors
+/// A path that is no picture's, a full disk.
+pub fn draw_sensor(found: &Characterisation, path: impl AsRef<Path>) -> Result<()> {
+    let model = &found.model;
+    let (low, high) = model.range;
+    let metres = model.distance_unit.metres();
+    let along: Vec<f64> = (0..=POINTS)
+        .map(|i| low + (high - low) * i as f64 / POINTS as f64)
+        .collect();
+    let beam = |d: &f64| Beam::straight(d * metres);
+    let of = |value: &dyn Fn(&f64) -> f64| along.iter().map(|d| (*d, value(d))).collect::<Vec<_>>();
+    let (mean, sd) = (|d: &f64| model.mean(&beam(d)), |d: &f64| model.sd(&beam(d)));
+    let read =
+        |value: fn(&realgap_sense::range::DistanceReport) -> Option<f64>| -> Vec<(f64, f64)> {
+            found
+                .distances
+                .iter()
+                .filter_map(|d| Some((d.distance, value(d)?)))
+                .collect()
+        };
+    // Logarithmic like most such curves, unless the band goes below 0.
+    let is_positive = along.iter().all(|d| mean(d) - 1.645 * sd(d) > 0.0);
+    let upper = along.iter().map(|d| mean(d) + 1.645 * sd(d)).collect();
+    let plot = LinePlot {
+        caption: Caption::new(
+            "Mean and spread of readings",
+            format!(
+                "{}; mean: {}, spread: {}",
+                model.description, found.mean_form, found.spread_form
+            ),
+        ),
+        x: distance_axis(model.distance_unit),
+        y_label: reading_label("reading", &model.reading_unit),
+        y_unit: Unit::One,
+        scale: if is_positive {
+            ScoreScale::Auto
+        } else {
+            ScoreScale::Linear
+        },
+        y_range: None,
+        series: vec![
+            series(
+                "90 % of readings",
+                SeriesKind::Band(upper),
+                0,
+                of(&|d| mean(d) - 1.645 * sd(d)),
+            ),
+            series("mean, model", SeriesKind::Line, 0, of(&mean)),
+            series("mean, read", SeriesKind::Dots, 0, read(|d| d.mean)),
+            series("standard deviation, model", SeriesKind::Line, 1, of(&sd)),
+            series(
+                "standard deviation, read",
+                SeriesKind::Dots,
+                1,
+                read(|d| d.sd),
+            ),
+        ],
+    };
+    draw_lines(&plot, path)
+}
+
+/// The distances of the histograms where none are named: near both ends and the middle.
+fn usual_distances(found: &Characterisation) -> Vec<f64> {
+    let mut distances: Vec<f64> = found
+        .distances
+        .iter()
+        .filter(|d| d.readings > 1)
+        .map(|d| d.distance)
+        .collect();
+    distances.dedup();
+    let last = distances.len().saturating_sub(1);
+    let mut chosen: Vec<f64> = [last / 20, last / 2, last - last / 20]
+        .iter()
+        .filter_map(|i| distances.get(*i).copied())
+        .collect();
+    chosen.dedup();
+    chosen
+}
+
+/// Histograms at some distances with the model's density, as figure 3. Areas are 1.
+///
+/// # Errors
+/// A distance of which the log has no readings, a path that is no picture's, a full disk.
+pub fn draw_histograms(
+    found: &Characterisation,
+    log: &ReadingLog,
+    at: &[f64],
+    bin: Option<f64>,
+    path: impl AsRef<Path>,
+) -> Result<()> {
+    let model = &found.model;
+    let at = if at.is_empty() {
+        usual_distances(found)
+    } else {
+        at.to_vec()
+    };
+    let length = model.distance_unit.symbol();
+    let (mut bars, mut lines) = (Vec::new(), Vec::new());
+    for (colour, distance) in at.iter().enumerate() {
+        let same = log
+            .readings
+            .iter()
+            .filter(|r| (r.distance - distance).abs() < 1e-9 * distance.abs().max(1.0));
+        let values: Vec<f64> = same.filter_map(|r| r.value).collect();
+        if values.is_empty() {
+            return Err(Error::usage("the log has no readings at this distance")
+                .field("distance of a histogram")
+                .found(format!("{distance} {length}")));
+        }
+        let beam = Beam::straight(distance * model.distance_unit.metres());
+        let (mean, sd) = (model.mean(&beam), model.sd(&beam));
+        let width = bin.unwrap_or(0.2 * sd);
+        let (stairs, zeros) = stairs(&values, width, (mean - 8.0 * sd, mean + 8.0 * sd));
+        bars.push(series(
+            format!("{distance} {length}: {} readings", values.len()),
+            SeriesKind::Band(zeros),
+            colour,
+            stairs,
+        ));
+        let density = (0..=POINTS).map(|i| {
+            let z = -4.0 + 8.0 * i as f64 / POINTS as f64;
+            let reading = mean + z * sd;
+            (reading, libm::exp(model.log_density(reading, &beam)))
+        });
+        lines.push(series(
+            format!("{distance} {length}: model"),
+            SeriesKind::Line,
+            colour,
+            density.collect(),
+        ));
+    }
+    bars.extend(lines);
+    let plot = LinePlot {
+        caption: Caption::new("Readings at known distances", model.description.clone()),
+        x: AxisSpec::new(reading_label("reading", &model.reading_unit), Unit::One),
+        y_label: "density".to_owned(),
+        y_unit: Unit::One,
+        scale: ScoreScale::Linear,
+        y_range: None,
+        series: bars,
+    };
+    draw_lines(&plot, path)
+}
+
+/// Outline of a histogram between two ends, and its foot.
+fn stairs(values: &[f64], width: f64, (low, high): (f64, f64)) -> (Vec<(f64, f64)>, Vec<f64>) {
+    let first = (low / width).floor() as i64;
+    let count = ((high / width).ceil() as i64 - first).clamp(1, 2000) as usize;
+    let mut counts = vec![0_usize; count];
+    for value in values {
+        let place = (value / width).floor() as i64 - first;
+        if let Some(bin) = usize::try_from(place)
+            .ok()
+            .and_then(|place| counts.get_mut(place))
+        {
+            *bin += 1;
+        }
+    }
+    let mut points = Vec::new();
+    for (index, count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+        let height = *count as f64 / (values.len() as f64 * width);
+        let left = (first + index as i64) as f64 * width;
+        points.extend([(left, height), (left + width, height), (f64::NAN, f64::NAN)]);
+    }
+    let zeros = vec![0.0; points.len()];
+    (points, zeros)
+}
+
+/// Predicted and actual ranges of one segment along the way: figures 10 to 15 of paper 001.
+///
+/// # Errors
+/// No such segment, a path that is no picture's, a full disk.
+pub fn draw_segment(
+    model: &Sensorgraph,
+    log: &ScanLog,
+    segment: usize,
+    path: impl AsRef<Path>,
+) -> Result<()> {
+    let Some(degrees) = model.segments_deg.get(segment) else {
+        return Err(Error::usage("the model has no such segment")
+            .field("segment")
+            .found(segment)
+            .allowed(format!("0 to {}", model.segments_deg.len() - 1)));
+    };
+    let (centre, width) = (degrees.to_radians(), model.width_deg.to_radians());
+    let along = |of: &dyn Fn(&Scan) -> f64| -> Vec<(f64, f64)> {
+        log.scans
+            .iter()
+            .map(|scan| (scan.time_s - log.scans[0].time_s, of(scan)))
+            .collect()
+    };
+    let actual = along(&|scan| log.median_m(scan, centre, width).unwrap_or(f64::NAN));
+    let predicted = along(&|scan| model.range_m(scan.position_world_m, scan.heading_rad, segment));
+    let plot = LinePlot {
+        caption: Caption::new(
+            format!("Range at {degrees:.0}° from straight ahead, along the way"),
+            "medians of a segment of the scan; the model has not seen this log unless it was fitted to it",
+        ),
+        x: AxisSpec::new("time", Unit::Second),
+        y_label: "range".to_owned(),
+        y_unit: Unit::Metre,
+        scale: ScoreScale::Linear,
+        y_range: None,
+        series: vec![
+            series("actual", SeriesKind::Dots, 1, actual),
+            series("predicted", SeriesKind::Line, 0, predicted),
+        ],
+    };
+    draw_lines(&plot, path)
+}
+
+/// Beliefs at one distance, of the model and of the log: figures 5 and 6 of paper 000.
+///
+/// # Errors
+/// No such distance, a path that is no picture's, a full disk.
+pub fn draw_belief(found: &BeliefReport, index: usize, path: impl AsRef<Path>) -> Result<()> {
+    let Some(side) = found.distances.get(index) else {
+        return Err(Error::usage("no belief at such a distance").found(index));
+    };
+    let along = |values: &[f64]| {
+        side.cells
+            .iter()
+            .copied()
+            .zip(values.iter().copied())
+            .collect::<Vec<_>>()
+    };
+    let mut all = Vec::new();
+    let mut add = |name: &str, colour: usize, set: &TrialSet| {
+        all.push(series(
+            format!("{name}: 90 % of trials"),
+            SeriesKind::Band(set.q95.clone()),
+            colour,
+            along(&set.q05),
+        ));
+        all.push(series(
+            format!("{name}: mean belief"),
+            SeriesKind::Line,
+            colour,
+            along(&set.mean),
+        ));
+    };
+    add("model", 0, &side.simulated);
+    if let Some(real) = &side.real {
+        add("log", 1, real);
+    }
+    // Where nothing is believed nothing is drawn.
+    let most = side
+        .simulated
+        .mean
+        .iter()
+        .chain(side.real.iter().flat_map(|r| &r.mean))
+        .copied()
+        .fold(0.0, f64::max);
+    let seen = |k: &usize| {
+        let of = |set: &TrialSet| set.q95[*k] > 0.002 * most;
+        of(&side.simulated) || side.real.as_ref().is_some_and(of)
+    };
+    let shown: Vec<usize> = (0..side.cells.len()).filter(seen).collect();
+    if let (Some(first), Some(last)) = (shown.first(), shown.last()) {
+        for one in &mut all {
+            if let SeriesKind::Band(upper) = &mut one.kind {
+                *upper = upper[*first..=*last].to_vec();
+            }
+            one.points = one.points[*first..=*last].to_vec();
+        }
+    }
+    let plot = LinePlot {
+        caption: Caption::new(
+            format!(
+                "Belief after {} readings at {:.4} {}",
+                found.readings, side.distance, found.unit
+            ),
+            format!("discrete Bayes filter, {} trials", side.simulated.trials),
+        ),
+        x: AxisSpec::new(format!("distance ({})", found.unit), Unit::One),
+        y_label: "probability of a cell".to_owned(),
+        y_unit: Unit::One,
+        scale: ScoreScale::Linear,
+        y_range: None,
+        series: all,
+    };
+    draw_lines(&plot, path)
+}
+
+/// An arena from above, its start as a dot.
+///
+/// # Errors
+/// A path that is no picture's, a full disk.
+pub fn draw_arena(arena: &Arena, path: impl AsRef<Path>) -> Result<()> {
+    let [width, height] = arena.size_m;
+    let closed = |mut points: Vec<[f64; 2]>| {
+        points.extend(points.first().copied());
+        points.into_iter().map(|[x, y]| (x, y)).collect::<Vec<_>>()
+    };
+    let edge = closed(vec![
+        [0.0, 0.0],
+        [width, 0.0],
+        [width, height],
+        [0.0, height],
+    ]);
+    let mut all = vec![series("the field", SeriesKind::Level, 0, edge)];
+    for (index, object) in arena.objects.iter().enumerate() {
+        let label = if index == 0 { "walls and boxes" } else { "" };
+        all.push(series(
+            label,
+            SeriesKind::Line,
+            0,
+            closed(object.outline_m()),
+        ));
+    }
+    if let Some([x, y, heading]) = arena.start {
+        let (sin, cos) = heading.sin_cos();
+        let length = 0.06 * width.max(height);
+        all.push(series(
+            "start and heading",
+            SeriesKind::Dots,
+            1,
+            vec![(x, y)],
+        ));
+        all.push(series(
+            "",
+            SeriesKind::Line,
+            1,
+            vec![(x, y), (x + length * cos, y + length * sin)],
+        ));
+    }
+    let plot = LinePlot {
+        caption: Caption::new(
+            format!("Arena: {}", arena.name),
+            format!("{width} x {height} m"),
+        ),
+        x: AxisSpec::new("x (m)", Unit::One),
+        y_label: "y (m)".to_owned(),
+        y_unit: Unit::One,
+        scale: ScoreScale::LikeX,
+        y_range: None,
+        series: all,
+    };
+    draw_lines(&plot, path)
+}

@@ -1,0 +1,179 @@
+//! `points.csv` and `scores.csv`: the same bytes for the same study, however it was run.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use realgap_core::error::{Error, Result};
+use realgap_core::file::write_atomic;
+use realgap_core::text::cell;
+use realgap_lab::calibration::{Answer, PointScore, Study};
+
+/// One row a point: parameters as columns, then score, unit, status and displacement error.
+pub(super) fn write_points(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
+    let names = names(study);
+    let header: Vec<&str> = names
+        .iter()
+        .copied()
+        .chain([
+            "score",
+            "unit",
+            "status",
+            "displacement_error_m",
+            "indistinguishable",
+            "runs",
+        ])
+        .collect();
+    let is_in = |position: usize| {
+        let uncertainty = answer.uncertainty.as_ref();
+        uncertainty.is_some_and(|u| u.indistinguishable[position])
+    };
+    let rows = answer
+        .scores
+        .points
+        .iter()
+        .enumerate()
+        .map(|(position, point)| {
+            let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
+            row.push(number(point.score));
+            row.push(answer.scores.unit.label().to_owned());
+            row.push(status(point).to_owned());
+            row.push(number(point.displacement_error_m));
+            row.push(is_in(position).to_string());
+            row.push(point.runs.to_string());
+            row
+        });
+    write(&folder.join("points.csv"), &header, rows)
+}
+
+/// One row a cell of the grid with points that cannot be told apart from the best, where an optimizer may have crowded, and one
+/// a place where nothing was simulated that may be as good; with the study's fixed values. Who draws from it draws evenly.
+pub(super) fn write_indistinguishable(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
+    let Some(uncertainty) = &answer.uncertainty else {
+        return Ok(());
+    };
+    let varied = names(study);
+    let fixed: Vec<_> = study
+        .definition()
+        .set
+        .iter()
+        .filter(|a| {
+            !varied.contains(&a.parameter.name) && !a.parameter.name.starts_with("recording.")
+        })
+        .collect();
+    let header: Vec<&str> = varied
+        .iter()
+        .copied()
+        .chain(fixed.iter().map(|a| a.parameter.name))
+        .collect();
+    let points = answer.scores.points.iter();
+    let visited = points
+        .zip(&uncertainty.indistinguishable)
+        .filter(|(_, is_in)| **is_in)
+        .map(|(point, _)| &point.values);
+    let unvisited = uncertainty.unvisited.iter();
+    let unvisited = unvisited
+        .filter(|place| place.indistinguishable)
+        .map(|place| &place.values);
+    let grid = &study.definition().grid;
+    let mut cells = BTreeSet::new();
+    let rows = visited
+        .chain(unvisited)
+        .filter(|values| cells.insert(grid.nearest(values)))
+        .map(|values| {
+            let values = values.iter().copied();
+            let all = values.chain(fixed.iter().map(|a| a.value));
+            all.map(|value| value.to_string()).collect()
+        });
+    write(&folder.join("indistinguishable.csv"), &header, rows)
+}
+
+/// One row a point and recording, where there are several recordings.
+pub(super) fn write_scores(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
+    let recordings = &study.definition().recordings;
+    if recordings.len() < 2 {
+        return Ok(());
+    }
+    let names = names(study);
+    let header: Vec<&str> = names
+        .iter()
+        .copied()
+        .chain(["recording", "score", "unit"])
+        .collect();
+    let rows = answer.scores.points.iter().flat_map(|point| {
+        recordings
+            .iter()
+            .zip(&point.recordings)
+            .map(|(recording, score)| {
+                let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
+                row.push(recording.name.clone());
+                row.push(score.to_string());
+                row.push(answer.scores.unit.label().to_owned());
+                row
+            })
+    });
+    write(&folder.join("scores.csv"), &header, rows)
+}
+
+/// One row a parameter and value: the lowest score that it allows.
+pub(super) fn write_profiles(folder: &Path, answer: &Answer) -> Result<()> {
+    let header = [
+        "parameter",
+        "value",
+        "lowest_score",
+        "unit",
+        "indistinguishable",
+    ];
+    let rows = answer.profiles.iter().flat_map(|profile| {
+        profile.values.iter().enumerate().map(|(index, value)| {
+            vec![
+                profile.parameter.name.to_owned(),
+                value.to_string(),
+                number(profile.scores[index]),
+                answer.scores.unit.label().to_owned(),
+                profile.indistinguishable[index].to_string(),
+            ]
+        })
+    });
+    write(&folder.join("profiles.csv"), &header, rows)
+}
+
+fn names(study: &Study) -> Vec<&'static str> {
+    study
+        .definition()
+        .grid
+        .ranges()
+        .iter()
+        .map(|range| range.parameter.name)
+        .collect()
+}
+
+fn status(point: &PointScore) -> &'static str {
+    if point.diverged.is_some() {
+        "diverged"
+    } else {
+        "ok"
+    }
+}
+
+/// Shortest text that reads back to the same bits; empty where there is no number.
+pub(super) fn number(value: Option<f64>) -> String {
+    value.map_or(String::new(), |value| value.to_string())
+}
+
+pub(super) fn write(
+    path: &Path,
+    header: &[&str],
+    rows: impl Iterator<Item = Vec<String>>,
+) -> Result<()> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let fail = |e: csv::Error| Error::invalid(format!("cannot write the table: {e}")).at_file(path);
+    writer.write_record(header).map_err(fail)?;
+    for row in rows {
+        let cells = row.iter().map(|text| cell(text).into_owned());
+        writer.write_record(cells).map_err(fail)?;
+    }
+    let bytes = writer
+        .into_inner()
+        .map_err(|e| Error::invalid(format!("cannot write the table: {e}")).at_file(path))?;
+    write_atomic(path, &bytes)
+}

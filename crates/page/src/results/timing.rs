@@ -1,0 +1,31 @@
+//! `timing.json`: what a run took. Everything else in a results folder is the same for equal runs.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::write_report;
+use realgap_core::error::Result;
+
+/// Name of the file.
+pub(super) const FILE: &str = "timing.json";
+
+/// What a run took; of a run that was resumed, what its last part took.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Timing {
+    /// From beginning to end, seconds.
+    pub wall_s: f64,
+    /// CPU seconds of all threads, where the system tells.
+    pub cpu_s: Option<f64>,
+    /// Threads.
+    pub jobs: usize,
+}
+
+/// Writes `timing.json` into a results folder.
+///
+/// # Errors
+/// A full disk or an unwritable folder.
+pub fn write_timing(folder: &Path, timing: &Timing) -> Result<()> {
+    write_report(folder, FILE, timing)
+}

@@ -1,0 +1,170 @@
+//! Absolute and relative pose error, translation part, as evo 1.38 computes them.
+//!
+//! Unlike the other metrics these see the height: it is used where both trajectories recorded it.
+
+use nalgebra::{Matrix3, Matrix4, Quaternion, SymmetricEigen, UnitQuaternion, Vector3};
+
+use super::metric::{Context, Measurement, Metric, Needs, Pair};
+use crate::trajectory::Prepared;
+use realgap_core::error::Result;
+use realgap_core::unit::Unit;
+
+/// Absolute pose error (RMSE) of the prepared trajectories, metres. In the plane it equals `rms`.
+#[derive(Debug, Clone, Copy)]
+pub struct Ape;
+
+impl Metric for Ape {
+    fn name(&self) -> &'static str {
+        "ape"
+    }
+    fn column(&self) -> &'static str {
+        "ape_rmse_m"
+    }
+    fn unit(&self) -> Unit {
+        Unit::Metre
+    }
+    fn doc(&self) -> &'static str {
+        "evo's absolute pose error, translation part, RMSE (with height, where both have it)"
+    }
+    fn needs(&self) -> Needs {
+        Needs::POINTS
+    }
+    fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
+        let (a, b) = positions_m(pair);
+        Ok(root_mean_square(
+            a.zip(b).map(|(p, q)| (p - q).norm_squared()),
+        ))
+    }
+}
+
+/// Absolute pose error (RMSE) after the best rigid alignment, metres (Umeyama 1991 without scale).
+///
+/// The residual does not depend on where the trajectories started or headed, so the prepared points serve as well as the
+/// merely resampled ones. The rotation is the one of Horn (1987): the same optimum, always proper, and defined for
+/// straight lines and single points, too, where evo refuses.
+#[derive(Debug, Clone, Copy)]
+pub struct UmeyamaApe;
+
+impl Metric for UmeyamaApe {
+    fn name(&self) -> &'static str {
+        "umeyama-ape"
+    }
+    fn column(&self) -> &'static str {
+        "umeyama_ape_rmse_m"
+    }
+    fn unit(&self) -> Unit {
+        Unit::Metre
+    }
+    fn doc(&self) -> &'static str {
+        "evo's absolute pose error, translation part, RMSE after Umeyama SE(3) alignment"
+    }
+    fn needs(&self) -> Needs {
+        Needs::POINTS
+    }
+    fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
+        let (a, b) = positions_m(pair);
+        let n = a.len() as f64;
+        let centre_a = a.clone().sum::<Vector3<f64>>() / n;
+        let centre_b = b.clone().sum::<Vector3<f64>>() / n;
+        let centred = a.map(|p| p - centre_a).zip(b.map(|q| q - centre_b));
+        let covariance: Matrix3<f64> = centred.clone().map(|(p, q)| q * p.transpose()).sum();
+        let turn = best_turn(&covariance);
+        Ok(root_mean_square(
+            centred.map(|(p, q)| (p - turn * q).norm_squared()),
+        ))
+    }
+}
+
+/// The rotation R that maximises Σ p·R q for S = Σ q pᵀ: Horn's eigenvector of the largest eigenvalue.
+fn best_turn(s: &Matrix3<f64>) -> UnitQuaternion<f64> {
+    #[rustfmt::skip]
+    let horn = Matrix4::new(
+        s.m11 + s.m22 + s.m33, s.m23 - s.m32,          s.m31 - s.m13,          s.m12 - s.m21,
+        s.m23 - s.m32,         s.m11 - s.m22 - s.m33,  s.m12 + s.m21,          s.m31 + s.m13,
+        s.m31 - s.m13,         s.m12 + s.m21,          s.m22 - s.m11 - s.m33,  s.m23 + s.m32,
+        s.m12 - s.m21,         s.m31 + s.m13,          s.m23 + s.m32,          s.m33 - s.m11 - s.m22,
+    );
+    let eigen = SymmetricEigen::new(horn);
+    let q = eigen.eigenvectors.column(eigen.eigenvalues.imax());
+    UnitQuaternion::new_normalize(Quaternion::new(q[0], q[1], q[2], q[3]))
+}
+
+/// Relative pose error (RMSE) over single steps of the prepared trajectories, metres.
+///
+/// Steps are seen from the body where both trajectories recorded orientation, as evo does; else from the heading.
+#[derive(Debug, Clone, Copy)]
+pub struct Rpe;
+
+impl Metric for Rpe {
+    fn name(&self) -> &'static str {
+        "rpe"
+    }
+    fn column(&self) -> &'static str {
+        "rpe_rmse_m"
+    }
+    fn unit(&self) -> Unit {
+        Unit::Metre
+    }
+    fn doc(&self) -> &'static str {
+        "evo's relative pose error, translation part, RMSE, delta 1 frame"
+    }
+    fn needs(&self) -> Needs {
+        Needs::POINTS
+    }
+    fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
+        let (a, b) = positions_m(pair);
+        let steps_a = a
+            .clone()
+            .skip(1)
+            .zip(a)
+            .map(|(after, before)| after - before);
+        let steps_b = b
+            .clone()
+            .skip(1)
+            .zip(b)
+            .map(|(after, before)| after - before);
+        let steps = steps_a.zip(steps_b);
+        let orientations = pair
+            .real_prepared
+            .orientations()
+            .zip(pair.simulated_prepared.orientations());
+        Ok(match orientations {
+            None => root_mean_square(steps.map(|(p, q)| (p - q).norm_squared())),
+            Some((turns_a, turns_b)) => root_mean_square(
+                steps
+                    .zip(turns_a.iter().zip(turns_b))
+                    .map(|((p, q), (a, b))| {
+                        (a.inverse_transform_vector(&p) - b.inverse_transform_vector(&q))
+                            .norm_squared()
+                    }),
+            ),
+        })
+    }
+}
+
+trait Positions: ExactSizeIterator<Item = Vector3<f64>> + Clone {}
+impl<I: ExactSizeIterator<Item = Vector3<f64>> + Clone> Positions for I {}
+
+/// The prepared positions; height only where both have it.
+fn positions_m<'a>(pair: &Pair<'a>) -> (impl Positions + use<'a>, impl Positions + use<'a>) {
+    let (a, b) = (pair.real_prepared, pair.simulated_prepared);
+    let both = a.z_m().is_some() && b.z_m().is_some();
+    let of = move |prepared: &'a Prepared| {
+        let z_m = prepared.z_m().filter(|_| both);
+        prepared
+            .xy_m()
+            .iter()
+            .enumerate()
+            .map(move |(i, [x, y])| Vector3::new(*x, *y, z_m.map_or(0.0, |z| z[i])))
+    };
+    (of(a), of(b))
+}
+
+fn root_mean_square(squares: impl Iterator<Item = f64>) -> Measurement {
+    let (mut sum, mut samples) = (0.0, 0_usize);
+    for square in squares {
+        sum += square;
+        samples += 1;
+    }
+    Measurement::new((sum / samples.max(1) as f64).sqrt(), samples)
+}

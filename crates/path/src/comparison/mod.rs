@@ -1,0 +1,37 @@
+//! How far two trajectories are apart: metrics with units, and the table of all of them.
+//!
+//! Simulated or recorded makes no difference here: real against real is the noise floor. A new metric
+//! is one new file that implements [`Metric`] and one line in [`METRICS`].
+
+mod basis;
+mod cluster;
+mod evo;
+mod joint;
+mod metric;
+mod pca;
+mod pointwise;
+mod pose;
+mod registry;
+mod residual;
+mod saved_basis;
+mod shape;
+mod spread;
+mod table;
+mod whitened;
+
+pub use basis::{Basis, Components};
+pub use cluster::PcaCluster;
+pub use evo::{Ape, Rpe, UmeyamaApe};
+pub use joint::{Joints, joint_error_rad};
+pub use metric::{Context, Measurement, Metric, Needs, Pair, Score};
+pub use pca::Pca;
+pub use pointwise::{Displacement, Rms};
+pub use pose::{Pose, PoseErrors, Rotation, pose_errors};
+pub use registry::{DEFAULT_METRIC, METRICS, by_name};
+pub use residual::Shape;
+#[cfg(feature = "schema")]
+pub use saved_basis::SavedBasis;
+pub use shape::{Dtw, Frechet, Hausdorff};
+pub use spread::{Spread, TRACKER_NOISE_M};
+pub use table::{Comparison, Distance, Row, compare_all, position_metrics};
+pub use whitened::PcaWhitened;

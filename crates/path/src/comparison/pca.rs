@@ -1,0 +1,40 @@
+//! `pca`, the default metric: distance in the space of principal components.
+
+use super::metric::{Context, Measurement, Metric, Needs, Pair};
+use crate::trajectory::POINTS;
+use realgap_core::error::{Error, Result};
+use realgap_core::unit::Unit;
+
+/// ‖c_real − c_sim‖₂ / √N, metres, with the coefficients of [`Context::basis`] (paper 003, section 2.2, step 4).
+#[derive(Debug, Clone, Copy)]
+pub struct Pca;
+
+impl Metric for Pca {
+    fn name(&self) -> &'static str {
+        "pca"
+    }
+    fn column(&self) -> &'static str {
+        "pca_coefficients_m"
+    }
+    fn unit(&self) -> Unit {
+        Unit::Metre
+    }
+    fn doc(&self) -> &'static str {
+        "distance of the principal component coefficients of all trajectories compared"
+    }
+    fn needs(&self) -> Needs {
+        Needs {
+            basis: true,
+            ..Needs::POINTS
+        }
+    }
+    fn measure(&self, pair: &Pair<'_>, context: &Context<'_>) -> Result<Measurement> {
+        let Some(basis) = context.basis else {
+            return Err(Error::invalid("the metric `pca` needs a basis"));
+        };
+        let (a, b) = (pair.real_prepared, pair.simulated_prepared);
+        let mut measurement = Measurement::new(basis.discrepancy_m(a, b), POINTS);
+        measurement.warnings.extend(basis.blindness(a, b));
+        Ok(measurement)
+    }
+}

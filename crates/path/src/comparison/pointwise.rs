@@ -1,0 +1,66 @@
+//! Metrics that compare the n-th point with the n-th point.
+
+use super::metric::{Context, Measurement, Metric, Needs, Pair};
+use realgap_core::error::Result;
+use realgap_core::unit::Unit;
+
+/// Difference of the net displacements, metres: the error of the distance travelled (paper 003's fitness).
+#[derive(Debug, Clone, Copy)]
+pub struct Displacement;
+
+impl Metric for Displacement {
+    fn name(&self) -> &'static str {
+        "displacement"
+    }
+    fn column(&self) -> &'static str {
+        "displacement_error_m"
+    }
+    fn unit(&self) -> Unit {
+        Unit::Metre
+    }
+    fn doc(&self) -> &'static str {
+        "absolute difference of the net displacements"
+    }
+    fn needs(&self) -> Needs {
+        Needs::POINTS
+    }
+    fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
+        let real_m = pair.real_prepared.net_displacement_m();
+        let simulated_m = pair.simulated_prepared.net_displacement_m();
+        Ok(Measurement::new((real_m - simulated_m).abs(), 1))
+    }
+}
+
+/// Root mean square distance of corresponding prepared points in the x-y plane, metres.
+#[derive(Debug, Clone, Copy)]
+pub struct Rms;
+
+impl Metric for Rms {
+    fn name(&self) -> &'static str {
+        "rms"
+    }
+    fn column(&self) -> &'static str {
+        "rms_m"
+    }
+    fn unit(&self) -> Unit {
+        Unit::Metre
+    }
+    fn doc(&self) -> &'static str {
+        "root mean square distance of corresponding points"
+    }
+    fn needs(&self) -> Needs {
+        Needs::POINTS
+    }
+    fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
+        let a = pair.real_prepared.xy_m();
+        let b = pair.simulated_prepared.xy_m();
+        let sum: f64 = a.iter().zip(b).map(|(p, q)| squared(*p, *q)).sum();
+        Ok(Measurement::new((sum / a.len() as f64).sqrt(), a.len()))
+    }
+}
+
+/// Squared distance of two points, m².
+pub(super) fn squared(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
+    dx * dx + dy * dy
+}

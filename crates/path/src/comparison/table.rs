@@ -1,0 +1,262 @@
+//! Several trajectories against one reference: a row each, a column a metric.
+
+use std::path::PathBuf;
+
+use serde::{Serialize, Serializer};
+
+use super::basis::{Basis, Components};
+use super::metric::{Context, Metric, Pair};
+use super::registry::METRICS;
+use crate::trajectory::{Prepared, Recording, prepare};
+use realgap_core::unit::{LengthUnit, Unit, number};
+use realgap_core::warning::{Code, Warning};
+
+/// One trajectory against the reference. Written (serde) as one flat object, whose keys are the names of the fields and
+/// the columns of the metrics.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Row {
+    /// Name of the trajectory (file stem).
+    pub trajectory: String,
+    /// Name of the reference.
+    pub reference: String,
+    /// Distance from its first to its last point.
+    pub net_displacement_m: f64,
+    /// Number of components kept for the metric `pca`.
+    pub pca_components: usize,
+    /// Metric `pca` with 4 components (all there are, if fewer).
+    pub pca_4_coefficients_m: f64,
+    /// One distance a metric, in the order asked for.
+    #[serde(flatten, serialize_with = "as_columns")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "std::collections::BTreeMap<String, f64>")
+    )]
+    pub distances: Vec<Distance>,
+    /// What the reader should know; not a column.
+    #[serde(skip)]
+    pub warnings: Vec<Warning>,
+}
+
+/// A distance in the column of its metric.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Distance {
+    /// [`Metric::column`].
+    pub column: &'static str,
+    /// The distance in `unit`.
+    pub value: f64,
+    /// [`Metric::unit`].
+    pub unit: Unit,
+}
+
+impl Row {
+    /// The distance in this column; `None` where no metric of the row has it.
+    pub fn distance(&self, column: &str) -> Option<f64> {
+        let found = self.distances.iter().find(|d| d.column == column);
+        found.map(|distance| distance.value)
+    }
+}
+
+fn as_columns<S: Serializer>(distances: &[Distance], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(distances.iter().map(|d| (d.column, d.value)))
+}
+
+/// The metrics that need nothing but positions, in the order of [`METRICS`]: those of `realgap compare --metric all`.
+pub fn position_metrics() -> Vec<&'static dyn Metric> {
+    let mut metrics = METRICS.to_vec();
+    metrics.retain(|metric| {
+        let needs = metric.needs();
+        !needs.orientation && !needs.body_length && !needs.spread && !needs.joints
+    });
+    metrics
+}
+
+/// How much larger a path is whose file is in another unit than those of the others, by more than robots differ.
+const ANOTHER_UNIT: [(std::ops::Range<f64>, LengthUnit); 2] = [
+    (50.0..200.0, LengthUnit::Centimetre),
+    (300.0..3000.0, LengthUnit::Millimetre),
+];
+/// What goes no farther is at rest, and says nothing of units, metres.
+const STILL_M: f64 = 1e-4;
+
+/// Recordings prepared together, with the basis of all of them.
+#[derive(Debug, Clone)]
+pub struct Comparison<'a> {
+    reference: &'a Recording,
+    others: &'a [Recording],
+    reference_prepared: Prepared,
+    others_prepared: Vec<Prepared>,
+    basis: Basis,
+}
+
+impl<'a> Comparison<'a> {
+    /// Prepares the recordings and fits the basis on all of them.
+    ///
+    /// The reference belongs to the basis; a recording given twice (the same file and group, or the same samples)
+    /// counts once.
+    ///
+    /// # Errors
+    /// A recording that cannot be prepared, or a choice of components that makes no sense.
+    pub fn new(
+        reference: &'a Recording,
+        others: &'a [Recording],
+        components: Components,
+    ) -> realgap_core::Result<Self> {
+        let at_file = |recording: &'a Recording| {
+            prepare(&recording.trajectory).map_err(|error| error.at_file(&recording.path))
+        };
+        let reference_prepared = at_file(reference)?;
+        let others_prepared = others
+            .iter()
+            .map(at_file)
+            .collect::<realgap_core::Result<Vec<_>>>()?;
+        let mut distinct: Vec<(&Recording, Option<PathBuf>)> = Vec::new();
+        let mut in_basis = Vec::new();
+        let all = std::iter::once((reference, &reference_prepared))
+            .chain(others.iter().zip(&others_prepared));
+        for (recording, prepared) in all {
+            let file = recording.path.canonicalize().ok();
+            let known = distinct.iter().any(|(other, other_file)| {
+                let same_file = file.is_some() && *other_file == file;
+                (same_file && other.name == recording.name)
+                    || other.trajectory == recording.trajectory
+            });
+            if !known {
+                distinct.push((recording, file));
+                in_basis.push(prepared);
+            }
+        }
+        let basis = Basis::fit(&in_basis, components)?;
+        Ok(Self {
+            reference,
+            others,
+            reference_prepared,
+            others_prepared,
+            basis,
+        })
+    }
+
+    /// The same with a basis that was fitted elsewhere.
+    #[must_use]
+    pub fn with_basis(self, basis: Basis) -> Self {
+        Self { basis, ..self }
+    }
+
+    /// The basis of all distinct recordings, or the one given.
+    pub fn basis(&self) -> &Basis {
+        &self.basis
+    }
+
+    /// The reference, prepared.
+    pub fn reference_prepared(&self) -> &Prepared {
+        &self.reference_prepared
+    }
+
+    /// The other recordings, prepared, in the order given.
+    pub fn others_prepared(&self) -> &[Prepared] {
+        &self.others_prepared
+    }
+
+    /// What the reader should know of all of them together: paths whose sizes look like different units of length.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let extent_m = |recording: &Recording| recording.trajectory.extent_m();
+        let reference_m = extent_m(self.reference);
+        let unlike = self.others.iter().filter_map(|other| {
+            let factor = extent_m(other) / reference_m;
+            let size = factor.max(factor.recip());
+            let unit = ANOTHER_UNIT.iter().find(|(sizes, _)| sizes.contains(&size));
+            let (_, unit) = unit.filter(|_| extent_m(other).min(reference_m) > STILL_M)?;
+            let larger = if factor > 1.0 { other } else { self.reference };
+            Some(Warning::new(
+                Code::UnlikelyLength,
+                format!(
+                    "{} goes {} times as far as {}: if it is in {unit}, read it with `length: \"{}\"`",
+                    larger.name,
+                    number(size),
+                    if factor > 1.0 { &self.reference.name } else { &other.name },
+                    unit.symbol()
+                ),
+            ))
+        });
+        unlike.collect()
+    }
+
+    /// Pair number `index`: the reference and one of the others; `None` beyond the last.
+    pub fn pair(&self, index: usize) -> Option<Pair<'_>> {
+        Some(Pair {
+            real: &self.reference.trajectory,
+            simulated: &self.others.get(index)?.trajectory,
+            real_prepared: &self.reference_prepared,
+            simulated_prepared: self.others_prepared.get(index)?,
+        })
+    }
+
+    /// One row per other recording, in the order given; a column for each of the metrics, e.g. [`position_metrics`].
+    ///
+    /// # Errors
+    /// A metric that needs more than the two motions and their basis, or a distance that is not a finite number.
+    pub fn rows(&self, metrics: &[&dyn Metric]) -> realgap_core::Result<Vec<Row>> {
+        let pairs = (0..self.others.len()).filter_map(|index| self.pair(index));
+        self.others
+            .iter()
+            .zip(pairs)
+            .map(|(other, pair)| {
+                self.row(other, &pair, metrics)
+                    .map_err(|error| error.at_file(&other.path))
+            })
+            .collect()
+    }
+
+    fn row(
+        &self,
+        other: &Recording,
+        pair: &Pair<'_>,
+        metrics: &[&dyn Metric],
+    ) -> realgap_core::Result<Row> {
+        let context = Context {
+            basis: Some(&self.basis),
+            spread: None,
+            body_length_m: None,
+        };
+        let mut warnings: Vec<Warning> = Vec::new();
+        let mut distances = Vec::with_capacity(metrics.len());
+        for metric in metrics {
+            let score = metric.compare(pair, &context)?;
+            for warning in score.warnings {
+                if !warnings.contains(&warning) {
+                    warnings.push(warning);
+                }
+            }
+            distances.push(Distance {
+                column: metric.column(),
+                value: score.value,
+                unit: score.unit,
+            });
+        }
+        Ok(Row {
+            trajectory: other.name.clone(),
+            reference: self.reference.name.clone(),
+            net_displacement_m: pair.simulated_prepared.net_displacement_m(),
+            pca_components: self.basis.kept(),
+            pca_4_coefficients_m: self.basis.discrepancy_with_m(
+                4,
+                pair.real_prepared,
+                pair.simulated_prepared,
+            ),
+            distances,
+            warnings,
+        })
+    }
+}
+
+/// Every position metric of `others` against `reference`; see [`Comparison`].
+///
+/// # Errors
+/// As [`Comparison::new`] and [`Comparison::rows`].
+pub fn compare_all(
+    reference: &Recording,
+    others: &[Recording],
+    components: Components,
+) -> realgap_core::Result<Vec<Row>> {
+    Comparison::new(reference, others, components)?.rows(&position_metrics())
+}

@@ -1,0 +1,77 @@
+//! Parquet files: columns by name, as in a CSV file.
+
+use super::Trajectory;
+use super::csv::Csv;
+use super::format::{Format, Parsed, Rendered};
+use super::reading::{QuaternionOrder, Reading};
+use realgap_core::error::{Error, Result};
+
+/// Tables that pandas, Polars, DuckDB and loggers write (<https://parquet.apache.org>).
+///
+/// Columns have names, units, mappings and groups as those of [`Csv`] do; times of pandas are whole numbers of their unit (`--column 't=time in
+/// ns'`). They are read only, and only by a program that was built with the feature `parquet`; packed with snappy, LZ4 or not at
+/// all.
+#[derive(Debug, Clone, Copy)]
+pub struct Parquet;
+
+#[cfg(feature = "parquet")]
+fn table(bytes: Vec<u8>) -> Result<String> {
+    realgap_store::parquet_table(bytes, super::MAX_ROWS)
+}
+
+#[cfg(not(feature = "parquet"))]
+fn table(_bytes: Vec<u8>) -> Result<String> {
+    Err(Error::invalid("this program was built without Parquet")
+        .hint("build it with `cargo install --path . --features parquet`, or write a CSV file"))
+}
+
+impl Format for Parquet {
+    fn name(&self) -> &'static str {
+        "parquet"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Parquet: columns by name, as in a CSV file (feature `parquet`)"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["parquet"]
+    }
+
+    fn decode(&self, bytes: Vec<u8>, _reading: &Reading) -> Result<String> {
+        table(bytes)
+    }
+
+    fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
+        Csv.parse(text, reading)
+    }
+
+    fn applied(&self, text: &str, reading: &Reading) -> Reading {
+        Csv.applied(text, reading)
+    }
+
+    fn order(&self, text: &str, reading: &Reading) -> QuaternionOrder {
+        Csv.order(text, reading)
+    }
+
+    fn columns<'a>(&self, text: &'a str, reading: &Reading) -> Vec<&'a str> {
+        Csv.columns(text, reading)
+    }
+
+    fn parse_groups(
+        &self,
+        text: &str,
+        reading: &Reading,
+        group_columns: &[&str],
+    ) -> Result<Vec<(Vec<String>, Parsed)>> {
+        Csv.parse_groups(text, reading, group_columns)
+    }
+
+    fn writes(&self) -> bool {
+        false
+    }
+
+    fn render(&self, _trajectory: &Trajectory) -> Result<Rendered> {
+        Err(Error::usage("Parquet files are read, not written").allowed("a .csv file"))
+    }
+}

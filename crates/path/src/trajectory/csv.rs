@@ -1,0 +1,344 @@
+//! CSV with a header: `t_s,x_m,y_m[,z_m][,qw,qx,qy,qz][,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s]`, and joints by
+//! name: `[,NAME_rad[,NAME_rad_s]]`.
+
+use std::collections::HashMap;
+
+use super::Trajectory;
+use super::column::{Columns, Role};
+use super::format::{Format, Parsed, Rendered};
+use super::header::{Header, excerpt_list};
+use super::reading::{Only, QuaternionOrder, Reading};
+use super::sample::{Layout, Samples};
+use super::several::{explain, several};
+use super::text::{Cell, Separator, cut, excerpt, push_number};
+use realgap_core::error::{Error, Result};
+use realgap_core::warning::Warning;
+
+const QUATERNION: [&str; 4] = ["qw", "qx", "qy", "qz"];
+const ANGULAR: [&str; 3] = ["wx_rad_s", "wy_rad_s", "wz_rad_s"];
+
+/// Comma-separated values with a header; columns in any order, extra ones ignored with a warning.
+///
+/// Units are in the column names. Without z the trajectory is planar. Quaternions: real part first,
+/// world from body. Linear velocity in the world frame, angular velocity in the body frame.
+///
+/// A [`Reading`] says what is otherwise. Where it says that lengths are in centimetres, every length and linear velocity is scaled,
+/// and its column may be called `x_m`, `x_cm`, or plainly `x`; likewise `vx_m_s`, `vx_cm_s`, `vx`.
+/// A header without commas may be separated by semicolons or tabs; numbers may have decimal commas then.
+#[derive(Debug, Clone, Copy)]
+pub struct Csv;
+
+impl Format for Csv {
+    fn name(&self) -> &'static str {
+        "csv"
+    }
+
+    fn doc(&self) -> &'static str {
+        "comma-separated values with a header that names columns and units"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["csv"]
+    }
+
+    fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
+        let (trajectory, warnings) =
+            single(text, reading).map_err(|error| explain(error, text, reading))?;
+        let mut parsed = Parsed {
+            trajectory,
+            warnings,
+        };
+        parsed.warnings.extend(several(text, reading));
+        Ok(parsed)
+    }
+
+    fn order(&self, text: &str, reading: &Reading) -> QuaternionOrder {
+        let columns = self.columns(text, reading);
+        let place = |role: Role| columns.iter().position(|name| *name == reading.label(role));
+        let by_name = if place(Role::Qw) < place(Role::Qx) {
+            QuaternionOrder::Wxyz
+        } else {
+            QuaternionOrder::Xyzw
+        };
+        reading.quaternion.unwrap_or(by_name)
+    }
+
+    fn columns<'a>(&self, text: &'a str, reading: &Reading) -> Vec<&'a str> {
+        let mut cells = Vec::new();
+        let header = header_line(&mut text.lines().enumerate(), reading);
+        let header = header.map_or("", |(_, line)| line);
+        match cut(header, 1, Separator::of_header(header), &mut cells) {
+            Ok(()) => cells.iter().map(|cell| cell.text).collect(),
+            // Reading the samples will say what is wrong with the header.
+            Err(_) => Vec::new(),
+        }
+    }
+
+    fn applied(&self, text: &str, reading: &Reading) -> Reading {
+        let mut applied = Reading {
+            rate_hz: None,
+            topic: None,
+            child_frame: None,
+            ..reading.clone()
+        };
+        let columns = self.columns(text, reading);
+        let is_mapped = |column: &str| columns.contains(&column);
+        if !reading.columns.is_empty() && !reading.columns.iter().any(|(_, c)| is_mapped(&c.name)) {
+            applied.columns = Columns::default();
+            applied.only = reading.only.clone().filter(|only| is_mapped(&only.column));
+        }
+        applied
+    }
+
+    fn parse_groups(
+        &self,
+        text: &str,
+        reading: &Reading,
+        group_columns: &[&str],
+    ) -> Result<Vec<(Vec<String>, Parsed)>> {
+        let mut table = Table::open(text, reading, group_columns)?;
+        let mut groups: Vec<(Vec<String>, Samples)> = Vec::new();
+        let mut index_of: HashMap<Vec<String>, usize> = HashMap::new();
+        let mut current: Option<usize> = None;
+        let key_columns = table.group_columns.clone();
+        while let Some((line, cells)) = table.rows.next()? {
+            let value = |&column: &usize| cells.get(column).map_or("", |cell: &Cell<'_>| cell.text);
+            let same = current.is_some_and(|index| {
+                let values = key_columns.iter().map(value);
+                groups[index].0.iter().map(String::as_str).eq(values)
+            });
+            let index = match current {
+                Some(index) if same => index,
+                _ => {
+                    let key: Vec<String> =
+                        key_columns.iter().map(value).map(str::to_owned).collect();
+                    *index_of.entry(key).or_insert_with_key(|key| {
+                        groups.push((key.clone(), Samples::new(reading)));
+                        groups.len() - 1
+                    })
+                }
+            };
+            current = Some(index);
+            groups[index].1.push(&table.layout, cells, line)?;
+        }
+        if groups.is_empty() {
+            return Err(table.rows.nobody().unwrap_or_else(|| {
+                Error::invalid("too few points for a trajectory")
+                    .at_line(1, 1)
+                    .found("no sample")
+                    .allowed("at least 2 samples")
+            }));
+        }
+        let mut parsed = Vec::with_capacity(groups.len());
+        for (key, samples) in groups {
+            let (trajectory, mut warnings) = samples
+                .finish(&table.layout)
+                .map_err(|error| error.field(format!("group {}", key.join("/"))))?;
+            warnings.splice(0..0, table.warnings.iter().cloned());
+            parsed.push((
+                key,
+                Parsed {
+                    trajectory,
+                    warnings,
+                },
+            ));
+        }
+        Ok(parsed)
+    }
+
+    fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
+        Ok(Rendered {
+            bytes: text_of(trajectory).into_bytes(),
+            warnings: Vec::new(),
+        })
+    }
+}
+
+/// A trajectory as a table; nothing of it is lost.
+pub(super) fn text_of(trajectory: &Trajectory) -> String {
+    let mut header = vec!["t_s", "x_m", "y_m"];
+    let orientations = trajectory.orientations_world_from_body();
+    let velocities = trajectory
+        .velocities_world_m_s()
+        .zip(trajectory.angular_velocities_body_rad_s());
+    if !trajectory.is_planar() {
+        header.push("z_m");
+    }
+    if orientations.is_some() {
+        header.extend(QUATERNION);
+    }
+    if velocities.is_some() {
+        header.extend(["vx_m_s", "vy_m_s", "vz_m_s"]);
+        header.extend(ANGULAR);
+    }
+    let mut text = header.join(",");
+    for joint in trajectory.joints() {
+        text.push_str(&format!(",{}_rad", joint.name));
+        if joint.speeds_rad_s.is_some() {
+            text.push_str(&format!(",{}_rad_s", joint.name));
+        }
+    }
+    text.push('\n');
+    let dimensions = if trajectory.is_planar() { 2 } else { 3 };
+    for (index, (time_s, position)) in trajectory
+        .times_s()
+        .iter()
+        .zip(trajectory.positions_world_m())
+        .enumerate()
+    {
+        push_number(&mut text, *time_s);
+        let mut push = |value: f64| {
+            text.push(',');
+            push_number(&mut text, value);
+        };
+        position
+            .iter()
+            .take(dimensions)
+            .copied()
+            .for_each(&mut push);
+        if let Some(q) = orientations.map(|all| all[index]) {
+            [q.w, q.i, q.j, q.k].into_iter().for_each(&mut push);
+        }
+        if let Some((linear, angular)) = velocities {
+            linear[index].iter().copied().for_each(&mut push);
+            angular[index].iter().copied().for_each(&mut push);
+        }
+        for joint in trajectory.joints() {
+            push(joint.angles_rad[index]);
+            if let Some(speeds) = &joint.speeds_rad_s {
+                push(speeds[index]);
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// The one path of a text, and what the reader should know.
+fn single(text: &str, reading: &Reading) -> Result<(Trajectory, Vec<Warning>)> {
+    let mut table = Table::open(text, reading, &[])?;
+    let mut samples = Samples::new(reading);
+    while let Some((line, cells)) = table.rows.next()? {
+        samples.push(&table.layout, cells, line)?;
+    }
+    if samples.is_empty()
+        && let Some(error) = table.rows.nobody()
+    {
+        return Err(error);
+    }
+    let (trajectory, mut warnings) = samples.finish(&table.layout)?;
+    warnings.splice(0..0, table.warnings);
+    Ok((trajectory, warnings))
+}
+
+/// A CSV text whose header has been understood.
+pub(super) struct Table<'a> {
+    pub(super) rows: Rows<'a>,
+    pub(super) layout: Layout,
+    /// Columns that hold nothing that is asked for.
+    pub(super) unused: Vec<usize>,
+    group_columns: Vec<usize>,
+    warnings: Vec<Warning>,
+}
+
+impl<'a> Table<'a> {
+    pub(super) fn open(text: &'a str, reading: &Reading, group_columns: &[&str]) -> Result<Self> {
+        let mut lines = text.lines().enumerate();
+        let Some((index, header)) = header_line(&mut lines, reading) else {
+            return Err(Error::invalid("the file is empty")
+                .at_line(1, 1)
+                .allowed("a header such as t_s,x_m,y_m and at least 2 samples"));
+        };
+        let separator = Separator::of_header(header);
+        let mut cells = Vec::new();
+        cut(header, index + 1, separator, &mut cells)?;
+        let mut columns = Header::new(&cells, reading, separator)?;
+        let mut layout = columns.layout(group_columns)?;
+        let groups = group_columns
+            .iter()
+            .map(|name| columns.named(name))
+            .collect::<Result<_>>()?;
+        let only = match &reading.only {
+            Some(only) => Some((columns.named(&only.column)?, only.clone())),
+            None => None,
+        };
+        layout.joints = columns.joints();
+        let warnings = columns.ignored_warning().into_iter().collect();
+        Ok(Self {
+            unused: columns.unused(),
+            rows: Rows {
+                lines,
+                cells,
+                separator,
+                only,
+                others: Vec::new(),
+            },
+            layout,
+            group_columns: groups,
+            warnings,
+        })
+    }
+}
+
+/// The first line that is not blank, below those that are to be skipped.
+fn header_line<'a>(
+    lines: &mut std::iter::Enumerate<std::str::Lines<'a>>,
+    reading: &Reading,
+) -> Option<(usize, &'a str)> {
+    let skipped = reading.skip_lines.unwrap_or(0);
+    lines.find(|(index, line)| *index >= skipped && !line.trim().is_empty())
+}
+
+/// The lines below the header.
+pub(super) struct Rows<'a> {
+    lines: std::iter::Enumerate<std::str::Lines<'a>>,
+    cells: Vec<Cell<'a>>,
+    separator: Separator,
+    /// Whose rows are read.
+    only: Option<(usize, Only)>,
+    /// Who else has rows.
+    others: Vec<&'a str>,
+}
+
+/// Most names of others that are kept for a message.
+const OTHERS: usize = 16;
+
+impl<'a> Rows<'a> {
+    /// The next line that is not blank (nor somebody else's), with its number from 1.
+    pub(super) fn next(&mut self) -> Result<Option<(usize, &[Cell<'a>])>> {
+        for (index, line) in self.lines.by_ref() {
+            if line.trim().is_empty() {
+                continue;
+            }
+            cut(line, index + 1, self.separator, &mut self.cells)?;
+            if let Some((column, only)) = &self.only {
+                let whose = self.cells.get(*column).map_or("", |cell| cell.text);
+                let number = |text: &str| text.parse::<f64>().ok();
+                let is_same_number = number(whose).is_some_and(|n| number(&only.value) == Some(n));
+                if whose != only.value && !is_same_number {
+                    if self.others.len() < OTHERS && !self.others.contains(&whose) {
+                        self.others.push(whose);
+                    }
+                    continue;
+                }
+            }
+            return Ok(Some((index + 1, &self.cells)));
+        }
+        Ok(None)
+    }
+
+    /// The error where the one whose rows are read has none.
+    fn nobody(&self) -> Option<Error> {
+        let (_, only) = self.only.as_ref()?;
+        Some(
+            Error::invalid(format!(
+                "no row has {} = {}",
+                excerpt(&only.column),
+                excerpt(&only.value)
+            ))
+            .at_line(1, 1)
+            .field("only")
+            .allowed(excerpt_list(&self.others)),
+        )
+    }
+}

@@ -1,0 +1,120 @@
+//! EuRoC ground truth: CSV whose first line is `#timestamp [ns], p_RS_R_x [m], …`.
+
+use nalgebra::UnitQuaternion;
+
+use super::Trajectory;
+use super::column::{Columns, Role};
+use super::csv::Csv;
+use super::format::{Format, Parsed, Rendered, beyond_poses, not_written};
+use super::reading::{QuaternionOrder, Reading};
+use super::text::{first_line, push_number};
+use realgap_core::error::Result;
+
+/// The CSV files of the EuRoC micro aerial vehicle data, of ASL's other data sets and of programs that are compared on them.
+///
+/// Whole nanoseconds, position of the sensor S in the reference frame R, quaternion with the real part FIRST (R from S). Velocities
+/// are read where the file has those of translation and of rotation, which EuRoC's own do not: biases are ignored with a warning.
+/// A file that ends in `.csv` is one of these if its header says so. It cannot hold joints, planar trajectories (z is
+/// written as 0), the absence of orientation (written as no rotation), or times finer than a nanosecond.
+#[derive(Debug, Clone, Copy)]
+pub struct Euroc;
+
+/// What a header begins with.
+const TIME: &str = "#timestamp";
+/// How the names of its columns begin, before their units.
+const NAMES: [(Role, &str); 13] = [
+    (Role::X, "p_RS_R_x"),
+    (Role::Y, "p_RS_R_y"),
+    (Role::Z, "p_RS_R_z"),
+    (Role::Qw, "q_RS_w"),
+    (Role::Qx, "q_RS_x"),
+    (Role::Qy, "q_RS_y"),
+    (Role::Qz, "q_RS_z"),
+    (Role::Vx, "v_RS_R_x"),
+    (Role::Vy, "v_RS_R_y"),
+    (Role::Vz, "v_RS_R_z"),
+    (Role::Wx, "w_RS_S_x"),
+    (Role::Wy, "w_RS_S_y"),
+    (Role::Wz, "w_RS_S_z"),
+];
+/// As EuRoC's own files have it.
+const HEADER: &str = "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []";
+
+impl Euroc {
+    /// `reading` with the columns of this file, where it says no others.
+    fn mapped(self, text: &str, reading: &Reading) -> Result<Reading> {
+        let mut own = Columns::default();
+        for column in Csv.columns(text, reading) {
+            let name = column.split_whitespace().next().unwrap_or_default();
+            if name == TIME && reading.time.is_none() {
+                own = own.with(Role::Time, &format!("{column} in ns"))?;
+            } else if name == TIME {
+                own = own.with(Role::Time, column)?;
+            } else if let Some((role, _)) = NAMES.iter().find(|(_, known)| *known == name) {
+                own = own.with(*role, column)?;
+            }
+        }
+        Ok(Reading {
+            columns: reading.columns.clone().or(&own),
+            ..reading.clone()
+        })
+    }
+}
+
+impl Format for Euroc {
+    fn name(&self) -> &'static str {
+        "euroc"
+    }
+
+    fn doc(&self) -> &'static str {
+        "EuRoC ground truth: CSV with #timestamp [ns], p_RS_R_x [m], ..., quaternions real part first"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["euroc", "csv"]
+    }
+
+    fn recognises(&self, bytes: &[u8]) -> bool {
+        let line = first_line(bytes);
+        line.starts_with(TIME) && line.contains(NAMES[0].1)
+    }
+
+    fn order(&self, _text: &str, reading: &Reading) -> QuaternionOrder {
+        reading.quaternion.unwrap_or(QuaternionOrder::Wxyz)
+    }
+
+    fn applied(&self, text: &str, reading: &Reading) -> Reading {
+        Csv.applied(text, reading)
+    }
+
+    fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
+        Csv.parse(text, &self.mapped(text, reading)?)
+    }
+
+    fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
+        let mut warnings = beyond_poses("EuRoC files", trajectory);
+        let orientations = trajectory.orientations_world_from_body();
+        let mut text = format!("{HEADER}\n");
+        let mut is_rounded = false;
+        let samples = trajectory.times_s().iter();
+        for (index, (time_s, p)) in samples.zip(trajectory.positions_world_m()).enumerate() {
+            let time_ns = (time_s * 1e9).round();
+            is_rounded |= time_ns * 1e-9 != *time_s;
+            text.push_str(&format!("{time_ns:.0}"));
+            let q = orientations.map_or_else(UnitQuaternion::identity, |all| all[index]);
+            for value in [p.x, p.y, p.z, q.w, q.i, q.j, q.k] {
+                text.push(',');
+                push_number(&mut text, value);
+            }
+            text.push('\n');
+        }
+        if is_rounded {
+            let what = "times finer than a nanosecond; they are rounded";
+            warnings.push(not_written("EuRoC files", what));
+        }
+        Ok(Rendered {
+            bytes: text.into_bytes(),
+            warnings,
+        })
+    }
+}

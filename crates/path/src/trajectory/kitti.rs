@@ -1,0 +1,188 @@
+//! KITTI poses: twelve numbers a line, the upper three rows of the matrix that leads from the body to the world.
+
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+
+use super::Trajectory;
+use super::column::Measure;
+use super::format::{Format, Parsed, Rendered, beyond_poses, not_written};
+use super::reading::Reading;
+use super::text::{Cell, Separator, check_rows, cut, first_line, push_number};
+use realgap_core::error::{Advice, Error, Result};
+use realgap_core::unit::counted;
+use realgap_core::warning::{Code, Warning};
+
+/// The poses of the KITTI odometry benchmark, which evo and many SLAM programs read.
+///
+/// Twelve numbers a line, separated by white space: `r11 r12 r13 x r21 r22 r23 y r31 r32 r33 z`, world from body. There are no times:
+/// the reading's `rate_hz` says how many samples a second there are, the first at 0. Nor does a file say which way its axes
+/// point: KITTI's own are those of a camera ([`Axes`](super::Axes)); a warning asks for it. A file that ends in `.txt` is one of
+/// these if its first line has twelve numbers.
+#[derive(Debug, Clone, Copy)]
+pub struct Kitti;
+
+const NAMES: [&str; 12] = [
+    "r11", "r12", "r13", "x", "r21", "r22", "r23", "y", "r31", "r32", "r33", "z",
+];
+/// Largest element of |RᵀR − 1| that rounding to a few digits explains.
+const ROUNDED: f64 = 1e-3;
+/// The same of a matrix that is accepted at all.
+const ACCEPTED: f64 = 1e-2;
+
+/// What stands in one line: place in the file's unit, turn, and how far off a rotation its matrix was.
+struct Pose {
+    place: Vector3<f64>,
+    turn: UnitQuaternion<f64>,
+    deviation: f64,
+}
+
+fn pose(cells: &[Cell<'_>], line: usize) -> Result<Pose> {
+    if cells.len() != NAMES.len() {
+        let error = Error::invalid("wrong number of columns")
+            .found(format!("{} columns", cells.len()))
+            .allowed(format!("12 columns: {}", NAMES.join(", ")));
+        let odd = cells.get(NAMES.len()).or(cells.last());
+        return Err(match odd {
+            Some(cell) => cell.locate(error),
+            None => error.at_line(line, 1),
+        });
+    }
+    let mut m = [0.0; 12];
+    for ((value, cell), name) in m.iter_mut().zip(cells).zip(NAMES) {
+        *value = cell.number(name)?;
+    }
+    let matrix = Matrix3::new(m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]);
+    let deviation = (matrix.transpose() * matrix - Matrix3::identity()).amax();
+    // Not `>`: NaN of huge numbers is no rotation either.
+    if !(deviation <= ACCEPTED && matrix.determinant() > 0.0) {
+        return Err(cells[0].locate(
+            Error::invalid("these nine numbers are no rotation")
+                .field("r11 to r33")
+                .found(format!(
+                    "rows that are up to {deviation:.3} off length 1 or a right angle, determinant {:.3}",
+                    matrix.determinant()
+                ))
+                .allowed("three rows of length 1, at right angles, right-handed"),
+        ));
+    }
+    let rotation = Rotation3::from_matrix_unchecked(matrix);
+    Ok(Pose {
+        place: Vector3::new(m[3], m[7], m[11]),
+        turn: UnitQuaternion::new_normalize(
+            UnitQuaternion::from_rotation_matrix(&rotation).into_inner(),
+        ),
+        deviation,
+    })
+}
+
+impl Format for Kitti {
+    fn name(&self) -> &'static str {
+        "kitti"
+    }
+
+    fn doc(&self) -> &'static str {
+        "KITTI poses: the 12 numbers of a 3x4 matrix a line, no times"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["kitti", "txt"]
+    }
+
+    fn recognises(&self, bytes: &[u8]) -> bool {
+        let words: Vec<&str> = first_line(bytes).split_whitespace().collect();
+        words.len() == NAMES.len() && words.iter().all(|word| word.parse::<f64>().is_ok())
+    }
+
+    fn applied(&self, _text: &str, reading: &Reading) -> Reading {
+        Reading {
+            rate_hz: reading.rate_hz,
+            length: reading.length,
+            crop: reading.crop,
+            skip_lost: reading.skip_lost,
+            axes: reading.axes,
+            ..Reading::default()
+        }
+    }
+
+    fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
+        let Some(rate_hz) = reading.rate_hz else {
+            return Err(Error::invalid("KITTI files hold no times")
+                .at_line(1, 1)
+                .field("rate_hz")
+                .allowed("a number of samples a second")
+                .advise(Advice::Rate));
+        };
+        let metres = reading.factor(Measure::Length);
+        let (mut times_s, mut places, mut turns) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut row, mut last_line, mut odd, mut largest) = (0_usize, 1, 0, 0.0_f64);
+        let mut cells = Vec::new();
+        for (index, line) in text.lines().enumerate() {
+            cut(line, index + 1, Separator::Space, &mut cells)?;
+            if cells.is_empty() {
+                continue;
+            }
+            check_rows(row, index + 1)?;
+            last_line = index + 1;
+            let time_s = row as f64 / rate_hz;
+            row += 1;
+            if reading.skip_lost == Some(true) && cells.iter().any(Cell::is_lost) {
+                continue;
+            }
+            let pose = pose(&cells, index + 1)?;
+            if pose.deviation > ROUNDED {
+                odd += 1;
+                largest = largest.max(pose.deviation);
+            }
+            times_s.push(time_s);
+            places.push(pose.place * metres);
+            turns.push(pose.turn);
+        }
+        let lost = row - times_s.len();
+        let mut warnings = Vec::new();
+        if lost > 0 {
+            let what = format!("{} without numbers left out", counted(lost, "sample"));
+            warnings.push(Warning::new(Code::LostSamples, what));
+        }
+        if odd > 0 {
+            let what = format!(
+                "{odd} matrices were up to {largest:.4} off a rotation and have been renormalised"
+            );
+            warnings.push(Warning::new(Code::QuaternionsRenormalised, what));
+        }
+        if reading.axes.is_none() {
+            warnings.push(Warning::new(
+                Code::UnknownAxes,
+                "KITTI files do not say which way their axes point: taken as z up; those of the benchmark are a camera's, z forward and y down",
+            ));
+        }
+        let trajectory = Trajectory::new(times_s, places)
+            .map_err(|error| error.at_line(last_line, 1))?
+            .with_orientations(turns)?;
+        Ok(Parsed {
+            trajectory,
+            warnings,
+        })
+    }
+
+    fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
+        let mut warnings = beyond_poses("KITTI files", trajectory);
+        warnings.push(not_written("KITTI files", "times; they are left out"));
+        let orientations = trajectory.orientations_world_from_body();
+        let mut text = String::new();
+        for (index, p) in trajectory.positions_world_m().iter().enumerate() {
+            let turn = orientations.map_or_else(UnitQuaternion::identity, |all| all[index]);
+            let r = turn.to_rotation_matrix();
+            for row in 0..3 {
+                for value in [r[(row, 0)], r[(row, 1)], r[(row, 2)], p[row]] {
+                    push_number(&mut text, value);
+                    text.push(' ');
+                }
+            }
+            text.pop();
+            text.push('\n');
+        }
+        Ok(Rendered {
+            bytes: text.into_bytes(),
+            warnings,
+        })
+    }
+}

@@ -1,0 +1,124 @@
+//! MCAP files: those of ROS 2 and of Foxglove.
+
+use nalgebra::UnitQuaternion;
+use serde_json::json;
+
+use super::stream::{Log, Said};
+use crate::trajectory::csv::Csv;
+use crate::trajectory::format::{Format, Parsed, Rendered, beyond_poses, not_written};
+use crate::trajectory::{Reading, Trajectory};
+use realgap_core::error::Result;
+use realgap_core::file::{McapWriter, Topic, read_mcap, stamp};
+use realgap_core::warning::Warning;
+
+/// The files that ROS 2 and Foxglove record (<https://mcap.dev>).
+///
+/// Read are messages of ROS 2 coded in CDR (`PoseStamped`, `PoseWithCovarianceStamped`, `Odometry`, `TransformStamped`, `TFMessage`,
+/// `Path`) and Foxglove's in JSON (`PoseInFrame`, `FrameTransform`, `FrameTransforms`). Where a file holds poses of several things, the reading's
+/// `topic` and `child_frame` choose. Times are those of the messages, else those of recording. Velocities of `Odometry` are those of
+/// the body and are turned into the world; where all are 0 they are taken for not recorded, and so is an orientation that is 0
+/// everywhere. Chunks may be packed with zstd or lz4.
+///
+/// Written is `PoseInFrame` in JSON on the topic `/pose`: no velocities, joints or planar trajectories, and whole
+/// nanoseconds from 0 on.
+#[derive(Debug, Clone, Copy)]
+pub struct Mcap;
+
+/// Topic and frame of what is written.
+const TOPIC: &str = "/pose";
+const FRAME: &str = "world";
+
+/// What of `reading` concerns a log that has become a table.
+pub(super) fn applied(reading: &Reading) -> Reading {
+    Reading {
+        topic: reading.topic.clone(),
+        child_frame: reading.child_frame.clone(),
+        crop: reading.crop,
+        sort: reading.sort,
+        skip_lost: reading.skip_lost,
+        axes: reading.axes,
+        ..Reading::default()
+    }
+}
+
+impl Format for Mcap {
+    fn name(&self) -> &'static str {
+        "mcap"
+    }
+
+    fn doc(&self) -> &'static str {
+        "MCAP: poses, odometry, transforms or a path among the messages of ROS 2 or Foxglove"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["mcap"]
+    }
+
+    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<String> {
+        let mut log = Log::new(reading);
+        read_mcap(&bytes, &mut |message| {
+            let channel = message.channel;
+            let said = Said {
+                topic: &channel.topic,
+                kind: &channel.schema,
+            };
+            let log_ns = i64::try_from(message.log_time_ns).unwrap_or(0);
+            log.message(said, &channel.encoding, log_ns, message.data)
+        })?;
+        log.table()
+    }
+
+    fn applied(&self, _text: &str, reading: &Reading) -> Reading {
+        applied(reading)
+    }
+
+    fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
+        Csv.parse(text, &applied(reading))
+    }
+
+    fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
+        let (times_ns, warnings) = whole_nanoseconds(trajectory);
+        let mut lost = beyond_poses("MCAP files", trajectory);
+        lost.extend(warnings);
+        let orientations = trajectory.orientations_world_from_body();
+        let mut file = McapWriter::new(vec![Topic::Pose(TOPIC.to_owned())]);
+        for (index, (time_ns, p)) in
+            (times_ns.iter().zip(trajectory.positions_world_m())).enumerate()
+        {
+            let q = orientations.map_or_else(UnitQuaternion::identity, |all| all[index]);
+            let message = json!({
+                "timestamp": stamp(*time_ns),
+                "frame_id": FRAME,
+                "pose": {
+                    "position": { "x": p.x, "y": p.y, "z": p.z },
+                    "orientation": { "x": q.i, "y": q.j, "z": q.k, "w": q.w },
+                },
+            });
+            file.message(0, *time_ns, &message);
+        }
+        Ok(Rendered {
+            bytes: file.finish(),
+            warnings: lost,
+        })
+    }
+}
+
+/// Times as whole nanoseconds from 0 on, and what that has changed.
+pub(super) fn whole_nanoseconds(trajectory: &Trajectory) -> (Vec<u64>, Vec<Warning>) {
+    let times_s = trajectory.times_s();
+    let shift_s = (-times_s[0]).max(0.0);
+    let times_ns: Vec<u64> = (times_s.iter())
+        .map(|time_s| ((time_s + shift_s) * 1e9).round() as u64)
+        .collect();
+    let mut warnings = Vec::new();
+    if shift_s > 0.0 {
+        let what = "times before 0; all are moved until the first is 0";
+        warnings.push(not_written("MCAP files", what));
+    }
+    let is_whole = |(time_ns, time_s): (&u64, &f64)| *time_ns as f64 * 1e-9 == *time_s + shift_s;
+    if !times_ns.iter().zip(times_s).all(is_whole) {
+        let what = "times finer than a nanosecond; they are rounded";
+        warnings.push(not_written("MCAP files", what));
+    }
+    (times_ns, warnings)
+}

@@ -1,0 +1,58 @@
+//! Bags of ROS 2 in SQLite (`.db3`).
+
+use super::mcap::applied;
+use super::stream::{Log, Said};
+use crate::trajectory::csv::Csv;
+use crate::trajectory::format::{Format, Parsed, Rendered};
+use crate::trajectory::{Reading, Trajectory};
+use realgap_core::error::{Error, Result};
+use realgap_store::read_bag;
+
+/// The files that `ros2 bag record` writes with its storage `sqlite3`.
+///
+/// As [`Mcap`](super::Mcap), of messages coded in CDR. They are read only.
+#[derive(Debug, Clone, Copy)]
+pub struct Rosbag;
+
+impl Format for Rosbag {
+    fn name(&self) -> &'static str {
+        "rosbag"
+    }
+
+    fn doc(&self) -> &'static str {
+        "a bag of ROS 2 in SQLite: poses, odometry, transforms or a path among its messages"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["db3"]
+    }
+
+    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<String> {
+        let mut log = Log::new(reading);
+        read_bag(bytes, &mut |message| {
+            let said = Said {
+                topic: message.topic,
+                kind: message.kind,
+            };
+            log.message(said, message.encoding, message.log_time_ns, message.data)
+        })?;
+        log.table()
+    }
+
+    fn applied(&self, _text: &str, reading: &Reading) -> Reading {
+        applied(reading)
+    }
+
+    fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
+        Csv.parse(text, &applied(reading))
+    }
+
+    fn writes(&self) -> bool {
+        false
+    }
+
+    fn render(&self, _trajectory: &Trajectory) -> Result<Rendered> {
+        Err(Error::usage("bags of ROS 2 are read, not written")
+            .allowed("an .mcap file, which ROS 2 and Foxglove read"))
+    }
+}

@@ -1,0 +1,54 @@
+//! Recorded and simulated motion: types, file formats, resampling, preparation for comparison.
+//!
+//! [`read`] and [`write()`] know the file formats of [`FORMATS`]; [`prepare`] brings a path into the form in
+//! which paths are compared.
+
+mod align;
+mod axes;
+mod body_column;
+mod column;
+mod columnar;
+mod crop;
+mod csv;
+mod euroc;
+mod format;
+mod header;
+mod joint_column;
+mod kitti;
+mod log;
+mod meta;
+mod prepare;
+mod reading;
+mod recording;
+mod registry;
+mod resample;
+mod sample;
+#[cfg(feature = "schema")]
+mod schema;
+mod several;
+mod state;
+mod suspicion;
+mod text;
+mod tum;
+
+pub use axes::Axes;
+pub use column::{Column, Columns, Role};
+pub use columnar::Parquet;
+pub use crop::{clip, cut_to_shortest};
+pub use csv::Csv;
+pub use euroc::Euroc;
+pub use format::{Format, Parsed, Rendered};
+pub use kitti::Kitti;
+pub use log::{Mcap, Rosbag};
+pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
+pub use prepare::{POINTS, Prepared, prepare};
+pub use reading::{Crop, Only, QuaternionOrder, Reading};
+pub use recording::{Meta, Recording, Source};
+pub use registry::{
+    FORMATS, GROUP_COLUMNS, check_output, format_of, parse_all, read, read_all, read_bytes,
+    read_groups, read_sets, write, write_with_bodies,
+};
+pub use resample::{Interpolator, resample};
+pub use state::{JointTrack, State, Trajectory};
+pub use text::{MAX_COLUMNS, MAX_FILE_BYTES, MAX_ROWS};
+pub use tum::Tum;

@@ -1,0 +1,186 @@
+//! The preparation of a trajectory for comparison: 182 points, from the origin, along +x.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::Trajectory;
+use super::align::direction;
+use super::resample::{Interpolator, uniform};
+use realgap_core::error::{Error, Result};
+use realgap_core::warning::Warning;
+
+/// Number of points of a prepared trajectory (paper 003, section 2.2, step 1).
+pub const POINTS: usize = 182;
+
+/// Longest path that can be compared, metres: beyond it squares lose their meaning.
+const MAX_PATH_M: f64 = 1e12;
+
+/// A trajectory in the form in which trajectories are compared: made by [`prepare`].
+///
+/// [`POINTS`] points uniform in time; the first is the origin; the net displacement lies on +x. Nothing is
+/// mirrored or scaled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prepared {
+    xy_m: Vec<[f64; 2]>,
+    z_m: Option<Vec<f64>>,
+    orientations: Option<Vec<UnitQuaternion<f64>>>,
+    net_displacement_m: f64,
+    path_length_m: f64,
+    heading_rad: f64,
+    warnings: Vec<Warning>,
+}
+
+/// Prepares a trajectory for comparison (paper 003, section 2.2).
+///
+/// 1. Resample to [`POINTS`] points, uniform in time, both ends kept, linear (orientation: slerp).
+/// 2. Subtract the first point.
+/// 3. Turn the whole (orientations, too) about z so that the net displacement lies on +x. Where that
+///    is below 1 % of the path length or below 1 mm, the major principal axis is turned onto +x instead, and
+///    the warning `undefined-heading` is attached.
+///
+/// Path length and net displacement are those of the resampled path in the x-y plane.
+///
+/// ```
+/// use nalgebra::Vector3;
+/// use realgap_path::trajectory::{Trajectory, prepare};
+///
+/// let north = Trajectory::new(
+///     vec![0.0, 1.0],
+///     vec![Vector3::new(1.0, 1.0, 0.0), Vector3::new(1.0, 3.0, 0.0)],
+/// )?;
+/// let prepared = prepare(&north)?;
+/// assert_eq!(prepared.xy_m().len(), 182);
+/// assert!((prepared.xy_m()[181][0] - 2.0).abs() < 1e-12);
+/// assert!((prepared.heading_rad() - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+/// # Ok::<(), realgap_core::Error>(())
+/// ```
+///
+/// # Errors
+/// Positions or times so large that distances are no longer finite numbers (paths over 10¹² m).
+pub fn prepare(trajectory: &Trajectory) -> Result<Prepared> {
+    let positions = trajectory.positions_world_m();
+    let orientations = trajectory.orientations_world_from_body();
+    let start = positions[0];
+    let mut interpolator = Interpolator::new(trajectory);
+    let mut xy_m = Vec::with_capacity(POINTS);
+    let mut z_m = (!trajectory.is_planar()).then(|| Vec::with_capacity(POINTS));
+    let mut turned = orientations.map(|_| Vec::with_capacity(POINTS));
+    for index in 0..POINTS {
+        let place = interpolator.place(uniform(trajectory.duration_s(), index, POINTS));
+        let point = place.lerp(positions) - start;
+        xy_m.push([point.x, point.y]);
+        if let Some(z_m) = &mut z_m {
+            z_m.push(point.z);
+        }
+        if let (Some(turned), Some(all)) = (&mut turned, orientations) {
+            turned.push(place.slerp(all));
+        }
+    }
+    let path_length_m = path_length(&xy_m);
+    let highest = z_m.iter().flatten().fold(0.0, |a: f64, z| a.max(z.abs()));
+    if !comparable(path_length_m + highest) {
+        return Err(Error::invalid("the path is too long to be compared")
+            .found(format!("{path_length_m:e} m"))
+            .allowed(format!("at most {MAX_PATH_M:e} m"))
+            .hint("check the unit of the file, and the tracker for lost samples"));
+    }
+    let (forward, warning) = direction(&xy_m, path_length_m);
+    for point in &mut xy_m {
+        *point = forward.turn(*point);
+    }
+    let heading_rad = forward.angle_rad();
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -heading_rad);
+    for q in turned.iter_mut().flatten() {
+        *q = turn * *q;
+    }
+    let [x, y] = xy_m[POINTS - 1];
+    Ok(Prepared {
+        net_displacement_m: x.hypot(y),
+        xy_m,
+        z_m,
+        orientations: turned,
+        path_length_m,
+        heading_rad,
+        warnings: warning.into_iter().collect(),
+    })
+}
+
+/// Whether a path of this length can be compared; NaN cannot.
+fn comparable(length_m: f64) -> bool {
+    (0.0..=MAX_PATH_M).contains(&length_m)
+}
+
+fn path_length(xy_m: &[[f64; 2]]) -> f64 {
+    xy_m.windows(2)
+        .map(|w| {
+            let (dx, dy) = (w[1][0] - w[0][0], w[1][1] - w[0][1]);
+            (dx * dx + dy * dy).sqrt()
+        })
+        .sum()
+}
+
+impl Prepared {
+    /// Takes back points that were prepared before, e.g. from a store: [`POINTS`] points as
+    /// [`Prepared::xy_m`] gave them, bit for bit.
+    ///
+    /// Height, orientation, heading (0 here) and warnings are not in the points.
+    ///
+    /// # Errors
+    /// Another number of points, a first point that is not the origin, or numbers that are not finite.
+    pub fn from_xy_m(xy_m: Vec<[f64; 2]>) -> Result<Self> {
+        if xy_m.len() != POINTS {
+            return Err(Error::invalid("wrong number of prepared points")
+                .found(xy_m.len())
+                .allowed(POINTS));
+        }
+        let path_length_m = path_length(&xy_m);
+        if xy_m[0] != [0.0, 0.0] || !comparable(path_length_m) {
+            return Err(Error::invalid("these points are not a prepared trajectory")
+                .allowed("finite metres, the first point at the origin"));
+        }
+        let [x, y] = xy_m[POINTS - 1];
+        Ok(Self {
+            net_displacement_m: x.hypot(y),
+            xy_m,
+            z_m: None,
+            orientations: None,
+            path_length_m,
+            heading_rad: 0.0,
+            warnings: Vec::new(),
+        })
+    }
+
+    /// The points in the plane, metres: start at the origin, net displacement on +x.
+    pub fn xy_m(&self) -> &[[f64; 2]] {
+        &self.xy_m
+    }
+
+    /// Heights above the start, metres; `None` if z was not recorded.
+    pub fn z_m(&self) -> Option<&[f64]> {
+        self.z_m.as_deref()
+    }
+
+    /// Orientations (turned world from body), where recorded.
+    pub fn orientations(&self) -> Option<&[UnitQuaternion<f64>]> {
+        self.orientations.as_deref()
+    }
+
+    /// Distance from first to last point in the plane, metres.
+    pub fn net_displacement_m(&self) -> f64 {
+        self.net_displacement_m
+    }
+
+    /// Length of the resampled path in the plane, metres.
+    pub fn path_length_m(&self) -> f64 {
+        self.path_length_m
+    }
+
+    /// Direction in the world that was turned onto +x, radians from world +x, in (−π, π].
+    pub fn heading_rad(&self) -> f64 {
+        self.heading_rad
+    }
+
+    /// `undefined-heading`, where the principal axis was aligned.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+}

@@ -1,0 +1,354 @@
+//! How somebody's files are to be read: columns, units, order of quaternions, which part and which robot.
+//!
+//! One value, wherever it comes from: the field `reading` of a study, a file of its own, the `reading` of a `meta.ron` beside the
+//! recordings, or options of the command line.
+
+use std::fmt;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::axes::Axes;
+use super::column::{Columns, Measure, Role};
+use realgap_core::error::{Error, Result};
+use realgap_core::file::{Source, parse_ron};
+use realgap_core::unit::{AngleUnit, LengthUnit, TimeUnit};
+
+/// Order of the four numbers of a quaternion, in the order of their columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum QuaternionOrder {
+    /// Real part first, as here and in most papers.
+    Wxyz,
+    /// Real part last, as in ROS, TUM files and most motion capture.
+    Xyzw,
+}
+
+impl QuaternionOrder {
+    /// How it is written.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Wxyz => "wxyz",
+            Self::Xyzw => "xyzw",
+        }
+    }
+
+    /// Columns that hold w, x, y, z, of four that stand in this order.
+    pub(super) fn wxyz(self, [a, b, c, d]: [usize; 4]) -> [usize; 4] {
+        match self {
+            Self::Wxyz => [a, b, c, d],
+            Self::Xyzw => [d, a, b, c],
+        }
+    }
+}
+
+impl std::str::FromStr for QuaternionOrder {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match text {
+            "wxyz" => Ok(Self::Wxyz),
+            "xyzw" => Ok(Self::Xyzw),
+            other => Err(format!(
+                "`{other}` is no order of a quaternion; allowed: wxyz, xyzw"
+            )),
+        }
+    }
+}
+
+impl Serialize for QuaternionOrder {
+    fn serialize<S: serde::Serializer>(&self, s: S) -> std::result::Result<S::Ok, S::Error> {
+        s.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for QuaternionOrder {
+    fn deserialize<D: serde::Deserializer<'de>>(d: D) -> std::result::Result<Self, D::Error> {
+        let text = String::deserialize(d)?;
+        text.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+/// A part of every recording, in seconds since its first sample.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "crop")]
+pub struct Crop {
+    /// Where it begins.
+    #[serde(default)]
+    pub from_s: f64,
+    /// Where it ends; the end of the recording if that comes first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to_s: Option<f64>,
+}
+
+impl Crop {
+    fn is_sound(self) -> bool {
+        let to_s = self.to_s.unwrap_or(f64::INFINITY);
+        self.from_s >= 0.0 && self.from_s.is_finite() && to_s > self.from_s
+    }
+}
+
+impl std::str::FromStr for Crop {
+    type Err = String;
+
+    /// `FROM:TO`, either left out for the recording's own.
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let allowed = "allowed: FROM:TO in seconds since the first sample, e.g. 2.5: or 0:20";
+        let (from, to) = text.split_once(':').ok_or(allowed)?;
+        let number = |part: &str| match part.trim() {
+            "" => Ok(None),
+            part => part
+                .parse::<f64>()
+                .map(Some)
+                .map_err(|_| allowed.to_owned()),
+        };
+        let crop = Self {
+            from_s: number(from)?.unwrap_or(0.0),
+            to_s: number(to)?,
+        };
+        crop.is_sound().then_some(crop).ok_or(allowed.to_owned())
+    }
+}
+
+impl fmt::Display for Crop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.to_s {
+            Some(to_s) => write!(f, "{} s to {to_s} s", self.from_s),
+            None => write!(f, "{} s to the end", self.from_s),
+        }
+    }
+}
+
+/// The rows of one robot in a file that holds several.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "only")]
+pub struct Only {
+    /// The column that says whose row it is.
+    pub column: String,
+    /// What it says of the one that is read.
+    pub value: String,
+}
+
+impl std::str::FromStr for Only {
+    type Err = String;
+
+    /// `COLUMN=VALUE`.
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match text.split_once('=') {
+            Some((column, value)) if !column.trim().is_empty() => Ok(Self {
+                column: column.trim().to_owned(),
+                value: value.trim().to_owned(),
+            }),
+            _ => Err("allowed: COLUMN=VALUE, e.g. robot=3".to_owned()),
+        }
+    }
+}
+
+/// How files of recordings are to be read. The default reads the files of this project: names with units, metres, seconds, radians,
+/// real part first, all of it.
+///
+/// ```
+/// use realgap_core::file::Source;
+/// use realgap_path::trajectory::Reading;
+///
+/// let reading = Reading::parse(&Source::new("reading.ron", r#"(
+///     columns: (t: "%time in ns", x: "pose.x in mm", y: "pose.y in mm", heading: "yaw in deg"),
+///     crop: (from_s: 2.5),
+///     only: (column: "robot", value: "3"),
+/// )"#))?;
+/// assert_eq!(
+///     reading.to_string(),
+///     "t from `%time in ns`, x from `pose.x in mm`, y from `pose.y in mm`, heading from `yaw in deg`; \
+///      only rows with robot = 3; 2.5 s to the end"
+/// );
+/// # Ok::<(), realgap_core::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default, rename = "reading")]
+pub struct Reading {
+    /// Which column holds what, where it is not called as here.
+    #[serde(skip_serializing_if = "Columns::is_empty")]
+    pub columns: Columns,
+    /// Unit of lengths (and of velocities, per second) that say none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length: Option<LengthUnit>,
+    /// Unit of times that say none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<TimeUnit>,
+    /// Unit of angles (and of rates of turn, per second) that say none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle: Option<AngleUnit>,
+    /// Order of quaternions, in the order of their columns, whatever these are called.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub quaternion: Option<QuaternionOrder>,
+    /// Which part of every recording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crop: Option<Crop>,
+    /// Whose rows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub only: Option<Only>,
+    /// Whether samples are sorted by time first; of several at one time the first is kept.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sort: Option<bool>,
+    /// Whether rows in which a number is missing are left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skip_lost: Option<bool>,
+    /// How many lines stand before the one that names the columns.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skip_lines: Option<usize>,
+    /// Samples a second, of files that hold no times.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rate_hz: Option<f64>,
+    /// The topic whose poses are read, of files with messages of several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub topic: Option<String>,
+    /// The frame whose transforms are read, of files with those of several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub child_frame: Option<String>,
+    /// Which way the axes of poses point.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axes: Option<Axes>,
+}
+
+impl From<LengthUnit> for Reading {
+    fn from(length: LengthUnit) -> Self {
+        Self {
+            length: Some(length).filter(|unit| *unit != LengthUnit::default()),
+            ..Self::default()
+        }
+    }
+}
+
+impl From<&Reading> for Reading {
+    fn from(reading: &Reading) -> Self {
+        reading.clone()
+    }
+}
+
+impl Reading {
+    /// Reads a RON file with nothing but this.
+    ///
+    /// # Errors
+    /// A file that cannot be read; as [`Reading::parse`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        Self::parse(&Source::read(path, "reading")?)
+    }
+
+    /// Parses a RON text.
+    ///
+    /// # Errors
+    /// Text that is not RON of this form, unknown units, a part that is none: with file, line and column.
+    pub fn parse(source: &Source) -> Result<Self> {
+        let reading: Self = parse_ron(source)?;
+        match reading.fault() {
+            Some((field, error)) => Err(source.at(field, error).field(field)),
+            None => Ok(reading),
+        }
+    }
+
+    /// What is wrong with it, and in which field.
+    pub fn fault(&self) -> Option<(&'static str, Error)> {
+        if let Some(crop) = self.crop.filter(|crop| !crop.is_sound()) {
+            let error = Error::invalid("this part holds nothing");
+            let error = error
+                .found(crop)
+                .allowed("from_s of 0 or more, to_s after it");
+            return Some(("crop", error));
+        }
+        let is_rate = |rate_hz: &f64| (1e-6..=1e9).contains(rate_hz);
+        self.rate_hz
+            .filter(|rate_hz| !is_rate(rate_hz))
+            .map(|rate_hz| {
+                let error = Error::invalid("no tracker takes so many samples a second");
+                let error = error.found(rate_hz).allowed("from 1e-6 to 1e9");
+                ("rate_hz", error)
+            })
+    }
+
+    /// This, and what `other` says where this says nothing.
+    #[must_use]
+    pub fn or(self, other: &Self) -> Self {
+        Self {
+            columns: self.columns.or(&other.columns),
+            length: self.length.or(other.length),
+            time: self.time.or(other.time),
+            angle: self.angle.or(other.angle),
+            quaternion: self.quaternion.or(other.quaternion),
+            crop: self.crop.or(other.crop),
+            only: self.only.or_else(|| other.only.clone()),
+            sort: self.sort.or(other.sort),
+            skip_lost: self.skip_lost.or(other.skip_lost),
+            skip_lines: self.skip_lines.or(other.skip_lines),
+            rate_hz: self.rate_hz.or(other.rate_hz),
+            topic: self.topic.or_else(|| other.topic.clone()),
+            child_frame: self.child_frame.or_else(|| other.child_frame.clone()),
+            axes: self.axes.or(other.axes),
+        }
+    }
+
+    /// Whether lengths are in another unit than metres.
+    pub fn scales_lengths(&self) -> bool {
+        let column = self.columns.get(Role::X).and_then(|column| column.factor);
+        column.unwrap_or(self.factor(Measure::Length)) != 1.0
+    }
+
+    /// Whether it says nothing.
+    pub fn is_usual(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// From the file's unit to SI, where the column says none.
+    pub(super) fn factor(&self, measure: Measure) -> f64 {
+        let length = || self.length.unwrap_or_default().metres();
+        let angle = || self.angle.unwrap_or_default().radians();
+        match measure {
+            Measure::Time => self.time.unwrap_or_default().seconds(),
+            Measure::Length | Measure::Velocity => length(),
+            Measure::Angle | Measure::AngularVelocity => angle(),
+            Measure::Number | Measure::Label => 1.0,
+        }
+    }
+
+    /// What the column of a label is called.
+    pub(super) fn label(&self, role: Role) -> &str {
+        let column = self.columns.get(role);
+        column.map_or(role.name(), |column| column.name.as_str())
+    }
+}
+
+/// What it does to a file, in words; nothing for the usual way.
+impl fmt::Display for Reading {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut said: Vec<String> = Vec::new();
+        if !self.columns.is_empty() {
+            let columns = self.columns.iter();
+            let columns = columns.map(|(role, column)| format!("{} from `{column}`", role.name()));
+            said.push(columns.collect::<Vec<_>>().join(", "));
+        }
+        said.extend(self.length.map(|unit| format!("lengths in {unit}")));
+        said.extend(self.time.map(|unit| format!("times in {unit}")));
+        said.extend(self.angle.map(|unit| format!("angles in {unit}")));
+        said.extend(
+            self.quaternion
+                .map(|o| format!("quaternions as {}", o.name())),
+        );
+        if let Some(only) = &self.only {
+            said.push(format!("only rows with {} = {}", only.column, only.value));
+        }
+        if self.sort == Some(true) {
+            said.push("sorted by time".to_owned());
+        }
+        if self.skip_lost == Some(true) {
+            said.push("without lost samples".to_owned());
+        }
+        said.extend(self.rate_hz.map(|rate| format!("{rate} samples a second")));
+        said.extend(self.topic.iter().map(|topic| format!("topic {topic}")));
+        let frame = self.child_frame.iter();
+        said.extend(frame.map(|frame| format!("transforms of {frame}")));
+        said.extend(self.axes.map(|axes| axes.to_string()));
+        said.extend(self.crop.map(|crop| crop.to_string()));
+        f.write_str(&said.join("; "))
+    }
+}

@@ -1,0 +1,388 @@
+//! The file formats by extension: reading and writing.
+//!
+//! A new format is one new file that implements [`Format`] and one line in [`FORMATS`]; the
+//! contract test in tests/formats.rs runs over all of them.
+
+use std::path::Path;
+
+use super::body_column;
+use super::column::{Columns, Role};
+use super::columnar::Parquet;
+use super::crop::cropped;
+use super::csv::{self, Csv};
+use super::euroc::Euroc;
+use super::format::{Format, Parsed};
+use super::kitti::Kitti;
+use super::log::{Mcap, Rosbag};
+use super::meta::read_meta_beside;
+use super::text::{MAX_FILE_BYTES, check_size};
+use super::tum::Tum;
+use super::{Meta, Reading, Recording, Trajectory, suspicion};
+use realgap_core::error::{Error, Result};
+use realgap_core::file::{read_limited, unknown_name, write_atomic};
+use realgap_core::warning::{Code, Warning};
+
+/// Columns by which recordings in one file are told apart, from the outermost to the innermost.
+pub const GROUP_COLUMNS: [&str; 2] = ["condition", "run"];
+
+/// Every known format.
+pub const FORMATS: &[&dyn Format] = &[&Csv, &Tum, &Euroc, &Kitti, &Mcap, &Rosbag, &Parquet];
+
+fn extension_of(path: &Path) -> Option<String> {
+    let extension = path.extension()?;
+    Some(extension.to_string_lossy().to_ascii_lowercase())
+}
+
+/// The format that a file is read in: of those with its extension the one that recognises it, else the first.
+fn format_in(path: &Path, bytes: &[u8]) -> Result<&'static dyn Format> {
+    let named = format_of(path)?;
+    let extension = extension_of(path).unwrap_or_default();
+    let mut all = FORMATS.iter().copied();
+    let own = all.find(|f| f.extensions().contains(&extension.as_str()) && f.recognises(bytes));
+    Ok(own.unwrap_or(named))
+}
+
+/// The format that the extension of `path` names; the first of several with the same one.
+///
+/// # Errors
+/// An unknown extension, or none.
+pub fn format_of(path: &Path) -> Result<&'static dyn Format> {
+    let extension = extension_of(path);
+    let wanted = extension.as_deref().unwrap_or_default();
+    FORMATS
+        .iter()
+        .copied()
+        .find(|format| format.extensions().contains(&wanted))
+        .ok_or_else(|| {
+            let mut known: Vec<String> = Vec::new();
+            for extension in FORMATS.iter().flat_map(|format| format.extensions()) {
+                let extension = format!(".{extension}");
+                if !known.contains(&extension) {
+                    known.push(extension);
+                }
+            }
+            let found = extension.map_or_else(|| "no extension".to_owned(), |e| format!(".{e}"));
+            let known = known.iter().map(String::as_str);
+            unknown_name("kind of trajectory file", &found, known).at_file(path)
+        })
+}
+
+/// Reads one recording; the extension chooses the format, and a `meta.ron` beside the file is attached.
+///
+/// The file is read as `reading` says (a [`LengthUnit`](realgap_core::unit::LengthUnit) says how long its lengths are) and, where that says
+/// nothing, as the `reading` in `meta.ron` does; the result is in SI.
+///
+/// # Errors
+/// Unreadable file, unknown extension, more than [`MAX_FILE_BYTES`], anything that is not a
+/// trajectory (with file, line and column), or a broken `meta.ron`.
+pub fn read(path: impl AsRef<Path>, reading: impl Into<Reading>) -> Result<Recording> {
+    let path = path.as_ref();
+    format_of(path)?;
+    File::new(path, read_bytes(path)?, reading)?.single()
+}
+
+/// Reads every recording in a CSV file with grouping columns, e.g. `condition,run,sample,t_s,x_m,y_m`.
+///
+/// One recording per combination of the values of `group_columns`, in order of first appearance, named
+/// `<file stem>/<value>/<value>...`.
+///
+/// # Errors
+/// As [`read`]; a grouping column that the file lacks; a format that holds one recording only.
+pub fn read_groups(
+    path: impl AsRef<Path>,
+    reading: impl Into<Reading>,
+    group_columns: &[&str],
+) -> Result<Vec<Recording>> {
+    let path = path.as_ref();
+    format_of(path)?;
+    File::new(path, read_bytes(path)?, reading)?.groups(group_columns)
+}
+
+/// Reads whatever is in the file: its groups if it is a CSV file with a column `run`, else one recording.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_all(path: impl AsRef<Path>, reading: impl Into<Reading>) -> Result<Vec<Recording>> {
+    let path = path.as_ref();
+    format_of(path)?;
+    parse_all(path, read_bytes(path)?, reading)
+}
+
+/// The bytes of a trajectory file, for [`parse_all`] and for hashing: what is hashed is then what is read.
+///
+/// # Errors
+/// A missing or unreadable file, or a folder. No more than one byte above [`MAX_FILE_BYTES`] is read; `parse_all`
+/// refuses that.
+pub fn read_bytes(path: impl AsRef<Path>) -> Result<Vec<u8>> {
+    read_limited(path.as_ref(), MAX_FILE_BYTES, "trajectory")
+}
+
+/// As [`read_all`], of the file's bytes that are already in memory; `path` names them and has a `meta.ron` beside it.
+///
+/// # Errors
+/// As [`read_all`].
+pub fn parse_all(
+    path: impl AsRef<Path>,
+    bytes: Vec<u8>,
+    reading: impl Into<Reading>,
+) -> Result<Vec<Recording>> {
+    let path = path.as_ref();
+    let file = File::new(path, bytes, reading)?;
+    let columns = file.columns();
+    let [_, run] = file.group_columns();
+    if columns.contains(&run) {
+        let mut group_columns = file.group_columns().to_vec();
+        group_columns.retain(|name| columns.contains(name));
+        return file.groups(&group_columns);
+    }
+    Ok(vec![file.single()?])
+}
+
+/// Reads whatever is in the file as repeats in named sets: those of one value of the column `set_column`, told apart by the
+/// column `run`. Without a column named, `condition` makes the sets where the file has it (and `run`); everything
+/// else is one set without a name.
+///
+/// # Errors
+/// As [`read_all`]; a column that the file does not have, or that is `run` itself.
+pub fn read_sets(
+    path: impl AsRef<Path>,
+    reading: impl Into<Reading>,
+    set_column: Option<&str>,
+) -> Result<Vec<(String, Recording)>> {
+    let path = path.as_ref();
+    format_of(path)?;
+    let file = File::new(path, read_bytes(path)?, reading)?;
+    let [outer, run] = file.group_columns();
+    let columns = file.columns();
+    let has = |name: &str| columns.contains(&name);
+    let set_column = match set_column {
+        Some(column) if column == run => {
+            return Err(
+                Error::usage("the column `run` tells the repeats of one set apart")
+                    .field("group")
+                    .allowed("a column whose values are shared by several runs, e.g. condition"),
+            );
+        }
+        Some(column) => {
+            for needed in [column, run] {
+                if !has(needed) {
+                    return Err(unknown_name("column to group the runs by", needed, columns.iter().copied())
+                        .at_file(path)
+                        .field("group")
+                        .or_hint("grouped recordings are rows such as condition,run,t_s,x_m,y_m: one column names the set, `run` the repeat"));
+                }
+            }
+            Some(column)
+        }
+        None => Some(outer).filter(|outer| has(outer) && has(run)),
+    };
+    let Some(column) = set_column else {
+        let all = if has(run) {
+            file.groups(&[run])?
+        } else {
+            vec![file.single()?]
+        };
+        return Ok(all.into_iter().map(|r| (String::new(), r)).collect());
+    };
+    file.keyed(&[column, run])
+}
+
+/// A file's text, and how it is read.
+struct File<'a> {
+    path: &'a Path,
+    text: String,
+    format: &'static dyn Format,
+    reading: Reading,
+    meta: Option<Meta>,
+}
+
+impl<'a> File<'a> {
+    fn new(path: &'a Path, bytes: Vec<u8>, reading: impl Into<Reading>) -> Result<Self> {
+        let format = format_in(path, &bytes)?;
+        let meta = read_meta_beside(path)?;
+        let mut reading: Reading = reading.into();
+        if let Some(meta) = &meta {
+            reading = reading.or(&meta.reading);
+        }
+        if let Some((field, error)) = reading.fault() {
+            return Err(error.at_file(path).field(field));
+        }
+        let text = check_size(&bytes).and_then(|()| format.decode(bytes, &reading));
+        let text = text.map_err(|error| error.at_file(path))?;
+        Ok(Self {
+            reading: format.applied(&text, &reading),
+            path,
+            text,
+            format,
+            meta,
+        })
+    }
+
+    fn columns(&self) -> Vec<&str> {
+        self.format.columns(&self.text, &self.reading)
+    }
+
+    /// [`GROUP_COLUMNS`] as this file calls them.
+    fn group_columns(&self) -> [&str; 2] {
+        [Role::Condition, Role::Run].map(|role| self.reading.label(role))
+    }
+
+    fn stem(&self) -> String {
+        let stem = self.path.file_stem();
+        stem.map(|stem| stem.to_string_lossy().into_owned())
+            .unwrap_or_default()
+    }
+
+    fn single(&self) -> Result<Recording> {
+        let parse = |text: &str, reading: &Reading| {
+            let parsed = self.format.parse(text, reading);
+            parsed.map_err(|error| error.at_file(self.path))
+        };
+        let columns = self.columns();
+        let mut names = body_column::names(&columns);
+        if names.is_empty() {
+            return self.recording(self.stem(), parse(&self.text, &self.reading)?);
+        }
+        // Where only bodies with names have columns, the first of them is the tracked one, unless somebody says which is.
+        let all = names.clone();
+        let is_said = !self.reading.columns.is_empty() || body_column::has_plain(&columns);
+        let mut parsed = if is_said {
+            parse(&self.text, &self.reading)?
+        } else {
+            parse(
+                &body_column::as_if_alone(&self.text, &names.remove(0)),
+                &self.reading,
+            )?
+        };
+        if body_column::all_belong(&columns, &all) {
+            // What the tracked body does not use, others do.
+            parsed.warnings.retain(|w| w.code != Code::ColumnsIgnored);
+        }
+        let plain = Reading {
+            columns: Columns::default(),
+            ..self.reading.clone()
+        };
+        let mut bodies = Vec::with_capacity(names.len());
+        for name in names {
+            let motion = parse(&body_column::as_if_alone(&self.text, &name), &plain)?.trajectory;
+            bodies.push((name, self.brought_here(motion)?));
+        }
+        Ok(Recording {
+            bodies,
+            ..self.recording(self.stem(), parsed)?
+        })
+    }
+
+    fn groups(&self, group_columns: &[&str]) -> Result<Vec<Recording>> {
+        let keyed = self.keyed(group_columns)?;
+        Ok(keyed.into_iter().map(|(_, recording)| recording).collect())
+    }
+
+    /// Its groups, each with the value of the outermost column.
+    fn keyed(&self, group_columns: &[&str]) -> Result<Vec<(String, Recording)>> {
+        self.format
+            .parse_groups(&self.text, &self.reading, group_columns)
+            .map_err(|error| error.at_file(self.path))?
+            .into_iter()
+            .map(|(key, parsed)| {
+                let name = format!("{}/{}", self.stem(), key.join("/"));
+                let outer = key.into_iter().next().unwrap_or_default();
+                Ok((outer, self.recording(name, parsed)?))
+            })
+            .collect()
+    }
+
+    /// The part that is asked for, z up.
+    fn brought_here(&self, mut trajectory: Trajectory) -> Result<Trajectory> {
+        if let Some(crop) = self.reading.crop {
+            trajectory = cropped(&trajectory, crop).map_err(|e| e.at_file(self.path))?;
+        }
+        match self.reading.axes {
+            Some(axes) => (axes.to_world(trajectory)).map_err(|e| e.at_file(self.path)),
+            None => Ok(trajectory),
+        }
+    }
+
+    fn recording(&self, name: String, parsed: Parsed) -> Result<Recording> {
+        let Parsed {
+            trajectory,
+            mut warnings,
+        } = parsed;
+        let trajectory = self.brought_here(trajectory)?;
+        if !self.reading.is_usual() {
+            let how = format!("recordings are read with {}", self.reading);
+            warnings.push(Warning::new(Code::ReadAs, how));
+        }
+        warnings.extend(suspicion::of(
+            &name,
+            &trajectory,
+            &self.reading,
+            self.format.order(&self.text, &self.reading),
+        ));
+        Ok(Recording {
+            name,
+            path: self.path.to_path_buf(),
+            trajectory,
+            bodies: Vec::new(),
+            meta: self.meta.clone(),
+            reading: self.reading.clone(),
+            warnings,
+        })
+    }
+}
+
+/// Checks that [`write()`] knows how to write a file of this extension.
+///
+/// # Errors
+/// Unknown extension, or that of a format that is only read.
+pub fn check_output(path: &Path) -> Result<()> {
+    if format_of(path)?.writes() {
+        return Ok(());
+    }
+    let written = FORMATS.iter().filter(|format| format.writes());
+    let first: Vec<String> = written.map(|f| format!(".{}", f.extensions()[0])).collect();
+    Err(Error::usage("files of this format are read, not written")
+        .at_file(path)
+        .allowed(first.join(", ")))
+}
+
+/// Writes `trajectory` to `path`, in metres; the extension chooses the format.
+///
+/// The file appears whole or not at all: it is written under another name in the same folder, then
+/// renamed. The warnings name what the format cannot hold.
+///
+/// # Errors
+/// Unknown extension, unwritable folder, full disk.
+pub fn write(path: impl AsRef<Path>, trajectory: &Trajectory) -> Result<Vec<Warning>> {
+    let path = path.as_ref();
+    check_output(path)?;
+    let rendered = format_of(path)?.render(trajectory)?;
+    write_atomic(path, &rendered.bytes)?;
+    Ok(rendered.warnings)
+}
+
+/// As [`write()`], with the poses of other bodies beside it: columns `NAME_x_m,NAME_y_m,NAME_z_m,NAME_qw,…` as [`Recording::bodies`]
+/// holds them.
+///
+/// # Errors
+/// As [`write()`]; a format that cannot hold bodies; a body with other times than the trajectory.
+pub fn write_with_bodies(
+    path: impl AsRef<Path>,
+    trajectory: &Trajectory,
+    bodies: &[(String, Trajectory)],
+) -> Result<()> {
+    let path = path.as_ref();
+    if format_of(path)?.name() != Csv.name() {
+        return Err(Error::usage("this format holds one body only")
+            .at_file(path)
+            .allowed("a .csv file"));
+    }
+    let mut text = csv::text_of(trajectory);
+    for (name, motion) in bodies {
+        if motion.times_s() != trajectory.times_s() {
+            return Err(Error::invalid("bodies in one file share their times").field(name));
+        }
+        text = body_column::beside(&text, name, &csv::text_of(motion));
+    }
+    write_atomic(path, text.as_bytes())
+}

@@ -1,0 +1,237 @@
+//! A trajectory at other times: linear in position and velocity, slerp in orientation.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::{JointTrack, Trajectory};
+use realgap_core::error::{Error, Result};
+
+/// `points` samples uniform in time; both ends are kept.
+///
+/// Positions and velocities are interpolated linearly, orientations by slerp along the shorter way
+/// (paper 003, section 2.2, step 1, with 182 points).
+///
+/// # Errors
+/// Fewer than 2 points, or so many on so short a time that they cannot be told apart.
+pub fn resample(trajectory: &Trajectory, points: usize) -> Result<Trajectory> {
+    if points < 2 {
+        return Err(Error::invalid("too few points to resample to")
+            .found(points)
+            .allowed("at least 2 points"));
+    }
+    let (first_s, last_s) = ends_s(trajectory);
+    let mut times_s = Vec::with_capacity(points);
+    let mut places = Vec::with_capacity(points);
+    let mut interpolator = Interpolator::new(trajectory);
+    for index in 0..points {
+        let since_start_s = uniform(trajectory.duration_s(), index, points);
+        times_s.push(if index + 1 == points {
+            last_s
+        } else {
+            first_s + since_start_s
+        });
+        places.push(interpolator.place(since_start_s));
+    }
+    let positions = places
+        .iter()
+        .map(|place| place.lerp(trajectory.positions_world_m()))
+        .collect();
+    let mut resampled = Trajectory::new(times_s, positions)?;
+    if let Some(all) = trajectory.orientations_world_from_body() {
+        resampled =
+            resampled.with_orientations(places.iter().map(|place| place.slerp(all)).collect())?;
+    }
+    if let Some((linear, angular)) = trajectory
+        .velocities_world_m_s()
+        .zip(trajectory.angular_velocities_body_rad_s())
+    {
+        resampled = resampled.with_velocities(
+            places.iter().map(|place| place.lerp(linear)).collect(),
+            places.iter().map(|place| place.lerp(angular)).collect(),
+        )?;
+    }
+    let joints = trajectory.joints().iter();
+    let joints = joints.map(|joint| joint.map(|all| places.iter().map(|p| p.mix(all)).collect()));
+    resampled = resampled.with_joints(joints.collect())?;
+    Ok(if trajectory.is_planar() {
+        resampled.planar()
+    } else {
+        resampled
+    })
+}
+
+fn ends_s(trajectory: &Trajectory) -> (f64, f64) {
+    let times_s = trajectory.times_s();
+    (times_s[0], times_s[times_s.len() - 1])
+}
+
+/// Time number `index` of `points` uniform ones from 0 to `duration_s`.
+pub(super) fn uniform(duration_s: f64, index: usize, points: usize) -> f64 {
+    if index + 1 == points {
+        duration_s
+    } else {
+        duration_s / (points - 1) as f64 * index as f64
+    }
+}
+
+/// Between which samples a time lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Place {
+    before: usize,
+    /// From 0 at `before` to 1 at the sample after it.
+    fraction: f64,
+}
+
+impl Place {
+    /// Between two numbers.
+    pub(super) fn mix(self, values: &[f64]) -> f64 {
+        let (a, b) = (values[self.before], values[self.before + 1]);
+        if self.fraction >= 1.0 {
+            b
+        } else {
+            a + (b - a) * self.fraction
+        }
+    }
+
+    pub(super) fn lerp(self, values: &[Vector3<f64>]) -> Vector3<f64> {
+        let (a, b) = (values[self.before], values[self.before + 1]);
+        // Exact at both samples, so that nothing moves when the times already fit.
+        if self.fraction >= 1.0 {
+            b
+        } else {
+            a + (b - a) * self.fraction
+        }
+    }
+
+    pub(super) fn slerp(self, values: &[UnitQuaternion<f64>]) -> UnitQuaternion<f64> {
+        let (a, b) = (values[self.before], values[self.before + 1]);
+        if self.fraction <= 0.0 {
+            a
+        } else if self.fraction >= 1.0 {
+            b
+        } else {
+            // Nearly equal orientations have no well-defined arc; the chord is exact there.
+            a.try_slerp(&b, self.fraction, 1e-9).unwrap_or_else(|| {
+                let b = if a.coords.dot(&b.coords) < 0.0 {
+                    UnitQuaternion::new_unchecked(-b.into_inner())
+                } else {
+                    b
+                };
+                a.nlerp(&b, self.fraction)
+            })
+        }
+    }
+}
+
+/// Poses of a trajectory at any times; cheapest when the times increase.
+#[derive(Debug, Clone)]
+pub struct Interpolator<'a> {
+    trajectory: &'a Trajectory,
+    segment: usize,
+}
+
+impl<'a> Interpolator<'a> {
+    /// An interpolator at the start of `trajectory`.
+    pub fn new(trajectory: &'a Trajectory) -> Self {
+        Self {
+            trajectory,
+            segment: 0,
+        }
+    }
+
+    /// Position (world, metres) at `since_start_s` seconds after the first sample; held beyond the ends.
+    pub fn position_world_m(&mut self, since_start_s: f64) -> Vector3<f64> {
+        self.place(since_start_s)
+            .lerp(self.trajectory.positions_world_m())
+    }
+
+    /// Orientation (world from body) at `since_start_s` seconds after the first sample, where recorded.
+    pub fn orientation_world_from_body(
+        &mut self,
+        since_start_s: f64,
+    ) -> Option<UnitQuaternion<f64>> {
+        let all = self.trajectory.orientations_world_from_body()?;
+        Some(self.place(since_start_s).slerp(all))
+    }
+
+    /// Angle of a joint of this trajectory at `since_start_s` seconds after the first sample, radians.
+    pub fn joint_angle_rad(&mut self, joint: &JointTrack, since_start_s: f64) -> f64 {
+        self.place(since_start_s).mix(&joint.angles_rad)
+    }
+
+    pub(super) fn place(&mut self, since_start_s: f64) -> Place {
+        let times_s = self.trajectory.times_s();
+        let at = |index: usize| times_s[index] - times_s[0];
+        while self.segment > 0 && since_start_s < at(self.segment) {
+            self.segment -= 1;
+        }
+        while self.segment + 2 < times_s.len() && since_start_s >= at(self.segment + 1) {
+            self.segment += 1;
+        }
+        let (before, after) = (at(self.segment), at(self.segment + 1));
+        Place {
+            before: self.segment,
+            fraction: ((since_start_s - before) / (after - before)).clamp(0.0, 1.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn corner() -> Trajectory {
+        Trajectory::new(
+            vec![10.0, 11.0, 13.0],
+            vec![
+                Vector3::zeros(),
+                Vector3::new(1.0, 0.0, 0.0),
+                Vector3::new(1.0, 4.0, 2.0),
+            ],
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn points_lie_on_the_straight_pieces_and_both_ends_are_kept() {
+        let four = resample(&corner(), 4).unwrap();
+        assert_eq!(four.times_s(), [10.0, 11.0, 12.0, 13.0]);
+        assert_eq!(four.positions_world_m()[2], Vector3::new(1.0, 2.0, 1.0));
+        assert_eq!(four.positions_world_m()[3], Vector3::new(1.0, 4.0, 2.0));
+        assert!(resample(&corner(), 1).is_err());
+    }
+
+    #[test]
+    fn orientation_takes_the_shorter_way() {
+        let turn = |angle: f64| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+        let negated = UnitQuaternion::new_unchecked(-turn(1.0).into_inner());
+        let trajectory = Trajectory::new(vec![0.0, 1.0], vec![Vector3::zeros(); 2])
+            .unwrap()
+            .with_orientations(vec![turn(0.0), negated])
+            .unwrap();
+        let middle = resample(&trajectory, 3).unwrap();
+        let q = middle.orientations_world_from_body().unwrap()[1];
+        assert!(q.angle_to(&turn(0.5)) < 1e-12);
+    }
+
+    #[test]
+    fn opposite_orientations_do_not_panic() {
+        let flip = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+        let trajectory = Trajectory::new(vec![0.0, 1.0], vec![Vector3::zeros(); 2])
+            .unwrap()
+            .with_orientations(vec![UnitQuaternion::identity(), flip])
+            .unwrap();
+        let middle = resample(&trajectory, 3).unwrap();
+        let q = middle.orientations_world_from_body().unwrap()[1];
+        assert!((q.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_interpolator_may_go_back_and_holds_the_ends() {
+        let corner = corner();
+        let mut at = Interpolator::new(&corner);
+        assert_eq!(at.position_world_m(2.0).y, 2.0);
+        assert_eq!(at.position_world_m(0.5).x, 0.5);
+        assert_eq!(at.position_world_m(9.0).y, 4.0);
+        assert_eq!(at.position_world_m(-9.0).x, 0.0);
+    }
+}

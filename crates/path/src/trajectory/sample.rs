@@ -1,0 +1,302 @@
+//! One line of a file becomes one sample: which column holds what, and what a sample must satisfy.
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+use super::joint_column::{self, JointColumns};
+use super::reading::Reading;
+use super::text::{Cell, check_rows};
+use super::{JointTrack, Trajectory};
+use realgap_core::error::{Advice, Error, Result};
+use realgap_core::unit::counted;
+use realgap_core::warning::{Code, Warning};
+
+/// Largest | |q| − 1 | that is kept bit for bit, so that writing and reading back changes nothing.
+const UNIT_EXACT: f64 = 1e-9;
+/// Largest | |q| − 1 | that is renormalised silently: rounding of files with few digits.
+const UNIT_ROUNDED: f64 = 1e-3;
+/// Largest | |q| − 1 | that is accepted at all.
+const UNIT_ACCEPTED: f64 = 1e-2;
+/// |q| below which there is no orientation at all: what trackers write where they have lost the body.
+const NO_QUATERNION: f64 = 1e-6;
+
+/// The message of an error about the order of samples.
+pub(super) const TIME_GOES_BACK: &str = "time does not increase";
+
+/// Index of every column in a line; `names` are for messages, `factors` lead from the file's units to SI.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Layout {
+    pub(super) names: Vec<String>,
+    pub(super) factors: Vec<f64>,
+    pub(super) time: usize,
+    /// x and y; `None` in a recording of joints alone.
+    pub(super) place: Option<[usize; 2]>,
+    pub(super) z: Option<usize>,
+    /// In the order w, x, y, z.
+    pub(super) quaternion: Option<[usize; 4]>,
+    /// Angle about z, where that is all of the orientation.
+    pub(super) heading: Option<usize>,
+    /// Linear x, y, z, angular x, y, z.
+    pub(super) velocity: Option<[usize; 6]>,
+    /// Joints: angle, and speed where recorded.
+    pub(super) joints: Vec<JointColumns>,
+    /// What to do when time goes back.
+    pub(super) time_hint: Option<String>,
+}
+
+/// The samples read so far.
+#[derive(Debug)]
+pub(super) struct Samples {
+    sorts: bool,
+    skips_lost: bool,
+    times_s: Vec<f64>,
+    positions_m: Vec<Vector3<f64>>,
+    orientations: Vec<UnitQuaternion<f64>>,
+    linear_m_s: Vec<Vector3<f64>>,
+    angular_rad_s: Vec<Vector3<f64>>,
+    joints: Vec<JointTrack>,
+    /// Samples that repeat the one before, that have no numbers, and that come after a later one.
+    repeated: usize,
+    lost: usize,
+    late: usize,
+    renormalised: usize,
+    largest_deviation: f64,
+    last_line: usize,
+}
+
+impl Samples {
+    pub(super) fn new(reading: &Reading) -> Self {
+        Self {
+            sorts: reading.sort == Some(true),
+            skips_lost: reading.skip_lost == Some(true),
+            times_s: Vec::new(),
+            positions_m: Vec::new(),
+            orientations: Vec::new(),
+            linear_m_s: Vec::new(),
+            angular_rad_s: Vec::new(),
+            joints: Vec::new(),
+            repeated: 0,
+            lost: 0,
+            late: 0,
+            renormalised: 0,
+            largest_deviation: 0.0,
+            last_line: 1,
+        }
+    }
+
+    /// Adds the sample in `cells` (line number `line`).
+    pub(super) fn push(&mut self, layout: &Layout, cells: &[Cell<'_>], line: usize) -> Result<()> {
+        check_columns(layout, cells, line)?;
+        check_rows(self.times_s.len(), line)?;
+        self.last_line = line;
+        let needed = std::iter::once(layout.time)
+            .chain(layout.place.into_iter().flatten())
+            .chain(layout.z)
+            .chain(layout.quaternion.into_iter().flatten())
+            .chain(layout.heading)
+            .chain(layout.velocity.into_iter().flatten());
+        if self.skips_lost && needed.into_iter().any(|index| cells[index].is_lost()) {
+            self.lost += 1;
+            return Ok(());
+        }
+        let number = |index: usize| {
+            let number = cells[index].number(&layout.names[index])?;
+            Ok::<f64, Error>(number * layout.factors[index])
+        };
+
+        let time_s = number(layout.time)?;
+        let z = layout.z.map_or(Ok(0.0), number)?;
+        let [x, y] = layout.place.map_or([Ok(0.0), Ok(0.0)], |xy| xy.map(number));
+        let position = Vector3::new(x?, y?, z);
+        let orientation = match (layout.quaternion, layout.heading) {
+            (Some(wxyz), _) => {
+                let [w, x, y, z] = wxyz.map(number);
+                let q = Quaternion::new(w?, x?, y?, z?);
+                if self.skips_lost && q.norm() < NO_QUATERNION {
+                    self.lost += 1;
+                    return Ok(());
+                }
+                Some(self.unit(q, &cells[wxyz[0]])?)
+            }
+            (None, Some(heading)) => Some(UnitQuaternion::from_axis_angle(
+                &Vector3::z_axis(),
+                number(heading)?,
+            )),
+            (None, None) => None,
+        };
+        let velocity = match layout.velocity {
+            Some(indices) => {
+                let [vx, vy, vz, wx, wy, wz] = indices.map(number);
+                Some((Vector3::new(vx?, vy?, vz?), Vector3::new(wx?, wy?, wz?)))
+            }
+            None => None,
+        };
+        if let Some(&last) = self.times_s.last()
+            && time_s <= last
+        {
+            let is_same = time_s == last
+                && self.positions_m.last() == Some(&position)
+                && self.orientations.last() == orientation.as_ref();
+            if is_same {
+                self.repeated += 1;
+                return Ok(());
+            }
+            if !self.sorts {
+                let error = Error::invalid(TIME_GOES_BACK)
+                    .field(&layout.names[layout.time])
+                    .found(format!("{time_s} after {last}"))
+                    .allowed("strictly increasing times");
+                let error = match &layout.time_hint {
+                    Some(hint) => error.hint(hint).advise(Advice::ChooseRobot),
+                    None => error.advise(Advice::SortSamples),
+                };
+                return Err(cells[layout.time].locate(error));
+            }
+            self.late += 1;
+        }
+        joint_column::push(&mut self.joints, &layout.joints, number)?;
+        self.orientations.extend(orientation);
+        if let Some((linear, angular)) = velocity {
+            self.linear_m_s.push(linear);
+            self.angular_rad_s.push(angular);
+        }
+        self.times_s.push(time_s);
+        self.positions_m.push(position);
+        Ok(())
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.times_s.is_empty()
+    }
+
+    /// Sorts all columns by time; of samples at one time the first stays.
+    fn sort(&mut self) {
+        let times_s = &self.times_s;
+        let mut order: Vec<usize> = (0..times_s.len()).collect();
+        order.sort_by(|a, b| times_s[*a].total_cmp(&times_s[*b]));
+        order.dedup_by(|a, b| times_s[*a] == times_s[*b]);
+        fn sorted<T: Copy>(all: &mut Vec<T>, order: &[usize]) {
+            if !all.is_empty() {
+                *all = order.iter().map(|index| all[*index]).collect();
+            }
+        }
+        sorted(&mut self.positions_m, &order);
+        sorted(&mut self.orientations, &order);
+        sorted(&mut self.linear_m_s, &order);
+        sorted(&mut self.angular_rad_s, &order);
+        for joint in &mut self.joints {
+            sorted(&mut joint.angles_rad, &order);
+            if let Some(speeds) = &mut joint.speeds_rad_s {
+                sorted(speeds, &order);
+            }
+        }
+        sorted(&mut self.times_s, &order);
+    }
+
+    fn unit(&mut self, q: Quaternion<f64>, first: &Cell<'_>) -> Result<UnitQuaternion<f64>> {
+        let norm = q.norm();
+        let deviation = (norm - 1.0).abs();
+        if deviation <= UNIT_EXACT {
+            return Ok(UnitQuaternion::new_unchecked(q));
+        }
+        if deviation > UNIT_ACCEPTED {
+            return Err(first.locate(
+                Error::invalid("the quaternion is not of length 1")
+                    .field("qw, qx, qy, qz")
+                    .found(format!("length {norm}"))
+                    .allowed(format!("1 within {UNIT_ACCEPTED}"))
+                    .hint(if norm < NO_QUATERNION {
+                        "the tracker has lost the body here"
+                    } else {
+                        "these four columns are not one quaternion"
+                    })
+                    .advise(if norm < NO_QUATERNION {
+                        Advice::SkipLost
+                    } else {
+                        Advice::MapColumns
+                    }),
+            ));
+        }
+        if deviation > UNIT_ROUNDED {
+            self.renormalised += 1;
+            self.largest_deviation = self.largest_deviation.max(deviation);
+        }
+        Ok(UnitQuaternion::new_unchecked(q / norm))
+    }
+
+    /// The trajectory, and what the reader should know about it.
+    pub(super) fn finish(mut self, layout: &Layout) -> Result<(Trajectory, Vec<Warning>)> {
+        let given = self.times_s.len();
+        if self.late > 0 {
+            self.sort();
+        }
+        let at_one_time = given - self.times_s.len();
+        if self.times_s.len() < 2 {
+            return Err(Error::invalid("too few points for a trajectory")
+                .at_line(self.last_line, 1)
+                .found(match self.times_s.len() {
+                    0 => "no sample",
+                    _ => "1 sample",
+                })
+                .allowed("at least 2 samples"));
+        }
+        let mut warnings = Vec::new();
+        let mut left_out = |code: Code, count: usize, why: &str| {
+            if count > 0 {
+                let all = counted(count, "sample");
+                warnings.push(Warning::new(code, format!("{all} {why}")));
+            }
+        };
+        left_out(Code::LostSamples, self.lost, "without numbers left out");
+        left_out(
+            Code::DuplicateSamples,
+            self.repeated,
+            "that repeat the one before left out",
+        );
+        left_out(
+            Code::SamplesSorted,
+            self.late,
+            "no later than the one before, all sorted by time",
+        );
+        left_out(
+            Code::SamplesSorted,
+            at_one_time,
+            "at times that others had already left out",
+        );
+        if self.renormalised > 0 {
+            warnings.push(Warning::new(
+                Code::QuaternionsRenormalised,
+                format!(
+                    "{} quaternions were up to {:.4} off length 1 and have been renormalised",
+                    self.renormalised, self.largest_deviation
+                ),
+            ));
+        }
+        let mut trajectory = Trajectory::new(self.times_s, self.positions_m)?;
+        if layout.quaternion.is_some() || layout.heading.is_some() {
+            trajectory = trajectory.with_orientations(self.orientations)?;
+        }
+        if layout.velocity.is_some() {
+            trajectory = trajectory.with_velocities(self.linear_m_s, self.angular_rad_s)?;
+        }
+        trajectory = trajectory.with_joints(self.joints)?;
+        if layout.z.is_none() {
+            trajectory = trajectory.planar();
+        }
+        Ok((trajectory, warnings))
+    }
+}
+
+fn check_columns(layout: &Layout, cells: &[Cell<'_>], line: usize) -> Result<()> {
+    let (found, allowed) = (cells.len(), layout.names.len());
+    if found == allowed {
+        return Ok(());
+    }
+    let error = Error::invalid("wrong number of columns")
+        .found(format!("{found} columns"))
+        .allowed(format!("{allowed} columns: {}", layout.names.join(", ")));
+    // Where the line goes wrong: at the first cell too many, or at the end of a short line.
+    Err(match (cells.get(allowed), cells.last()) {
+        (Some(cell), _) | (None, Some(cell)) => cell.locate(error),
+        (None, None) => error.at_line(line, 1),
+    })
+}

@@ -1,0 +1,142 @@
+//! Does a table hold the paths of several robots, or several runs, one beside the other?
+
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+
+use super::csv::Table;
+use super::header::excerpt_list;
+use super::reading::Reading;
+use super::text::excerpt;
+use realgap_core::error::{Advice, Error};
+use realgap_core::warning::{Code, Warning};
+
+/// More values than this name no robots.
+const MOST: usize = 32;
+/// Several robots beside each other: their own paths are together shorter than this share of the path that jumps between them.
+const SHORTER: f64 = 0.5;
+
+/// One column that may say whose row it is.
+struct Label<'a> {
+    column: usize,
+    name: String,
+    values: BTreeMap<&'a str, Follower>,
+}
+
+/// The last sample of one value, and what led there.
+struct Follower {
+    time: f64,
+    position: Vector3<f64>,
+    samples: usize,
+    path: f64,
+    increases: bool,
+}
+
+/// Columns with few values that each have some samples, and the path through all rows as they come.
+fn labels<'a>(text: &'a str, reading: &Reading) -> Option<(Vec<Label<'a>>, f64)> {
+    let mut table = Table::open(text, reading, &[]).ok()?;
+    if table.unused.is_empty() {
+        return None;
+    }
+    let mut labels: Vec<Label<'a>> = table
+        .unused
+        .iter()
+        .map(|column| Label {
+            column: *column,
+            name: table.layout.names[*column].clone(),
+            values: BTreeMap::new(),
+        })
+        .collect();
+    let (mut path, mut last) = (0.0, None);
+    while let Some((_, cells)) = table.rows.next().ok()? {
+        let number = |column: usize| {
+            let cell = cells.get(column)?;
+            cell.number("").ok()
+        };
+        let layout = &table.layout;
+        let [x, y] = layout.place?;
+        let (Some(time), Some(x), Some(y)) = (number(layout.time), number(x), number(y)) else {
+            continue;
+        };
+        let z = layout.z.and_then(number).unwrap_or(0.0);
+        let position = Vector3::new(x, y, z);
+        path += last.map_or(0.0, |last: Vector3<f64>| (position - last).norm());
+        last = Some(position);
+        labels.retain_mut(|label| {
+            let Some(cell) = cells.get(label.column) else {
+                return false;
+            };
+            let is_new = !label.values.contains_key(cell.text);
+            if is_new && label.values.len() == MOST {
+                return false;
+            }
+            let follower = label.values.entry(cell.text).or_insert(Follower {
+                time: f64::NEG_INFINITY,
+                position,
+                samples: 0,
+                path: 0.0,
+                increases: true,
+            });
+            follower.increases &= time > follower.time;
+            follower.path += (position - follower.position).norm();
+            follower.time = time;
+            follower.position = position;
+            follower.samples += 1;
+            true
+        });
+        if labels.is_empty() {
+            return None;
+        }
+    }
+    labels.retain(|label| {
+        label.values.len() > 1 && label.values.values().all(|value| value.samples > 1)
+    });
+    Some((labels, path))
+}
+
+impl Label<'_> {
+    fn values(&self) -> String {
+        excerpt_list(&self.values.keys().copied().collect::<Vec<_>>())
+    }
+
+    fn path(&self) -> f64 {
+        self.values.values().map(|value| value.path).sum()
+    }
+}
+
+/// The error about times that do not increase, with the column that explains them.
+pub(super) fn explain(error: Error, text: &str, reading: &Reading) -> Error {
+    if error.message() != super::sample::TIME_GOES_BACK {
+        return error;
+    }
+    let Some((labels, _)) = labels(text, reading) else {
+        return error;
+    };
+    let increases = |label: &&Label<'_>| label.values.values().all(|value| value.increases);
+    match labels.iter().find(increases) {
+        Some(label) => error
+            .hint(format!(
+                "the column `{}` says that this file holds several recordings ({}): choose one",
+                excerpt(&label.name),
+                label.values()
+            ))
+            .without_advice()
+            .advise(Advice::ChooseRobot),
+        None => error,
+    }
+}
+
+/// The warning about a path that jumps between robots whose times fit between each other.
+pub(super) fn several(text: &str, reading: &Reading) -> Option<Warning> {
+    let (labels, path) = labels(text, reading)?;
+    let shorter = labels.iter().find(|label| label.path() < SHORTER * path)?;
+    Some(Warning::new(
+        Code::SeveralRobots,
+        format!(
+            "the path jumps whenever the column `{}` changes ({}): if these are several robots, read one of them with `only: (column: \"{}\", value: ...)`",
+            excerpt(&shorter.name),
+            shorter.values(),
+            excerpt(&shorter.name)
+        ),
+    ))
+}

@@ -1,0 +1,96 @@
+//! TUM text: `timestamp tx ty tz qx qy qz qw` per line, `#` starts a comment.
+
+use nalgebra::UnitQuaternion;
+
+use super::Trajectory;
+use super::column::Measure;
+use super::format::{Format, Parsed, Rendered, beyond_poses};
+use super::reading::{QuaternionOrder, Reading};
+use super::sample::{Layout, Samples};
+use super::text::{Separator, cut, push_number};
+use realgap_core::error::Result;
+
+/// The text format of the TUM RGB-D benchmark, which evo and many SLAM programs read.
+///
+/// Eight numbers a line, separated by white space: seconds, position, quaternion with the real part LAST
+/// (world from body). It cannot hold velocities, planar trajectories (z is written as 0), or the
+/// absence of orientation (written as no rotation); writing warns about what is lost.
+#[derive(Debug, Clone, Copy)]
+pub struct Tum;
+
+impl Format for Tum {
+    fn name(&self) -> &'static str {
+        "tum"
+    }
+
+    fn doc(&self) -> &'static str {
+        "TUM text: timestamp tx ty tz qx qy qz qw, separated by spaces, # comments"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["tum", "txt"]
+    }
+
+    fn order(&self, _text: &str, reading: &Reading) -> QuaternionOrder {
+        reading.quaternion.unwrap_or(QuaternionOrder::Xyzw)
+    }
+
+    fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
+        let (time, length) = (
+            reading.factor(Measure::Time),
+            reading.factor(Measure::Length),
+        );
+        let order = self.order(text, reading);
+        let layout = Layout {
+            names: ["timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"]
+                .map(str::to_owned)
+                .to_vec(),
+            factors: vec![time, length, length, length, 1.0, 1.0, 1.0, 1.0],
+            time: 0,
+            place: Some([1, 2]),
+            z: Some(3),
+            quaternion: Some(order.wxyz([4, 5, 6, 7])),
+            heading: None,
+            velocity: None,
+            joints: Vec::new(),
+            time_hint: None,
+        };
+        let mut samples = Samples::new(reading);
+        let mut cells = Vec::new();
+        for (index, line) in text.lines().enumerate() {
+            let line = line.split('#').next().unwrap_or_default();
+            cut(line, index + 1, Separator::Space, &mut cells)?;
+            if !cells.is_empty() {
+                samples.push(&layout, &cells, index + 1)?;
+            }
+        }
+        let (trajectory, warnings) = samples.finish(&layout)?;
+        Ok(Parsed {
+            trajectory,
+            warnings,
+        })
+    }
+
+    fn render(&self, trajectory: &Trajectory) -> Result<Rendered> {
+        let orientations = trajectory.orientations_world_from_body();
+        let mut text = String::from("# timestamp tx ty tz qx qy qz qw\n");
+        for (index, (time_s, p)) in trajectory
+            .times_s()
+            .iter()
+            .zip(trajectory.positions_world_m())
+            .enumerate()
+        {
+            let q = orientations.map_or_else(UnitQuaternion::identity, |all| all[index]);
+            push_number(&mut text, *time_s);
+            for value in [p.x, p.y, p.z, q.i, q.j, q.k, q.w] {
+                text.push(' ');
+                push_number(&mut text, value);
+            }
+            text.push('\n');
+        }
+        Ok(Rendered {
+            bytes: text.into_bytes(),
+            warnings: beyond_poses("TUM files", trajectory),
+        })
+    }
+}

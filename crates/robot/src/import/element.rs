@@ -1,0 +1,92 @@
+//! Reading attributes of XML elements, with errors that name line and column.
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use roxmltree::Node;
+
+use realgap_core::error::{Error, Result};
+use realgap_core::file::Source;
+
+/// A file's text, for where in it something stands.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'a> {
+    pub source: &'a Source,
+}
+
+impl Place<'_> {
+    /// The error at an element.
+    pub fn at(&self, node: Node<'_, '_>, error: Error) -> Error {
+        let place = node.document().text_pos_at(node.range().start);
+        error
+            .at_file(self.source.path())
+            .at_line(place.row as usize, place.col as usize)
+            .field(node.tag_name().name())
+    }
+
+    /// An attribute that must be there.
+    pub fn text<'n>(&self, node: Node<'n, '_>, name: &str) -> Result<&'n str> {
+        node.attribute(name).ok_or_else(|| {
+            let what = format!("the attribute `{name}` is missing");
+            self.at(node, Error::invalid(what))
+        })
+    }
+
+    /// Numbers of an attribute, separated by blanks.
+    pub fn numbers<const N: usize>(&self, node: Node<'_, '_>, name: &str) -> Result<[f64; N]> {
+        let text = self.text(node, name)?;
+        let numbers: Option<Vec<f64>> = text
+            .split_whitespace()
+            .map(|word| word.parse().ok().filter(|number: &f64| number.is_finite()))
+            .collect();
+        numbers
+            .and_then(|numbers| numbers.try_into().ok())
+            .ok_or_else(|| {
+                let error = Error::invalid(format!("`{name}` is not what it must be"))
+                    .found(text)
+                    .allowed(format!("{N} finite numbers"));
+                self.at(node, error)
+            })
+    }
+
+    /// As [`Place::numbers`] of one number; `None` where the attribute is absent.
+    pub fn number(&self, node: Node<'_, '_>, name: &str) -> Result<Option<f64>> {
+        match node.has_attribute(name) {
+            true => self.numbers::<1>(node, name).map(|[number]| Some(number)),
+            false => Ok(None),
+        }
+    }
+
+    /// The pose that the child `origin` of an element says: metres, fixed-axis roll, pitch and yaw in radians.
+    pub fn origin(&self, node: Node<'_, '_>) -> Result<Isometry3<f64>> {
+        let Some(origin) = child(node, "origin") else {
+            return Ok(Isometry3::identity());
+        };
+        let triple = |name| match origin.has_attribute(name) {
+            true => self.numbers::<3>(origin, name),
+            false => Ok([0.0; 3]),
+        };
+        let ([x, y, z], [roll, pitch, yaw]) = (triple("xyz")?, triple("rpy")?);
+        Ok(Isometry3::from_parts(
+            Translation3::new(x, y, z),
+            UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+        ))
+    }
+
+    /// A vector of an attribute.
+    pub fn vector(&self, node: Node<'_, '_>, name: &str) -> Result<Vector3<f64>> {
+        self.numbers::<3>(node, name).map(Vector3::from)
+    }
+}
+
+/// The first child element of this name.
+pub(super) fn child<'n, 'd>(node: Node<'n, 'd>, name: &str) -> Option<Node<'n, 'd>> {
+    node.children().find(|child| child.has_tag_name(name))
+}
+
+/// All child elements of this name.
+pub(super) fn children<'n, 'd: 'n>(
+    node: Node<'n, 'd>,
+    name: &'static str,
+) -> impl Iterator<Item = Node<'n, 'd>> {
+    node.children()
+        .filter(move |child| child.has_tag_name(name))
+}

@@ -1,0 +1,537 @@
+//! The RON form of a robot. Only this file knows it; everything else sees validated types.
+
+use nalgebra::{Unit, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::assembly::{Actuator, Bearing};
+use super::face::Face;
+use super::flaw::{Checked, Flaw};
+use super::glue::Glue;
+use super::module::{Drive, DriveAxis, Module, ModuleBox, Plate};
+use super::pivot::Pivot;
+use super::servo_file::{GaitFile, ServoFile};
+use super::tree::quarter_turns_flaw;
+use super::{Blueprint, Morphology, names};
+use realgap_core::Error;
+use realgap_core::file::unknown_name;
+
+/// A robot as its file states it.
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "morphology")]
+pub struct MorphologyFile {
+    /// Name of the robot: letters, digits, `_` and `-`.
+    name: String,
+    /// What it is, for people.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    description: String,
+    /// What modules have that say nothing else.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    defaults: Option<DefaultsFile>,
+    /// The modules.
+    modules: Vec<ModuleFile>,
+    /// Which module is glued on which face of which other.
+    #[serde(default)]
+    glue: Vec<GlueFile>,
+    /// Hinges between modules, stated by anchor and axis.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    hinges: Vec<PivotFile>,
+    /// Pairs of modules that never touch each other.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    never_touch: Vec<(String, String)>,
+    /// Where the first module is held in the world, metres; without it the robot moves freely.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    mount_m: Option<Triple>,
+    /// The module that recordings follow; else the first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    track: Option<String>,
+}
+
+/// Three numbers along x, y and z.
+type Triple = (f64, f64, f64);
+
+#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "defaults")]
+struct DefaultsFile {
+    /// Edge of a cube, metres.
+    side_m: Option<f64>,
+    /// Mass of a module without its plate, kg.
+    mass_kg: Option<f64>,
+    /// The servo.
+    servo: Option<ServoFile>,
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "module")]
+struct ModuleFile {
+    /// Unique name: letters, digits, `_` and `-`.
+    name: String,
+    /// With or without a servo.
+    kind: KindFile,
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "kind")]
+#[allow(clippy::large_enum_variant, reason = "read once, then gone")]
+enum KindFile {
+    /// Without a servo.
+    Passive {
+        /// Edge of a cube, metres; else that of `defaults`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        side_m: Option<f64>,
+        /// Edge lengths along x, y and z in place of `side_m`, metres.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        sides_m: Option<Triple>,
+        /// What it consists of within that box; none: the whole of it.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        boxes: Vec<BoxFile>,
+        /// Mass without the plate, kg; else that of `defaults`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        mass_kg: Option<f64>,
+        /// Principal moments about the centre of mass, along the module's axes, kg m2; else those of uniform boxes.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        inertia_kg_m2: Option<Triple>,
+        /// Centre of mass in the module's frame, metres; else that of uniform boxes.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        centre_of_mass_m: Option<Triple>,
+    },
+    /// With a servo that moves one face.
+    Active {
+        /// Edge of a cube, metres; else that of `defaults`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        side_m: Option<f64>,
+        /// Edge lengths along x, y and z in place of `side_m`, metres.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        sides_m: Option<Triple>,
+        /// What it consists of within that box; none: the whole of it.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        boxes: Vec<BoxFile>,
+        /// Mass without the plate, kg; else that of `defaults`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        mass_kg: Option<f64>,
+        /// Principal moments about the centre of mass, along the module's axes, kg m2; else those of uniform boxes.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        inertia_kg_m2: Option<Triple>,
+        /// Centre of mass in the module's frame, metres; else that of uniform boxes.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        centre_of_mass_m: Option<Triple>,
+        /// The driven face.
+        face: Face,
+        /// How the face moves.
+        axis: AxisFile,
+        /// Control law and limits; else those of `defaults`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        servo: Option<ServoFile>,
+        /// The command that the servo follows; without it it holds 0 rad.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        gait: Option<GaitFile>,
+    },
+}
+
+#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "box")]
+struct BoxFile {
+    /// Edge lengths along the module's axes, metres.
+    sides_m: Triple,
+    /// Centre in the module's frame, metres.
+    #[serde(default)]
+    centre_m: Triple,
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "hinge")]
+struct PivotFile {
+    /// Unique name; joint columns of recordings have it.
+    name: String,
+    /// The module that holds the hinge.
+    parent: String,
+    /// The module that turns by the angle about the axis, right-handed.
+    child: String,
+    /// A point on the axis, in the parent's frame, metres.
+    anchor_m: Triple,
+    /// The same point in the child's frame, metres.
+    #[serde(default)]
+    child_anchor_m: Triple,
+    /// Direction of the axis in the parent's frame.
+    axis: Triple,
+    /// Torque against the motion per speed, N m s/rad.
+    #[serde(default)]
+    viscous_nm_s_rad: f64,
+    /// Largest torque of dry friction, N m.
+    #[serde(default)]
+    dry_nm: f64,
+    /// Smallest and largest angle, radians; without it the hinge turns all round.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    limits_rad: Option<(f64, f64)>,
+    /// Control law and limits; without servo and gait the hinge is passive.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    servo: Option<ServoFile>,
+    /// The command that the servo follows; without it it holds 0 rad.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    gait: Option<GaitFile>,
+}
+
+fn vector((x, y, z): Triple) -> Vector3<f64> {
+    Vector3::new(x, y, z)
+}
+
+fn triple(v: &Vector3<f64>) -> Triple {
+    (v.x, v.y, v.z)
+}
+
+#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "axis")]
+enum AxisFile {
+    /// The face spins about its own outward normal, right-handed.
+    Normal {
+        /// The slab on the face; needed where no module is glued onto it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        plate: Option<PlateFile>,
+    },
+    /// The face bends like a hinge whose axis runs through its centre.
+    Tangent {
+        /// Direction of the axis, right-handed, at right angles to the face.
+        axis: Face,
+    },
+}
+
+#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "plate")]
+struct PlateFile {
+    /// Edge length, metres.
+    side_m: f64,
+    /// Thickness, metres.
+    thickness_m: f64,
+    /// Mass, kg.
+    mass_kg: f64,
+}
+
+#[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "glue")]
+struct GlueFile {
+    /// The module that is there already.
+    parent: String,
+    /// Its face.
+    face: Face,
+    /// The module that is glued onto it.
+    child: String,
+    /// The child's face; else the opposite one, so that both frames are parallel.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    child_face: Option<Face>,
+    /// Turns of the child by 90 degrees about the outward normal of the parent's face, right-handed, 0 to 3.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    quarter_turns: i64,
+}
+
+// serde hands fields over by reference.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_zero(turns: &i64) -> bool {
+    *turns == 0
+}
+
+impl MorphologyFile {
+    /// Fills in defaults and turns names into indices.
+    pub(super) fn into_blueprint(self) -> Checked<Blueprint> {
+        let defaults = self.defaults.unwrap_or_default();
+        let modules = self
+            .modules
+            .into_iter()
+            .enumerate()
+            .map(|(index, module)| module.into_module(&format!("modules[{index}].kind"), &defaults))
+            .collect::<Checked<Vec<Module>>>()?;
+        // Before glue: a name that is missing there may be the one that was overwritten by a copy.
+        let by_name = names(&modules)?;
+        let lookup = |name: &str, path: String| {
+            by_name
+                .get(name)
+                .copied()
+                .ok_or_else(|| unknown_module(name, path, &modules))
+        };
+        let mut glue = Vec::with_capacity(self.glue.len());
+        for (index, joint) in self.glue.into_iter().enumerate() {
+            glue.push(Glue {
+                parent: lookup(&joint.parent, format!("glue[{index}].parent"))?,
+                face: joint.face,
+                child: lookup(&joint.child, format!("glue[{index}].child"))?,
+                child_face: joint.child_face.unwrap_or(joint.face.opposite()),
+                quarter_turns: u8::try_from(joint.quarter_turns)
+                    .map_err(|_| quarter_turns_flaw(index, joint.quarter_turns))?,
+            });
+        }
+        let mut pivots = Vec::with_capacity(self.hinges.len());
+        for (index, hinge) in self.hinges.into_iter().enumerate() {
+            let at = format!("hinges[{index}]");
+            pivots.push(Pivot {
+                parent: lookup(&hinge.parent, format!("{at}.parent"))?,
+                child: lookup(&hinge.child, format!("{at}.child"))?,
+                anchor_parent_m: vector(hinge.anchor_m),
+                anchor_child_m: vector(hinge.child_anchor_m),
+                axis_parent: Unit::new_normalize(vector(hinge.axis)),
+                bearing: Bearing {
+                    viscous_nm_s_rad: hinge.viscous_nm_s_rad,
+                    dry_nm: hinge.dry_nm,
+                    limits_rad: hinge.limits_rad,
+                },
+                actuator: match (hinge.servo, hinge.gait) {
+                    (None, None) => None,
+                    (servo, gait) => Some(Actuator {
+                        servo: required(servo, None, "servo", &at)?.into(),
+                        gait: gait.unwrap_or(GaitFile::HOLD).into(),
+                    }),
+                },
+                name: hinge.name,
+            });
+        }
+        let mut never_touch = Vec::with_capacity(self.never_touch.len());
+        for (index, (a, b)) in self.never_touch.iter().enumerate() {
+            let path = || format!("never_touch[{index}]");
+            never_touch.push((lookup(a, path())?, lookup(b, path())?));
+        }
+        let track = match self.track {
+            Some(name) => Some(lookup(&name, "track".to_owned())?),
+            None => None,
+        };
+        Ok(Blueprint {
+            name: self.name,
+            description: self.description,
+            modules,
+            glue,
+            pivots,
+            never_touch,
+            mount_world_m: self.mount_m.map(vector),
+            track,
+        })
+    }
+
+    /// Everything written out, without defaults.
+    pub(super) fn from_morphology(morphology: &Morphology) -> Self {
+        let name = |index: usize| morphology.modules()[index].name.clone();
+        Self {
+            name: morphology.name().to_owned(),
+            description: morphology.description().to_owned(),
+            defaults: None,
+            modules: morphology
+                .modules()
+                .iter()
+                .map(ModuleFile::from_module)
+                .collect(),
+            glue: morphology
+                .glue()
+                .iter()
+                .map(|joint| GlueFile {
+                    parent: name(joint.parent),
+                    face: joint.face,
+                    child: name(joint.child),
+                    child_face: (joint.child_face != joint.face.opposite())
+                        .then_some(joint.child_face),
+                    quarter_turns: joint.quarter_turns.into(),
+                })
+                .collect(),
+            hinges: morphology
+                .pivots()
+                .iter()
+                .map(|pivot| PivotFile::from_pivot(pivot, name))
+                .collect(),
+            never_touch: morphology
+                .never_touch()
+                .iter()
+                .map(|&(a, b)| (name(a), name(b)))
+                .collect(),
+            mount_m: morphology.mount_world_m().as_ref().map(triple),
+            track: Some(name(morphology.track())),
+        }
+    }
+}
+
+fn unknown_module(name: &str, path: String, modules: &[Module]) -> Flaw {
+    let names = modules.iter().map(|module| module.name.as_str());
+    Flaw::new(path, unknown_name("module", name, names))
+}
+
+fn required<T>(value: Option<T>, default: Option<T>, field: &str, at: &str) -> Checked<T> {
+    value.or(default).ok_or_else(|| {
+        Flaw::new(
+            at,
+            Error::invalid(format!("the field `{field}` is missing")).hint(format!(
+                "add `{field}` here, or to `defaults` for all modules"
+            )),
+        )
+    })
+}
+
+impl ModuleFile {
+    fn into_module(self, at: &str, defaults: &DefaultsFile) -> Checked<Module> {
+        let (side_m, sides_m, boxes, mass_kg, inertia_kg_m2, centre_of_mass_m, drive) =
+            match self.kind {
+                KindFile::Passive {
+                    side_m,
+                    sides_m,
+                    boxes,
+                    mass_kg,
+                    inertia_kg_m2,
+                    centre_of_mass_m,
+                } => (
+                    side_m,
+                    sides_m,
+                    boxes,
+                    mass_kg,
+                    inertia_kg_m2,
+                    centre_of_mass_m,
+                    None,
+                ),
+                KindFile::Active {
+                    side_m,
+                    sides_m,
+                    boxes,
+                    mass_kg,
+                    inertia_kg_m2,
+                    centre_of_mass_m,
+                    face,
+                    axis,
+                    servo,
+                    gait,
+                } => {
+                    let drive = Drive {
+                        face,
+                        axis: axis.into(),
+                        actuator: Actuator {
+                            servo: required(servo, defaults.servo, "servo", at)?.into(),
+                            gait: gait.unwrap_or(GaitFile::HOLD).into(),
+                        },
+                    };
+                    (
+                        side_m,
+                        sides_m,
+                        boxes,
+                        mass_kg,
+                        inertia_kg_m2,
+                        centre_of_mass_m,
+                        Some(drive),
+                    )
+                }
+            };
+        let sides_m = match (side_m, sides_m) {
+            (Some(_), Some(_)) => {
+                return Err(Flaw::new(
+                    format!("{at}.sides_m"),
+                    Error::invalid("a module has `side_m` or `sides_m`, not both"),
+                ));
+            }
+            (None, Some(sides_m)) => vector(sides_m),
+            (side_m, None) => Vector3::repeat(required(side_m, defaults.side_m, "side_m", at)?),
+        };
+        Ok(Module {
+            name: self.name,
+            sides_m,
+            boxes: boxes
+                .into_iter()
+                .map(|part| ModuleBox {
+                    sides_m: vector(part.sides_m),
+                    centre_m: vector(part.centre_m),
+                })
+                .collect(),
+            mass_kg: required(mass_kg, defaults.mass_kg, "mass_kg", at)?,
+            inertia_kg_m2: inertia_kg_m2.map(|(x, y, z)| [x, y, z]),
+            centre_of_mass_m: centre_of_mass_m.map(vector),
+            drive,
+        })
+    }
+
+    fn from_module(module: &Module) -> Self {
+        let side_m = module.is_cube().then_some(module.sides_m.x);
+        let sides_m = (!module.is_cube()).then(|| triple(&module.sides_m));
+        let boxes = module
+            .boxes
+            .iter()
+            .map(|part| BoxFile {
+                sides_m: triple(&part.sides_m),
+                centre_m: triple(&part.centre_m),
+            })
+            .collect();
+        let mass_kg = Some(module.mass_kg);
+        let inertia_kg_m2 = module.inertia_kg_m2.map(|[x, y, z]| (x, y, z));
+        let centre_of_mass_m = module.centre_of_mass_m.as_ref().map(triple);
+        let kind = match &module.drive {
+            None => KindFile::Passive {
+                side_m,
+                sides_m,
+                boxes,
+                mass_kg,
+                inertia_kg_m2,
+                centre_of_mass_m,
+            },
+            Some(drive) => KindFile::Active {
+                side_m,
+                sides_m,
+                boxes,
+                mass_kg,
+                inertia_kg_m2,
+                centre_of_mass_m,
+                face: drive.face,
+                axis: drive.axis.into(),
+                servo: Some(drive.actuator.servo.into()),
+                gait: Some(drive.actuator.gait.into()),
+            },
+        };
+        Self {
+            name: module.name.clone(),
+            kind,
+        }
+    }
+}
+
+impl PivotFile {
+    fn from_pivot(pivot: &Pivot, name: impl Fn(usize) -> String) -> Self {
+        Self {
+            name: pivot.name.clone(),
+            parent: name(pivot.parent),
+            child: name(pivot.child),
+            anchor_m: triple(&pivot.anchor_parent_m),
+            child_anchor_m: triple(&pivot.anchor_child_m),
+            axis: triple(&pivot.axis_parent),
+            viscous_nm_s_rad: pivot.bearing.viscous_nm_s_rad,
+            dry_nm: pivot.bearing.dry_nm,
+            limits_rad: pivot.bearing.limits_rad,
+            servo: pivot.actuator.map(|actuator| actuator.servo.into()),
+            gait: pivot.actuator.map(|actuator| actuator.gait.into()),
+        }
+    }
+}
+
+impl From<AxisFile> for DriveAxis {
+    fn from(file: AxisFile) -> Self {
+        match file {
+            AxisFile::Normal { plate } => Self::Normal {
+                plate: plate.map(|plate| Plate {
+                    side_m: plate.side_m,
+                    thickness_m: plate.thickness_m,
+                    mass_kg: plate.mass_kg,
+                }),
+            },
+            AxisFile::Tangent { axis } => Self::Tangent { axis },
+        }
+    }
+}
+
+impl From<DriveAxis> for AxisFile {
+    fn from(axis: DriveAxis) -> Self {
+        match axis {
+            DriveAxis::Normal { plate } => Self::Normal {
+                plate: plate.map(|plate| PlateFile {
+                    side_m: plate.side_m,
+                    thickness_m: plate.thickness_m,
+                    mass_kg: plate.mass_kg,
+                }),
+            },
+            DriveAxis::Tangent { axis } => Self::Tangent { axis },
+        }
+    }
+}

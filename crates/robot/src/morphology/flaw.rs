@@ -1,0 +1,50 @@
+//! An error together with the place in the file that it belongs to.
+
+use realgap_core::Error;
+use realgap_core::file::Source;
+
+/// A value, or what is wrong with it.
+pub(super) type Checked<T> = Result<T, Flaw>;
+
+/// Where the value of a module's field stands, if the module leaves it to the `defaults`.
+fn default_of(path: &str, source: &Source) -> Option<String> {
+    let (_, field) = path.split_once("].kind.")?;
+    let default = format!("defaults.{field}");
+    Some(default).filter(|default| !source.has(path) && source.has(default))
+}
+
+/// What is wrong with a blueprint, and where: `path` is the way to the value in a RON file
+/// (`modules[2].kind.mass_kg`), from which line and column follow when there is a file.
+#[derive(Debug)]
+pub(super) struct Flaw {
+    path: String,
+    error: Error,
+}
+
+impl Flaw {
+    pub(super) fn new(path: impl Into<String>, error: Error) -> Self {
+        Self {
+            path: path.into(),
+            error,
+        }
+    }
+
+    #[must_use]
+    pub(super) fn hint(self, hint: &str) -> Self {
+        Self {
+            error: self.error.hint(hint),
+            ..self
+        }
+    }
+
+    /// For blueprints that came from no file.
+    pub(super) fn without_file(self) -> Error {
+        self.error.field(self.path)
+    }
+
+    pub(super) fn in_file(self, source: &Source) -> Error {
+        let path = default_of(&self.path, source).unwrap_or(self.path);
+        let error = source.at(&path, self.error);
+        error.field(path)
+    }
+}

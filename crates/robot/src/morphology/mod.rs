@@ -1,0 +1,415 @@
+//! Robots: modules glued face to face or joined by hinges, parsed from RON into validated types, assembled into rigid parts and hinges.
+//!
+//! # The file
+//!
+//! A robot is one RON file. Lengths in m, masses in kg, angles in rad; every frame is right-handed, a module's
+//! axes run along its faces, and faces are named by their outward normal: `PosX`, `NegX`, `PosY`, `NegY`, `PosZ`, `NegZ`.
+//!
+//! ```
+//! use realgap_core::file::Source;
+//! use realgap_robot::morphology::Morphology;
+//!
+//! let text = r#"(
+//!     name: "wagger",
+//!     description: "a cube that wags a second one and spins a plate",
+//!     defaults: (side_m: 0.06, mass_kg: 0.07, servo: (law: Velocity(gain_1_s: 30.0), max_torque_nm: 0.2, max_speed_rad_s: 8.0)),
+//!     modules: [
+//!         (name: "core", kind: Active(face: PosX, axis: Tangent(axis: PosY), gait: (amplitude_rad: 0.7, frequency_hz: 1.0))),
+//!         (name: "tail", kind: Passive(mass_kg: 0.03)),
+//!         (name: "foot", kind: Active(face: NegY, axis: Normal(plate: (side_m: 0.066, thickness_m: 0.01, mass_kg: 0.012)),
+//!             gait: (offset_rad: 0.8, amplitude_rad: 0.7, frequency_hz: 1.0, phase_rad: 1.57))),
+//!     ],
+//!     glue: [
+//!         (parent: "core", face: PosX, child: "tail"),
+//!         (parent: "core", face: NegX, child: "foot", child_face: PosX, quarter_turns: 1),
+//!     ],
+//!     track: "core",
+//! )"#;
+//! let morphology = Morphology::parse(&Source::new("wagger.ron", text))?;
+//! let assembly = morphology.assemble();
+//! assert_eq!((assembly.parts.len(), assembly.hinges.len()), (3, 2));
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+//!
+//! | field | meaning |
+//! |---|---|
+//! | `name` | letters, digits, `_`, `-`; at most 64 |
+//! | `description` | optional, free text |
+//! | `defaults` | optional `side_m`, `mass_kg`, `servo` for modules that do not say otherwise |
+//! | `modules` | 1 to [`Morphology::MAX_MODULES`] of `(name, kind)`; names are unique |
+//! | `glue` | which module sits on which face of which other; glue and hinges are one tree, see [`Glue`] |
+//! | `hinges` | optional list of hinges between modules that are not glued, see below |
+//! | `never_touch` | optional list of pairs of names: modules that pass through each other |
+//! | `mount_m` | optional `(x, y, z)`: the root is held there in the world, upright; else the robot moves freely |
+//! | `track` | optional name of the module whose motion is recorded; the root by default |
+//!
+//! The **root** is the one module that is nobody's child; its frame at zero servo angles is the robot frame.
+//!
+//! `kind` is `Passive(...)` or `Active(...)`. Both take
+//!
+//! | field | meaning | range |
+//! |---|---|---|
+//! | `side_m` | edge length of the cube; or `sides_m: (x, y, z)` for a box | 0.001 to 10 m |
+//! | `boxes` | optional list of `(sides_m, centre_m)`: what the module consists of within that box; else the whole of it | |
+//! | `mass_kg` | mass of the cube, without plate | 1e-6 to 1000 kg |
+//! | `inertia_kg_m2` | optional `(ixx, iyy, izz)` about the centre of mass; else of uniform boxes (a cube: m s²/6) | 0 to 1e5 kg m², none larger than the two others together |
+//! | `centre_of_mass_m` | optional `(x, y, z)` in the module's frame; else that of uniform boxes | inside the module |
+//!
+//! and `Active` also
+//!
+//! | field | meaning | range |
+//! |---|---|---|
+//! | `face` | the driven face; whatever is glued onto it moves with it | |
+//! | `axis` | `Normal(plate: (side_m, thickness_m, mass_kg))`: spins about its outward normal; or `Tangent(axis: PosY)`: bends about an axis through the centre of the face, at right angles to its normal | plate sides and masses as for cubes, thickness up to 10 m |
+//! | `servo` | `(law, max_torque_nm, max_speed_rad_s)`; law `Velocity(gain_1_s)`, `Torque(stiffness_nm_rad, damping_nm_s_rad)` or `Motor(...)`, see [`Motor`] and [`GearFriction`] for its fields | torque above 0 to 1e4 N m; gain up to 1e5 1/s, stiffness and damping up to 1e6; speed above 0 to 1e4 rad/s, left out: no limit |
+//! | `gait` | `(offset_rad, amplitude_rad, frequency_hz, phase_rad)`; offset and phase default to 0, no gait holds 0 rad | angles −1000 to 1000 rad, 0 to 100 Hz |
+//!
+//! The **plate** is a square slab on the outside of the driven face. Where a module is glued onto that face, the module
+//! still sits without a gap, the plate moves and weighs but touches nothing, and it may be left out
+//! (`Normal()`). A servo that moves nothing at all (bending, or without plate, and nothing glued on) is refused:
+//! it would be a joint without a body.
+//!
+//! # Hinges
+//!
+//! A servo drives a face. Any other hinge is stated: between two modules that are not glued, with an axis anywhere.
+//!
+//! ```
+//! use realgap_core::file::Source;
+//! use realgap_robot::morphology::Morphology;
+//!
+//! let text = r#"(
+//!     name: "pendulum",
+//!     mount_m: (0, 0, 0.4),
+//!     modules: [
+//!         (name: "stand", kind: Passive(side_m: 0.05, mass_kg: 1)),
+//!         (name: "arm", kind: Passive(sides_m: (0.02, 0.02, 0.2), mass_kg: 0.1)),
+//!     ],
+//!     hinges: [(name: "shoulder", parent: "stand", child: "arm", anchor_m: (0, 0.04, 0), child_anchor_m: (0, 0, 0.1),
+//!         axis: (0, 1, 0), viscous_nm_s_rad: 1e-4)],
+//! )"#;
+//! let assembly = Morphology::parse(&Source::new("pendulum.ron", text))?.assemble();
+//! assert_eq!(assembly.hinges[0].name, "shoulder");
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+//!
+//! | field | meaning | range |
+//! |---|---|---|
+//! | `name`, `parent`, `child` | its own name, and those of the two modules | |
+//! | `anchor_m`, `child_anchor_m` | a point on the axis in the parent's frame, and the same point in the child's; the second defaults to the child's centre | ±10 m |
+//! | `axis` | direction in the parent's frame, of any length; the child turns by +angle about it. At angle 0 both frames are parallel | not zero |
+//! | `viscous_nm_s_rad`, `dry_nm` | optional friction: torque per speed, and largest torque of dry friction | 0 to 1e4 |
+//! | `limits_rad` | optional `(smallest, largest)` angle; else it turns all round | 0 between them |
+//! | `servo`, `gait` | optional, as for active modules; without a servo the hinge is passive | |
+//!
+//! A module may also hold on to its parent with its own driven face: then its cube moves, and the plate stays with
+//! the parent.
+//!
+//! Refused as well: cycles, a child glued twice, modules that are not connected, two modules on one face, two driven
+//! faces on each other, and boxes (of modules and free plates) that overlap by more than 1 µm at zero angles, unless a stated hinge
+//! joins the two or `never_touch` names them.
+
+mod assemble;
+mod assembly;
+mod face;
+mod file;
+mod flaw;
+mod glue;
+mod layout;
+mod module;
+mod motor;
+mod pivot;
+mod plausibility;
+mod servo_file;
+mod summary;
+mod sweep;
+mod tree;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+pub use assembly::{
+    Actuator, Assembly, Bearing, ClusterMass, Gait, Hinge, Part, Role, Servo, ServoLaw, Solid,
+};
+pub use face::Face;
+pub use glue::Glue;
+pub use module::{Drive, DriveAxis, Module, ModuleBox, Plate};
+pub use motor::{GearFriction, MOST_LOAD, Motor};
+pub use pivot::Pivot;
+pub use summary::Summary;
+
+pub use file::MorphologyFile;
+use flaw::{Checked, Flaw};
+use layout::Placement;
+use realgap_core::Error;
+use realgap_core::Result;
+use realgap_core::file::{Source, parse_ron, write_ron};
+use tree::{Links, Tree};
+
+/// A robot as somebody wants it, not yet checked; [`Morphology::new`] checks it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Blueprint {
+    /// Name of the robot: letters, digits, `_` and `-`.
+    pub name: String,
+    /// Free text.
+    pub description: String,
+    /// The modules.
+    pub modules: Vec<Module>,
+    /// The glue, by index of module.
+    pub glue: Vec<Glue>,
+    /// Hinges stated by anchor and axis, by index of module.
+    pub pivots: Vec<Pivot>,
+    /// Pairs of modules that never touch each other.
+    pub never_touch: Vec<(usize, usize)>,
+    /// Where the root module is held, world frame, upright, m; `None` for a robot that moves freely.
+    pub mount_world_m: Option<Vector3<f64>>,
+    /// Index of the module whose motion is recorded; the root when `None`.
+    pub track: Option<usize>,
+}
+
+/// A robot that can be built: one tree of modules, nothing overlapping, every number in range.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Morphology {
+    name: String,
+    description: String,
+    modules: Vec<Module>,
+    glue: Vec<Glue>,
+    pivots: Vec<Pivot>,
+    never_touch: Vec<(usize, usize)>,
+    mount_world_m: Option<Vector3<f64>>,
+    track: usize,
+    tree: Tree,
+    placements: Vec<Placement>,
+}
+
+impl Morphology {
+    /// Most modules of one robot.
+    pub const MAX_MODULES: usize = 200;
+
+    /// Checks a blueprint.
+    ///
+    /// # Errors
+    /// Whatever the [module page](self) says is refused; the error names the place as in a file, e.g. `modules[2].kind.mass_kg`.
+    pub fn new(blueprint: Blueprint) -> Result<Self> {
+        Self::check(blueprint).map_err(Flaw::without_file)
+    }
+
+    /// Reads a RON file.
+    ///
+    /// # Errors
+    /// As [`Source::read`] and [`Morphology::parse`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        Self::parse(&Source::read(path, "morphology")?)
+    }
+
+    /// Parses a RON text.
+    ///
+    /// # Errors
+    /// Text that is not RON of the form described on the [module page](self), or a robot that cannot be
+    /// built; always with file, line and column.
+    pub fn parse(source: &Source) -> Result<Self> {
+        parse_ron::<MorphologyFile>(source)?
+            .into_blueprint()
+            .and_then(Self::check)
+            .map_err(|flaw| flaw.in_file(source))
+    }
+
+    /// The robot as a RON text that [`Morphology::parse`] turns into an equal morphology.
+    ///
+    /// # Errors
+    /// None is known: every validated morphology can be written.
+    pub fn to_ron(&self) -> Result<String> {
+        write_ron(&MorphologyFile::from_morphology(self))
+    }
+
+    fn check(blueprint: Blueprint) -> Checked<Self> {
+        let Blueprint {
+            name,
+            description,
+            modules,
+            glue,
+            pivots,
+            never_touch,
+            mount_world_m,
+            track,
+        } = blueprint;
+        module::check_name(&name, "a robot", "name")?;
+        check_count(modules.len())?;
+        for (index, module) in modules.iter().enumerate() {
+            module.check(&format!("modules[{index}]"))?;
+        }
+        names(&modules)?;
+        pivot::check_names(&pivots, &modules)?;
+        check_never_touch(&never_touch, modules.len())?;
+        check_mount(mount_world_m)?;
+        let links = Links {
+            glue: &glue,
+            pivots: &pivots,
+        };
+        let tree = Tree::grow(&modules, links)?;
+        let track = track.unwrap_or(tree.root);
+        if track >= modules.len() {
+            return Err(Flaw::new(
+                "track",
+                Error::invalid("there is no such module")
+                    .found(format!("module number {track}"))
+                    .allowed(format!("0 to {}", modules.len() - 1)),
+            ));
+        }
+        let placements = layout::place(&modules, links, &tree);
+        let blocks = layout::blocks(&modules, &glue, &placements);
+        let are_apart = |a: usize, b: usize| {
+            never_touch.contains(&(a, b))
+                || never_touch.contains(&(b, a))
+                || pivots.iter().any(|pivot| {
+                    let ends = (pivot.parent, pivot.child);
+                    ends == (a, b) || ends == (b, a)
+                })
+        };
+        layout::check_overlap(&modules, &tree, &blocks, are_apart)?;
+        Ok(Self {
+            name,
+            description,
+            modules,
+            glue,
+            pivots,
+            never_touch,
+            mount_world_m,
+            track,
+            tree,
+            placements,
+        })
+    }
+
+    /// Checks what a robot would be called.
+    ///
+    /// # Errors
+    /// Anything but letters, digits, `_` and `-`, the last not in front; over [`Module::MAX_NAME`] characters.
+    pub fn check_name(name: &str) -> Result<()> {
+        module::check_name(name, "a robot", "name").map_err(Flaw::without_file)
+    }
+
+    /// Name of the robot.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Free text about the robot, possibly empty.
+    pub fn description(&self) -> &str {
+        &self.description
+    }
+
+    /// The modules, in the order of the file.
+    pub fn modules(&self) -> &[Module] {
+        &self.modules
+    }
+
+    /// The glue, in the order of the file.
+    pub fn glue(&self) -> &[Glue] {
+        &self.glue
+    }
+
+    /// The stated hinges, in the order of the file.
+    pub fn pivots(&self) -> &[Pivot] {
+        &self.pivots
+    }
+
+    /// Pairs of modules that never touch, in the order of the file.
+    pub fn never_touch(&self) -> &[(usize, usize)] {
+        &self.never_touch
+    }
+
+    /// Whether two modules are stated never to touch.
+    pub fn are_apart(&self, a: usize, b: usize) -> bool {
+        self.never_touch.contains(&(a, b)) || self.never_touch.contains(&(b, a))
+    }
+
+    /// Where the root module is held, world frame, upright, m; `None` for a robot that moves freely.
+    pub fn mount_world_m(&self) -> Option<Vector3<f64>> {
+        self.mount_world_m
+    }
+
+    /// Index of the module that is nobody's child.
+    pub fn root(&self) -> usize {
+        self.tree.root
+    }
+
+    /// Index of the module whose motion is recorded.
+    pub fn track(&self) -> usize {
+        self.track
+    }
+
+    /// Lets the glue set: rigid parts joined by hinges, in the robot frame at zero servo angles.
+    ///
+    /// Part 0 contains the root. Parts are numbered from the root outwards, at each module first its free
+    /// plate, then its children in the order of the glue, then those of stated hinges; hinge *k* moves part *k* + 1.
+    pub fn assemble(&self) -> Assembly {
+        assemble::assemble(self)
+    }
+
+    /// The robot in a few numbers.
+    pub fn summary(&self) -> Summary {
+        summary::summarise(self)
+    }
+
+    /// Free plates that overlap another module at some angle of their gait, all other servos at zero: pairs of the module with
+    /// the plate and the module that it hits. Such a servo is blocked, or a run starts with bodies inside each other.
+    pub fn blocked_plates(&self) -> Vec<(usize, usize)> {
+        sweep::blocked_plates(self)
+    }
+}
+
+fn check_never_touch(pairs: &[(usize, usize)], modules: usize) -> Checked<()> {
+    for (index, &(a, b)) in pairs.iter().enumerate() {
+        if a == b || a >= modules || b >= modules {
+            return Err(Flaw::new(
+                format!("never_touch[{index}]"),
+                Error::invalid("not a pair of modules")
+                    .found(format!("numbers {a} and {b}"))
+                    .allowed("two different modules of this robot"),
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn check_mount(mount_world_m: Option<Vector3<f64>>) -> Checked<()> {
+    for (index, value) in mount_world_m.iter().flatten().enumerate() {
+        module::Range::within(-1000.0, 1000.0, "m").check(*value, &format!("mount_m[{index}]"))?;
+    }
+    Ok(())
+}
+
+fn check_count(modules: usize) -> Checked<()> {
+    if (1..=Morphology::MAX_MODULES).contains(&modules) {
+        return Ok(());
+    }
+    let problem = if modules == 0 {
+        "a robot without modules"
+    } else {
+        "too many modules"
+    };
+    Err(Flaw::new(
+        "modules",
+        Error::invalid(problem)
+            .found(modules)
+            .allowed(format!("1 to {}", Morphology::MAX_MODULES)),
+    ))
+}
+
+/// The modules by name; refuses a name that is given twice.
+fn names(modules: &[Module]) -> Checked<HashMap<&str, usize>> {
+    let mut names: HashMap<&str, usize> = HashMap::new();
+    for (index, module) in modules.iter().enumerate() {
+        if let Some(first) = names.insert(&module.name, index) {
+            return Err(Flaw::new(
+                format!("modules[{index}].name"),
+                Error::invalid("two modules have the same name")
+                    .found(format!("`{}` is also modules[{first}]", module.name))
+                    .allowed("a name of its own for every module"),
+            ));
+        }
+    }
+    Ok(names)
+}

@@ -1,0 +1,107 @@
+//! What is allowed but probably not meant.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use nalgebra::Isometry3;
+
+use super::Morphology;
+use super::module::DriveAxis;
+use realgap_core::Warning;
+use realgap_core::warning::Code;
+
+/// Largest ratio of masses on the two sides of a joint that a solver holds together well.
+const MASS_RATIO: f64 = 1000.0;
+
+impl Morphology {
+    /// What is allowed but probably not meant: a gait that asks for more speed than its servo has (`servo-too-slow`) or bends a
+    /// face beyond a right angle (`bent-too-far`), a plate as large as its cube (`tied-plate`), a joint between a very light and a
+    /// very heavy part (`mass-ratio`).
+    pub fn warnings(&self) -> Vec<Warning> {
+        let modules = self.modules().iter();
+        let mut warnings: Vec<Warning> = modules
+            .filter_map(|module| {
+                let drive = module.drive?;
+                let peak_rad_s = TAU * drive.actuator.gait.frequency_hz * drive.actuator.gait.amplitude_rad.abs();
+                let limit_rad_s = drive.actuator.servo.max_speed_rad_s;
+                (peak_rad_s > limit_rad_s).then(|| {
+                    Warning::new(
+                        Code::ServoTooSlow,
+                        format!(
+                            "the gait of `{}` asks for {peak_rad_s:.2} rad/s, its servo turns at {limit_rad_s} rad/s at most",
+                            module.name
+                        ),
+                    )
+                })
+            })
+            .collect();
+        warnings.extend(self.bent_too_far());
+        warnings.extend(self.tied_plates());
+        warnings.extend(self.mass_ratios());
+        warnings
+    }
+
+    fn bent_too_far(&self) -> impl Iterator<Item = Warning> {
+        self.modules().iter().filter_map(|module| {
+            let drive = module.drive?;
+            let farthest_rad = drive.actuator.gait.offset_rad.abs() + drive.actuator.gait.amplitude_rad.abs();
+            let bends = matches!(drive.axis, DriveAxis::Tangent { .. });
+            (bends && farthest_rad > FRAC_PI_2 * (1.0 + 1e-9)).then(|| {
+                Warning::new(
+                    Code::BentTooFar,
+                    format!(
+                        "the gait of `{}` bends its face by up to {:.0} degrees, into its own cube: a right angle is the most; \
+                         lower offset_rad or amplitude_rad",
+                        module.name,
+                        farthest_rad.to_degrees()
+                    ),
+                )
+            })
+        })
+    }
+
+    fn tied_plates(&self) -> impl Iterator<Item = Warning> {
+        self.modules().iter().filter_map(|module| {
+            let plate = module.plate()?;
+            (module.is_cube() && plate.side_m == module.sides_m.x).then(|| {
+                Warning::new(
+                    Code::TiedPlate,
+                    format!(
+                        "the plate of `{}` is as large as its cube: both carry the robot, and only a difference of their frictions (friction_plate_relative of the noise) decides which of them slips",
+                        module.name
+                    ),
+                )
+            })
+        })
+    }
+
+    fn mass_ratios(&self) -> Vec<Warning> {
+        let assembly = self.assemble();
+        let masses_kg: Vec<f64> = assembly
+            .parts
+            .iter()
+            .map(|part| part.mass(&Isometry3::identity()).mass_kg)
+            .collect();
+        let of = |hinge: &super::Hinge| {
+            let [a, b] = [hinge.parent_part, hinge.child_part].map(|part| masses_kg[part]);
+            (a.min(b), a.max(b))
+        };
+        let hinges = assembly.hinges.iter();
+        hinges
+            .filter(|hinge| {
+                let (light_kg, heavy_kg) = of(hinge);
+                heavy_kg > MASS_RATIO * light_kg
+            })
+            .map(|hinge| {
+                let (light_kg, heavy_kg) = of(hinge);
+                Warning::new(
+                    Code::MassRatio,
+                    format!(
+                        "the joint `{}` has {light_kg} kg and {heavy_kg} kg on its sides: beyond a ratio of {MASS_RATIO} joints come apart \
+                         in any simulation; check the masses",
+                        hinge.name
+                    ),
+                )
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,379 @@
+//! Many trials of a few readings at a distance: what is believed, for a simulated sensor and for a real log (paper 000, section 5.1).
+
+use rand::RngExt;
+use serde::Serialize;
+
+use super::Belief;
+use crate::range::{Beam, RangeModel, RangeSensor, ReadingLog};
+use realgap_core::error::{Error, Result};
+use realgap_core::random::{Numbered, Once};
+use realgap_core::statistics::{mean, quantile};
+use realgap_core::warning::{Code, Warning};
+
+/// What is tried.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BeliefOptions {
+    /// True distances at the beginning of a trial, in the model's unit.
+    pub distances: Vec<f64>,
+    /// Trials.
+    pub trials: usize,
+    /// Readings of a trial.
+    pub readings: usize,
+    /// Cells of the grid over the sensor's range.
+    pub cells: usize,
+    /// How much closer the robot comes from one reading to the next, in the model's unit; 0 stands still.
+    pub approach: f64,
+    /// Standard deviation of that, which robot and filter know.
+    pub approach_sd: f64,
+    /// Seed of the simulated readings.
+    pub seed: u64,
+}
+
+impl Default for BeliefOptions {
+    fn default() -> Self {
+        Self {
+            distances: Vec::new(),
+            trials: 200,
+            readings: 10,
+            cells: 401,
+            approach: 0.0,
+            approach_sd: 0.0,
+            seed: 1,
+        }
+    }
+}
+
+/// What is believed after the readings of many trials.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TrialSet {
+    /// Trials.
+    pub trials: usize,
+    /// Probability of each cell, mean over the trials.
+    pub mean: Vec<f64>,
+    /// Its 5 % and
+    pub q05: Vec<f64>,
+    /// 95 % quantile over the trials: a 90 % band.
+    pub q95: Vec<f64>,
+    /// Standard deviation of a trial's belief, mean over the trials, in the model's unit.
+    pub belief_sd: f64,
+    /// Mean of the beliefs' means less the true distance, in the model's unit.
+    pub bias: f64,
+    /// Share of trials whose 90 % credible interval holds the true distance.
+    pub held: f64,
+    /// How often all mass was gone.
+    pub restarts: usize,
+}
+
+/// Simulated and real beliefs at one distance.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Side {
+    /// True distance at the end of a trial, in the model's unit.
+    pub distance: f64,
+    /// The cells, in the model's unit.
+    pub cells: Vec<f64>,
+    /// Of the simulated sensor.
+    pub simulated: TrialSet,
+    /// Of the real log, where there is one.
+    pub real: Option<TrialSet>,
+    /// Readings of the log at this distance.
+    pub logged: Option<usize>,
+    /// Common area of the two mean beliefs, 0 to 1.
+    pub overlap: Option<f64>,
+    /// Standard deviation that a Kalman filter believes after as many readings, in the model's unit, where the mean is linear and the
+    /// robot stands still.
+    pub kalman_sd: Option<f64>,
+}
+
+/// Beliefs at some distances.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct BeliefReport {
+    /// Symbol of the model's unit of length.
+    pub unit: &'static str,
+    /// Readings of a trial.
+    pub readings: usize,
+    /// Distance by distance.
+    pub distances: Vec<Side>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// A belief whose standard deviation is below this share of a cell is one of the grid, not of the sensor.
+const NARROW: f64 = 0.6;
+/// Level of credible intervals and bands.
+const LEVEL: f64 = 0.9;
+
+impl BeliefReport {
+    /// Believes readings of the model, and of a log where there is one.
+    ///
+    /// # Errors
+    /// No distance, distances that are not positive, no trials or readings, a log in other units or without readings at a distance, a
+    /// log together with a motion.
+    pub fn new(
+        model: &RangeModel,
+        log: Option<&ReadingLog>,
+        options: &BeliefOptions,
+    ) -> Result<Self> {
+        check(model, log, options)?;
+        let metres = model.distance_unit.metres();
+        let mut warnings = Vec::new();
+        let mut distances = Vec::new();
+        for (index, &start) in options.distances.iter().enumerate() {
+            let distance = start - options.approach * (options.readings - 1) as f64;
+            for d in [start, distance] {
+                warnings.extend(model.warning_at(d * metres));
+            }
+            let simulated = simulate(model, options, index, start);
+            let real_readings = log.map(|log| logged(log, distance));
+            let real = match &real_readings {
+                Some(readings) if readings.is_empty() => {
+                    return Err(Error::invalid("the log has no readings at this distance")
+                        .field("distances")
+                        .found(format!("{distance} {}", model.distance_unit.symbol())));
+                }
+                Some(readings) => Some(replay(model, options, index, distance, readings)),
+                None => None,
+            };
+            let overlap = real.as_ref().map(|real: &TrialSet| {
+                real.mean
+                    .iter()
+                    .zip(&simulated.mean)
+                    .map(|(a, b)| a.min(*b))
+                    .sum()
+            });
+            distances.push(Side {
+                distance,
+                cells: grid(model, options)
+                    .distances_m()
+                    .iter()
+                    .map(|d| d / metres)
+                    .collect(),
+                simulated,
+                real,
+                logged: real_readings.map(|r| r.len()),
+                overlap,
+                kalman_sd: kalman_sd(model, distance, options),
+            });
+        }
+        let restarts: usize = distances
+            .iter()
+            .map(|s| s.simulated.restarts + s.real.as_ref().map_or(0, |r| r.restarts))
+            .sum();
+        let cell = (model.range.1 - model.range.0) / (options.cells - 1) as f64;
+        let narrow = |side: &Side| side.simulated.belief_sd < NARROW * cell;
+        if let Some(side) = distances.iter().find(|side| narrow(side)) {
+            warnings.push(Warning::new(
+                Code::CoarseGrid,
+                format!(
+                    "cells of {cell:.3} {} are too wide for beliefs at {}: take more of them",
+                    model.distance_unit.symbol(),
+                    side.distance
+                ),
+            ));
+        }
+        if restarts > 0 {
+            warnings.push(Warning::new(
+                Code::BeliefRestarted,
+                format!("readings were impossible at every distance {restarts} times; the belief began again from the uniform one"),
+            ));
+        }
+        Ok(Self {
+            unit: model.distance_unit.symbol(),
+            readings: options.readings,
+            distances,
+            warnings,
+        })
+    }
+}
+
+fn check(model: &RangeModel, log: Option<&ReadingLog>, options: &BeliefOptions) -> Result<()> {
+    let wrong = |field: &str, found: String, allowed: &str| {
+        Err(Error::invalid("out of range")
+            .field(field)
+            .found(found)
+            .allowed(allowed))
+    };
+    if options.distances.is_empty() || options.distances.len() > 100 {
+        return wrong(
+            "distances",
+            options.distances.len().to_string(),
+            "1 to 100 distances",
+        );
+    }
+    let last = |start: f64| start - options.approach * (options.readings.max(1) - 1) as f64;
+    if let Some(d) = options
+        .distances
+        .iter()
+        .find(|d| !(d.is_finite() && **d > 0.0 && last(**d) > 0.0))
+    {
+        return wrong(
+            "distances",
+            d.to_string(),
+            "above 0, also after the approach",
+        );
+    }
+    for (field, found, most) in [
+        ("trials", options.trials, 1_000_000),
+        ("readings", options.readings, 100_000),
+        ("cells", options.cells, 100_000),
+    ] {
+        if !(1..=most).contains(&found) || (field == "cells" && found < 2) {
+            return wrong(
+                field,
+                found.to_string(),
+                &format!("1 to {most}, 2 cells or more"),
+            );
+        }
+    }
+    if !(options.approach_sd >= 0.0 && options.approach.is_finite()) {
+        return wrong(
+            "approach",
+            options.approach.to_string(),
+            "finite, its deviation 0 or more",
+        );
+    }
+    let Some(log) = log else {
+        return Ok(());
+    };
+    if options.approach != 0.0 {
+        return Err(Error::invalid("a log at fixed distances has no approach")
+            .field("approach")
+            .hint("leave out the approach or the log"));
+    }
+    let own = (model.distance_unit.symbol(), model.reading_unit.symbol());
+    let others = (log.distance_unit.symbol(), log.reading_unit.symbol());
+    if own != others {
+        return Err(Error::invalid("log and model are in other units")
+            .found(format!(
+                "distances in {}, readings in `{}`",
+                others.0, others.1
+            ))
+            .allowed(format!("distances in {}, readings in `{}`", own.0, own.1)));
+    }
+    Ok(())
+}
+
+fn grid(model: &RangeModel, options: &BeliefOptions) -> Belief {
+    let (near_m, far_m) = model.range_m();
+    Belief::uniform(near_m, far_m, options.cells)
+}
+
+/// Trials of readings that the model draws.
+fn simulate(model: &RangeModel, options: &BeliefOptions, index: usize, start: f64) -> TrialSet {
+    let metres = model.distance_unit.metres();
+    let mut beliefs = Vec::with_capacity(options.trials);
+    for trial in 0..options.trials {
+        let number = (index * options.trials + trial) as u64;
+        let mut rng = Numbered::SensorReading.generator(options.seed, number);
+        let mut belief = grid(model, options);
+        for reading in 0..options.readings {
+            if reading > 0 && options.approach != 0.0 {
+                belief.move_by(options.approach * metres, options.approach_sd * metres);
+            }
+            let distance = start - options.approach * reading as f64;
+            if let Some(value) = model.draw(&Beam::straight(distance * metres), &mut rng) {
+                belief.observe(model, value);
+            }
+        }
+        beliefs.push(belief);
+    }
+    let end = start - options.approach * (options.readings - 1) as f64;
+    summary(&beliefs, end * metres, metres)
+}
+
+/// Readings of the log at a distance, in its order.
+fn logged(log: &ReadingLog, distance: f64) -> Vec<Option<f64>> {
+    let same = log
+        .readings
+        .iter()
+        .filter(|r| (r.distance - distance).abs() < 1e-9 * distance.max(1.0));
+    same.map(|r| r.value).collect()
+}
+
+/// Trials of readings of a log: one after the other while they last, then drawn again at random.
+fn replay(
+    model: &RangeModel,
+    options: &BeliefOptions,
+    index: usize,
+    distance: f64,
+    readings: &[Option<f64>],
+) -> TrialSet {
+    let mut rng = Once::Subset.generator(options.seed.wrapping_add(index as u64));
+    let mut next = 0;
+    let beliefs: Vec<Belief> = (0..options.trials)
+        .map(|_| {
+            let mut belief = grid(model, options);
+            for _ in 0..options.readings {
+                let value = match readings.get(next) {
+                    Some(value) => *value,
+                    None => readings[rng.random_range(0..readings.len())],
+                };
+                next += 1;
+                if let Some(value) = value {
+                    belief.observe(model, value);
+                }
+            }
+            belief
+        })
+        .collect();
+    let metres = model.distance_unit.metres();
+    summary(&beliefs, distance * metres, metres)
+}
+
+fn summary(beliefs: &[Belief], true_m: f64, metres: f64) -> TrialSet {
+    let probabilities: Vec<Vec<f64>> = beliefs.iter().map(Belief::probabilities).collect();
+    let cells = probabilities.first().map_or(0, Vec::len);
+    let of = |cell: usize| probabilities.iter().map(|p| p[cell]).collect::<Vec<f64>>();
+    let tail = 0.5 * (1.0 - LEVEL);
+    let held = beliefs.iter().zip(&probabilities).filter(|(belief, p)| {
+        // The mass below the true distance, half of its own cell included.
+        let distances = belief.distances_m();
+        let below: f64 = p
+            .iter()
+            .zip(distances)
+            .filter(|(_, d)| **d < true_m - 1e-12)
+            .map(|(p, _)| p)
+            .sum();
+        let own: f64 = p
+            .iter()
+            .zip(distances)
+            .filter(|(_, d)| (**d - true_m).abs() <= 1e-12)
+            .map(|(p, _)| p)
+            .sum();
+        (tail..=1.0 - tail).contains(&(below + 0.5 * own))
+    });
+    let sds: Vec<f64> = beliefs.iter().map(|b| b.sd_m() / metres).collect();
+    let means: Vec<f64> = beliefs
+        .iter()
+        .map(|b| (b.mean_m() - true_m) / metres)
+        .collect();
+    TrialSet {
+        trials: beliefs.len(),
+        mean: (0..cells).map(|cell| mean(&of(cell))).collect(),
+        q05: (0..cells).map(|cell| quantile(&of(cell), tail)).collect(),
+        q95: (0..cells)
+            .map(|cell| quantile(&of(cell), 1.0 - tail))
+            .collect(),
+        belief_sd: mean(&sds),
+        bias: mean(&means),
+        held: held.count() as f64 / beliefs.len() as f64,
+        restarts: beliefs.iter().map(Belief::restarts).sum(),
+    }
+}
+
+/// What a Kalman filter believes of a constant after so many readings: gains K = P / (P + R) with R at the true distance, from the
+/// uniform belief's variance.
+fn kalman_sd(model: &RangeModel, distance: f64, options: &BeliefOptions) -> Option<f64> {
+    if model.mean.form.name() != "linear" || options.approach != 0.0 {
+        return None;
+    }
+    let slope = model.mean.values[1];
+    let noise = (model.spread.at(distance) / slope).powi(2);
+    let mut variance = (model.range.1 - model.range.0).powi(2) / 12.0;
+    for _ in 0..options.readings {
+        variance *= 1.0 - variance / (variance + noise);
+    }
+    Some(variance.sqrt())
+}

@@ -1,0 +1,350 @@
+//! A sensorgraph against a log that it has not seen (paper 001, sections 3.2.1 and 3.2.2).
+
+use rand::RngExt;
+use serde::Serialize;
+
+use super::model::{NOTHING, Sensorgraph};
+use super::scan::{ScanLog, wrapped};
+use crate::arena::Arena;
+use realgap_core::error::{Error, Result};
+use realgap_core::random::Once;
+use realgap_core::statistics::{
+    autocorrelation_time, independent_pairs, mann_whitney, mean, spearman, spearman_worth,
+    standard_deviation,
+};
+use realgap_core::warning::{Code, Warning};
+
+/// One segment of the scan.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SegmentReport {
+    /// Middle of the segment, degrees counter-clockwise from straight ahead.
+    pub segment_deg: f64,
+    /// Scans in which something came back from there.
+    pub samples: usize,
+    /// Mean absolute error, metres.
+    pub mean_absolute_error_m: f64,
+    /// Its standard error, metres: scans along the way count as often as their errors are independent.
+    pub standard_error_m: f64,
+    /// So many scans are worth one independent error.
+    pub scans_per_error: f64,
+    /// Mean absolute error of the segment's mean over the log of the fit, metres.
+    pub baseline_constant_m: f64,
+    /// Mean absolute error of the reading at the nearest logged pose, metres.
+    pub baseline_nearest_m: Option<f64>,
+    /// Mean absolute error of ideal beams in an arena, where one is given.
+    pub baseline_ray_casting_m: Option<f64>,
+    /// Spearman's rank correlation of predicted and actual ranges; `None` where one of the two does not vary.
+    pub spearman: Option<f64>,
+    /// Its p value for as many independent pairs as the way is worth; `None` where these are fewer than three.
+    pub p: Option<f64>,
+    /// p value of Mann and Whitney's test of the errors against those of a random guess, of as many scans as are nearly independent.
+    pub mann_whitney_p: f64,
+}
+
+/// A sensorgraph held against a log.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Evaluation {
+    /// Mean absolute error over all segments of all scans, metres.
+    pub mean_absolute_error_m: f64,
+    /// Its standard error, metres: of the means of ten parts of the way, because neighbouring scans err alike.
+    pub standard_error_m: f64,
+    /// The same error of a guess that is always the segment's mean over the log of the fit, metres.
+    pub baseline_constant_m: f64,
+    /// Of the reading at the nearest logged pose, a radian of heading counting as a metre.
+    pub baseline_nearest_m: Option<f64>,
+    /// Of the reading at the nearest logged place, turned to the heading: the log itself used as a map.
+    pub baseline_nearest_turned_m: Option<f64>,
+    /// Of ideal beams in an arena, where one is given.
+    pub baseline_ray_casting_m: Option<f64>,
+    /// Of a guess drawn evenly from the ranges of the log.
+    pub baseline_random_m: f64,
+    /// Spearman's rank correlation of predicted and actual ranges, all segments together.
+    pub spearman: Option<f64>,
+    /// Its p value for as many independent pairs as the way is worth in its best segment: segments of one scan count once.
+    pub p: Option<f64>,
+    /// p value of Mann and Whitney's test of the errors against those of the random guess, of one scan in `every`.
+    pub mann_whitney_p: f64,
+    /// From so many scans to as many later the errors of every segment are nearly independent.
+    pub every: usize,
+    /// Scans of the log,
+    pub scans: usize,
+    /// and segments in which something came back.
+    pub samples: usize,
+    /// Share of scans at places outside of the rectangle that the fit has seen.
+    pub outside: f64,
+    /// Segment by segment.
+    pub segments: Vec<SegmentReport>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// What one segment of one scan was, and what each guess said.
+struct Sample {
+    segment: usize,
+    scan: usize,
+    actual_m: f64,
+    predicted_m: f64,
+    constant_m: f64,
+    random_m: f64,
+    nearest_m: Option<f64>,
+    turned_m: Option<f64>,
+    cast_m: Option<f64>,
+}
+
+/// Parts of the way whose means are taken as independent.
+const PARTS: usize = 10;
+/// Metres that a radian of heading counts as, for what the nearest pose is.
+const METRES_PER_RADIAN: f64 = 1.0;
+
+impl Evaluation {
+    /// Holds the model against a log; `arena` is where ideal beams are cast to compare with.
+    ///
+    /// # Errors
+    /// A log whose beams do not cover the model's segments, or from which nothing came back.
+    pub fn new(
+        model: &Sensorgraph,
+        log: &ScanLog,
+        arena: Option<&Arena>,
+        seed: u64,
+    ) -> Result<Self> {
+        let samples = samples(model, log, arena, seed);
+        if samples.is_empty() {
+            return Err(
+                Error::invalid("nothing came back from any segment of the model").hint(
+                    "are the beams of this log in the directions that the model was fitted to?",
+                ),
+            );
+        }
+        let all: Vec<&Sample> = samples.iter().collect();
+        let whole = errors(&all);
+        let by_segment: Vec<(f64, Vec<&Sample>)> = model
+            .segments_deg
+            .iter()
+            .enumerate()
+            .map(|(segment, degrees)| {
+                let own = samples.iter().filter(|s| s.segment == segment);
+                (*degrees, own.collect())
+            })
+            .filter(|(_, own): &(f64, Vec<&Sample>)| !own.is_empty())
+            .collect();
+        let segments: Vec<SegmentReport> = by_segment
+            .iter()
+            .map(|(degrees, own)| segment_report(*degrees, own))
+            .collect::<Result<_>>()?;
+        let every = segments
+            .iter()
+            .map(|s| s.scans_per_error.ceil() as usize)
+            .fold(1, usize::max);
+        let mann_whitney_p = against_random(&all, |s| s.scan % every == 0)?;
+        let pairs = by_segment.iter().map(|(_, own)| pairs_worth(own));
+        let (rank, p) = ranks(&all, pairs.fold(0.0, f64::max));
+        let within = log.scans.iter().filter(|scan| {
+            let [u, v] = model.scaled(scan.position_world_m);
+            let (low, high) = model.extent();
+            (low[0]..=high[0]).contains(&u) && (low[1]..=high[1]).contains(&v)
+        });
+        let outside = 1.0 - within.count() as f64 / log.scans.len() as f64;
+        let mut warnings = Vec::new();
+        if outside > 0.0 {
+            warnings.push(Warning::new(
+                Code::Extrapolated,
+                format!("{:.1} % of the scans were taken outside of the places that the model was fitted to", 100.0 * outside),
+            ));
+        }
+        if let Some(arena) = arena {
+            let inside = log
+                .scans
+                .iter()
+                .filter(|scan| arena.check_place(scan.position_world_m, 0.0).is_err());
+            let inside = inside.count();
+            if inside > 0 {
+                warnings.push(Warning::new(
+                    Code::InsideWall,
+                    format!("{inside} of {} scans were taken inside of a wall of the arena, or outside of its field: is it the arena of this log?", log.scans.len()),
+                ));
+            }
+        }
+        let baseline_constant_m = mean(&whole(|s| Some(s.constant_m)));
+        let mean_absolute_error_m = mean(&whole(|s| Some(s.predicted_m)));
+        if mean_absolute_error_m >= baseline_constant_m {
+            warnings.push(Warning::new(
+                Code::BaselineNotBeaten,
+                "the model foretells no better than each segment's mean does",
+            ));
+        }
+        let optional = |of: fn(&Sample) -> Option<f64>| {
+            let found = whole(of);
+            (!found.is_empty()).then(|| mean(&found))
+        };
+        Ok(Self {
+            mean_absolute_error_m,
+            standard_error_m: by_parts(&all, log.scans.len()),
+            baseline_constant_m,
+            baseline_nearest_m: optional(|s| s.nearest_m),
+            baseline_nearest_turned_m: optional(|s| s.turned_m),
+            baseline_ray_casting_m: optional(|s| s.cast_m),
+            baseline_random_m: mean(&whole(|s| Some(s.random_m))),
+            spearman: rank,
+            p,
+            mann_whitney_p,
+            every,
+            scans: log.scans.len(),
+            samples: samples.len(),
+            outside,
+            segments,
+            warnings,
+        })
+    }
+}
+
+/// Absolute errors of one of the guesses, where it said something.
+fn errors<'a>(samples: &'a [&Sample]) -> impl Fn(fn(&Sample) -> Option<f64>) -> Vec<f64> + 'a {
+    move |of| {
+        samples
+            .iter()
+            .filter_map(|s| Some((of(s)? - s.actual_m).abs()))
+            .collect()
+    }
+}
+
+/// p value of the errors of the samples that are `kept` against the random guess's; of all where hardly any are.
+fn against_random(samples: &[&Sample], kept: impl Fn(&Sample) -> bool) -> Result<f64> {
+    let thinned: Vec<&Sample> = samples.iter().copied().filter(|s| kept(s)).collect();
+    let of = errors(if thinned.is_empty() {
+        samples
+    } else {
+        &thinned
+    });
+    Ok(mann_whitney(&of(|s| Some(s.predicted_m)), &of(|s| Some(s.random_m)))?.p_value)
+}
+
+/// Predicted and actual ranges.
+fn both(samples: &[&Sample]) -> (Vec<f64>, Vec<f64>) {
+    samples.iter().map(|s| (s.predicted_m, s.actual_m)).unzip()
+}
+
+/// How many independent pairs of predicted and actual ranges the samples of one segment are worth.
+fn pairs_worth(samples: &[&Sample]) -> f64 {
+    let (predicted, actual) = both(samples);
+    independent_pairs(&predicted, &actual)
+}
+
+fn ranks(samples: &[&Sample], pairs: f64) -> (Option<f64>, Option<f64>) {
+    let (predicted, actual) = both(samples);
+    (
+        spearman(&predicted, &actual).ok().map(|t| t.statistic),
+        spearman_worth(&predicted, &actual, pairs)
+            .ok()
+            .map(|t| t.p_value),
+    )
+}
+
+fn segment_report(segment_deg: f64, samples: &[&Sample]) -> Result<SegmentReport> {
+    let of = errors(samples);
+    let own = of(|s| Some(s.predicted_m));
+    let optional = |of: Vec<f64>| (!of.is_empty()).then(|| mean(&of));
+    let (rank, p) = ranks(samples, pairs_worth(samples));
+    let scans_per_error = autocorrelation_time(&own);
+    let every = scans_per_error.ceil() as usize;
+    Ok(SegmentReport {
+        segment_deg,
+        samples: samples.len(),
+        mean_absolute_error_m: mean(&own),
+        standard_error_m: standard_deviation(&own) * (scans_per_error / own.len() as f64).sqrt(),
+        scans_per_error,
+        baseline_constant_m: mean(&of(|s| Some(s.constant_m))),
+        baseline_nearest_m: optional(of(|s| s.nearest_m)),
+        baseline_ray_casting_m: optional(of(|s| s.cast_m)),
+        spearman: rank,
+        p,
+        mann_whitney_p: against_random(samples, |s| s.scan % every == 0)?,
+    })
+}
+
+/// Standard error of the mean from those of the parts of the way.
+fn by_parts(samples: &[&Sample], scans: usize) -> f64 {
+    let part = |scan: usize| scan * PARTS / scans;
+    let means: Vec<f64> = (0..PARTS)
+        .filter_map(|wanted| {
+            let own: Vec<&Sample> = samples
+                .iter()
+                .copied()
+                .filter(|s| part(s.scan) == wanted)
+                .collect();
+            (!own.is_empty()).then(|| mean(&errors(&own)(|s| Some(s.predicted_m))))
+        })
+        .collect();
+    standard_deviation(&means) / (means.len() as f64).sqrt()
+}
+
+fn samples(model: &Sensorgraph, log: &ScanLog, arena: Option<&Arena>, seed: u64) -> Vec<Sample> {
+    let ideal = arena.map(|arena| log.cast_in(arena));
+    let mut rng = Once::RandomGuess.generator(seed);
+    let known = || {
+        model
+            .log
+            .iter()
+            .flat_map(|pose| &pose.segments_m)
+            .copied()
+            .filter(|m| *m != NOTHING)
+    };
+    let (low, high) = (
+        known().fold(f64::INFINITY, f64::min),
+        known().fold(f64::NEG_INFINITY, f64::max),
+    );
+    let limits = model.polynomials.iter().map(|p| p.limits_m);
+    let (low, high) = if low <= high {
+        (low, high)
+    } else {
+        limits.fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| {
+            (a.0.min(b.0), a.1.max(b.1))
+        })
+    };
+    let width = model.width_deg.to_radians();
+    let mut samples = Vec::new();
+    for (index, scan) in log.scans.iter().enumerate() {
+        let off = |pose: &super::LoggedPose, metres_per_radian: f64| {
+            let [dx, dy] = [
+                pose.pose.0 - scan.position_world_m[0],
+                pose.pose.1 - scan.position_world_m[1],
+            ];
+            let turn = metres_per_radian * wrapped(pose.pose.2 - scan.heading_rad);
+            dx * dx + dy * dy + turn * turn
+        };
+        let nearest = |metres_per_radian: f64| {
+            model
+                .log
+                .iter()
+                .min_by(|a, b| off(a, metres_per_radian).total_cmp(&off(b, metres_per_radian)))
+        };
+        let (pose, place) = (nearest(METRES_PER_RADIAN), nearest(0.0));
+        let something = |m: f64| (m != NOTHING).then_some(m);
+        for (segment, degrees) in model.segments_deg.iter().enumerate() {
+            let Some(actual_m) = log.median_m(scan, degrees.to_radians(), width) else {
+                continue;
+            };
+            let turned = place.and_then(|place| {
+                let (before, share) = model.between(scan.heading_rad, segment);
+                let at = |k: usize| something(*place.directions_m.get(k % model.headings)?);
+                let (low, high) = (at(before)?, at(before + 1)?);
+                Some(low + share * (high - low))
+            });
+            samples.push(Sample {
+                segment,
+                scan: index,
+                actual_m,
+                predicted_m: model.range_m(scan.position_world_m, scan.heading_rad, segment),
+                constant_m: model.means_m[segment],
+                random_m: low + (high - low) * rng.random::<f64>(),
+                nearest_m: pose.and_then(|pose| something(pose.segments_m[segment])),
+                turned_m: turned,
+                cast_m: ideal.as_ref().and_then(|ideal| {
+                    ideal.median_m(&ideal.scans[index], degrees.to_radians(), width)
+                }),
+            });
+        }
+    }
+    samples
+}

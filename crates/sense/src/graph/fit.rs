@@ -1,0 +1,216 @@
+//! From a log of scans to a sensorgraph.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::model::{Frame, Polynomial, Sensorgraph};
+use super::polynomial::{FOLDS, SAMPLES_PER_TERM, fold, polynomial};
+use super::regression::{Stop, monomials};
+use super::sample::{frame_of_log, logged, samples};
+use super::scan::ScanLog;
+use realgap_core::error::{Error, Result};
+use realgap_core::statistics::mean;
+use realgap_core::warning::{Code, Warning};
+
+/// How a log becomes a sensorgraph.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GraphOptions {
+    /// Largest degree of the polynomials.
+    pub degree: u32,
+    /// Ranges of headings, or directions of the world.
+    pub headings: usize,
+    /// Width of a segment of the scan, degrees.
+    pub width_deg: f64,
+    /// When no more terms are taken.
+    pub stop: Stop,
+    /// What the polynomials are of; where there is none, what foretells parts of the way that are left out better.
+    pub frame: Option<Frame>,
+}
+
+impl Default for GraphOptions {
+    fn default() -> Self {
+        Self {
+            degree: 4,
+            headings: 12,
+            width_deg: 30.0,
+            stop: Stop::Validation,
+            frame: None,
+        }
+    }
+}
+
+/// A fitted sensorgraph and what chose it.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FittedGraph {
+    /// The model.
+    #[serde(skip)]
+    pub model: Sensorgraph,
+    /// Scans of the log.
+    pub scans: usize,
+    /// Mean absolute error over parts of the way that were left out, metres, with polynomials of headings and segments; `None` where it
+    /// was not tried.
+    pub robot_frame_error_m: Option<f64>,
+    /// And with polynomials of directions of the world.
+    pub world_frame_error_m: Option<f64>,
+    /// Which was taken.
+    pub frame: Frame,
+    /// Number of polynomials,
+    pub polynomials: usize,
+    /// and of all their terms.
+    pub terms: usize,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Fits a sensorgraph to a log.
+///
+/// # Errors
+/// Options out of range, a log too short or without a return, a robot that never moved.
+pub fn fit(log: &ScanLog, options: &GraphOptions) -> Result<FittedGraph> {
+    check(options)?;
+    if log.scans.len() < 2 * FOLDS {
+        return Err(Error::invalid("too few scans for a sensorgraph")
+            .found(log.scans.len())
+            .allowed(format!("{} or more", 2 * FOLDS)));
+    }
+    let base = frame_of_log(log, options)?;
+    let mut warnings = Vec::new();
+    let frames = match options.frame {
+        Some(frame) => vec![frame],
+        None => vec![Frame::Robot, Frame::World],
+    };
+    let mut tried: Vec<(Frame, f64, Sensorgraph)> = Vec::new();
+    for frame in frames {
+        let graph = Sensorgraph {
+            frame,
+            ..base.clone()
+        };
+        let error_m = if options.frame.is_some() {
+            0.0
+        } else {
+            left_out_error_m(log, &graph, options)
+        };
+        tried.push((frame, error_m, graph));
+    }
+    let error_of = |wanted: Frame| {
+        tried
+            .iter()
+            .find(|(frame, ..)| *frame == wanted && options.frame.is_none())
+            .map(|t| t.1)
+    };
+    let (robot_frame_error_m, world_frame_error_m) =
+        (error_of(Frame::Robot), error_of(Frame::World));
+    tried.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let (frame, _, graph) = tried.remove(0);
+    let whole: Vec<bool> = vec![true; log.scans.len()];
+    let mut model = with_polynomials(log, graph, options, &whole);
+    let empty = model.polynomials.iter().filter(|p| p.samples == 0).count();
+    if empty > 0 {
+        warnings.push(Warning::new(
+            Code::EmptyHeadings,
+            format!("the log has no sample for {empty} of {} polynomials; the mean of all stands in for them", model.polynomials.len()),
+        ));
+    }
+    if let Stop::Terms(asked) = options.stop {
+        let asked = asked.min(monomials(options.degree).len());
+        let short = |p: &&Polynomial| p.samples > 0 && p.terms.len() < asked;
+        let fewer = model.polynomials.iter().filter(short).count();
+        if fewer > 0 {
+            warnings.push(Warning::new(
+                Code::FewerTerms,
+                format!(
+                    "{fewer} of {} polynomials have fewer than {asked} terms: a term needs {SAMPLES_PER_TERM} samples, and places that differ",
+                    model.polynomials.len()
+                ),
+            ));
+        }
+    }
+    model.log = logged(log, &model);
+    Ok(FittedGraph {
+        scans: log.scans.len(),
+        robot_frame_error_m,
+        world_frame_error_m,
+        frame,
+        polynomials: model.polynomials.len(),
+        terms: model.polynomials.iter().map(|p| p.terms.len()).sum(),
+        warnings,
+        model,
+    })
+}
+
+fn check(options: &GraphOptions) -> Result<()> {
+    let range = |field: &str, found: f64, low: f64, high: f64| {
+        if (low..=high).contains(&found) {
+            return Ok(());
+        }
+        Err(Error::invalid("out of range")
+            .field(field)
+            .found(found)
+            .allowed(format!("{low} to {high}")))
+    };
+    range("degree", f64::from(options.degree), 0.0, 8.0)?;
+    range("headings", options.headings as f64, 1.0, 360.0)?;
+    range("width", options.width_deg, 1.0, 180.0)?;
+    match options.stop {
+        Stop::Err(share) => range("error reduction ratio", share, 0.0, 1.0),
+        Stop::Terms(terms) => range("terms", terms as f64, 1.0, 100.0),
+        _ => Ok(()),
+    }
+}
+
+fn with_polynomials(
+    log: &ScanLog,
+    graph: Sensorgraph,
+    options: &GraphOptions,
+    used: &[bool],
+) -> Sensorgraph {
+    let samples = samples(log, &graph, used);
+    let everything = mean(&graph.means_m);
+    let polynomials = samples
+        .par_iter()
+        .enumerate()
+        .map(|(index, samples)| {
+            let instead = match graph.frame {
+                Frame::Robot => graph.means_m[index % graph.segments_deg.len()],
+                Frame::World => everything,
+            };
+            polynomial(samples, options, instead)
+        })
+        .collect();
+    Sensorgraph {
+        polynomials,
+        ..graph
+    }
+}
+
+/// Mean absolute error of segments over parts of the way that are left out, metres.
+fn left_out_error_m(log: &ScanLog, graph: &Sensorgraph, options: &GraphOptions) -> f64 {
+    let (mut sum, mut count) = (0.0, 0);
+    let width = graph.width_deg.to_radians();
+    for left_out in 0..FOLDS {
+        let is_out = |index: usize| fold(index as f64 / log.scans.len() as f64) == left_out;
+        let used: Vec<bool> = (0..log.scans.len()).map(|index| !is_out(index)).collect();
+        let fitted = with_polynomials(log, graph.clone(), options, &used);
+        for (_, scan) in log
+            .scans
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| is_out(*index))
+        {
+            for (segment, degrees) in graph.segments_deg.iter().enumerate() {
+                if let Some(range_m) = log.median_m(scan, degrees.to_radians(), width) {
+                    sum += (fitted.range_m(scan.position_world_m, scan.heading_rad, segment)
+                        - range_m)
+                        .abs();
+                    count += 1;
+                }
+            }
+        }
+    }
+    if count == 0 {
+        f64::INFINITY
+    } else {
+        sum / f64::from(count)
+    }
+}

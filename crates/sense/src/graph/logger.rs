@@ -1,0 +1,356 @@
+//! A robot that logs scans in an arena: by a random walk, as paper 001 made its sensorgraph, or along a given way, as its validation runs.
+
+use rand::RngExt;
+
+use super::scan::{Scan, ScanLog, wrapped};
+use crate::arena::Arena;
+use crate::range::{Beam, RangeModel, RangeSensor, ReadingUnit};
+use realgap_core::error::{Error, Result};
+use realgap_core::random::{Generator, Numbered, Once};
+
+/// A robot with a scanner; defaults are those of paper 001 where it gives them, but for the time between scans.
+///
+/// Every 0.25 s there. 1400 scans would be 350 s, in which a robot at 0.5 m/s does not get everywhere in a field of 10 x 10 m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Logger {
+    /// Number of beams: 360 there.
+    pub beams: usize,
+    /// From the rightmost to the leftmost, degrees: 180 there.
+    pub view_deg: f64,
+    /// Time from one scan to the next, seconds.
+    pub interval_s: f64,
+    /// Speed, m/s.
+    pub speed_m_s: f64,
+    /// Rate of a turn, rad/s.
+    pub turn_rate_rad_s: f64,
+    /// Radius of the robot, metres.
+    pub radius_m: f64,
+    /// A random walk turns where something ahead is nearer than this, metres,
+    pub avoid_m: f64,
+    /// and by a random angle after so many seconds.
+    pub turn_every_s: f64,
+}
+
+impl Default for Logger {
+    fn default() -> Self {
+        Self {
+            beams: 360,
+            view_deg: 180.0,
+            interval_s: 1.0,
+            speed_m_s: 0.5,
+            turn_rate_rad_s: 1.5,
+            radius_m: 0.3,
+            avoid_m: 0.6,
+            turn_every_s: 8.0,
+        }
+    }
+}
+
+/// Most scans of a log, and most readings.
+const MOST_SCANS: usize = 100_000;
+const MOST_READINGS: usize = 20_000_000;
+/// A random walk looks ahead so often, seconds, along so many beams.
+const EPOCH_S: f64 = 0.1;
+const LOOKS: usize = 9;
+/// How far to either side an obstacle is in the way of a random walk, radians.
+const AHEAD_RAD: f64 = 0.6;
+/// Ranges are written in whole millimetres.
+const MILLIMETRES: f64 = 1e3;
+
+/// Where a robot is.
+#[derive(Debug, Clone, Copy)]
+struct Pose {
+    place_m: [f64; 2],
+    heading_rad: f64,
+}
+
+impl Pose {
+    fn ahead(self, by_m: f64) -> [f64; 2] {
+        let (sin, cos) = self.heading_rad.sin_cos();
+        [self.place_m[0] + by_m * cos, self.place_m[1] + by_m * sin]
+    }
+}
+
+impl Logger {
+    /// A random walk of so many scans from the arena's start (its middle where it has none): straight on, away from what is near, and
+    /// by a random angle now and then.
+    ///
+    /// # Errors
+    /// Numbers out of range, a start in a wall, a sensor whose readings are no lengths.
+    pub fn walk(
+        &self,
+        arena: &Arena,
+        sensor: &RangeModel,
+        scans: usize,
+        seed: u64,
+    ) -> Result<ScanLog> {
+        self.check(sensor, scans)?;
+        let [width, depth] = arena.size_m;
+        let [x, y, heading_rad] = arena.start.unwrap_or([0.5 * width, 0.5 * depth, 0.0]);
+        arena.check_place([x, y], self.radius_m)?;
+        let mut rng = Once::RandomWalk.generator(seed);
+        let mut pose = Pose {
+            place_m: [x, y],
+            heading_rad,
+        };
+        let epochs = (self.interval_s / EPOCH_S).round().max(1.0) as usize;
+        let epoch_s = self.interval_s / epochs as f64;
+        let (mut left_rad, mut since_s) = (0.0_f64, 0.0);
+        let mut log = self.empty_log();
+        while log.scans.len() < scans {
+            log.scans
+                .push(self.scan(arena, sensor, pose, log.scans.len(), seed));
+            for _ in 0..epochs {
+                if left_rad == 0.0 {
+                    since_s += epoch_s;
+                    let next_m = pose.ahead(self.speed_m_s * epoch_s);
+                    let (near_m, _) = room_m(arena, pose, -AHEAD_RAD, AHEAD_RAD);
+                    if near_m < self.avoid_m || arena.check_place(next_m, self.radius_m).is_err() {
+                        left_rad = away(arena, pose, &mut rng);
+                    } else if since_s >= self.turn_every_s {
+                        left_rad = std::f64::consts::PI * (2.0 * rng.random::<f64>() - 1.0);
+                    } else {
+                        pose.place_m = next_m;
+                    }
+                }
+                if left_rad != 0.0 {
+                    let most = self.turn_rate_rad_s * epoch_s;
+                    let step = left_rad.clamp(-most, most);
+                    pose.heading_rad += step;
+                    left_rad -= step;
+                    since_s = 0.0;
+                }
+            }
+        }
+        Ok(log)
+    }
+
+    /// Along straight lines from place to place, turning where they meet.
+    ///
+    /// # Errors
+    /// As [`Logger::walk`], fewer than two places, a way through a wall, more than 100 000 scans.
+    pub fn follow(
+        &self,
+        arena: &Arena,
+        sensor: &RangeModel,
+        way_m: &[[f64; 2]],
+        seed: u64,
+    ) -> Result<ScanLog> {
+        let direction = |pair: &[[f64; 2]]| {
+            let [dx, dy] = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
+            (libm::atan2(dy, dx), dx.hypot(dy))
+        };
+        let [first, second, ..] = way_m else {
+            return Err(Error::invalid("a way needs two or more places")
+                .field("way")
+                .found(way_m.len()));
+        };
+        self.check(sensor, 1)?;
+        let mut pose = Pose {
+            place_m: *first,
+            heading_rad: direction(&[*first, *second]).0,
+        };
+        let mut log = self.empty_log();
+        let mut take = |pose: Pose| -> Result<()> {
+            if arena.check_place(pose.place_m, self.radius_m).is_err() {
+                let [x, y] = pose.place_m;
+                return Err(
+                    Error::invalid("the way leads through a wall, or out of the field")
+                        .field("way")
+                        .found(format!(
+                            "({x:.3}, {y:.3}) m, {:.3} m from the nearest wall",
+                            arena.clearance_m(pose.place_m)
+                        ))
+                        .allowed(format!("{} m or more from every wall", self.radius_m)),
+                );
+            }
+            if log.scans.len() >= MOST_SCANS || (log.scans.len() + 1) * self.beams > MOST_READINGS {
+                return Err(Error::invalid("the way is too long for one log")
+                    .field("way")
+                    .allowed(format!("at most {MOST_SCANS} scans")));
+            }
+            let index = log.scans.len();
+            log.scans.push(self.scan(arena, sensor, pose, index, seed));
+            Ok(())
+        };
+        for pair in way_m.windows(2) {
+            let (towards, length_m) = direction(pair);
+            let turn = wrapped(towards - pose.heading_rad);
+            let steps = (turn.abs() / (self.turn_rate_rad_s * self.interval_s)).ceil() as usize;
+            let from_rad = pose.heading_rad;
+            for step in 1..=steps {
+                pose.heading_rad = from_rad + turn * step as f64 / steps as f64;
+                take(pose)?;
+            }
+            pose.heading_rad = towards;
+            let steps = (length_m / (self.speed_m_s * self.interval_s)).ceil() as usize;
+            for step in 0..steps {
+                pose.place_m = pair[0];
+                pose.place_m = pose.ahead(length_m * step as f64 / steps as f64);
+                take(pose)?;
+            }
+        }
+        Ok(log)
+    }
+
+    /// Checks its numbers and its sensor for a log of so many scans.
+    ///
+    /// # Errors
+    /// Numbers out of range, a sensor whose readings are no lengths.
+    pub fn check(&self, sensor: &RangeModel, scans: usize) -> Result<()> {
+        let ranges = [
+            ("beams", self.beams as f64, 2.0, 100_000.0),
+            ("view", self.view_deg, 1.0, 360.0),
+            ("interval", self.interval_s, 0.001, 1e3),
+            ("speed", self.speed_m_s, 1e-3, 100.0),
+            ("turn rate", self.turn_rate_rad_s, 1e-3, 1e3),
+            ("radius", self.radius_m, 0.0, 100.0),
+            ("avoid", self.avoid_m, 0.0, 1e3),
+            ("turn every", self.turn_every_s, 0.001, 1e6),
+            ("samples", scans as f64, 1.0, MOST_SCANS as f64),
+            (
+                "samples x beams",
+                (scans * self.beams) as f64,
+                1.0,
+                MOST_READINGS as f64,
+            ),
+        ];
+        for (field, found, low, high) in ranges {
+            if !(low..=high).contains(&found) {
+                return Err(Error::invalid("out of range")
+                    .field(field)
+                    .found(found)
+                    .allowed(format!("{low} to {high}")));
+            }
+        }
+        match sensor.reading_unit {
+            ReadingUnit::Length(_) => Ok(()),
+            ReadingUnit::Own(_) => Err(Error::invalid(
+                "a scanner reads lengths, this sensor does not",
+            )
+            .field("reading_unit")
+            .found(format!(
+                "a unit of its own, \"{}\"",
+                sensor.reading_unit.symbol()
+            ))
+            .hint("take a model whose reading_unit is a Length, e.g. `laser`")),
+        }
+    }
+
+    /// Beams from right to left, as far apart as a scan of `view_deg` in so many steps.
+    fn empty_log(&self) -> ScanLog {
+        let step_deg = self.view_deg / self.beams as f64;
+        let degrees = |k: usize| -0.5 * self.view_deg + step_deg * k as f64;
+        ScanLog {
+            beams_rad: (0..self.beams)
+                .map(|k| wrapped(degrees(k).to_radians()))
+                .collect(),
+            scans: Vec::new(),
+        }
+    }
+
+    fn scan(
+        &self,
+        arena: &Arena,
+        sensor: &RangeModel,
+        pose: Pose,
+        index: usize,
+        seed: u64,
+    ) -> Scan {
+        let mut rng = Numbered::SensorReading.generator(seed, index as u64);
+        let unit_m = match sensor.reading_unit {
+            ReadingUnit::Length(unit) => unit.metres(),
+            ReadingUnit::Own(_) => 1.0,
+        };
+        let (_, far_m) = sensor.range_m();
+        let range = |beam_rad: f64| {
+            let hit = arena.cast(pose.place_m, pose.heading_rad + beam_rad)?;
+            let beam = Beam {
+                distance_m: hit.distance_m,
+                incidence_rad: hit.incidence_rad,
+                offset_rad: 0.0,
+            };
+            // Drawn before it is judged, so that one beam's answer leaves the others' as they are.
+            let reading = sensor.draw(&beam, &mut rng)?;
+            let range_m = (reading * unit_m * MILLIMETRES).round() / MILLIMETRES;
+            (hit.distance_m <= far_m && range_m > 0.0).then_some(range_m)
+        };
+        Scan {
+            time_s: self.interval_s * index as f64,
+            position_world_m: pose.place_m,
+            heading_rad: wrapped(pose.heading_rad),
+            ranges_m: self.empty_log().beams_rad.into_iter().map(range).collect(),
+        }
+    }
+}
+
+/// Distance to what stands nearest between two directions from straight ahead, and the mean distance there; metres.
+fn room_m(arena: &Arena, pose: Pose, from_rad: f64, to_rad: f64) -> (f64, f64) {
+    let [width, depth] = arena.size_m;
+    let beam = |k: usize| {
+        let share = k as f64 / (LOOKS - 1) as f64;
+        let direction = pose.heading_rad + from_rad + share * (to_rad - from_rad);
+        arena
+            .cast(pose.place_m, direction)
+            .map_or(width + depth, |hit| hit.distance_m)
+    };
+    let seen: [f64; LOOKS] = std::array::from_fn(beam);
+    let nearest = seen.iter().copied().fold(f64::INFINITY, f64::min);
+    (nearest, seen.iter().sum::<f64>() / LOOKS as f64)
+}
+
+/// A turn of 60° to 180° to the side on which there is more room.
+fn away(arena: &Arena, pose: Pose, rng: &mut Generator) -> f64 {
+    let room = |side: f64| room_m(arena, pose, side * 0.1, side * 1.5).1;
+    let angle = std::f64::consts::PI * (1.0 + 2.0 * rng.random::<f64>()) / 3.0;
+    if room(1.0) >= room(-1.0) {
+        angle
+    } else {
+        -angle
+    }
+}
+
+impl ScanLog {
+    /// What ideal beams would read at the same poses.
+    #[must_use]
+    pub fn cast_in(&self, arena: &Arena) -> Self {
+        let scans = self.scans.iter().map(|scan| Scan {
+            ranges_m: self
+                .beams_rad
+                .iter()
+                .map(|beam| {
+                    let hit = arena.cast(scan.position_world_m, scan.heading_rad + beam)?;
+                    Some(hit.distance_m)
+                })
+                .collect(),
+            ..scan.clone()
+        });
+        Self {
+            beams_rad: self.beams_rad.clone(),
+            scans: scans.collect(),
+        }
+    }
+
+    /// The log as CSV, as [`ScanLog::read`] reads it.
+    pub fn to_csv(&self) -> String {
+        use std::fmt::Write as _;
+        let mut text = String::from("t_s,x_m,y_m,heading_rad");
+        for beam in &self.beams_rad {
+            let degrees = (beam.to_degrees() * 1e6).round() / 1e6;
+            let _ = write!(text, ",range_{degrees}_m");
+        }
+        text.push('\n');
+        for scan in &self.scans {
+            let [x, y] = scan.position_world_m;
+            let _ = write!(text, "{},{x},{y},{}", scan.time_s, scan.heading_rad);
+            for range in &scan.ranges_m {
+                text.push(',');
+                if let Some(range) = range {
+                    let _ = write!(text, "{range}");
+                }
+            }
+            text.push('\n');
+        }
+        text
+    }
+}

@@ -1,0 +1,234 @@
+//! A sensorgraph: what a scanner reads at a place, as polynomials (paper 001).
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::regression::{Powers, monomial};
+use super::scan::wrapped;
+use realgap_core::error::{Error, Result};
+use realgap_core::file::{Source, parse_ron, write_ron};
+
+/// What the polynomials are of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Frame {
+    /// One for each range of headings and each segment of the scan, as in paper 001.
+    Robot,
+    /// One for each direction in the world: a scanner that turns with its robot sees the same walls in other segments, so all headings
+    /// teach all polynomials. A segment is read between the two directions beside its middle.
+    World,
+}
+
+/// One term of a polynomial.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Term {
+    /// Powers of u and v.
+    pub powers: Powers,
+    /// Coefficient, metres.
+    pub value: f64,
+    /// Its standard error, as if the errors of a log were independent; 0 where it is not known.
+    #[serde(default)]
+    pub error: f64,
+    /// Error reduction ratio: the share of the squares that it explained when it was chosen.
+    #[serde(default)]
+    pub ratio: f64,
+}
+
+/// A polynomial in the place, kept within what its log has seen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Polynomial {
+    /// Samples that it was fitted to; 0 for a direction that the log never looked into, which gets the segment's mean.
+    pub samples: usize,
+    /// Smallest and largest range of these, metres: what it says is kept between.
+    pub limits_m: (f64, f64),
+    /// Terms in the order in which they were chosen.
+    pub terms: Vec<Term>,
+}
+
+impl Polynomial {
+    /// The range at a scaled place, metres.
+    pub fn at(&self, place: [f64; 2]) -> f64 {
+        let sum: f64 = self
+            .terms
+            .iter()
+            .map(|term| term.value * monomial(term.powers, place))
+            .sum();
+        sum.clamp(self.limits_m.0, self.limits_m.1)
+    }
+}
+
+/// A pose of the log with its medians: for the baselines, and for looking at.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct LoggedPose {
+    /// x and y in the world, metres, and heading, radians.
+    pub pose: (f64, f64, f64),
+    /// Median of each segment, metres; −1 where nothing came back.
+    pub segments_m: Vec<f64>,
+    /// Median of each direction of the world, metres; −1 where nothing came back.
+    pub directions_m: Vec<f64>,
+}
+
+/// What a scanner reads at a pose.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Sensorgraph")]
+pub struct Sensorgraph {
+    /// What the polynomials are of.
+    pub frame: Frame,
+    /// Middle of each segment, degrees counter-clockwise from straight ahead.
+    pub segments_deg: Vec<f64>,
+    /// Width of a segment, degrees.
+    pub width_deg: f64,
+    /// Number of ranges of headings, or of directions of the world.
+    pub headings: usize,
+    /// u = (x − this) / scale, metres.
+    pub centre_m: (f64, f64),
+    /// Metres of x and y per unit of u and v.
+    pub scale_m: f64,
+    /// Mean of each segment over the log, metres: the simplest guess.
+    pub means_m: Vec<f64>,
+    /// Frame::Robot: heading by heading, each segment by segment. Frame::World: direction by direction.
+    pub polynomials: Vec<Polynomial>,
+    /// The log, thinned where it is long.
+    pub log: Vec<LoggedPose>,
+}
+
+/// Missing, in numbers of a [`LoggedPose`].
+pub(super) const NOTHING: f64 = -1.0;
+
+impl Sensorgraph {
+    /// Reads a model's file.
+    ///
+    /// # Errors
+    /// A missing file, or anything that is not a model.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        let source = Source::read(path, "sensorgraph")?;
+        let graph: Self = parse_ron(&source)?;
+        graph.check().map_err(|e| e.at_file(source.path()))?;
+        Ok(graph)
+    }
+
+    /// The model as a file's text.
+    ///
+    /// # Errors
+    /// None for a model of ours.
+    pub fn to_ron(&self) -> Result<String> {
+        write_ron(self)
+    }
+
+    fn check(&self) -> Result<()> {
+        let segments = self.segments_deg.len();
+        let polynomials = match self.frame {
+            Frame::Robot => self.headings * segments,
+            Frame::World => self.headings,
+        };
+        let sizes = [
+            ("polynomials", self.polynomials.len(), polynomials),
+            ("means_m", self.means_m.len(), segments),
+        ];
+        for (field, found, allowed) in sizes {
+            if found != allowed || found == 0 {
+                return Err(Error::invalid("wrong number of values")
+                    .field(field)
+                    .found(found)
+                    .allowed(allowed.max(1)));
+            }
+        }
+        let is_whole = self
+            .log
+            .iter()
+            .all(|pose| pose.segments_m.len() == segments);
+        let numbers = [
+            self.centre_m.0,
+            self.centre_m.1,
+            self.scale_m,
+            self.width_deg,
+        ];
+        if !is_whole || !numbers.iter().all(|v| v.is_finite()) || self.scale_m <= 0.0 {
+            return Err(Error::invalid("not a whole sensorgraph").hint("fit it again"));
+        }
+        if self
+            .polynomials
+            .iter()
+            .any(|p| p.limits_m.0 > p.limits_m.1 || p.limits_m.0.is_nan() || p.limits_m.1.is_nan())
+        {
+            return Err(Error::invalid("limits must increase").field("limits_m"));
+        }
+        Ok(())
+    }
+
+    /// A place as the polynomials take it.
+    pub(super) fn scaled(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [
+            (x - self.centre_m.0) / self.scale_m,
+            (y - self.centre_m.1) / self.scale_m,
+        ]
+    }
+
+    /// The rectangle of scaled places that the log holds; the unit square where it was not kept.
+    pub(super) fn extent(&self) -> ([f64; 2], [f64; 2]) {
+        let places = self
+            .log
+            .iter()
+            .map(|pose| self.scaled([pose.pose.0, pose.pose.1]));
+        let mut ends = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for place in places {
+            // The log is rounded to millimetres.
+            let rounding = 1e-3 / self.scale_m;
+            for (low, value) in ends.0.iter_mut().zip(place) {
+                *low = low.min(value - rounding);
+            }
+            for (high, value) in ends.1.iter_mut().zip(place) {
+                *high = high.max(value + rounding);
+            }
+        }
+        if self.log.is_empty() {
+            ([-1.0; 2], [1.0; 2])
+        } else {
+            ends
+        }
+    }
+
+    /// Width of a range of headings, radians.
+    fn step_rad(&self) -> f64 {
+        std::f64::consts::TAU / self.headings as f64
+    }
+
+    /// Which range of headings, from 0.
+    pub(super) fn heading_bin(&self, heading_rad: f64) -> usize {
+        let turn = heading_rad.rem_euclid(std::f64::consts::TAU);
+        ((turn / self.step_rad()) as usize).min(self.headings - 1)
+    }
+
+    /// The range that a segment's median has at a pose, metres.
+    pub fn range_m(&self, position_world_m: [f64; 2], heading_rad: f64, segment: usize) -> f64 {
+        let place = self.scaled(position_world_m);
+        match self.frame {
+            Frame::Robot => {
+                let heading = self.heading_bin(heading_rad);
+                self.polynomials[heading * self.segments_deg.len() + segment].at(place)
+            }
+            Frame::World => {
+                let (before, share) = self.between(heading_rad, segment);
+                let after = (before + 1) % self.headings;
+                let [low, high] = [before, after].map(|k| self.polynomials[k].at(place));
+                low + share * (high - low)
+            }
+        }
+    }
+
+    /// The direction before a segment's middle, and how far it is on the way to the next. Direction k is k steps from +x.
+    pub(super) fn between(&self, heading_rad: f64, segment: usize) -> (usize, f64) {
+        let direction = wrapped(heading_rad + self.segments_deg[segment].to_radians());
+        let steps = direction.rem_euclid(std::f64::consts::TAU) / self.step_rad();
+        let before = steps.floor();
+        (before as usize % self.headings, steps - before)
+    }
+}

@@ -1,0 +1,76 @@
+//! Whether log, arena, anchors and options belong together.
+
+use super::fit::RadioOptions;
+use super::log::RadioLog;
+use crate::arena::{Anchor, Arena};
+use realgap_core::error::{Error, Result};
+use realgap_core::unit::counted;
+use realgap_core::warning::{Code, Warning};
+
+pub(super) fn check_options(options: &RadioOptions) -> Result<()> {
+    for (field, value, least) in [
+        ("reference distance", options.reference_distance_m, 1e-3),
+        ("robot height", options.robot_height_m, 0.0),
+    ] {
+        if !(value >= least && value <= 1e3) {
+            return Err(Error::usage("not a length of a radio model")
+                .field(field)
+                .found(value)
+                .allowed(format!("{least} to 1000 m")));
+        }
+    }
+    Ok(())
+}
+
+/// Readings and anchors that are where they can hardly be.
+pub(super) fn check_places(
+    log: &RadioLog,
+    arena: &Arena,
+    anchors: &[Anchor],
+) -> Result<Vec<Warning>> {
+    let mut warnings = Vec::new();
+    let is_in = |[x, y]: [f64; 2]| {
+        (0.0..=arena.size_m[0]).contains(&x) && (0.0..=arena.size_m[1]).contains(&y)
+    };
+    let outside = log.readings.iter().filter(|r| !is_in(r.position_m)).count();
+    if outside == log.readings.len() {
+        let [x, y] = log.readings[0].position_m;
+        return Err(
+            Error::invalid("the whole log was taken outside of the arena")
+                .found(format!("({x}, {y}) m"))
+                .allowed(format!(
+                    "(0, 0) to ({}, {}) m",
+                    arena.size_m[0], arena.size_m[1]
+                ))
+                .hint("log and arena must share origin and axes"),
+        );
+    }
+    if outside > 0 {
+        warnings.push(Warning::new(
+            Code::OutsideArena,
+            format!(
+                "{} were taken outside of the arena",
+                counted(outside, "reading")
+            ),
+        ));
+    }
+    let walled: Vec<&str> = anchors
+        .iter()
+        .filter(|a| {
+            arena
+                .object_at([a.position_m[0], a.position_m[1]])
+                .is_some()
+        })
+        .map(|a| a.name.as_str())
+        .collect();
+    if !walled.is_empty() {
+        warnings.push(Warning::new(
+            Code::AnchorInWall,
+            format!(
+                "in a wall, which does not count between it and a robot: anchor {}",
+                walled.join(", ")
+            ),
+        ));
+    }
+    Ok(warnings)
+}

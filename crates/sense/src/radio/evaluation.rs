@@ -1,0 +1,227 @@
+//! A radio model against a log that it has not seen.
+
+use serde::Serialize;
+
+use super::fingerprint::Fingerprints;
+use super::fit::root_mean_square;
+use super::link::Link;
+use super::log::RadioLog;
+use super::model::RadioModel;
+use super::place::places;
+use crate::arena::{Anchor, Arena};
+use realgap_core::error::{Error, Result};
+use realgap_core::statistics::{mean, percentile_interval, resamples};
+use realgap_core::warning::{Code, Warning};
+
+/// One anchor of the log.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct AnchorReport {
+    /// Its name.
+    pub anchor: String,
+    /// Strengths.
+    pub readings: usize,
+    /// Root mean square error, dB.
+    pub rmse_db: f64,
+    /// Mean of measured minus predicted, dB.
+    pub bias_db: f64,
+    /// Share of strengths in the 90 % interval.
+    pub coverage_90: f64,
+}
+
+/// Another way to say how strong a signal is.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Guess {
+    /// What it is.
+    pub name: String,
+    /// Root mean square error, dB.
+    pub rmse_db: f64,
+}
+
+/// A radio model held against a log.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Evaluation {
+    /// The model's name.
+    pub propagation: String,
+    /// Root mean square error, dB,
+    pub rmse_db: f64,
+    /// from here, 90 % over resampled places,
+    pub rmse_low_db: f64,
+    /// to here.
+    pub rmse_high_db: f64,
+    /// Mean of measured minus predicted, dB.
+    pub bias_db: f64,
+    /// Share of strengths in the model's 90 % interval.
+    pub coverage_90: f64,
+    /// Half width of that interval, dB.
+    pub interval_90_db: f64,
+    /// Anchor by anchor.
+    pub anchors: Vec<AnchorReport>,
+    /// The same log by other models of the same fit, the mean strength of that fit, and fingerprints where they were given.
+    pub guesses: Vec<Guess>,
+    /// Strengths,
+    pub readings: usize,
+    /// and those that are missing.
+    pub missing: usize,
+    /// Middle of each quarter of a metre (metres) and the root mean square error there, dB: the map of what is not explained.
+    #[serde(skip)]
+    pub errors: Vec<([f64; 2], f64)>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+const RESAMPLES: usize = 1000;
+
+impl Evaluation {
+    /// Holds the model against a log; `fingerprints` are another log as a map, for comparison.
+    ///
+    /// # Errors
+    /// An anchor of the log that nobody placed.
+    pub fn new(
+        model: &RadioModel,
+        arena: &Arena,
+        anchors: &[Anchor],
+        log: &RadioLog,
+        fingerprints: Option<&Fingerprints>,
+    ) -> Result<Self> {
+        if log.readings.is_empty() {
+            return Err(Error::invalid("nothing was heard in the whole log"));
+        }
+        let anchors = log.placed(anchors)?;
+        let links: Vec<Link> = log
+            .readings
+            .iter()
+            .map(|reading| {
+                let robot_m = model.robot_at(reading.position_m);
+                Link::new(arena, robot_m, anchors[reading.anchor].position_m)
+            })
+            .collect();
+        let errors_of = |model: &RadioModel| -> Vec<f64> {
+            links
+                .iter()
+                .zip(&log.readings)
+                .map(|(link, reading)| reading.strength_dbm - model.strength_dbm(link))
+                .collect()
+        };
+        let errors = errors_of(model);
+        let half = model.interval_90_db;
+        let within = |errors: &[f64]| {
+            errors.iter().filter(|e| e.abs() <= half).count() as f64 / errors.len() as f64
+        };
+        let per_anchor = anchors.iter().enumerate().filter_map(|(index, anchor)| {
+            let own: Vec<f64> = log
+                .readings
+                .iter()
+                .zip(&errors)
+                .filter(|(reading, _)| reading.anchor == index)
+                .map(|(_, error)| *error)
+                .collect();
+            (!own.is_empty()).then(|| AnchorReport {
+                anchor: anchor.name.clone(),
+                readings: own.len(),
+                rmse_db: root_mean_square(&own),
+                bias_db: mean(&own),
+                coverage_90: within(&own),
+            })
+        });
+        let (rmse_low_db, rmse_high_db) = interval(log, &errors);
+        let mut warnings = log.warnings.clone();
+        if half == 0.0 {
+            warnings.push(Warning::new(
+                Code::NoInterval,
+                "the model states no interval, so that its coverage says nothing; `interval_90_db` in its file does, and a fit writes it",
+            ));
+        }
+        Ok(Self {
+            propagation: model.propagation.name().to_owned(),
+            rmse_db: root_mean_square(&errors),
+            rmse_low_db,
+            rmse_high_db,
+            bias_db: mean(&errors),
+            coverage_90: within(&errors),
+            interval_90_db: half,
+            anchors: per_anchor.collect(),
+            guesses: guesses(model, log, fingerprints, errors_of),
+            readings: log.readings.len(),
+            missing: log.missing,
+            errors: map(log, &errors),
+            warnings,
+        })
+    }
+}
+
+fn guesses(
+    model: &RadioModel,
+    log: &RadioLog,
+    fingerprints: Option<&Fingerprints>,
+    errors_of: impl Fn(&RadioModel) -> Vec<f64>,
+) -> Vec<Guess> {
+    let guess = |name: String, errors: &[f64]| Guess {
+        name,
+        rmse_db: root_mean_square(errors),
+    };
+    let mut guesses: Vec<Guess> = model
+        .others
+        .iter()
+        .map(|other| guess(other.propagation.name().to_owned(), &errors_of(other)))
+        .collect();
+    let off = |said: f64, reading: &super::PlaceReading| reading.strength_dbm - said;
+    let constant: Vec<f64> = log
+        .readings
+        .iter()
+        .map(|r| off(model.mean_dbm, r))
+        .collect();
+    guesses.push(guess("mean strength of the fit".to_owned(), &constant));
+    if let Some(prints) = fingerprints {
+        let own: Vec<f64> = log
+            .readings
+            .iter()
+            .filter_map(|r| {
+                let said = prints.strength_dbm(&log.anchors[r.anchor], r.position_m)?;
+                Some(off(said, r))
+            })
+            .collect();
+        if !own.is_empty() {
+            guesses.push(guess("fingerprints".to_owned(), &own));
+        }
+    }
+    guesses
+}
+
+/// Of the root mean square, over resampled places.
+fn interval(log: &RadioLog, errors: &[f64]) -> (f64, f64) {
+    let (place, count) = places(log);
+    let (mut squares, mut counts) = (vec![0.0; count], vec![0.0; count]);
+    for (place, error) in place.iter().zip(errors) {
+        squares[*place] += error * error;
+        counts[*place] += 1.0;
+    }
+    let values: Vec<f64> = resamples(count, RESAMPLES, 1)
+        .iter()
+        .map(|resample| (resample.mean(&squares) / resample.mean(&counts)).sqrt())
+        .collect();
+    percentile_interval(&values, 0.05).unwrap_or((f64::NAN, f64::NAN))
+}
+
+/// Side of a cell of the map, metres.
+pub const CELL_M: f64 = 0.25;
+
+fn map(log: &RadioLog, errors: &[f64]) -> Vec<([f64; 2], f64)> {
+    let mut cells: std::collections::BTreeMap<[i64; 2], Vec<f64>> =
+        std::collections::BTreeMap::new();
+    for (reading, error) in log.readings.iter().zip(errors) {
+        let cell = reading.position_m.map(|v| (v / CELL_M).floor() as i64);
+        cells.entry(cell).or_default().push(*error);
+    }
+    cells
+        .into_iter()
+        .map(|(cell, own)| {
+            (
+                cell.map(|k| (k as f64 + 0.5) * CELL_M),
+                root_mean_square(&own),
+            )
+        })
+        .collect()
+}

@@ -1,0 +1,464 @@
+//! From a log of strengths to a radio model: every propagation model, chosen by places that were left out.
+
+use serde::Serialize;
+
+use super::check::{check_options, check_places};
+use super::covariance::covariance;
+use super::interval::grouped_quantile;
+use super::link::Link;
+use super::log::RadioLog;
+use super::model::{LogBase, RadioModel, SENSITIVITY_DBM};
+use super::place::{ByPlace, PLACE_M, places};
+use super::propagation::{PROPAGATIONS, Propagation};
+use super::shadow::{self, Spread};
+use crate::arena::{Anchor, Arena};
+use realgap_core::error::{Error, Result};
+use realgap_core::statistics::{mean, standard_deviation, student_quantile};
+use realgap_core::unit::counted;
+use realgap_core::warning::{Code, Warning};
+
+/// How a log is fitted.
+#[derive(Debug, Clone)]
+pub struct RadioOptions {
+    /// The model; `None` for the one that foretells places that were left out best.
+    pub propagation: Option<&'static dyn Propagation>,
+    /// d₀, metres.
+    pub reference_distance_m: f64,
+    /// Base of the logarithm.
+    pub log_base: LogBase,
+    /// Height of the robot's antenna, metres.
+    pub robot_height_m: f64,
+}
+
+impl Default for RadioOptions {
+    fn default() -> Self {
+        Self {
+            propagation: None,
+            reference_distance_m: 1.0,
+            log_base: LogBase::Ten,
+            robot_height_m: 0.3,
+        }
+    }
+}
+
+/// A fitted parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FittedParameter {
+    /// Its name.
+    pub name: String,
+    /// Its unit, empty for none.
+    pub unit: &'static str,
+    /// Its value,
+    pub value: f64,
+    /// from here, 90 %,
+    pub low: f64,
+    /// to here.
+    pub high: f64,
+    /// Whether the log says what it is: an interval narrower than the value (a loss, an exponent) or than 10 dB (a strength), and
+    /// without 0.
+    pub determined: bool,
+    /// Why not.
+    pub why: Option<String>,
+}
+
+/// A model that was tried.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Candidate {
+    /// Its name.
+    pub propagation: &'static str,
+    /// Walls that count at most; `None` for models without walls.
+    pub cap: Option<usize>,
+    /// Root mean square error at places that were left out, dB.
+    pub left_out_rmse_db: f64,
+    /// Whether it cannot be told from the best: places' mean squares differ by less than two standard errors.
+    pub as_good: bool,
+}
+
+/// A log as a radio model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FittedRadio {
+    /// The model.
+    #[serde(skip)]
+    pub model: RadioModel,
+    /// Its name,
+    pub propagation: &'static str,
+    /// its formula,
+    pub formula: &'static str,
+    /// base of the logarithm in it, `10` or `e`,
+    pub log_base: &'static str,
+    /// distance at which its first parameter holds, metres,
+    pub reference_distance_m: f64,
+    /// and its parameters.
+    pub parameters: Vec<FittedParameter>,
+    /// C; `None` for models without walls.
+    pub cap: Option<usize>,
+    /// Everything that was tried, best first.
+    pub candidates: Vec<Candidate>,
+    /// Root mean square error at places that were left out, dB,
+    pub left_out_rmse_db: f64,
+    /// and on the log itself.
+    pub rmse_db: f64,
+    /// Standard deviation of what a place adds, dB,
+    pub shadowing_sd_db: f64,
+    /// distance at which places share 1/e of it, metres,
+    pub shadowing_distance_m: f64,
+    /// and standard deviation of what a reading adds, dB.
+    pub fading_sd_db: f64,
+    /// Half width of the interval for 90 % of strengths at new places, dB.
+    pub interval_90_db: f64,
+    /// Strengths,
+    pub readings: usize,
+    /// those that are missing,
+    pub missing: usize,
+    /// and places (squares of one metre) of the log.
+    pub places: usize,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Fewest places of a log.
+const FEWEST_PLACES: usize = 3;
+/// Level of all intervals.
+const LEVEL: f64 = 0.9;
+
+/// A model fitted with one cap.
+struct Fitted {
+    propagation: &'static dyn Propagation,
+    cap: usize,
+    materials: Vec<String>,
+    values: Vec<f64>,
+    rows: Vec<Vec<f64>>,
+    /// Errors with the place left out, in the log's order.
+    left_out_db: Vec<f64>,
+    residuals_db: Vec<f64>,
+}
+
+impl Fitted {
+    fn rmse_db(&self) -> f64 {
+        root_mean_square(&self.left_out_db)
+    }
+}
+
+pub(super) fn root_mean_square(errors: &[f64]) -> f64 {
+    mean(&errors.iter().map(|e| e * e).collect::<Vec<_>>()).sqrt()
+}
+
+/// What all candidates share.
+struct Material<'a> {
+    log: &'a RadioLog,
+    links: Vec<Link>,
+    place: Vec<usize>,
+    places: usize,
+}
+
+/// Fits a log.
+///
+/// # Errors
+/// An anchor of the log that nobody placed, a log outside of the arena, too few places, a model that the log does not determine.
+pub fn fit(
+    log: &RadioLog,
+    arena: &Arena,
+    anchors: &[Anchor],
+    options: &RadioOptions,
+) -> Result<FittedRadio> {
+    check_options(options)?;
+    let anchors = log.placed(anchors)?;
+    let mut warnings = log.warnings.clone();
+    warnings.extend(check_places(log, arena, &anchors)?);
+    let links: Vec<Link> = log
+        .readings
+        .iter()
+        .map(|reading| {
+            let [x, y] = reading.position_m;
+            let robot_m = [x, y, options.robot_height_m];
+            Link::new(arena, robot_m, anchors[reading.anchor].position_m)
+        })
+        .collect();
+    let (place, count) = places(log);
+    if count < FEWEST_PLACES {
+        return Err(Error::invalid("too few places to fit a radio model")
+            .found(format!("{} of {PLACE_M} m", counted(count, "square")))
+            .allowed(format!("{FEWEST_PLACES} or more"))
+            .hint("log strengths along a way through the rooms"));
+    }
+    let material = Material {
+        log,
+        links,
+        place,
+        places: count,
+    };
+    let most = material.links.iter().map(Link::walls).max().unwrap_or(0);
+    let mut fitted = candidates(&material, most, options);
+    fitted.sort_by(|a, b| a.rmse_db().total_cmp(&b.rmse_db()));
+    let Some(best) = fitted.first() else {
+        return Err(undetermined(most, options));
+    };
+    if most == 0 && options.propagation.is_none() {
+        warnings.push(Warning::new(
+            Code::NoWalls,
+            "no link of the log crosses a wall of the arena, so that nothing is known of walls",
+        ));
+    }
+    let mut found = describe(&material, best, &fitted, options);
+    found.warnings.splice(0..0, warnings);
+    Ok(found)
+}
+
+/// Every model that the log determines, with every cap.
+fn candidates(material: &Material<'_>, most: usize, options: &RadioOptions) -> Vec<Fitted> {
+    let mut classes: Vec<String> = Vec::new();
+    for (name, _) in material.links.iter().flat_map(|link| &link.crossed) {
+        if !classes.contains(name) {
+            classes.push(name.clone());
+        }
+    }
+    classes.sort();
+    let chosen = |p: &&&'static dyn Propagation| {
+        options
+            .propagation
+            .is_none_or(|wanted| wanted.name() == p.name())
+    };
+    let mut fitted = Vec::new();
+    for propagation in PROPAGATIONS.iter().filter(chosen) {
+        let caps = if propagation.has_walls() {
+            1..=most
+        } else {
+            0..=0
+        };
+        for cap in caps {
+            let bare = RadioModel {
+                propagation: *propagation,
+                values: Vec::new(),
+                cap,
+                materials: classes.clone(),
+                reference_distance_m: options.reference_distance_m,
+                log_base: options.log_base,
+                ..RadioModel::paper002()
+            };
+            // One class of walls is the model of walls again.
+            let is_same = bare.parameters().len() == 3 && propagation.name() == "materials";
+            if is_same && options.propagation.is_none() {
+                continue;
+            }
+            fitted.extend(fit_one(material, &bare));
+        }
+    }
+    fitted
+}
+
+fn fit_one(material: &Material<'_>, bare: &RadioModel) -> Option<Fitted> {
+    let (rows, targets): (Vec<Vec<f64>>, Vec<f64>) = material
+        .links
+        .iter()
+        .zip(&material.log.readings)
+        .map(|(link, reading)| {
+            let (factors, fixed_db) = bare.row(link);
+            (factors, reading.strength_dbm - fixed_db)
+        })
+        .unzip();
+    let by_place = ByPlace::new(&rows, &targets, &material.place, material.places);
+    let values = by_place.solve(|_| 1.0)?;
+    let without: Vec<Vec<f64>> = (0..material.places)
+        .map(|left_out| by_place.solve(|place| f64::from(u8::from(place != left_out))))
+        .collect::<Option<_>>()?;
+    let error = |index: usize, values: &[f64]| {
+        let said: f64 = rows[index].iter().zip(values).map(|(f, v)| f * v).sum();
+        targets[index] - said
+    };
+    let readings = 0..rows.len();
+    Some(Fitted {
+        propagation: bare.propagation,
+        cap: bare.cap,
+        materials: bare.materials.clone(),
+        left_out_db: readings
+            .clone()
+            .map(|i| error(i, &without[material.place[i]]))
+            .collect(),
+        residuals_db: readings.map(|i| error(i, &values)).collect(),
+        values,
+        rows,
+    })
+}
+
+fn undetermined(most: usize, options: &RadioOptions) -> Error {
+    let error = Error::invalid("the log does not determine the model");
+    let error = match options.propagation {
+        Some(model) => error.found(model.name()),
+        None => error,
+    };
+    if most == 0 {
+        error.hint("no link crosses a wall of the arena; a model without walls can be fitted")
+    } else {
+        error.hint("too few distances, or every wall in the way of the same links; a simpler model can be fitted")
+    }
+}
+
+/// Mean squares of the errors of each place.
+fn squares_by_place(material: &Material<'_>, fitted: &Fitted) -> Vec<f64> {
+    let mut own = vec![Vec::new(); material.places];
+    for (place, error) in material.place.iter().zip(&fitted.left_out_db) {
+        own[*place].push(error * error);
+    }
+    own.iter().map(|squares| mean(squares)).collect()
+}
+
+fn describe(
+    material: &Material<'_>,
+    best: &Fitted,
+    all: &[Fitted],
+    options: &RadioOptions,
+) -> FittedRadio {
+    let best_squares = squares_by_place(material, best);
+    let candidate = |fitted: &Fitted| {
+        let apart: Vec<f64> = squares_by_place(material, fitted)
+            .iter()
+            .zip(&best_squares)
+            .map(|(other, best)| other - best)
+            .collect();
+        let error = standard_deviation(&apart) / (apart.len() as f64).sqrt();
+        Candidate {
+            propagation: fitted.propagation.name(),
+            cap: fitted.propagation.has_walls().then_some(fitted.cap),
+            left_out_rmse_db: fitted.rmse_db(),
+            as_good: mean(&apart) <= 2.0 * error,
+        }
+    };
+    let mut warnings = Vec::new();
+    let mut left_out = vec![Vec::new(); material.places];
+    for (place, error) in material.place.iter().zip(&best.left_out_db) {
+        left_out[*place].push(*error);
+    }
+    let largest = best
+        .left_out_db
+        .iter()
+        .fold(0.0, |a: f64, e| a.max(e.abs()));
+    let interval_90_db = grouped_quantile(&left_out, LEVEL).unwrap_or_else(|| {
+        warnings.push(Warning::new(
+            Code::FewPlaces,
+            format!(
+                "{} are too few to say what 90 % of the strengths elsewhere will be within; the interval is the largest error here",
+                counted(material.places, "place")
+            ),
+        ));
+        largest
+    });
+    let spread = shadow::estimate(material.log, &best.residuals_db, &best.rows);
+    let strengths: Vec<f64> = material
+        .log
+        .readings
+        .iter()
+        .map(|r| r.strength_dbm)
+        .collect();
+    let model_of = |fitted: &Fitted, others: Vec<RadioModel>| RadioModel {
+        description: String::new(),
+        propagation: fitted.propagation,
+        values: fitted.values.clone(),
+        reference_distance_m: options.reference_distance_m,
+        log_base: options.log_base,
+        cap: fitted.cap,
+        materials: if fitted.propagation.name() == "materials" {
+            fitted.materials.clone()
+        } else {
+            Vec::new()
+        },
+        robot_height_m: options.robot_height_m,
+        shadowing_sd_db: spread.shadowing_sd_db,
+        shadowing_distance_m: spread.shadowing_distance_m,
+        fading_sd_db: spread.fading_sd_db,
+        interval_90_db,
+        mean_dbm: mean(&strengths),
+        sensitivity_dbm: SENSITIVITY_DBM,
+        others,
+    };
+    // Of every other model the best cap.
+    let mut others: Vec<RadioModel> = Vec::new();
+    for other in all {
+        let name = other.propagation.name();
+        let is_known = |m: &RadioModel| m.propagation.name() == name;
+        if name != best.propagation.name() && !others.iter().any(is_known) {
+            others.push(model_of(other, Vec::new()));
+        }
+    }
+    let model = model_of(best, others);
+    FittedRadio {
+        propagation: best.propagation.name(),
+        formula: best.propagation.formula(),
+        log_base: options.log_base.name(),
+        reference_distance_m: options.reference_distance_m,
+        parameters: parameters(material, best, &model, &spread),
+        cap: best.propagation.has_walls().then_some(best.cap),
+        candidates: all.iter().map(candidate).collect(),
+        left_out_rmse_db: best.rmse_db(),
+        rmse_db: root_mean_square(&best.residuals_db),
+        shadowing_sd_db: spread.shadowing_sd_db,
+        shadowing_distance_m: spread.shadowing_distance_m,
+        fading_sd_db: spread.fading_sd_db,
+        interval_90_db,
+        readings: material.log.readings.len(),
+        missing: material.log.missing,
+        places: material.places,
+        warnings,
+        model,
+    }
+}
+
+/// A strength is known if its interval is narrower than this, dB.
+const KNOWN_DB: f64 = 10.0;
+
+/// Values with intervals; neighbouring readings share their errors.
+fn parameters(
+    material: &Material<'_>,
+    best: &Fitted,
+    model: &RadioModel,
+    spread: &Spread,
+) -> Vec<FittedParameter> {
+    let covariance = covariance(material.log, &best.rows, spread);
+    let crossing = material
+        .links
+        .iter()
+        .filter(|link| link.walls() > 0)
+        .count();
+    let share = crossing as f64 / material.links.len() as f64;
+    // What errors are like is known from so many places at most.
+    let degrees = material.places.saturating_sub(best.values.len()).max(1);
+    let quantile = student_quantile(0.5 * (1.0 + LEVEL), degrees as f64);
+    model
+        .parameters()
+        .into_iter()
+        .enumerate()
+        .map(|(index, parameter)| {
+            let value = best.values[index];
+            let sd = covariance
+                .as_ref()
+                .map_or(f64::INFINITY, |c| c[(index, index)].max(0.0).sqrt());
+            let half = quantile * sd;
+            let (low, high) = (value - half, value + half);
+            let is_strength = index == 0;
+            let why = if is_strength {
+                (high - low > KNOWN_DB).then(|| format!("known to {:.0} dB only", high - low))
+            } else if low <= 0.0 {
+                let walls = format!("; {:.0} % of the links cross a wall", 100.0 * share);
+                let walls = if parameter.name.contains("loss_db") {
+                    walls
+                } else {
+                    String::new()
+                };
+                Some(format!("the interval holds 0{walls}"))
+            } else {
+                (high - low > value).then(|| "the interval is wider than the value".to_owned())
+            };
+            FittedParameter {
+                name: parameter.name,
+                unit: parameter.unit,
+                value,
+                low,
+                high,
+                determined: why.is_none(),
+                why,
+            }
+        })
+        .collect()
+}

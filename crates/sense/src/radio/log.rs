@@ -1,0 +1,244 @@
+//! Logs of strengths at known places.
+
+use std::path::Path;
+
+use crate::arena::Anchor;
+use realgap_core::error::{Error, Result};
+use realgap_core::file::{LogTable, read_log_text};
+use realgap_core::unit::counted;
+use realgap_core::warning::{Code, Warning};
+
+/// One strength.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaceReading {
+    /// Row of the log, from 0.
+    pub row: usize,
+    /// Where the robot was, metres.
+    pub position_m: [f64; 2],
+    /// Which anchor was heard, index of [`RadioLog::anchors`].
+    pub anchor: usize,
+    /// How strong, dBm.
+    pub strength_dbm: f64,
+}
+
+/// Strengths along a robot's way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RadioLog {
+    /// Names of the anchors, as in the columns.
+    pub anchors: Vec<String>,
+    /// What was heard.
+    pub readings: Vec<PlaceReading>,
+    /// Poses of the log,
+    pub poses: usize,
+    /// and how many strengths are missing.
+    pub missing: usize,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Which part of a log.
+#[derive(Debug, Clone, Default)]
+pub struct RadioLogOptions {
+    /// Only rows whose column `session` says this.
+    pub session: Option<String>,
+}
+
+/// Strengths outside of this are how loggers say that nothing was heard, dBm.
+const POSSIBLE_DBM: std::ops::Range<f64> = -120.0..0.0;
+/// What columns may be called.
+const COLUMNS: &str = "a log of strengths has the columns x_m, y_m, one that ends in _dbm for every anchor (anchor_1_dbm …), and where \
+     there are several sessions `session`";
+
+impl RadioLog {
+    /// Reads a log with all defaults.
+    ///
+    /// # Errors
+    /// As [`RadioLog::read_with`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        Self::read_with(path, &RadioLogOptions::default())
+    }
+
+    /// Reads a log.
+    ///
+    /// # Errors
+    /// A missing file, missing columns, cells that are no numbers, no strength at all, no row of the session.
+    pub fn read_with(path: impl AsRef<Path>, options: &RadioLogOptions) -> Result<Self> {
+        let path = path.as_ref();
+        Self::parse_with(path, &read_log_text(path)?, options)
+    }
+
+    /// The log in a text; `path` is what errors call it.
+    ///
+    /// # Errors
+    /// As [`RadioLog::read_with`].
+    pub fn parse_with(
+        path: impl AsRef<Path>,
+        text: &str,
+        options: &RadioLogOptions,
+    ) -> Result<Self> {
+        let path = path.as_ref();
+        let table = LogTable::parse(path, text)?;
+        let (x, y) = (
+            table.require("x_m", COLUMNS)?,
+            table.require("y_m", COLUMNS)?,
+        );
+        let columns: Vec<(usize, String)> = table
+            .header()
+            .iter()
+            .enumerate()
+            .filter_map(|(column, name)| {
+                let name = name.strip_suffix("_dbm")?;
+                let name = name.strip_prefix("anchor_").unwrap_or(name);
+                Some((column, name.to_owned()))
+            })
+            .collect();
+        if columns.is_empty() {
+            return Err(Error::invalid("the log has no strengths")
+                .at_file(path)
+                .at_line(1, 1)
+                .found(table.header().join(", "))
+                .hint(COLUMNS));
+        }
+        let session = table.column("session");
+        if let (Some(wanted), None) = (&options.session, session) {
+            return Err(Error::invalid("the log has no column `session`")
+                .at_file(path)
+                .field("session")
+                .found(wanted));
+        }
+        let mut log = Self {
+            anchors: columns.iter().map(|(_, name)| name.clone()).collect(),
+            readings: Vec::new(),
+            poses: 0,
+            missing: 0,
+            warnings: Vec::new(),
+        };
+        let (mut sessions, mut impossible) = (Vec::<&str>::new(), 0);
+        for row in 0..table.row_count() {
+            if let Some(column) = session {
+                let found = table.text(row, column);
+                if !sessions.contains(&found) {
+                    sessions.push(found);
+                }
+                if options
+                    .session
+                    .as_deref()
+                    .is_some_and(|wanted| wanted != found)
+                {
+                    continue;
+                }
+            }
+            log.poses += 1;
+            let position_m = [table.number(row, x)?, table.number(row, y)?];
+            for (anchor, (column, _)) in columns.iter().enumerate() {
+                match table.optional(row, *column)? {
+                    Some(strength_dbm) if POSSIBLE_DBM.contains(&strength_dbm) => {
+                        log.readings.push(PlaceReading {
+                            row,
+                            position_m,
+                            anchor,
+                            strength_dbm,
+                        });
+                    }
+                    Some(_) => impossible += 1,
+                    None => log.missing += 1,
+                }
+            }
+        }
+        if log.poses == 0 {
+            let error = Error::invalid("the log has no rows").at_file(path);
+            return Err(match &options.session {
+                Some(wanted) => error
+                    .field("session")
+                    .found(wanted)
+                    .allowed(sessions.join(", ")),
+                None => error,
+            });
+        }
+        log.missing += impossible;
+        if log.readings.is_empty() {
+            return Err(Error::invalid("nothing was heard in the whole log")
+                .at_file(path)
+                .found(format!(
+                    "{} empty, {impossible} of 0 dBm or more or under -120 dBm",
+                    log.missing - impossible
+                ))
+                .allowed("strengths between -120 and 0 dBm")
+                .hint(COLUMNS));
+        }
+        if impossible > 0 {
+            log.warnings.push(Warning::new(
+                Code::ImpossibleReadings,
+                format!(
+                    "{} of 0 dBm or more, or under -120 dBm, counted as not heard",
+                    counted(impossible, "strength")
+                ),
+            ));
+        }
+        if options.session.is_none() && sessions.len() > 1 {
+            log.warnings.push(Warning::new(
+                Code::SeveralSessions,
+                format!(
+                    "sessions {} are taken together; choose one to hold the others against it",
+                    sessions.join(", ")
+                ),
+            ));
+        }
+        Ok(log)
+    }
+
+    /// For each anchor of the log the one of an arena.
+    ///
+    /// # Errors
+    /// An anchor of the log that nobody placed.
+    pub fn placed(&self, anchors: &[Anchor]) -> Result<Vec<Anchor>> {
+        let find = |name: &String| {
+            anchors
+                .iter()
+                .find(|anchor| anchor.name == *name)
+                .cloned()
+                .ok_or_else(|| {
+                    let known: Vec<&str> = anchors.iter().map(|a| a.name.as_str()).collect();
+                    Error::invalid("nobody says where an anchor of the log is")
+                        .found(name)
+                        .allowed(if known.is_empty() {
+                            "this arena has no anchors".to_owned()
+                        } else {
+                            known.join(", ")
+                        })
+                        .hint("write `anchors: [(name: \"1\", position_m: (x, y, z)), …]` into the arena, or give a CSV of id,x,y,z")
+                })
+        };
+        self.anchors.iter().map(find).collect()
+    }
+}
+
+/// Places of anchors from a CSV with the columns id, x, y and z (metres).
+///
+/// # Errors
+/// A missing file, missing columns, cells that are no numbers, a name twice.
+pub fn read_anchors(path: impl AsRef<Path>) -> Result<Vec<Anchor>> {
+    let path = path.as_ref();
+    let table = LogTable::parse(path, &read_log_text(path)?)?;
+    let hint = "a list of anchors has the columns id, x, y, z (metres)";
+    let column = |name: &str| match table.column(&format!("{name}_m")) {
+        Some(column) => Ok(column),
+        None => table.require(name, hint),
+    };
+    let id = table.require("id", hint)?;
+    let axes = [column("x")?, column("y")?, column("z")?];
+    let mut anchors = Vec::new();
+    for row in 0..table.row_count() {
+        let mut position_m = [0.0; 3];
+        for (value, axis) in position_m.iter_mut().zip(axes) {
+            *value = table.number(row, axis)?;
+        }
+        let anchor = Anchor {
+            name: table.text(row, id).to_owned(),
+            position_m,
+        };
+        anchor.check(&anchors).map_err(|e| table.at(row, e))?;
+        anchors.push(anchor);
+    }
+    Ok(anchors)
+}

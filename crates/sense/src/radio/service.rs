@@ -1,0 +1,232 @@
+//! Messages between robots: delivered, too weak, or lost (paper 002, section IV: the server).
+
+use rand::RngExt;
+use rand_distr::StandardNormal;
+use serde::Serialize;
+
+use super::link::Link;
+use super::model::RadioModel;
+use super::pair::{Between, Pairs};
+use super::shadow::ShadowField;
+use crate::arena::Arena;
+use realgap_core::error::{Error, Result};
+use realgap_core::random::Numbered;
+use realgap_core::statistics::{mean, quantile};
+
+/// How messages travel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ServiceOptions {
+    /// Seed of everything that is random.
+    pub seed: u64,
+    /// Whether places and readings add what the model says they do; otherwise every strength is the mean.
+    pub noise: bool,
+    /// Strength above the sensitivity at which half of the messages are lost, dB.
+    pub loss_half_db: f64,
+    /// Decibels over which the loss falls from 73 % to 27 %; 0 for a sharp edge, as in the paper.
+    pub loss_width_db: f64,
+    /// Mean time from sending to arriving, seconds,
+    pub latency_s: f64,
+    /// and its standard deviation.
+    pub latency_sd_s: f64,
+}
+
+impl Default for ServiceOptions {
+    /// As paper 002: what arrives above the sensitivity is delivered, at once.
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            noise: true,
+            loss_half_db: 0.0,
+            loss_width_db: 0.0,
+            latency_s: 0.0,
+            latency_sd_s: 0.0,
+        }
+    }
+}
+
+/// A message on its way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Message {
+    /// Its number: what is random of it depends on this and the seed alone.
+    pub number: u64,
+    /// Where the sender is, metres.
+    pub from_m: [f64; 3],
+    /// Where the receiver is.
+    pub to_m: [f64; 3],
+    /// When it is sent, seconds.
+    pub at_s: f64,
+}
+
+/// What becomes of a message.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Delivery {
+    /// It arrives.
+    Delivered {
+        /// When, seconds.
+        at_s: f64,
+        /// How strong, dBm.
+        strength_dbm: f64,
+    },
+    /// The signal is below the receiver's sensitivity.
+    TooWeak {
+        /// How strong, dBm.
+        strength_dbm: f64,
+    },
+    /// It was strong enough and lost all the same.
+    Lost {
+        /// How strong, dBm.
+        strength_dbm: f64,
+    },
+}
+
+/// Delivers messages, or does not. The same message has the same fate whatever else is sent, and in whatever order.
+///
+/// Walls and shadow between two places are kept for the next message between them, of at most
+/// [`MOST_PAIRS`](super::MOST_PAIRS) pairs.
+#[derive(Debug)]
+pub struct Service<'a> {
+    model: &'a RadioModel,
+    arena: &'a Arena,
+    options: ServiceOptions,
+    shadow: ShadowField,
+    pairs: Pairs,
+}
+
+impl<'a> Service<'a> {
+    /// A service in an arena.
+    ///
+    /// # Errors
+    /// Negative widths or times, anything not finite.
+    pub fn new(model: &'a RadioModel, arena: &'a Arena, options: ServiceOptions) -> Result<Self> {
+        for (field, value, least) in [
+            ("loss_half_db", options.loss_half_db, f64::MIN),
+            ("loss_width_db", options.loss_width_db, 0.0),
+            ("latency_s", options.latency_s, 0.0),
+            ("latency_sd_s", options.latency_sd_s, 0.0),
+        ] {
+            if !(value.is_finite() && value >= least) {
+                return Err(Error::usage("not an option of a message service")
+                    .field(field)
+                    .found(value)
+                    .allowed("0 or above"));
+            }
+        }
+        Ok(Self {
+            model,
+            arena,
+            options,
+            shadow: ShadowField::new(options.seed, model.shadowing_distance_m),
+            pairs: Pairs::default(),
+        })
+    }
+
+    /// What becomes of a message.
+    pub fn send(&self, message: &Message) -> Delivery {
+        let options = &self.options;
+        let mut rng = Numbered::Message.generator(options.seed, message.number);
+        let (fading, late): (f64, f64) = (rng.sample(StandardNormal), rng.sample(StandardNormal));
+        let chance: f64 = rng.random();
+        let between = self.between(message.from_m, message.to_m);
+        let mut strength_dbm = between.mean_dbm;
+        if options.noise {
+            strength_dbm +=
+                self.model.shadowing_sd_db * between.shadow + self.model.fading_sd_db * fading;
+        }
+        let margin_db = strength_dbm - self.model.sensitivity_dbm;
+        if margin_db < 0.0 {
+            return Delivery::TooWeak { strength_dbm };
+        }
+        if chance < self.loss(margin_db) {
+            return Delivery::Lost { strength_dbm };
+        }
+        let latency_s = (options.latency_s + options.latency_sd_s * late).max(0.0);
+        Delivery::Delivered {
+            at_s: message.at_s + latency_s,
+            strength_dbm,
+        }
+    }
+
+    /// How many pairs of places it has kept, each direction for itself; at most [`MOST_PAIRS`](super::MOST_PAIRS).
+    pub fn kept_pairs(&self) -> usize {
+        self.pairs.len()
+    }
+
+    fn between(&self, from_m: [f64; 3], to_m: [f64; 3]) -> Between {
+        if let Some(between) = self.pairs.get(from_m, to_m) {
+            return between;
+        }
+        let shadow = match self.pairs.get(to_m, from_m) {
+            // Bit by bit the same: a sum of two does not depend on their order. Walls are met in another order, and may.
+            Some(back) => back.shadow,
+            None if self.options.noise => {
+                let [a, b] = [from_m, to_m].map(|[x, y, _]| [x, y]);
+                self.shadow.at(a, b)
+            }
+            None => 0.0,
+        };
+        let link = Link::new(self.arena, from_m, to_m);
+        let mean_dbm = self.model.strength_dbm(&link);
+        let between = Between { mean_dbm, shadow };
+        self.pairs.keep(from_m, to_m, between);
+        between
+    }
+
+    /// Probability that a message of this margin above the sensitivity is lost.
+    pub fn loss(&self, margin_db: f64) -> f64 {
+        let above_db = margin_db - self.options.loss_half_db;
+        if self.options.loss_width_db == 0.0 {
+            return if above_db < 0.0 { 1.0 } else { 0.0 };
+        }
+        1.0 / (1.0 + libm::exp(2.0 * above_db / self.options.loss_width_db))
+    }
+}
+
+/// What became of many messages.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ServiceReport {
+    /// Messages,
+    pub sent: usize,
+    /// those that arrived,
+    pub delivered: usize,
+    /// those below the sensitivity,
+    pub too_weak: usize,
+    /// and those lost above it.
+    pub lost: usize,
+    /// Mean strength of all, dBm.
+    pub mean_strength_dbm: f64,
+    /// Median time from sending to arriving, seconds; `None` where nothing arrived.
+    pub median_latency_s: Option<f64>,
+    /// Time within which 95 % of those that arrived did, seconds.
+    pub latency_95_s: Option<f64>,
+}
+
+impl ServiceReport {
+    /// Counts messages with what became of them; at least one.
+    pub fn new(messages: &[(Message, Delivery)]) -> Self {
+        let (mut latencies_s, mut too_weak, mut lost) = (Vec::new(), 0, 0);
+        let mut strengths = Vec::with_capacity(messages.len());
+        for (message, delivery) in messages {
+            let (Delivery::Delivered { strength_dbm, .. }
+            | Delivery::TooWeak { strength_dbm }
+            | Delivery::Lost { strength_dbm }) = *delivery;
+            strengths.push(strength_dbm);
+            match delivery {
+                Delivery::Delivered { at_s, .. } => latencies_s.push(at_s - message.at_s),
+                Delivery::TooWeak { .. } => too_weak += 1,
+                Delivery::Lost { .. } => lost += 1,
+            }
+        }
+        let of = |level: f64| (!latencies_s.is_empty()).then(|| quantile(&latencies_s, level));
+        Self {
+            sent: messages.len(),
+            delivered: latencies_s.len(),
+            too_weak,
+            lost,
+            mean_strength_dbm: mean(&strengths),
+            median_latency_s: of(0.5),
+            latency_95_s: of(0.95),
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Readings that share distance and angles, what is nonsense among them, and what the rest amounts to.
+
+use super::log::ReadingLog;
+use super::model::Outliers;
+use realgap_core::statistics::{mean, median, quantile};
+
+/// Readings at one distance and one pair of angles.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Cell {
+    pub distance: f64,
+    pub incidence_deg: f64,
+    pub offset_deg: f64,
+    /// Readings that came and are no outliers, in the order of the log.
+    pub values: Vec<f64>,
+    /// Readings that have nothing to do with the distance.
+    pub outliers: Vec<f64>,
+    /// Readings that never came.
+    pub dropouts: usize,
+}
+
+/// What a fit needs of a cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Summary {
+    pub distance: f64,
+    pub incidence_deg: f64,
+    pub offset_deg: f64,
+    pub count: f64,
+    pub mean: f64,
+    /// Sum of squared deviations from the mean.
+    pub squares: f64,
+}
+
+/// Deviations of more than this many robust standard deviations are nonsense: 6 in ten million of normal readings.
+const FAR: f64 = 5.0;
+/// The robust standard deviation of few readings is itself uncertain.
+const FAR_OF_FEW: f64 = 20.0;
+/// Fewest readings that outliers are looked for among.
+const LEAST: usize = 8;
+/// From median absolute deviation to standard deviation, for normal readings.
+const PER_MAD: f64 = 1.4826;
+
+/// Cells of a log in order of distance and angles, and the smallest step between different readings.
+pub(super) fn cells(log: &ReadingLog) -> (Vec<Cell>, f64) {
+    let mut order: Vec<usize> = (0..log.readings.len()).collect();
+    let key = |i: usize| {
+        let r = &log.readings[i];
+        [r.distance, r.incidence_deg, r.offset_deg]
+    };
+    let compare = |a: &[f64; 3], b: &[f64; 3]| {
+        let pairs = a.iter().zip(b);
+        pairs
+            .map(|(a, b)| a.total_cmp(b))
+            .find(|o| o.is_ne())
+            .unwrap_or(std::cmp::Ordering::Equal)
+    };
+    order.sort_by(|&a, &b| compare(&key(a), &key(b)));
+    let mut cells: Vec<Cell> = order
+        .chunk_by(|&a, &b| key(a) == key(b))
+        .map(|members| {
+            let first = &log.readings[members[0]];
+            let values: Vec<f64> = members
+                .iter()
+                .filter_map(|&i| log.readings[i].value)
+                .collect();
+            Cell {
+                distance: first.distance,
+                incidence_deg: first.incidence_deg,
+                offset_deg: first.offset_deg,
+                dropouts: members.len() - values.len(),
+                values,
+                outliers: Vec::new(),
+            }
+        })
+        .collect();
+    let resolution = resolution(log);
+    for cell in &mut cells {
+        part(cell, resolution);
+    }
+    (cells, resolution)
+}
+
+/// Smallest difference of two different readings.
+fn resolution(log: &ReadingLog) -> f64 {
+    let mut values: Vec<f64> = log.readings.iter().filter_map(|r| r.value).collect();
+    values.sort_by(f64::total_cmp);
+    let steps = values.windows(2).map(|w| w[1] - w[0]);
+    // Steps of rounding alone are none.
+    let size = values
+        .last()
+        .map_or(0.0, |v| v.abs())
+        .max(values.first().map_or(0.0, |v| v.abs()));
+    let least = steps
+        .filter(|step| *step > 1e-9 * size)
+        .fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
+}
+
+/// Moves readings that are far from the others of the cell to its outliers.
+fn part(cell: &mut Cell, resolution: f64) {
+    if cell.values.len() < LEAST {
+        return;
+    }
+    let centre = median(&cell.values);
+    let deviations: Vec<f64> = cell.values.iter().map(|v| (v - centre).abs()).collect();
+    let sd = (PER_MAD * median(&deviations)).max(resolution);
+    let far = (FAR + FAR_OF_FEW / cell.values.len() as f64) * sd;
+    let (near, outliers) = cell
+        .values
+        .iter()
+        .copied()
+        .partition(|v| (v - centre).abs() <= far);
+    cell.values = near;
+    cell.outliers = outliers;
+}
+
+/// What a fit needs, of the cells that have readings.
+pub(super) fn summaries(cells: &[Cell]) -> Vec<Summary> {
+    let with_values = cells.iter().filter(|cell| !cell.values.is_empty());
+    with_values
+        .map(|cell| {
+            let centre = mean(&cell.values);
+            Summary {
+                distance: cell.distance,
+                incidence_deg: cell.incidence_deg,
+                offset_deg: cell.offset_deg,
+                count: cell.values.len() as f64,
+                mean: centre,
+                squares: cell.values.iter().map(|v| (v - centre).powi(2)).sum(),
+            }
+        })
+        .collect()
+}
+
+/// Where outliers lie: over all readings, which they are spread among.
+pub(super) fn outlier_model(cells: &[Cell]) -> Outliers {
+    let outliers: Vec<f64> = cells
+        .iter()
+        .flat_map(|cell| cell.outliers.iter().copied())
+        .collect();
+    let came: usize = cells
+        .iter()
+        .map(|cell| cell.values.len() + cell.outliers.len())
+        .sum();
+    if outliers.is_empty() {
+        return Outliers::default();
+    }
+    let all: Vec<f64> = cells
+        .iter()
+        .flat_map(|cell| cell.values.iter().copied())
+        .chain(outliers.iter().copied())
+        .collect();
+    Outliers {
+        share: outliers.len() as f64 / came as f64,
+        low: quantile(&all, 0.0),
+        high: quantile(&all, 1.0),
+    }
+}

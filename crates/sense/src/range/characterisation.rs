@@ -1,0 +1,448 @@
+//! From a log to a model, with what speaks for it and against it.
+
+use serde::{Serialize, Serializer};
+use statrs::function::gamma::gamma_ur;
+
+use super::cell::{Cell, Summary, cells, outlier_model, summaries};
+use super::choice::{Candidate, choose};
+use super::fit::{Fitted, Plan, fit};
+use super::form::{FORMS, Form, Linear};
+use super::log::ReadingLog;
+use super::model::{RangeModel, ReadingUnit};
+use super::sample_size::{SampleSize, study};
+use realgap_core::error::{Error, Result};
+use realgap_core::statistics::{
+    LEAST_FOR_NORMALITY, Proportion, anderson_darling, mean, normal_quantile, standard_deviation,
+};
+use realgap_core::unit::LengthUnit;
+use realgap_core::warning::{Code, Warning};
+
+/// Level of all intervals.
+pub const LEVEL: f64 = 0.95;
+
+/// How a log is characterised.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// Form of the mean; chosen where there is none.
+    pub mean: Option<&'static dyn Form>,
+    /// Form of the spread; chosen where there is none.
+    pub spread: Option<&'static dyn Form>,
+    /// Width of a bin of histograms, in the reading's unit; a fifth of the spread where there is none.
+    pub bin: Option<f64>,
+    /// Change below which a histogram counts as stopped; an eighth where there is none.
+    pub tolerance: Option<f64>,
+    /// Seed of the sample-size study.
+    pub seed: u64,
+}
+
+/// An eighth of the readings in another bin: what 200 readings leave in paper 000's histograms (docs/fidelity/sensing.md).
+const TOLERANCE: f64 = 0.125;
+
+/// A fitted number.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Value {
+    /// Its name, e.g. `slope`.
+    pub name: String,
+    /// The most likely value.
+    pub value: f64,
+    /// Lower end of its 95 % interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Standard error.
+    pub standard_error: f64,
+}
+
+impl Value {
+    fn new(name: String, value: f64, standard_error: f64) -> Self {
+        let half = normal_quantile(0.5 + 0.5 * LEVEL) * standard_error;
+        Self {
+            name,
+            value,
+            low: value - half,
+            high: value + half,
+            standard_error,
+        }
+    }
+}
+
+/// What was read at one distance and one pair of angles.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DistanceReport {
+    /// Distance, in the log's unit.
+    pub distance: f64,
+    /// Angle of incidence, degrees.
+    pub incidence_deg: f64,
+    /// Angle of offset, degrees.
+    pub offset_deg: f64,
+    /// Readings that came and are no outliers.
+    pub readings: usize,
+    /// Readings that have nothing to do with the distance.
+    pub outliers: usize,
+    /// Readings that never came.
+    pub dropouts: usize,
+    /// Mean of the readings.
+    pub mean: Option<f64>,
+    /// Their standard deviation.
+    pub sd: Option<f64>,
+    /// Mean less the model's.
+    pub residual: Option<f64>,
+    /// Standard deviation over the model's.
+    pub sd_ratio: Option<f64>,
+    /// p value of the Anderson–Darling test of normality, where there are enough readings.
+    pub normality_p: Option<f64>,
+}
+
+/// How many distances are normal.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Normality {
+    /// Distances with enough readings.
+    pub tested: usize,
+    /// Of these with p below 5 %; one in twenty by chance.
+    pub rejected: usize,
+    /// Smallest p value times the number of tests (Bonferroni), at most 1.
+    pub adjusted_p: f64,
+}
+
+/// A log's model, and what it rests on.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Characterisation {
+    /// The model.
+    #[serde(serialize_with = "as_file")]
+    #[cfg_attr(feature = "schema", schemars(with = "Numbers<'static>"))]
+    pub model: RangeModel,
+    /// Form of the mean.
+    pub mean_form: &'static str,
+    /// Form of the spread.
+    pub spread_form: &'static str,
+    /// Parameters of the mean, terms in the angles last.
+    pub mean: Vec<Value>,
+    /// Parameters of the spread.
+    pub spread: Vec<Value>,
+    /// Readings that never came, of all that were asked for.
+    pub dropouts: Proportion,
+    /// Readings that have nothing to do with the distance, of all that came.
+    pub outliers: Proportion,
+    /// The pairs of forms that were tried; empty where nothing was left to choose.
+    pub candidates: Vec<Candidate>,
+    /// Probability of mean readings at least this far off the model if its form were true (χ²); `None` without degrees of freedom.
+    pub lack_of_fit_p: Option<f64>,
+    /// Is the spread normal?
+    pub normality: Normality,
+    /// How many readings are enough, at the distance with the most.
+    pub sample_size: Option<SampleSize>,
+    /// What was read, by distance.
+    pub distances: Vec<DistanceReport>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// The model as numbers that JSON can hold.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct Numbers<'a> {
+    distance_unit: LengthUnit,
+    reading_unit: &'a ReadingUnit,
+    range: (f64, f64),
+    sampling_time_s: Option<f64>,
+    incidence_per_deg: f64,
+    offset_per_deg: f64,
+    dropout: f64,
+    outliers: super::model::Outliers,
+}
+fn as_file<S: Serializer>(
+    model: &RangeModel,
+    serializer: S,
+) -> std::result::Result<S::Ok, S::Error> {
+    Numbers {
+        distance_unit: model.distance_unit,
+        reading_unit: &model.reading_unit,
+        range: model.range,
+        sampling_time_s: model.sampling_time_s,
+        incidence_per_deg: model.incidence_per_deg,
+        offset_per_deg: model.offset_per_deg,
+        dropout: model.dropout,
+        outliers: model.outliers,
+    }
+    .serialize(serializer)
+}
+
+/// Lack of fit and normality are told below this probability.
+const DOUBTFUL: f64 = 0.01;
+
+impl Characterisation {
+    /// Fits a model to a log.
+    ///
+    /// # Errors
+    /// One distance only, no readings that came, a form that cannot be near the data, readings that never vary.
+    pub fn new(log: &ReadingLog, options: &Options) -> Result<Self> {
+        let (cells, resolution) = cells(log);
+        let data = summaries(&cells);
+        let (first, last) = match (data.first(), data.last()) {
+            (Some(first), Some(last)) => (first.distance, last.distance),
+            _ => {
+                return Err(Error::invalid("not a single reading came")
+                    .found(format!("{} rows", log.readings.len())));
+            }
+        };
+        if first == last {
+            return Err(
+                Error::invalid("readings at one distance say nothing about others")
+                    .field("distance")
+                    .found(format!("{first} only"))
+                    .allowed("two or more different distances"),
+            );
+        }
+        let least_spread = resolution / 12f64.sqrt();
+        if resolution == 0.0 {
+            return Err(Error::invalid("all readings are the same")
+                .hint("is this the column of the readings, and did the sensor work?"));
+        }
+        let differs = |of: fn(&Summary) -> f64| data.iter().any(|s| of(s) != of(&data[0]));
+        let mut warnings = log.warnings.clone();
+        let plans = plans(
+            options,
+            differs(|s| s.incidence_deg),
+            differs(|s| s.offset_deg),
+            least_spread,
+        );
+        let (plan, candidates) = pick(&plans, &data, &mut warnings);
+        let fitted = fit(plan, &data).ok_or_else(|| cannot_fit(plan))?;
+        let outliers = outlier_model(&cells);
+        let (came, asked) = cells.iter().fold((0, 0), |(came, asked), cell| {
+            let here = cell.values.len() + cell.outliers.len();
+            (came + here, asked + here + cell.dropouts)
+        });
+        let nonsense: usize = cells.iter().map(|cell| cell.outliers.len()).sum();
+        let dropouts = Proportion::new(asked - came, asked, LEVEL);
+        let model = RangeModel {
+            description: String::new(),
+            distance_unit: log.distance_unit,
+            reading_unit: log.reading_unit.clone(),
+            range: (first, last),
+            sampling_time_s: log.sampling_time_s,
+            mean: fitted.mean.clone(),
+            spread: fitted.spread.clone(),
+            incidence_per_deg: fitted.incidence_per_deg,
+            offset_per_deg: fitted.offset_per_deg,
+            dropout: dropouts.share,
+            outliers,
+        };
+        model.check()?;
+        let distances: Vec<DistanceReport> =
+            cells.iter().map(|cell| report(cell, &fitted)).collect();
+        let normality = normality(&distances);
+        let lack_of_fit_p = lack_of_fit(&fitted, &data);
+        if lack_of_fit_p.is_some_and(|p| p < DOUBTFUL) {
+            warnings.push(Warning::new(
+                Code::LackOfFit,
+                format!("mean readings are further from the {} form than chance puts them: its intervals are too sure, and between the distances of the log it may be off", plan.mean.name()),
+            ));
+        }
+        if normality.adjusted_p < DOUBTFUL {
+            warnings.push(Warning::new(
+                Code::NotNormal,
+                format!("readings are not spread normally at {} of {} distances (rounded readings alone can be why)", normality.rejected, normality.tested),
+            ));
+        }
+        Ok(Self {
+            mean_form: plan.mean.name(),
+            spread_form: plan.spread.name(),
+            mean: mean_values(plan, &fitted),
+            spread: spread_values(plan, &fitted),
+            dropouts,
+            outliers: Proportion::new(nonsense, came, LEVEL),
+            candidates,
+            lack_of_fit_p,
+            normality,
+            sample_size: sample_size(&cells, &fitted, options),
+            distances,
+            warnings,
+            model,
+        })
+    }
+}
+
+/// Every pair of forms that the options leave open.
+fn plans(options: &Options, incidence: bool, offset: bool, least_spread: f64) -> Vec<Plan> {
+    let forms = |asked: Option<&'static dyn Form>| asked.map_or(FORMS.to_vec(), |form| vec![form]);
+    let mut plans = Vec::new();
+    for mean in forms(options.mean) {
+        for spread in forms(options.spread) {
+            plans.push(Plan {
+                mean,
+                spread,
+                incidence,
+                offset,
+                least_spread,
+            });
+        }
+    }
+    plans
+}
+
+fn pick(plans: &[Plan], data: &[Summary], warnings: &mut Vec<Warning>) -> (Plan, Vec<Candidate>) {
+    if let [only] = plans {
+        return (*only, Vec::new());
+    }
+    let mut distances: Vec<f64> = data.iter().map(|s| s.distance).collect();
+    distances.dedup();
+    if distances.len() > 2 {
+        let (candidates, chosen) = choose(plans, data);
+        // Where nothing can be fitted the first is tried, whose error says why.
+        return (plans[chosen.unwrap_or(0)], candidates);
+    }
+    warnings.push(Warning::new(
+        Code::FewDistances,
+        "two distances cannot tell one form from another; the line is a guess",
+    ));
+    let is_line = |form: &dyn Form| form.name() == Linear.name();
+    let line = plans
+        .iter()
+        .find(|plan| is_line(plan.mean) && is_line(plan.spread));
+    let line = line.or(plans.iter().find(|plan| is_line(plan.spread)));
+    (*line.unwrap_or(&plans[0]), Vec::new())
+}
+
+fn cannot_fit(plan: Plan) -> Error {
+    Error::invalid("the log cannot be fitted with these forms")
+        .found(format!("mean {}, spread {}", plan.mean.name(), plan.spread.name()))
+        .hint("power and exponential need values of one sign; a linear spread must stay above 0; try the table")
+}
+
+fn values(form: &dyn Form, knots: &[f64], values: &[f64], errors: &[f64]) -> Vec<Value> {
+    let names = form.parameters(knots).into_iter();
+    names
+        .zip(values.iter().zip(errors))
+        .map(|(name, (value, error))| Value::new(name, *value, *error))
+        .collect()
+}
+
+/// A spread is above 0, so its factors have intervals of their logarithms.
+fn spread_values(plan: Plan, fitted: &Fitted) -> Vec<Value> {
+    let spread = &fitted.spread;
+    let mut all = values(
+        plan.spread,
+        &spread.knots,
+        &spread.values,
+        &fitted.spread_errors,
+    );
+    for (index, value) in all.iter_mut().enumerate() {
+        if plan.spread.is_factor(index) && value.value > 0.0 {
+            let half = (value.high - value.value) / value.value;
+            (value.low, value.high) = (
+                value.value * libm::exp(-half),
+                value.value * libm::exp(half),
+            );
+        }
+    }
+    all
+}
+
+fn mean_values(plan: Plan, fitted: &Fitted) -> Vec<Value> {
+    let own = fitted.mean.values.len();
+    let mut all = values(
+        plan.mean,
+        &fitted.mean.knots,
+        &fitted.mean.values,
+        &fitted.mean_errors[..own],
+    );
+    let mut rest = fitted.mean_errors[own..].iter();
+    for (is_fitted, name, value) in [
+        (
+            plan.incidence,
+            "incidence per degree",
+            fitted.incidence_per_deg,
+        ),
+        (plan.offset, "offset per degree", fitted.offset_per_deg),
+    ] {
+        if let (true, Some(error)) = (is_fitted, rest.next().filter(|_| is_fitted)) {
+            all.push(Value::new(name.to_owned(), value, *error));
+        }
+    }
+    all
+}
+
+fn report(cell: &Cell, fitted: &Fitted) -> DistanceReport {
+    let readings = cell.values.len();
+    let centre = (readings > 0).then(|| mean(&cell.values));
+    let sd = (readings > 1).then(|| standard_deviation(&cell.values));
+    let model_mean = fitted.mean.at(cell.distance)
+        + fitted.incidence_per_deg * cell.incidence_deg
+        + fitted.offset_per_deg * cell.offset_deg;
+    let tested = (readings >= LEAST_FOR_NORMALITY)
+        .then(|| anderson_darling(&cell.values).ok())
+        .flatten();
+    DistanceReport {
+        distance: cell.distance,
+        incidence_deg: cell.incidence_deg,
+        offset_deg: cell.offset_deg,
+        readings,
+        outliers: cell.outliers.len(),
+        dropouts: cell.dropouts,
+        mean: centre,
+        sd,
+        residual: centre.map(|m| m - model_mean),
+        sd_ratio: sd.map(|s| s / fitted.spread.at(cell.distance)),
+        normality_p: tested.map(|test| test.p_value),
+    }
+}
+
+fn normality(distances: &[DistanceReport]) -> Normality {
+    let p: Vec<f64> = distances.iter().filter_map(|d| d.normality_p).collect();
+    let least = p.iter().copied().fold(1.0, f64::min);
+    Normality {
+        tested: p.len(),
+        rejected: p.iter().filter(|p| **p < 0.05).count(),
+        adjusted_p: (least * p.len().max(1) as f64).min(1.0),
+    }
+}
+
+/// χ² of the cells' means about the curve, with the cells' own spreads.
+fn lack_of_fit(fitted: &Fitted, data: &[Summary]) -> Option<f64> {
+    let freedom = data
+        .len()
+        .checked_sub(fitted.mean_errors.len())
+        .filter(|f| *f > 0)?;
+    // A spread that has to hold what the form misses would hide it.
+    let own_sd = |s: &Summary| {
+        (s.count >= LEAST_FOR_NORMALITY as f64).then(|| (s.squares / (s.count - 1.0)).sqrt())
+    };
+    let sum: Option<f64> = data
+        .iter()
+        .map(|s| {
+            Some(
+                s.count
+                    * ((s.mean - fitted.mean_at(s)) / own_sd(s).filter(|sd| *sd > 0.0)?).powi(2),
+            )
+        })
+        .sum();
+    Some(gamma_ur(
+        0.5 * freedom as f64,
+        0.5 * sum?.max(f64::MIN_POSITIVE),
+    ))
+}
+
+fn sample_size(cells: &[Cell], fitted: &Fitted, options: &Options) -> Option<SampleSize> {
+    // The first of those with the most readings, nearest to the middle of the log.
+    let middle = 0.5 * (cells.first()?.distance + cells.last()?.distance);
+    let cell = cells.iter().max_by(|a, b| {
+        let off = |cell: &Cell| (cell.distance - middle).abs();
+        let readings = |cell: &Cell| cell.values.len() + cell.outliers.len() + cell.dropouts;
+        readings(a)
+            .cmp(&readings(b))
+            .then(off(b).total_cmp(&off(a)))
+    })?;
+    let bin = options.bin.unwrap_or(0.2 * fitted.spread.at(cell.distance));
+    study(
+        cell.distance,
+        &cell.values,
+        bin,
+        options.tolerance.unwrap_or(TOLERANCE),
+        options.seed,
+    )
+}

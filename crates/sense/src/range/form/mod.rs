@@ -1,0 +1,185 @@
+//! Forms: what a mean or a spread may look like as a function of the distance. One file and one line of [`FORMS`] each.
+
+mod exponential;
+mod linear;
+mod power;
+mod table;
+
+use nalgebra::{DMatrix, DVector};
+
+pub use exponential::Exponential;
+pub use linear::Linear;
+pub use power::Power;
+pub use table::Table;
+
+use realgap_core::error::{Error, Result};
+use realgap_core::file::look_up;
+
+/// Every form that a log is fitted with, simplest first.
+pub const FORMS: [&dyn Form; 4] = [&Linear, &Power, &Exponential, &Table];
+
+/// The form of this name.
+///
+/// # Errors
+/// No such form; the error lists them.
+pub fn form_by_name(name: &str) -> Result<&'static dyn Form> {
+    look_up("form of a sensor model", name, FORMS, |form| form.name())
+}
+
+/// A value at a distance, with its weight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Distance, in the model's unit of length.
+    pub d: f64,
+    /// The value there.
+    pub y: f64,
+    /// Its weight, above 0: one over its variance, up to a common factor.
+    pub weight: f64,
+}
+
+/// A family of curves over the distance d > 0, differentiable in its parameters.
+pub trait Form: Sync {
+    /// Name in files and options.
+    fn name(&self) -> &'static str;
+
+    /// The formula, for people.
+    fn formula(&self) -> &'static str;
+
+    /// Distances at which the curve has values of its own, chosen from the sorted different distances of a log; empty for a formula.
+    fn knots(&self, _distances: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Names of the parameters.
+    fn parameters(&self, knots: &[f64]) -> Vec<String>;
+
+    /// The value at distance `d`.
+    fn value(&self, knots: &[f64], parameters: &[f64], d: f64) -> f64;
+
+    /// Its derivatives by the parameters.
+    fn gradient(&self, knots: &[f64], parameters: &[f64], d: f64) -> Vec<f64>;
+
+    /// Whether a parameter is a factor on values, so that its error is one of its logarithm where it has to be above 0.
+    fn is_factor(&self, _parameter: usize) -> bool {
+        false
+    }
+
+    /// Parameters near the points, from which a fit may start; `None` where the form cannot be near them.
+    fn start(&self, knots: &[f64], points: &[Point]) -> Option<Vec<f64>>;
+}
+
+impl std::fmt::Debug for dyn Form {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A form with its parameters.
+#[derive(Debug, Clone)]
+pub struct Curve {
+    /// The form.
+    pub form: &'static dyn Form,
+    /// Its knots; empty for a formula.
+    pub knots: Vec<f64>,
+    /// Its parameters.
+    pub values: Vec<f64>,
+}
+
+impl Curve {
+    /// A form with these knots and parameters.
+    ///
+    /// # Errors
+    /// Another number of parameters than the form has, values that are not finite, knots that do not increase.
+    pub fn new(form: &'static dyn Form, knots: Vec<f64>, values: Vec<f64>) -> Result<Self> {
+        let names = form.parameters(&knots);
+        if names.len() != values.len() || names.is_empty() {
+            return Err(
+                Error::invalid(format!("a {} form needs other values", form.name()))
+                    .field("values")
+                    .found(format!("{} values", values.len()))
+                    .allowed(match names.len() {
+                        0 => "a table has knots, and a value at each".to_owned(),
+                        count => format!("{count}: {}", names.join(", ")),
+                    }),
+            );
+        }
+        if let Some(value) = values.iter().chain(&knots).find(|v| !v.is_finite()) {
+            return Err(Error::invalid("not a finite number")
+                .field("values")
+                .found(value));
+        }
+        if knots.windows(2).any(|pair| pair[0] >= pair[1]) {
+            return Err(Error::invalid("the knots of a table must increase").field("knots"));
+        }
+        Ok(Self {
+            form,
+            knots,
+            values,
+        })
+    }
+
+    /// The value at distance `d`, in the model's unit of length.
+    pub fn at(&self, d: f64) -> f64 {
+        self.form.value(&self.knots, &self.values, d)
+    }
+
+    /// Its derivatives by the parameters.
+    pub fn gradient(&self, d: f64) -> Vec<f64> {
+        self.form.gradient(&self.knots, &self.values, d)
+    }
+}
+
+impl PartialEq for Curve {
+    fn eq(&self, other: &Self) -> bool {
+        self.form.name() == other.form.name()
+            && self.knots == other.knots
+            && self.values == other.values
+    }
+}
+
+/// Intercept and slope of the weighted least squares line; `None` for fewer than two different distances.
+fn weighted_line(points: &[Point]) -> Option<[f64; 2]> {
+    let sum: f64 = points.iter().map(|p| p.weight).sum();
+    let mean =
+        |of: &dyn Fn(&Point) -> f64| points.iter().map(|p| p.weight * of(p)).sum::<f64>() / sum;
+    let (d, y) = (mean(&|p| p.d), mean(&|p| p.y));
+    let (dd, dy) = (
+        mean(&|p| (p.d - d).powi(2)),
+        mean(&|p| (p.d - d) * (p.y - y)),
+    );
+    let slope = dy / dd;
+    (sum > 0.0 && slope.is_finite()).then_some([y - slope * d, slope])
+}
+
+/// Sign and logarithms of values of one sign, over `along` of the distance; `None` for values of both signs.
+fn log_points(points: &[Point], along: impl Fn(f64) -> f64) -> Option<(f64, Vec<Point>)> {
+    let sign = points.first()?.y.signum();
+    let logs = points.iter().map(|p| {
+        let size = sign * p.y;
+        (size > 0.0 && p.d > 0.0).then(|| Point {
+            d: along(p.d),
+            y: libm::log(size),
+            // A deviation of y is one of log y times y.
+            weight: p.weight * size * size,
+        })
+    });
+    Some((sign, logs.collect::<Option<_>>()?))
+}
+
+/// Parameters of a form that is linear in them.
+fn least_squares(points: &[Point], gradient: impl Fn(f64) -> Vec<f64>) -> Option<Vec<f64>> {
+    let rows: Vec<Vec<f64>> = points.iter().map(|p| gradient(p.d)).collect();
+    let columns = rows.first()?.len();
+    let mut normal = DMatrix::zeros(columns, columns);
+    let mut right = DVector::zeros(columns);
+    for (row, point) in rows.iter().zip(points) {
+        for (i, a) in row.iter().enumerate().filter(|(_, a)| **a != 0.0) {
+            right[i] += point.weight * a * point.y;
+            for (j, b) in row.iter().enumerate() {
+                normal[(i, j)] += point.weight * a * b;
+            }
+        }
+    }
+    let solved: Vec<f64> = normal.cholesky()?.solve(&right).iter().copied().collect();
+    solved.iter().all(|v| v.is_finite()).then_some(solved)
+}

@@ -1,0 +1,235 @@
+//! Logs of readings at known distances.
+
+use std::path::Path;
+
+use super::model::ReadingUnit;
+use realgap_core::error::{Error, Result};
+use realgap_core::file::{LogTable, read_log_text};
+use realgap_core::unit::{LengthUnit, counted};
+use realgap_core::warning::{Code, Warning};
+
+/// One measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// True distance, in the log's unit, above 0.
+    pub distance: f64,
+    /// Angle of incidence, degrees.
+    pub incidence_deg: f64,
+    /// Angle of offset, degrees.
+    pub offset_deg: f64,
+    /// What the sensor said; `None` where it said nothing.
+    pub value: Option<f64>,
+}
+
+/// Readings of one sensor at known distances.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadingLog {
+    /// Unit of the distances.
+    pub distance_unit: LengthUnit,
+    /// Unit of the readings.
+    pub reading_unit: ReadingUnit,
+    /// The readings, in the order of the log.
+    pub readings: Vec<Reading>,
+    /// Material that the log was limited to.
+    pub material: Option<String>,
+    /// Time from one reading to the next, seconds, where the log has times.
+    pub sampling_time_s: Option<f64>,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// How a log is read, where its columns do not say.
+#[derive(Debug, Clone, Default)]
+pub struct LogOptions {
+    /// Unit of a column `distance`.
+    pub unit: LengthUnit,
+    /// Only readings off this material.
+    pub material: Option<String>,
+}
+
+/// What columns may be called.
+const COLUMNS: &str = "distance_cm (or _m, _mm, or `distance`), reading_cm (or _m, _mm, any other ending for the sensor's own unit, or \
+     `reading`), and where known incidence_deg, offset_deg, material, t_s";
+
+impl ReadingLog {
+    /// Reads a log with all defaults.
+    ///
+    /// # Errors
+    /// As [`ReadingLog::read_with`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        Self::read_with(path, &LogOptions::default())
+    }
+
+    /// Reads a log.
+    ///
+    /// # Errors
+    /// A missing file, missing columns, distances that are not positive numbers, cells that are no numbers, no rows.
+    pub fn read_with(path: impl AsRef<Path>, options: &LogOptions) -> Result<Self> {
+        let path = path.as_ref();
+        Self::parse_with(path, &read_log_text(path)?, options)
+    }
+
+    /// The log in a text; `path` is what errors call it.
+    ///
+    /// # Errors
+    /// As [`ReadingLog::read_with`].
+    pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Self> {
+        Self::parse_with(path.as_ref(), text, &LogOptions::default())
+    }
+
+    /// As [`ReadingLog::parse`], with options.
+    ///
+    /// # Errors
+    /// As [`ReadingLog::read_with`].
+    pub fn parse_with(path: &Path, text: &str, options: &LogOptions) -> Result<Self> {
+        let table = LogTable::parse(path, text)?;
+        let (distance, distance_unit) = distance_column(&table, options.unit)?;
+        let (reading, reading_unit) = reading_column(&table)?;
+        let angle = |name: &str| -> Option<(usize, f64)> {
+            [
+                (format!("{name}_deg"), 1.0),
+                (format!("{name}_rad"), 1f64.to_degrees()),
+                (name.to_owned(), 1.0),
+            ]
+            .into_iter()
+            .find_map(|(column, degrees)| Some((table.column(&column)?, degrees)))
+        };
+        let (incidence, offset) = (angle("incidence"), angle("offset"));
+        let material = table.column("material");
+        if options.material.is_some() && material.is_none() {
+            return Err(Error::invalid("the log has no column `material`")
+                .at_file(path)
+                .field("material"));
+        }
+        let time = table.column("t_s");
+        let mut log = Self {
+            distance_unit,
+            reading_unit,
+            readings: Vec::with_capacity(table.row_count()),
+            material: options.material.clone(),
+            sampling_time_s: None,
+            warnings: Vec::new(),
+        };
+        let (mut materials, mut times_s, mut impossible) = (Vec::<&str>::new(), Vec::new(), 0);
+        for row in 0..table.row_count() {
+            if let Some(column) = material {
+                let found = table.text(row, column);
+                if options
+                    .material
+                    .as_ref()
+                    .is_some_and(|wanted| wanted != found)
+                {
+                    continue;
+                }
+                if !materials.contains(&found) {
+                    materials.push(found);
+                }
+            }
+            let distance_found = table.number(row, distance)?;
+            if distance_found <= 0.0 {
+                let error = Error::invalid("a distance must be above 0")
+                    .field(&table.header()[distance])
+                    .found(distance_found);
+                return Err(table.at(row, error));
+            }
+            let mut value = table.optional(row, reading)?;
+            // A length that is not positive is how many sensors say that nothing came back.
+            if matches!(log.reading_unit, ReadingUnit::Length(_)) && value.is_some_and(|v| v <= 0.0)
+            {
+                value = None;
+                impossible += 1;
+            }
+            let degrees = |column: Option<(usize, f64)>| -> Result<f64> {
+                match column {
+                    Some((column, factor)) => Ok(factor * table.number(row, column)?),
+                    None => Ok(0.0),
+                }
+            };
+            if let Some(column) = time {
+                times_s.push(table.number(row, column)?);
+            }
+            log.readings.push(Reading {
+                distance: distance_found,
+                incidence_deg: degrees(incidence)?,
+                offset_deg: degrees(offset)?,
+                value,
+            });
+        }
+        if log.readings.is_empty() {
+            let error = Error::invalid("the log has no readings").at_file(path);
+            return Err(match &options.material {
+                Some(wanted) => error.found(format!("no row of material {wanted}")),
+                None => error,
+            });
+        }
+        let steps_s: Vec<f64> = times_s
+            .windows(2)
+            .map(|w| w[1] - w[0])
+            .filter(|dt| *dt > 0.0)
+            .collect();
+        if !steps_s.is_empty() {
+            log.sampling_time_s = Some(realgap_core::statistics::median(&steps_s));
+        }
+        if materials.len() > 1 {
+            log.warnings.push(Warning::new(
+                Code::SeveralMaterials,
+                format!(
+                    "readings off {} are fitted as one sensor; choose one to tell them apart",
+                    materials.join(", ")
+                ),
+            ));
+        }
+        if impossible > 0 {
+            log.warnings.push(Warning::new(
+                Code::ImpossibleReadings,
+                format!(
+                    "{} of 0 or below counted as readings that never came",
+                    counted(impossible, "reading")
+                ),
+            ));
+        }
+        Ok(log)
+    }
+}
+
+fn length_column(table: &LogTable, name: &str) -> Option<(usize, LengthUnit)> {
+    [
+        ("m", LengthUnit::Metre),
+        ("cm", LengthUnit::Centimetre),
+        ("mm", LengthUnit::Millimetre),
+    ]
+    .into_iter()
+    .find_map(|(symbol, unit)| Some((table.column(&format!("{name}_{symbol}"))?, unit)))
+}
+
+fn distance_column(table: &LogTable, unit: LengthUnit) -> Result<(usize, LengthUnit)> {
+    if let Some(found) = length_column(table, "distance") {
+        return Ok(found);
+    }
+    let hint = format!("a log of readings has the columns {COLUMNS}");
+    Ok((table.require("distance", &hint)?, unit))
+}
+
+fn reading_column(table: &LogTable) -> Result<(usize, ReadingUnit)> {
+    if let Some((column, unit)) = length_column(table, "reading") {
+        return Ok((column, ReadingUnit::Length(unit)));
+    }
+    let own = table
+        .header()
+        .iter()
+        .enumerate()
+        .find_map(|(column, name)| {
+            Some((
+                column,
+                ReadingUnit::Own(name.strip_prefix("reading_")?.to_owned()),
+            ))
+        });
+    if let Some(found) = own {
+        return Ok(found);
+    }
+    let hint = format!("a log of readings has the columns {COLUMNS}");
+    Ok((
+        table.require("reading", &hint)?,
+        ReadingUnit::Own(String::new()),
+    ))
+}

@@ -1,0 +1,25 @@
+//! Sensors that measure one distance.
+//!
+//! [`ReadingLog`] holds readings at known distances, [`Characterisation`] makes a [`RangeModel`] of them, with intervals and with what
+//! speaks against it; anything that implements [`RangeSensor`] can be simulated and believed.
+
+mod cell;
+mod characterisation;
+mod choice;
+mod fit;
+pub mod form;
+mod log;
+mod model;
+mod sample_size;
+mod words;
+
+pub use characterisation::{Characterisation, DistanceReport, LEVEL, Normality, Options, Value};
+pub use choice::Candidate;
+pub use log::{LogOptions, Reading, ReadingLog};
+#[cfg(feature = "schema")]
+pub use model::ModelFile;
+pub use model::{
+    Beam, Outliers, RangeModel, RangeSensor, ReadingUnit, find_sensor, sensor_by_name,
+    shipped_sensors,
+};
+pub use sample_size::{SampleSize, SizeStep};

@@ -1,0 +1,416 @@
+//! A range sensor's model: what it reads, on average and in spread, and how often nothing or nonsense.
+
+use std::path::Path;
+
+use rand::{Rng, RngExt};
+use rand_distr::StandardNormal;
+use serde::{Deserialize, Serialize};
+
+use super::form::{Curve, form_by_name};
+use realgap_core::error::{Error, Result};
+use realgap_core::file::{Source, look_up, parse_ron, write_ron};
+use realgap_core::unit::LengthUnit;
+use realgap_core::warning::{Code, Warning};
+
+/// What a beam meets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beam {
+    /// Distance to the object along the beam, metres.
+    pub distance_m: f64,
+    /// Angle of incidence θ: between the beam and the normal of the surface, radians.
+    pub incidence_rad: f64,
+    /// Angle of offset φ: between the sensor's axis and the beam, radians.
+    pub offset_rad: f64,
+}
+
+impl Beam {
+    /// A beam along the sensor's axis onto a surface that faces it.
+    pub fn straight(distance_m: f64) -> Self {
+        Self {
+            distance_m,
+            incidence_rad: 0.0,
+            offset_rad: 0.0,
+        }
+    }
+}
+
+/// Anything that answers a beam with a reading: p(z | d, θ, φ) of paper 000, equation 1, and how often there is no answer.
+///
+/// Readings are numbers in the sensor's own unit. What is random draws from the generator it is given, and nothing else.
+pub trait RangeSensor: Sync {
+    /// Shortest and longest distance that it was made or characterised for, metres.
+    fn range_m(&self) -> (f64, f64);
+
+    /// Mean reading, nonsense apart.
+    fn mean(&self, beam: &Beam) -> f64;
+
+    /// Standard deviation of readings, nonsense apart; above 0.
+    fn sd(&self, beam: &Beam) -> f64;
+
+    /// Probability that no reading comes.
+    fn dropout(&self, _beam: &Beam) -> f64 {
+        0.0
+    }
+
+    /// Logarithm of the density of a reading, given that one comes.
+    fn log_density(&self, reading: f64, beam: &Beam) -> f64 {
+        log_normal_density(reading, self.mean(beam), self.sd(beam))
+    }
+
+    /// A reading; `None` where none comes.
+    fn draw(&self, beam: &Beam, rng: &mut dyn Rng) -> Option<f64> {
+        let (missing, normal): (f64, f64) = (rng.random(), rng.sample(StandardNormal));
+        (missing >= self.dropout(beam)).then(|| self.mean(beam) + self.sd(beam) * normal)
+    }
+}
+
+/// Logarithm of the normal density.
+pub(crate) fn log_normal_density(value: f64, mean: f64, sd: f64) -> f64 {
+    let z = (value - mean) / sd;
+    -0.5 * z * z - libm::log(sd) - 0.5 * libm::log(std::f64::consts::TAU)
+}
+
+/// What the numbers of a sensor are.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum ReadingUnit {
+    /// Lengths.
+    Length(LengthUnit),
+    /// The sensor's own, e.g. steps of a converter; may be unnamed.
+    Own(String),
+}
+
+impl ReadingUnit {
+    /// Symbol for tables: `cm`, or the own unit's name.
+    pub fn symbol(&self) -> &str {
+        match self {
+            Self::Length(unit) => unit.symbol(),
+            Self::Own(name) => name,
+        }
+    }
+}
+
+/// Readings that have nothing to do with the distance.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Outliers {
+    /// Their share of the readings that come.
+    pub share: f64,
+    /// They lie evenly from here, in the reading's unit,
+    pub low: f64,
+    /// to here.
+    pub high: f64,
+}
+
+/// A sensor as its log says it is: mean and spread over the distance, terms in the angles, dropouts and outliers.
+///
+/// Numbers are in the units of its log; [`RangeSensor`] takes metres and radians.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RangeModel {
+    /// Which sensor, and where the numbers come from.
+    pub description: String,
+    /// Unit of d in both curves.
+    pub distance_unit: LengthUnit,
+    /// Unit of readings.
+    pub reading_unit: ReadingUnit,
+    /// Shortest and longest distance of the log, in its unit.
+    pub range: (f64, f64),
+    /// Time from one reading to the next, seconds, where known.
+    pub sampling_time_s: Option<f64>,
+    /// Mean reading over the distance.
+    pub mean: Curve,
+    /// Standard deviation over the distance.
+    pub spread: Curve,
+    /// Change of the mean per degree of incidence.
+    pub incidence_per_deg: f64,
+    /// Change of the mean per degree of offset.
+    pub offset_per_deg: f64,
+    /// Probability that no reading comes.
+    pub dropout: f64,
+    /// Readings that have nothing to do with the distance.
+    pub outliers: Outliers,
+}
+
+/// The RON form.
+#[derive(Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "RangeSensor")]
+pub struct ModelFile {
+    /// Which sensor, and where the numbers come from.
+    #[serde(default)]
+    description: String,
+    /// Unit of distances in both curves.
+    distance_unit: LengthUnit,
+    /// Unit of readings.
+    reading_unit: ReadingUnit,
+    /// Shortest and longest distance of the log, in its unit.
+    range: (f64, f64),
+    /// Time from one reading to the next, seconds, where known.
+    #[serde(default)]
+    sampling_time_s: Option<f64>,
+    /// Mean reading over the distance.
+    mean: CurveFile,
+    /// Standard deviation over the distance.
+    spread: CurveFile,
+    /// Change of the mean per degree of incidence.
+    #[serde(default)]
+    incidence_per_deg: f64,
+    /// Change of the mean per degree of offset.
+    #[serde(default)]
+    offset_per_deg: f64,
+    /// Probability that no reading comes.
+    #[serde(default)]
+    dropout: f64,
+    /// Readings that have nothing to do with the distance.
+    #[serde(default)]
+    outliers: Outliers,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+struct CurveFile {
+    /// Form of the curve, by name; `realgap characterise --help` lists them.
+    form: String,
+    /// Distances between which its pieces lie, for forms made of pieces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    knots: Vec<f64>,
+    /// Its parameters.
+    values: Vec<f64>,
+}
+
+impl CurveFile {
+    fn of(curve: &Curve) -> Self {
+        Self {
+            form: curve.form.name().to_owned(),
+            knots: curve.knots.clone(),
+            values: curve.values.clone(),
+        }
+    }
+
+    fn curve(self) -> Result<Curve> {
+        Curve::new(form_by_name(&self.form)?, self.knots, self.values)
+    }
+}
+
+/// Where a spread that must be positive is looked at, between the ends of the range.
+const CHECKED: usize = 200;
+
+impl RangeModel {
+    /// Reads a model's file.
+    ///
+    /// # Errors
+    /// A missing file, anything that is not a model, and as [`RangeModel::check`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        Self::parse(&Source::read(path, "sensor model")?)
+    }
+
+    /// The model in a text.
+    ///
+    /// # Errors
+    /// As [`RangeModel::read`].
+    pub fn parse(source: &Source) -> Result<Self> {
+        let file: ModelFile = parse_ron(source)?;
+        let model = Self {
+            description: file.description,
+            distance_unit: file.distance_unit,
+            reading_unit: file.reading_unit,
+            range: file.range,
+            sampling_time_s: file.sampling_time_s,
+            mean: file.mean.curve().map_err(|e| source.at("mean", e))?,
+            spread: file.spread.curve().map_err(|e| source.at("spread", e))?,
+            incidence_per_deg: file.incidence_per_deg,
+            offset_per_deg: file.offset_per_deg,
+            dropout: file.dropout,
+            outliers: file.outliers,
+        };
+        model.check().map_err(|e| {
+            let field = e.field_name().unwrap_or_default().to_owned();
+            source.at(&field, e)
+        })?;
+        Ok(model)
+    }
+
+    /// The model as a file's text.
+    ///
+    /// # Errors
+    /// None for a model of ours.
+    pub fn to_ron(&self) -> Result<String> {
+        write_ron(&ModelFile {
+            description: self.description.clone(),
+            distance_unit: self.distance_unit,
+            reading_unit: self.reading_unit.clone(),
+            range: self.range,
+            sampling_time_s: self.sampling_time_s,
+            mean: CurveFile::of(&self.mean),
+            spread: CurveFile::of(&self.spread),
+            incidence_per_deg: self.incidence_per_deg,
+            offset_per_deg: self.offset_per_deg,
+            dropout: self.dropout,
+            outliers: self.outliers,
+        })
+    }
+
+    /// Checks what no single number says.
+    ///
+    /// # Errors
+    /// A range that is empty or not positive, probabilities outside 0 to 1, a mean that is not finite or a spread that is not
+    /// positive somewhere in the range.
+    pub fn check(&self) -> Result<()> {
+        let (low, high) = self.range;
+        if !(low > 0.0 && high > low && high.is_finite()) {
+            return Err(Error::invalid("not a range of distances")
+                .field("range")
+                .found(format!("{low} to {high}"))
+                .allowed("two increasing distances above 0"));
+        }
+        for (field, share) in [("dropout", self.dropout), ("outliers", self.outliers.share)] {
+            if !(0.0..=1.0).contains(&share) {
+                return Err(Error::invalid("not a probability")
+                    .field(field)
+                    .found(share)
+                    .allowed("0 to 1"));
+            }
+        }
+        let outliers = self.outliers;
+        if outliers.share > 0.0
+            && !(outliers.high > outliers.low && (outliers.high - outliers.low).is_finite())
+        {
+            return Err(
+                Error::invalid("outliers must lie between two increasing readings")
+                    .field("outliers")
+                    .found(format!("{} to {}", outliers.low, outliers.high)),
+            );
+        }
+        if let Some(time_s) = self.sampling_time_s
+            && !(time_s.is_finite() && time_s > 0.0)
+        {
+            return Err(Error::invalid("not a time between readings")
+                .field("sampling_time_s")
+                .found(time_s)
+                .allowed("more than 0 s"));
+        }
+        for index in 0..=CHECKED {
+            let d = low + (high - low) * index as f64 / CHECKED as f64;
+            let (mean, spread) = (self.mean.at(d), self.spread.at(d));
+            if !(mean.is_finite() && spread.is_finite() && spread > 0.0) {
+                let field = if mean.is_finite() { "spread" } else { "mean" };
+                return Err(
+                    Error::invalid("the model has no density everywhere in its range")
+                        .field(field)
+                        .found(format!("mean {mean}, spread {spread} at {d}"))
+                        .allowed("a finite mean and a spread above 0"),
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// What to know about beams of this length: outside of what the model was made for.
+    pub fn warning_at(&self, distance_m: f64) -> Option<Warning> {
+        let (low_m, high_m) = self.range_m();
+        (distance_m < low_m - 1e-9 || distance_m > high_m + 1e-9).then(|| {
+            Warning::new(
+                Code::Extrapolated,
+                format!(
+                    "{:.4} m is outside of the {low_m:.4} to {high_m:.4} m for which the sensor was characterised; what it would read there is extrapolated",
+                    distance_m
+                ),
+            )
+        })
+    }
+
+    fn d(&self, beam: &Beam) -> f64 {
+        beam.distance_m / self.distance_unit.metres()
+    }
+}
+
+impl RangeSensor for RangeModel {
+    fn range_m(&self) -> (f64, f64) {
+        let metres = self.distance_unit.metres();
+        (self.range.0 * metres, self.range.1 * metres)
+    }
+
+    fn mean(&self, beam: &Beam) -> f64 {
+        self.mean.at(self.d(beam))
+            + self.incidence_per_deg * beam.incidence_rad.to_degrees()
+            + self.offset_per_deg * beam.offset_rad.to_degrees()
+    }
+
+    /// Beyond its range a linear spread may become negative; it is then as at the nearest end.
+    fn sd(&self, beam: &Beam) -> f64 {
+        let d = self.d(beam);
+        let spread = self.spread.at(d);
+        if spread > 0.0 && spread.is_finite() {
+            spread
+        } else {
+            self.spread.at(d.clamp(self.range.0, self.range.1))
+        }
+    }
+
+    fn dropout(&self, _: &Beam) -> f64 {
+        self.dropout
+    }
+
+    fn log_density(&self, reading: f64, beam: &Beam) -> f64 {
+        let normal = log_normal_density(reading, self.mean(beam), self.sd(beam));
+        let Outliers { share, low, high } = self.outliers;
+        if share == 0.0 {
+            return normal;
+        }
+        let inside = (low..=high).contains(&reading);
+        let even = if inside { share / (high - low) } else { 0.0 };
+        libm::log((1.0 - share) * libm::exp(normal) + even)
+    }
+
+    fn draw(&self, beam: &Beam, rng: &mut dyn Rng) -> Option<f64> {
+        // Always the same amount of randomness, so that a change of one number leaves the other draws as they are.
+        let (missing, nonsense, place): (f64, f64, f64) =
+            (rng.random(), rng.random(), rng.random());
+        let normal: f64 = rng.sample(StandardNormal);
+        if missing < self.dropout {
+            return None;
+        }
+        let Outliers { share, low, high } = self.outliers;
+        Some(if nonsense < share {
+            low + (high - low) * place
+        } else {
+            self.mean(beam) + self.sd(beam) * normal
+        })
+    }
+}
+
+/// The models that come with the program: name and file.
+const SHIPPED: [(&str, &str); 3] = [
+    ("ultrasonic", include_str!("../../sensors/ultrasonic.ron")),
+    ("infrared", include_str!("../../sensors/infrared.ron")),
+    ("laser", include_str!("../../sensors/laser.ron")),
+];
+
+/// Names of the models that come with the program.
+pub fn shipped_sensors() -> [&'static str; SHIPPED.len()] {
+    SHIPPED.map(|(name, _)| name)
+}
+
+/// The shipped model of this name (`sensors/NAME.ron`).
+///
+/// # Errors
+/// No such model; the error lists them.
+pub fn sensor_by_name(name: &str) -> Result<RangeModel> {
+    let (name, text) = look_up("sensor", name, SHIPPED, |(name, _)| name)?;
+    RangeModel::parse(&Source::new(format!("sensors/{name}.ron"), text))
+}
+
+/// A shipped model by its name, or one from a file that ends in `.ron`.
+///
+/// # Errors
+/// As [`sensor_by_name`] and [`RangeModel::read`].
+pub fn find_sensor(name_or_path: &str) -> Result<RangeModel> {
+    if name_or_path.ends_with(".ron") {
+        RangeModel::read(name_or_path)
+    } else {
+        sensor_by_name(name_or_path)
+            .map_err(|e| e.or_hint("or a model's file, e.g. sensors/ultrasonic.ron"))
+    }
+}

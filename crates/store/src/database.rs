@@ -1,0 +1,492 @@
+//! The SQLite file of a results folder.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::marker::PhantomData;
+use std::path::{Path, PathBuf};
+
+use rusqlite::{Connection, Transaction, params};
+
+use super::checksum::Tally;
+use super::connection::{DAMAGED_HINT, connect, connect_to_read, settle, sql, stamp, with_suffix};
+use super::content::{Content, LAYOUT, content};
+use super::description::{entries, entry_checksum, put_description};
+use super::fingerprint::Fingerprint;
+use super::lock::{FolderLock, Place};
+use super::log::verify_log;
+use super::opening::{COMPLETE, ENDING, UNFINISHED};
+use super::row::Table;
+use super::storage::Storage;
+use super::trial::Trial;
+use realgap_core::error::{Advice, Error, Result};
+
+/// Name of the store inside a results folder.
+pub const STORE_FILE: &str = "results.sqlite";
+
+/// Tables of every store. `tally` says how many rows there are in all tables and what their checksums are together.
+const COMMON_TABLES: &str = "
+    CREATE TABLE description (name TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT, WITHOUT ROWID;
+    CREATE TABLE fingerprint (position INTEGER PRIMARY KEY, name TEXT NOT NULL, value TEXT NOT NULL) STRICT;
+    CREATE TABLE tally (rows INTEGER NOT NULL, checksum INTEGER NOT NULL) STRICT;
+    INSERT INTO tally VALUES (0, 0);";
+
+/// Rows that are verified at once.
+const VERIFIED_AT_ONCE: usize = 256;
+
+/// The results of one run, rows of one kind: [`Trial`]s of a study, or [`RobotRow`](super::RobotRow)s of a search. Open for
+/// writing by this process alone, or for reading.
+#[derive(Debug)]
+pub struct Store<R = Trial> {
+    pub(super) connection: Connection,
+    pub(super) path: PathBuf,
+    pub(super) tally: Tally,
+    is_marked_complete: bool,
+    lock: Option<FolderLock>,
+    rows: PhantomData<R>,
+}
+
+impl<R> Store<R> {
+    /// The description and fingerprint entries with their checksums, and everything below them, must be what was written.
+    fn common_checksums(&self) -> rusqlite::Result<Tally> {
+        let mut tally = Tally::default();
+        for (name, value) in entries(&self.connection, "SELECT name, value FROM description")? {
+            tally.add(entry_checksum("description", &name, &value));
+        }
+        let fingerprint = "SELECT name, value FROM fingerprint ORDER BY position";
+        for (name, value) in entries(&self.connection, fingerprint)? {
+            tally.add(entry_checksum("fingerprint", &name, &value));
+        }
+        Ok(tally)
+    }
+
+    pub(super) fn damaged(&self, what: impl std::fmt::Display) -> Error {
+        Error::conflict("the results are damaged")
+            .at_file(&self.path)
+            .found(what)
+            .allowed("what was written, to the bit")
+            .hint(DAMAGED_HINT)
+            .advise(Advice::OtherFolder)
+    }
+
+    /// The fingerprint that the store was created with.
+    ///
+    /// # Errors
+    /// A store that cannot be read.
+    pub fn fingerprint(&self) -> Result<Fingerprint> {
+        let entries = entries(
+            &self.connection,
+            "SELECT name, value FROM fingerprint ORDER BY position",
+        );
+        let entries = entries.map_err(|e| sql(&self.path, "read the results", &e))?;
+        Ok(entries.into_iter().collect())
+    }
+
+    /// What [`Store::describe`] kept.
+    ///
+    /// # Errors
+    /// A store that cannot be read.
+    pub fn description(&self) -> Result<BTreeMap<String, String>> {
+        let entries = entries(&self.connection, "SELECT name, value FROM description");
+        let entries = entries.map_err(|e| sql(&self.path, "read the results", &e))?;
+        Ok(entries.into_iter().collect())
+    }
+
+    /// Keeps named texts that say what the rows are, so that the store explains itself; old values are replaced.
+    ///
+    /// # Errors
+    /// A full disk or a store that cannot be written.
+    pub fn describe<'a>(
+        &mut self,
+        entries: impl IntoIterator<Item = (&'a str, String)>,
+    ) -> Result<()> {
+        self.write("write the results", |transaction, tally| {
+            for (name, value) in entries {
+                put_description(transaction, tally, name, &value)?;
+            }
+            Ok(())
+        })?;
+        self.is_marked_complete = self.is_complete()?;
+        Ok(())
+    }
+
+    /// Whether the run came to its end.
+    ///
+    /// # Errors
+    /// A store that cannot be read.
+    pub fn is_complete(&self) -> Result<bool> {
+        let described = self.description()?;
+        Ok(described.get(ENDING).is_some_and(|e| e == COMPLETE))
+    }
+
+    /// One transaction: all of it is kept or nothing.
+    pub(super) fn write(
+        &mut self,
+        doing: &str,
+        write: impl FnOnce(&Transaction<'_>, &mut Tally) -> rusqlite::Result<()>,
+    ) -> Result<()> {
+        let path = self.path.clone();
+        let fail = |e: rusqlite::Error| sql(&path, doing, &e);
+        let mut tally = self.tally;
+        let transaction = self.connection.transaction().map_err(fail)?;
+        write(&transaction, &mut tally).map_err(fail)?;
+        put_tally(&transaction, tally).map_err(fail)?;
+        transaction.commit().map_err(fail)?;
+        self.tally = tally;
+        Ok(())
+    }
+}
+
+impl<R: Table> Store<R> {
+    /// A new store in `folder` (made if absent).
+    ///
+    /// # Errors
+    /// A folder that cannot be made or written, is in use, or already holds results.
+    pub fn create(folder: &Path, fingerprint: &Fingerprint) -> Result<Self> {
+        match Self::find(FolderLock::make(folder)?)? {
+            (store, Content::Nothing) => store.set_up(fingerprint),
+            (store, Content::Tables) => Err(Error::conflict("the folder already holds results")
+                .at_file(&store.path)
+                .advise(Advice::Resume)
+                .advise(Advice::OtherFolder)),
+        }
+    }
+
+    /// The store in `folder`, to go on with it; a new one where a run was killed before it had one.
+    ///
+    /// # Errors
+    /// No store there, a damaged one, one of another study or search (the difference is named), or a folder in use.
+    pub fn resume<'a>(place: impl Into<Place<'a>>, fingerprint: &Fingerprint) -> Result<Self> {
+        let lock = place.into().lock()?;
+        if !lock.folder().join(STORE_FILE).exists() && !lock.is_known() {
+            return Err(Error::conflict("there is nothing to resume")
+                .at_file(lock.folder())
+                .hint("start the run first"));
+        }
+        Self::go_on(lock, fingerprint)
+    }
+
+    /// The store in a locked folder, to go on with it; a new one where there is none.
+    pub(super) fn go_on(lock: FolderLock, fingerprint: &Fingerprint) -> Result<Self> {
+        match Self::find(lock)? {
+            (store, Content::Nothing) => store.set_up(fingerprint),
+            (mut store, Content::Tables) => {
+                store.verify_all()?;
+                store.must_be_of(fingerprint)?;
+                Ok(store)
+            }
+        }
+    }
+
+    /// The store in `folder`, for reading; a writer may be at work at the same time.
+    ///
+    /// # Errors
+    /// No readable store of such rows there, or a damaged one.
+    pub fn read(folder: &Path) -> Result<Self> {
+        let mut store = Self::look(folder)?;
+        store.verify_all()?;
+        Ok(store)
+    }
+
+    /// Whether the store in `folder` has rows of this kind.
+    ///
+    /// # Errors
+    /// No readable store there.
+    pub fn is_in(folder: &Path) -> Result<bool> {
+        let store = Self::file(folder)?;
+        Ok(match content(&store.connection, &store.path)? {
+            Content::Tables => store.has_rows()?,
+            Content::Nothing => false,
+        })
+    }
+
+    /// As [`Store::read`], without looking at every row: for whoever only asks how far a run is.
+    ///
+    /// # Errors
+    /// As [`Store::read`].
+    pub fn look(folder: &Path) -> Result<Self> {
+        let store = Self::file(folder)?;
+        match content(&store.connection, &store.path)? {
+            Content::Tables => {
+                store.must_have_rows()?;
+                Ok(store)
+            }
+            Content::Nothing => Err(Error::invalid("no results here")
+                .at_file(&store.path)
+                .hint("a run was stopped before its first result")),
+        }
+    }
+
+    /// The file in `folder`, whatever it is, for reading.
+    fn file(folder: &Path) -> Result<Self> {
+        let path = folder.join(STORE_FILE);
+        if !path.exists() {
+            return Err(Error::invalid("no results here")
+                .at_file(&path)
+                .hint("name a folder that a sweep, tuning or a search has written"));
+        }
+        if !FolderLock::is_held(folder) {
+            verify_log(&path)?;
+        }
+        Ok(Self {
+            connection: connect_to_read(&path)?,
+            path,
+            tally: Tally::default(),
+            is_marked_complete: false,
+            lock: None,
+            rows: PhantomData,
+        })
+    }
+
+    /// The file in a locked folder, and whether there is anything in it.
+    pub(super) fn find(lock: FolderLock) -> Result<(Self, Content)> {
+        let path = lock.folder().join(STORE_FILE);
+        // Looked at before anything is written: what is refused stays as it is.
+        let content = if path.exists() {
+            verify_log(&path)?;
+            content(&connect_to_read(&path)?, &path)?
+        } else {
+            Content::Nothing
+        };
+        let store = Self {
+            connection: connect(&path)?,
+            path,
+            tally: Tally::default(),
+            is_marked_complete: false,
+            lock: Some(lock),
+            rows: PhantomData,
+        };
+        if matches!(content, Content::Tables) {
+            store.must_have_rows()?;
+        }
+        Ok((store, content))
+    }
+
+    fn has_rows(&self) -> Result<bool> {
+        self.connection
+            .query_row(
+                "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = ?1",
+                [R::NAME],
+                |row| Ok(row.get::<_, i64>(0)? == 1),
+            )
+            .map_err(|e| sql(&self.path, "read the results", &e))
+    }
+
+    fn must_have_rows(&self) -> Result<()> {
+        if self.has_rows()? {
+            return Ok(());
+        }
+        Err(Error::conflict("the folder holds results of another kind")
+            .at_file(&self.path)
+            .allowed(format!("a store of rows `{}`", R::NAME))
+            .advise(Advice::OtherFolder))
+    }
+
+    pub(super) fn set_up(mut self, fingerprint: &Fingerprint) -> Result<Self> {
+        self.write("set up the results", |transaction, tally| {
+            transaction.execute_batch(COMMON_TABLES)?;
+            transaction.execute_batch(R::TABLES)?;
+            for (position, (name, value)) in fingerprint.entries().iter().enumerate() {
+                transaction.execute(
+                    "INSERT INTO fingerprint VALUES (?1, ?2, ?3)",
+                    params![position as i64, name, value],
+                )?;
+                tally.add(entry_checksum("fingerprint", name, value));
+            }
+            transaction.pragma_update(None, "user_version", LAYOUT)
+        })?;
+        Ok(self)
+    }
+
+    /// A new store in place of this one, which holds nothing.
+    pub(super) fn anew(self, lock: FolderLock, fingerprint: &Fingerprint) -> Result<Self> {
+        drop(self);
+        remove(lock.folder())?;
+        let (store, _) = Self::find(lock)?;
+        store.set_up(fingerprint)
+    }
+
+    pub(super) fn must_be_of(&self, fingerprint: &Fingerprint) -> Result<()> {
+        fingerprint
+            .must_equal(&self.fingerprint()?)
+            .map_err(|error| error.at_file(&self.path))
+    }
+
+    /// Checks every row of every table against what was written.
+    ///
+    /// # Errors
+    /// A row that has changed, is gone or is there twice.
+    pub(super) fn verify_all(&mut self) -> Result<()> {
+        self.tally = self.each_verified(|_, _| Ok(()))?;
+        self.is_marked_complete = self.is_complete()?;
+        Ok(())
+    }
+
+    /// Hands over every row with its checksum, by index, and checks that together they are what was written.
+    ///
+    /// # Errors
+    /// A row that has changed, is gone or is there twice; those of `each`.
+    pub(super) fn each_verified(
+        &self,
+        mut each: impl FnMut(R, i64) -> Result<()>,
+    ) -> Result<Tally> {
+        let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
+        // One moment of the store, whatever a writer does meanwhile.
+        let snapshot = self.connection.unchecked_transaction().map_err(fail)?;
+        let mut tally = self.common_checksums().map_err(fail)?;
+        let ids: Vec<usize> = self.finished()?.into_iter().collect();
+        for some in ids.chunks(VERIFIED_AT_ONCE) {
+            let (Some(&first), Some(&last)) = (some.first(), some.last()) else {
+                continue;
+            };
+            for (row, checksum) in self.checked(first as i64, last as i64 + 1)? {
+                tally.add(checksum);
+                each(row, checksum)?;
+            }
+        }
+        for checksum in R::more_checksums(&snapshot).map_err(fail)? {
+            match checksum {
+                (stored, computed) if stored == computed => tally.add(stored),
+                _ => return Err(self.damaged("a score that has changed")),
+            }
+        }
+        let stored: Vec<Tally> = snapshot
+            .prepare("SELECT rows, checksum FROM tally")
+            .and_then(|mut statement| {
+                let rows = statement.query_map([], |row| {
+                    Ok(Tally {
+                        rows: row.get(0)?,
+                        checksum: row.get(1)?,
+                    })
+                })?;
+                rows.collect()
+            })
+            .map_err(fail)?;
+        if stored != [tally] {
+            return Err(self.damaged("rows that are gone, or that nobody wrote"));
+        }
+        Ok(tally)
+    }
+
+    fn checked(&self, from: i64, to: i64) -> Result<Vec<(R, i64)>> {
+        let rows = R::read(&self.connection, from, to)
+            .map_err(|e| sql(&self.path, "read the results", &e))?;
+        rows.into_iter()
+            .map(|checked| {
+                if checked.stored == checked.computed {
+                    return Ok((checked.row, checked.stored));
+                }
+                let index = checked.row.index();
+                Err(self.damaged(format!("{} {index} has changed", R::NAME)))
+            })
+            .collect()
+    }
+
+    /// Keeps rows, all of them or none.
+    ///
+    /// # Errors
+    /// A full disk or a row that is already there.
+    pub fn insert(&mut self, rows: &[R]) -> Result<()> {
+        if rows.is_empty() {
+            return Ok(());
+        }
+        let was_complete = self.is_marked_complete;
+        self.write("write results", |transaction, tally| {
+            for row in rows {
+                tally.add(row.insert(transaction)?);
+            }
+            if was_complete {
+                // More is asked for than last time.
+                put_description(transaction, tally, ENDING, UNFINISHED)?;
+            }
+            Ok(())
+        })?;
+        self.is_marked_complete = false;
+        Ok(())
+    }
+
+    /// Indices of the rows that are there.
+    ///
+    /// # Errors
+    /// A store that cannot be read.
+    pub fn finished(&self) -> Result<BTreeSet<usize>> {
+        let fail = |e: rusqlite::Error| sql(&self.path, "read the results", &e);
+        let mut statement = self
+            .connection
+            .prepare(&format!("SELECT id FROM {}", R::NAME))
+            .map_err(fail)?;
+        let rows = statement
+            .query_map([], |row| row.get::<_, i64>(0))
+            .map_err(fail)?;
+        rows.map(|row| row.map(|id| id as usize))
+            .collect::<rusqlite::Result<_>>()
+            .map_err(fail)
+    }
+
+    /// All rows, by index.
+    ///
+    /// # Errors
+    /// A store that cannot be read, or a row that has changed.
+    pub fn rows(&self) -> Result<Vec<R>> {
+        self.rows_within(0..i64::MAX as usize)
+    }
+
+    /// The rows with an index in `range`, by index.
+    ///
+    /// # Errors
+    /// As [`Store::rows`].
+    pub fn rows_within(&self, range: std::ops::Range<usize>) -> Result<Vec<R>> {
+        let rows = self.checked(range.start as i64, range.end as i64)?;
+        Ok(rows.into_iter().map(|(row, _)| row).collect())
+    }
+}
+
+impl<R: Table> Storage<R> for Store<R> {
+    fn finished(&self) -> Result<BTreeSet<usize>> {
+        self.finished()
+    }
+
+    fn insert(&mut self, rows: &[R]) -> Result<()> {
+        self.insert(rows)
+    }
+
+    fn rows_within(&self, range: std::ops::Range<usize>) -> Result<Vec<R>> {
+        self.rows_within(range)
+    }
+}
+
+impl<R> Drop for Store<R> {
+    fn drop(&mut self) {
+        if self.lock.is_none() {
+            return;
+        }
+        settle(&self.connection);
+        if self.is_marked_complete
+            && let Ok(nothing) = Connection::open_in_memory()
+        {
+            drop(std::mem::replace(&mut self.connection, nothing));
+            stamp(&self.path, self.tally.checksum as u32);
+        }
+    }
+}
+
+/// Notes what there is in all tables.
+pub(super) fn put_tally(transaction: &Transaction<'_>, tally: Tally) -> rusqlite::Result<usize> {
+    transaction
+        .prepare_cached("UPDATE tally SET rows = ?1, checksum = ?2")?
+        .execute([tally.rows, tally.checksum])
+}
+
+/// Removes the store in a locked folder, if there is one.
+pub(super) fn remove(folder: &Path) -> Result<()> {
+    let path = folder.join(STORE_FILE);
+    for suffix in ["", "-wal", "-shm", "-journal"] {
+        let path = with_suffix(&path, suffix);
+        match fs::remove_file(&path) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+                return Err(Error::io("remove old results", &path, &e));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,73 @@
+//! Results on disk: one SQLite file per results folder, safe against kill −9 at any moment.
+//!
+//! Every finished row is one transaction, so a row is either completely there or not at all. Rows have a type per kind of
+//! run: a [`Trial`] of a study, a [`RobotRow`] of a search. Each has a checksum, and the store knows how many there are: results
+//! that are not what was written are an error, never another answer.
+//! The folder is locked while a process writes into it, and a [`Fingerprint`] of everything that
+//! decides the results refuses to mix two studies in one folder.
+//!
+//! Databases and tables of others are read here, too: bags of ROS 2 are SQLite.
+//!
+//! ```
+//! use realgap_store::{Fingerprint, RobotOutcome, RobotRow, Store};
+//!
+//! let folder = std::env::temp_dir().join(format!("realgap-store-{}", std::process::id()));
+//! let row = RobotRow {
+//!     index: 0,
+//!     genome: vec![0.5; 10],
+//!     outcome: RobotOutcome::Failed { reason: "flying".to_owned(), seen: "2 m up".to_owned() },
+//! };
+//! let mut store = Store::create(&folder, &Fingerprint::new().with("search", "mine"))?;
+//! store.insert(std::slice::from_ref(&row))?;
+//! assert_eq!(Store::<RobotRow>::read(&folder)?.rows()?, [row]);
+//! # drop(store);
+//! # std::fs::remove_dir_all(&folder).expect("it was just made");
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+
+mod bag;
+mod checksum;
+mod connection;
+mod content;
+mod database;
+mod description;
+mod fingerprint;
+mod listing;
+mod lock;
+mod log;
+mod merge;
+mod opening;
+#[cfg(feature = "parquet")]
+mod parquet;
+#[cfg(feature = "parquet")]
+mod parquet_table;
+mod part;
+mod robot;
+mod row;
+mod run;
+mod score;
+mod share;
+mod storage;
+#[cfg(test)]
+mod tests;
+mod trial;
+
+pub use bag::read_bag;
+pub use database::{STORE_FILE, Store};
+pub use fingerprint::Fingerprint;
+pub use listing::{Cell, Column, ColumnKind, Listing};
+pub use lock::{FolderLock, Place};
+pub use merge::{Absorbed, Merger};
+pub use opening::Mode;
+#[cfg(feature = "parquet")]
+pub use parquet::to_parquet;
+#[cfg(feature = "parquet")]
+pub use parquet_table::parquet_table;
+pub use part::Part;
+pub use robot::{RobotOutcome, RobotRow, TravelRow};
+pub use row::Row;
+pub use row::Table;
+pub use run::RunRow;
+pub use share::{MOST_SHARES, Share};
+pub use storage::{Memory, Storage};
+pub use trial::{CaseOutcome, CaseResult, CaseRow, Trial, TrialScore};

@@ -1,0 +1,104 @@
+//! The write-ahead log that a killed run leaves beside its store.
+//!
+//! SQLite reads such a log up to its first frame that is not what was written, and drops the rest without a word: right after a
+//! write that was cut off, wrong after damage, since what follows was written and is lost. Here the whole log is read: frames
+//! of the same run behind one that does not fit its checksum mean damage.
+//!
+//! Format: <https://www.sqlite.org/fileformat2.html#walformat>.
+
+use std::path::Path;
+
+use super::connection::with_suffix;
+use realgap_core::error::{Advice, Error, Result};
+
+const HEADER: usize = 32;
+const FRAME_HEADER: usize = 24;
+/// Magic number of a log whose checksums are of little-endian words; one more for big-endian ones.
+const MAGIC: u32 = 0x377f_0682;
+
+/// Checks the log of a store that nobody writes into.
+///
+/// # Errors
+/// A log with a damaged header, or with frames that were written behind a damaged one.
+pub(super) fn verify_log(store: &Path) -> Result<()> {
+    let path = with_suffix(store, "-wal");
+    let log = match std::fs::read(&path) {
+        Ok(log) => log,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        Err(e) => return Err(Error::io("read the log of the results", &path, &e)),
+    };
+    match damage(&log) {
+        None => Ok(()),
+        Some(found) => Err(Error::conflict("the results are damaged")
+            .at_file(&path)
+            .found(found)
+            .allowed("what was written, to the bit")
+            .hint("the last points of an interrupted run are in this file: take it from a backup")
+            .advise(Advice::OtherFolder)),
+    }
+}
+
+/// What is wrong with a log, if anything.
+fn damage(log: &[u8]) -> Option<String> {
+    if log.len() < HEADER {
+        // Begun and not written: nothing is in it.
+        return None;
+    }
+    let (magic, page) = (word(log, 0), word(log, 8) as usize);
+    let mut sums = Sums {
+        big_endian: magic & 1 == 1,
+        values: [0; 2],
+    };
+    sums.add(&log[..24]);
+    if magic & !1 != MAGIC || sums.values != [word(log, 24), word(log, 28)] {
+        return Some("a header that has changed".to_owned());
+    }
+    let salt = &log[16..24];
+    let mut broken = None;
+    let mut frames = log[HEADER..].chunks_exact(FRAME_HEADER + page.max(512));
+    for (number, frame) in frames.by_ref().enumerate() {
+        let is_of_this_run = &frame[8..16] == salt;
+        if let Some(first) = broken {
+            if is_of_this_run {
+                return Some(format!("page {} has changed", first + 1));
+            }
+            continue;
+        }
+        sums.add(&frame[..8]);
+        sums.add(&frame[FRAME_HEADER..]);
+        if !is_of_this_run || sums.values != [word(frame, 16), word(frame, 20)] {
+            broken = Some(number);
+        }
+    }
+    None
+}
+
+fn word(bytes: &[u8], at: usize) -> u32 {
+    u32::from_be_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
+}
+
+/// The running checksum of a log.
+struct Sums {
+    big_endian: bool,
+    values: [u32; 2],
+}
+
+impl Sums {
+    /// `bytes` are pairs of words.
+    fn add(&mut self, bytes: &[u8]) {
+        let [mut first, mut second] = self.values;
+        for pair in bytes.chunks_exact(8) {
+            let word = |at: usize| {
+                let word = word(pair, at);
+                if self.big_endian {
+                    word
+                } else {
+                    word.swap_bytes()
+                }
+            };
+            first = first.wrapping_add(word(0)).wrapping_add(second);
+            second = second.wrapping_add(word(4)).wrapping_add(first);
+        }
+        self.values = [first, second];
+    }
+}

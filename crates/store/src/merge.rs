@@ -1,0 +1,117 @@
+//! Rows of several workers become one store.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use rusqlite::OptionalExtension as _;
+
+use super::connection::sql;
+use super::database::{Store, put_tally};
+use super::fingerprint::Fingerprint;
+use super::lock::Place;
+use super::row::Table;
+use super::trial::Trial;
+use realgap_core::error::{Error, Result};
+
+/// A store that takes over the rows of others.
+///
+/// ```
+/// use realgap_store::{Fingerprint, Merger, Store, Trial};
+///
+/// let folder = std::env::temp_dir().join(format!("realgap-merge-{}", std::process::id()));
+/// let print = Fingerprint::new().with("study", "mine");
+/// for index in 0..2 {
+///     let mut part = Store::create(&folder.join(index.to_string()), &print)?;
+///     part.insert(&[Trial { index, values: vec![0.5], cases: Vec::new() }])?;
+/// }
+/// let mut merger: Merger = Merger::open(&folder.join("whole"), &print)?;
+/// assert_eq!(merger.absorb(&folder.join("1"))?.new, 1);
+/// assert_eq!(merger.absorb(&folder.join("0"))?.new, 1);
+/// assert_eq!(merger.absorb(&folder.join("0"))?.known, 1);
+/// assert_eq!(merger.rows(), 2);
+/// # drop(merger);
+/// # std::fs::remove_dir_all(&folder).expect("it was just made");
+/// # Ok::<(), realgap_core::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Merger<R = Trial> {
+    store: Store<R>,
+    known: BTreeSet<usize>,
+}
+
+/// What came of taking over one store.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Absorbed {
+    /// Rows that were new.
+    pub new: usize,
+    /// Rows that were there already, to the bit.
+    pub known: usize,
+}
+
+impl<R: Table> Merger<R> {
+    /// Into the store in a folder; a new one where there is none.
+    ///
+    /// # Errors
+    /// A folder that cannot be written, is in use or holds results of another run.
+    pub fn open<'a>(place: impl Into<Place<'a>>, fingerprint: &Fingerprint) -> Result<Self> {
+        let store = Store::go_on(place.into().lock()?, fingerprint)?;
+        let known = store.finished()?;
+        Ok(Self { store, known })
+    }
+
+    /// Rows that are there.
+    pub fn rows(&self) -> usize {
+        self.known.len()
+    }
+
+    /// Takes over every row of the store in `folder`, all of them or none. Each is compared with its checksum, and one that is
+    /// there already with what is there.
+    ///
+    /// # Errors
+    /// No store there, a damaged one, one of another run; a row that differs from the one that is there; a full disk.
+    pub fn absorb(&mut self, folder: &Path) -> Result<Absorbed> {
+        let part = Store::<R>::look(folder)?;
+        part.must_be_of(&self.store.fingerprint()?)?;
+        let path = self.store.path.clone();
+        let mut tally = self.store.tally;
+        let write = |e: rusqlite::Error| sql(&path, "write the results", &e);
+        let transaction = self.store.connection.transaction().map_err(write)?;
+        let query = format!("SELECT checksum FROM {} WHERE id = ?1", R::NAME);
+        let mut absorbed = Absorbed::default();
+        let mut new = Vec::new();
+        part.each_verified(|row, checksum| {
+            if !self.known.contains(&row.index()) {
+                tally.add(row.insert(&transaction).map_err(write)?);
+                new.push(row.index());
+                return Ok(());
+            }
+            let there: Option<i64> = transaction
+                .prepare_cached(&query)
+                .and_then(|mut query| {
+                    query
+                        .query_row([row.index() as i64], |row| row.get(0))
+                        .optional()
+                })
+                .map_err(write)?;
+            if there != Some(checksum) {
+                return Err(disagree::<R>(&part, row.index(), &path));
+            }
+            absorbed.known += 1;
+            Ok(())
+        })?;
+        put_tally(&transaction, tally).map_err(write)?;
+        transaction.commit().map_err(write)?;
+        self.store.tally = tally;
+        absorbed.new = new.len();
+        self.known.extend(new);
+        Ok(absorbed)
+    }
+}
+
+fn disagree<R: Table>(part: &Store<R>, index: usize, other: &Path) -> Error {
+    Error::conflict("two results of the same work differ")
+        .at_file(&part.path)
+        .found(format!("another {} {index} than in {}", R::NAME, other.display()))
+        .allowed("the same bits")
+        .hint("one of the two machines computes otherwise: compare their processors and system libraries, and run the shard again on the one that you trust")
+}

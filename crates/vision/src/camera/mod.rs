@@ -1,0 +1,40 @@
+//! A camera in a room: pictures by ray casting, with the errors of a real camera.
+//!
+//! A [`Scene`] is a closed room with boxes, posters, lights, cameras and viewpoints (`scenes/*.ron`). A [`Camera`] is a pinhole with
+//! a lens that distorts, an exposure during which it may turn, and a sensor that counts photons. What is to be found where in a
+//! picture is known, so that pictures come with a `views.ron`. [`Body`]s move through a room: the camera rides on one ([`Ride`]) or
+//! stands and watches them ([`Watch`]).
+//!
+//! Light is diffuse: every surface is lit by the ambient light and by the lamps that it sees, and looks as bright from everywhere
+//! (Lambert). There are no mirrors and no light off other surfaces; ambient light stands for that.
+
+mod body;
+mod cast;
+mod exposure;
+mod face;
+mod file;
+mod form;
+mod lens;
+mod poster;
+mod render;
+mod ride;
+mod scene;
+mod smear;
+mod truth;
+mod watch;
+
+pub use body::{Body, BodyBox};
+pub use exposure::Sensor;
+pub use face::Faces;
+#[cfg(feature = "schema")]
+pub use file::SceneFile;
+#[cfg(feature = "schema")]
+pub use form::CameraFile;
+pub use lens::{Lens, Pose};
+pub use poster::Motif;
+pub use render::focused;
+pub use render::{expose, luminance, met_m, take};
+pub use ride::Ride;
+pub use scene::{Block, Camera, Lamp, Light, Mount, Poster, Scene, View};
+pub use truth::{ALPHABET_TEXT, alphabet_picture, known};
+pub use watch::Watch;

@@ -1,0 +1,147 @@
+//! A contour that shrinks onto a thing. Figures 8 to 10 of paper 002.
+
+use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
+use super::picture::Grey;
+use super::snake::{Ending, Snake, evenly, mean_distance_px};
+use realgap_core::error::{Error, Result};
+use realgap_core::warning::{Code, Warning};
+
+/// A greedy snake.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contour {
+    /// Its weights and window.
+    pub snake: Snake,
+}
+
+impl Contour {
+    /// The settings of the registry.
+    pub const PAPER: Self = Self {
+        snake: Snake::PAPER,
+    };
+}
+
+/// Share of points off every edge above which a reader is warned.
+const MANY_STUCK: f64 = 0.25;
+
+/// The picture with a closed line drawn over it, white on dark and dark on bright.
+fn over(picture: &Grey, points_px: &[[f64; 2]]) -> Grey {
+    let line = evenly(points_px, 4000);
+    let mut is_line = vec![false; picture.width() * picture.height()];
+    for [x, y] in line {
+        let (x, y) = (x.round().max(0.0) as usize, y.round().max(0.0) as usize);
+        if x < picture.width() && y < picture.height() {
+            is_line[y * picture.width() + x] = true;
+        }
+    }
+    Grey::from_fn(picture.width(), picture.height(), |x, y| {
+        let index = y * picture.width() + x;
+        let value = picture.values()[index];
+        if is_line[index] {
+            f32::from(u8::from(value < 0.5))
+        } else {
+            value
+        }
+    })
+}
+
+impl Extractor for Contour {
+    fn name(&self) -> &'static str {
+        "contour"
+    }
+
+    fn doc(&self) -> &'static str {
+        "the outline of a thing, by a greedy snake that begins around it"
+    }
+
+    fn figure(&self) -> u8 {
+        8
+    }
+
+    fn error_measure(&self) -> Option<Measure> {
+        Some(Measure {
+            name: "mean snake distance",
+            unit: "px",
+        })
+    }
+
+    fn distance_measure(&self) -> Measure {
+        Measure {
+            name: "mean distance of the contours",
+            unit: "px",
+        }
+    }
+
+    fn is_sought(&self, sought: &Sought) -> bool {
+        !sought.start_px.is_empty()
+    }
+
+    fn extract(&self, picture: &Grey, sought: &Sought) -> Result<Extraction> {
+        if sought.start_px.is_empty() {
+            return Err(Error::invalid("there is no contour to begin with").field("start_px"));
+        }
+        let edges = self.snake.edges(picture);
+        let settled = self.snake.settle(&edges, &sought.start_px)?;
+        let count = settled.points_px.len();
+        let (stuck, share) = (
+            settled.stuck.len(),
+            settled.stuck.len() as f64 / count as f64,
+        );
+        let mut warnings = Vec::new();
+        let is_in = |[x, y]: &[f64; 2]| {
+            (0.0..=picture.width() as f64).contains(x)
+                && (0.0..=picture.height() as f64).contains(y)
+        };
+        if !sought.outline_px.is_empty() && !sought.outline_px.iter().any(is_in) {
+            let [x, y] = sought.outline_px[0];
+            warnings.push(Warning::new(
+                Code::OutlineOutside,
+                format!(
+                    "the outline that a contour should come to, from ({x}, {y}) px on, lies outside of {} x {} px",
+                    picture.width(),
+                    picture.height()
+                ),
+            ));
+        }
+        if share > MANY_STUCK {
+            warnings.push(Warning::new(
+                Code::ContourStuck,
+                format!("{stuck} of {count} points of a contour rest where there is no edge"),
+            ));
+        }
+        if settled.ending == Ending::OutOfRounds {
+            warnings.push(Warning::new(
+                Code::ContourStuck,
+                format!("a contour still moves after {} rounds", settled.rounds),
+            ));
+        }
+        let step = |name, picture| Step { name, picture };
+        Ok(Extraction {
+            steps: vec![
+                step("picture", picture.clone()),
+                step("inverted Sobel", edges.map(|v| 1.0 - v)),
+                step("start", over(picture, &sought.start_px)),
+                step("at rest", over(picture, &settled.points_px)),
+            ],
+            remarks: vec![format!(
+                "{count} points, {stuck} of them off every edge, after {} rounds",
+                settled.rounds
+            )],
+            feature: Feature {
+                points_px: settled.points_px,
+                ..Feature::default()
+            },
+            warnings,
+        })
+    }
+
+    fn error(&self, found: &Feature, sought: &Sought) -> Option<f64> {
+        mean_distance_px(&found.points_px, &sought.outline_px)
+    }
+
+    /// The mean over both ways, so that a distance is the same from either side.
+    fn distance(&self, a: &Feature, b: &Feature) -> Option<f64> {
+        let there = mean_distance_px(&a.points_px, &b.points_px)?;
+        let back = mean_distance_px(&b.points_px, &a.points_px)?;
+        Some(0.5 * (there + back))
+    }
+}

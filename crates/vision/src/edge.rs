@@ -1,0 +1,197 @@
+//! Edges (Canny 1986): Gauss, Sobel, non-maximum suppression, hysteresis. Figures 2 and 5 of paper 002.
+
+use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
+use super::filter::{gauss, length, sobel};
+use super::picture::Grey;
+use realgap_core::error::Result;
+use realgap_core::warning::{Code, Warning};
+
+/// Canny's edges.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Edges {
+    /// Standard deviation of the Gauss filter, pixels.
+    pub sigma_px: f64,
+    /// Steepness above which a pixel belongs to an edge that is connected to a certain one, grey per pixel (0 to 1).
+    pub low: f32,
+    /// Steepness above which a pixel is certainly of an edge.
+    pub high: f32,
+    /// Edges this far from each other still count as the same, more or less: standard deviation in pixels of the Gauss filter
+    /// on edge pictures before they are correlated; 0 is pixel by pixel.
+    pub tolerance_px: f64,
+}
+
+impl Edges {
+    /// The settings of the registry; thresholds as scikit-image's (0.1 and 0.2 of Sobel's kernel without the division by 8).
+    pub const PAPER: Self = Self {
+        sigma_px: 1.4,
+        low: 0.0125,
+        high: 0.025,
+        tolerance_px: 1.0,
+    };
+
+    /// The edges, 1 where there is one, and the pictures on the way there.
+    fn find(&self, picture: &Grey) -> [Grey; 5] {
+        let smooth = gauss(picture, self.sigma_px);
+        let (dx, dy) = sobel(&smooth);
+        let steep = length(&dx, &dy);
+        let thin = thinned(&steep, &dx, &dy);
+        let edges = connected(&thin, self.low, self.high);
+        [picture.clone(), smooth, steep, thin, edges]
+    }
+}
+
+/// Only what is steepest along its own gradient; the neighbours' steepness is interpolated.
+fn thinned(steep: &Grey, dx: &Grey, dy: &Grey) -> Grey {
+    let (width, height) = (steep.width(), steep.height());
+    Grey::from_fn(width, height, |x, y| {
+        // Beyond the border nothing is known.
+        if x == 0 || y == 0 || x + 1 >= width || y + 1 >= height {
+            return 0.0;
+        }
+        let here = y * width + x;
+        let value = steep.values()[here];
+        let (gx, gy) = (dx.values()[here], dy.values()[here]);
+        if value <= 0.0 {
+            return 0.0;
+        }
+        let (x, y) = (x as i64, y as i64);
+        let (sx, sy) = (if gx < 0.0 { -1 } else { 1 }, if gy < 0.0 { -1 } else { 1 });
+        let beside = |sign: i64| {
+            let (sx, sy) = (sign * sx, sign * sy);
+            let diagonal = steep.at(x + sx, y + sy);
+            if gx.abs() >= gy.abs() {
+                let share = gy.abs() / gx.abs();
+                steep.at(x + sx, y) * (1.0 - share) + diagonal * share
+            } else {
+                let share = gx.abs() / gy.abs();
+                steep.at(x, y + sy) * (1.0 - share) + diagonal * share
+            }
+        };
+        if value >= beside(1) && value >= beside(-1) {
+            value
+        } else {
+            0.0
+        }
+    })
+}
+
+/// 1 where a pixel is above `low` and reaches one above `high` over such pixels (8 neighbours).
+fn connected(thin: &Grey, low: f32, high: f32) -> Grey {
+    let (width, height) = (thin.width(), thin.height());
+    let mut is_edge = vec![false; width * height];
+    let mut open: Vec<usize> = (0..width * height)
+        .filter(|i| thin.values()[*i] >= high)
+        .collect();
+    open.iter().for_each(|i| is_edge[*i] = true);
+    while let Some(here) = open.pop() {
+        let (x, y) = (here % width, here / width);
+        for ny in y.saturating_sub(1)..=(y + 1).min(height - 1) {
+            for nx in x.saturating_sub(1)..=(x + 1).min(width - 1) {
+                let next = ny * width + nx;
+                if !is_edge[next] && thin.values()[next] >= low {
+                    is_edge[next] = true;
+                    open.push(next);
+                }
+            }
+        }
+    }
+    Grey::from_fn(width, height, |x, y| {
+        f32::from(u8::from(is_edge[y * width + x]))
+    })
+}
+
+/// Pearson's correlation of two pictures of the same size; `None` for other sizes and where one is the same everywhere.
+pub fn correlation(a: &Grey, b: &Grey) -> Option<f64> {
+    if (a.width(), a.height()) != (b.width(), b.height()) {
+        return None;
+    }
+    let mean = |picture: &Grey| {
+        let values = picture.values();
+        values.iter().map(|v| f64::from(*v)).sum::<f64>() / values.len() as f64
+    };
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let (mut aa, mut ab, mut bb) = (0.0, 0.0, 0.0);
+    for (x, y) in a.values().iter().zip(b.values()) {
+        let (x, y) = (f64::from(*x) - mean_a, f64::from(*y) - mean_b);
+        aa += x * x;
+        ab += x * y;
+        bb += y * y;
+    }
+    (aa > 0.0 && bb > 0.0).then(|| (ab / (aa * bb).sqrt()).clamp(-1.0, 1.0))
+}
+
+impl Extractor for Edges {
+    fn name(&self) -> &'static str {
+        "edges"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Canny's edges; two pictures are as far apart as their edges are not correlated"
+    }
+
+    fn figure(&self) -> u8 {
+        5
+    }
+
+    fn error_measure(&self) -> Option<Measure> {
+        None
+    }
+
+    fn distance_measure(&self) -> Measure {
+        Measure {
+            name: "1 - edge correlation",
+            unit: "",
+        }
+    }
+
+    fn is_sought(&self, _: &Sought) -> bool {
+        true
+    }
+
+    fn extract(&self, picture: &Grey, _: &Sought) -> Result<Extraction> {
+        let [grey, smooth, steep, thin, edges] = self.find(picture);
+        let on = edges.values().iter().filter(|v| **v > 0.0).count();
+        let step = |name, picture| Step { name, picture };
+        Ok(Extraction {
+            steps: vec![
+                step("picture", grey),
+                step("Gauss", smooth),
+                step("Sobel", steep.stretched()),
+                step("non-maximum suppression", thin.stretched()),
+                step("hysteresis", edges.clone()),
+            ],
+            remarks: vec![format!(
+                "{:.2} % of the pixels are on edges",
+                100.0 * on as f64 / edges.values().len() as f64
+            )],
+            feature: Feature {
+                map: Some(edges),
+                ..Feature::default()
+            },
+            warnings: if on == 0 {
+                vec![Warning::new(Code::NoEdges, "there are no edges")]
+            } else {
+                Vec::new()
+            },
+        })
+    }
+
+    /// Edges have no place where they are known to be.
+    fn error(&self, _: &Feature, _: &Sought) -> Option<f64> {
+        None
+    }
+
+    /// 1 − r of the two edge pictures, each smoothed by the tolerance. Two pictures without any edge are the same; one
+    /// without and one with are not correlated.
+    fn distance(&self, a: &Feature, b: &Feature) -> Option<f64> {
+        let (a, b) = (a.map.as_ref()?, b.map.as_ref()?);
+        if (a.width(), a.height()) != (b.width(), b.height()) {
+            return None;
+        }
+        if a == b {
+            return Some(0.0);
+        }
+        let smooth = |edges: &Grey| gauss(edges, self.tolerance_px);
+        Some(1.0 - correlation(&smooth(a), &smooth(b)).unwrap_or(0.0))
+    }
+}

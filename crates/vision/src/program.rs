@@ -1,0 +1,208 @@
+//! Another program that is given a picture and says what it reads.
+
+use std::io::{self, Read, Write};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::OnceLock;
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use realgap_core::error::{Error, Result};
+
+/// Longer than any picture of this program takes by far.
+const LIMIT: Duration = Duration::from_secs(60);
+/// A page of text has some thousand bytes.
+const MOST_BYTES: u64 = 1 << 20;
+/// From one look at whether a program that has said everything has ended to the next.
+const LOOK: Duration = Duration::from_millis(1);
+
+/// An installed program that reads from its standard input and writes text.
+#[derive(Debug)]
+pub struct Program {
+    command: &'static str,
+    options: &'static [&'static str],
+    remedy: &'static str,
+    limit: Duration,
+    version: OnceLock<String>,
+}
+
+/// A program that has been started. Whatever comes in between, it is ended and nothing of it is left.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // One that has ended cannot be ended once more.
+        let _ended = self.0.kill();
+        let _status = self.0.wait();
+    }
+}
+
+impl Running {
+    /// How it ended; `None` where it has not by then.
+    fn ended(&mut self, deadline: Instant) -> io::Result<Option<ExitStatus>> {
+        loop {
+            if let Some(status) = self.0.try_wait()? {
+                return Ok(Some(status));
+            }
+            if Instant::now() >= deadline {
+                return Ok(None);
+            }
+            thread::sleep(LOOK);
+        }
+    }
+}
+
+/// What comes out of a pipe, at most [`MOST_BYTES`] and a byte more. Nobody waits for the thread: what the program itself has
+/// started may hold the pipe open for longer.
+fn listen(mut pipe: impl Read + Send + 'static) -> io::Result<Receiver<Vec<u8>>> {
+    let (sender, receiver) = channel();
+    thread::Builder::new().spawn(move || {
+        let mut bytes = Vec::new();
+        // A pipe that breaks is at its end; how the program ended says the rest.
+        let _read = pipe.by_ref().take(MOST_BYTES + 1).read_to_end(&mut bytes);
+        // Whoever asked may have given up.
+        let _sent = sender.send(bytes);
+    })?;
+    Ok(receiver)
+}
+
+/// The last line that is not empty.
+fn last_line(bytes: &[u8]) -> Option<String> {
+    let text = String::from_utf8_lossy(bytes);
+    let line = text.lines().rfind(|line| !line.trim().is_empty());
+    line.map(|line| line.trim().to_owned())
+}
+
+impl Program {
+    /// A program by its name, what it is called with, and what to do where it is not installed. A picture may take it a minute.
+    pub const fn new(
+        command: &'static str,
+        options: &'static [&'static str],
+        remedy: &'static str,
+    ) -> Self {
+        Self {
+            command,
+            options,
+            remedy,
+            limit: LIMIT,
+            version: OnceLock::new(),
+        }
+    }
+
+    /// The same with another time for a picture.
+    #[must_use]
+    pub const fn with_limit(mut self, limit: Duration) -> Self {
+        self.limit = limit;
+        self
+    }
+
+    /// Its name and options, as one would type them.
+    pub fn call(&self) -> String {
+        let words = std::iter::once(&self.command).chain(self.options);
+        words.copied().collect::<Vec<_>>().join(" ")
+    }
+
+    /// The first line that it says of its version; it is asked once.
+    ///
+    /// # Errors
+    /// As [`Program::read`].
+    pub fn version(&self) -> Result<&str> {
+        if let Some(version) = self.version.get() {
+            return Ok(version);
+        }
+        let said = self.run(&["--version"], &[])?;
+        let text = String::from_utf8_lossy(&said);
+        let first = text.lines().find(|line| !line.trim().is_empty());
+        let first = first.unwrap_or(self.command).trim().to_owned();
+        Ok(self.version.get_or_init(|| first))
+    }
+
+    /// What it writes of this input.
+    ///
+    /// # Errors
+    /// A program that is not installed or cannot be started, fails, takes too long, writes more than a megabyte or no UTF-8.
+    pub fn read(&self, input: &[u8]) -> Result<String> {
+        let said = self.run(self.options, input)?;
+        String::from_utf8(said).map_err(|e| {
+            self.error("wrote no text")
+                .found(format!(
+                    "a byte that is not UTF-8 behind the first {}",
+                    e.utf8_error().valid_up_to()
+                ))
+                .allowed("UTF-8")
+        })
+    }
+
+    fn error(&self, what: &str) -> Error {
+        Error::invalid(format!("the program {} {what}", self.command))
+    }
+
+    fn run(&self, options: &[&str], input: &[u8]) -> Result<Vec<u8>> {
+        let deadline = Instant::now() + self.limit;
+        let child = Command::new(self.command)
+            .args(options)
+            // Several pictures are read at once already.
+            .env("OMP_THREAD_LIMIT", "1")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn();
+        let mut running = Running(child.map_err(|e| {
+            match e.kind() {
+                io::ErrorKind::NotFound => self.error("is not installed"),
+                _ => self.error(&format!("cannot be started: {e}")),
+            }
+            .hint(self.remedy)
+        })?);
+        let broken = |e: io::Error| self.error(&format!("cannot be spoken with: {e}"));
+        let child = &mut running.0;
+        let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
+        let (Some(mut to), Some(from), Some(complaints)) = pipes else {
+            return Err(self.error("has no pipes"));
+        };
+        // It may write before it has read everything: neither must wait for the other.
+        let (text, complaints) = (
+            listen(from).map_err(broken)?,
+            listen(complaints).map_err(broken)?,
+        );
+        let input = input.to_vec();
+        thread::Builder::new()
+            // What is not read to its end is known by how the program ends.
+            .spawn(move || drop(to.write_all(&input)))
+            .map_err(broken)?;
+        let left = || deadline.saturating_duration_since(Instant::now());
+        let heard = [text, complaints].map(|pipe| pipe.recv_timeout(left()));
+        let [Ok(text), Ok(complaints)] = heard else {
+            return Err(self.too_long());
+        };
+        if text.len() as u64 > MOST_BYTES {
+            return Err(self
+                .error("wrote too much")
+                .found(format!("more than {MOST_BYTES} bytes"))
+                .allowed(format!("{MOST_BYTES} bytes")));
+        }
+        let Some(status) = running.ended(deadline).map_err(broken)? else {
+            return Err(self.too_long());
+        };
+        if !status.success() {
+            let last = last_line(&complaints).map_or(String::new(), |line| format!(": {line}"));
+            return Err(self
+                .error("failed")
+                .found(format!("{status}{last}"))
+                .hint(format!(
+                    "try it by hand: {} < PICTURE, or leave it out",
+                    self.call()
+                )));
+        }
+        Ok(text)
+    }
+
+    fn too_long(&self) -> Error {
+        self.error("took too long")
+            .found(format!("no end within {:.0?}", self.limit))
+            .hint(format!(
+                "try it by hand: {} < PICTURE, or leave it out",
+                self.call()
+            ))
+    }
+}

@@ -1,0 +1,79 @@
+//! Text, as the program Tesseract reads it: a second opinion on [`Script`](super::Script).
+
+use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
+use super::picture::Grey;
+use super::program::Program;
+use super::script::{DISTANCE, ERROR_RATE, distance, error_rate, text_part};
+use realgap_core::error::{Error, Result};
+
+/// Rows one below the other, each as long as it is: page segmentation 6, a block of text.
+static PROGRAM: Program = Program::new(
+    "tesseract",
+    &["stdin", "stdout", "--psm", "6"],
+    "install it (apt install tesseract-ocr, brew install tesseract), or leave out the extractor `tesseract`",
+);
+
+/// The reader of text that is a program of its own, and must be installed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tesseract;
+
+impl Extractor for Tesseract {
+    fn name(&self) -> &'static str {
+        "tesseract"
+    }
+
+    fn doc(&self) -> &'static str {
+        "text, by the installed program Tesseract"
+    }
+
+    fn figure(&self) -> u8 {
+        11
+    }
+
+    fn program(&self) -> Option<&'static Program> {
+        Some(&PROGRAM)
+    }
+
+    fn error_measure(&self) -> Option<Measure> {
+        Some(ERROR_RATE)
+    }
+
+    fn distance_measure(&self) -> Measure {
+        DISTANCE
+    }
+
+    fn is_sought(&self, sought: &Sought) -> bool {
+        sought.text.is_some()
+    }
+
+    fn extract(&self, picture: &Grey, sought: &Sought) -> Result<Extraction> {
+        if sought.text.is_none() {
+            return Err(Error::invalid("there is no text to be read").field("text"));
+        }
+        let part = text_part(picture, sought)?;
+        let version = PROGRAM.version()?;
+        let text = PROGRAM.read(&part.picture().to_png()?)?;
+        let lines = text.lines().filter(|line| !line.trim().is_empty()).count();
+        Ok(Extraction {
+            remarks: vec![format!("{lines} rows by {version} ({})", PROGRAM.call())],
+            feature: Feature {
+                text: Some(text.trim_end().to_owned()),
+                ..Feature::default()
+            },
+            // What it does with the picture it does not show.
+            steps: vec![Step {
+                name: "picture",
+                picture: part,
+            }],
+            warnings: Vec::new(),
+        })
+    }
+
+    fn error(&self, found: &Feature, sought: &Sought) -> Option<f64> {
+        error_rate(found, sought)
+    }
+
+    fn distance(&self, a: &Feature, b: &Feature) -> Option<f64> {
+        distance(a, b)
+    }
+}

@@ -1,0 +1,87 @@
+//! A lens with its intervals. Two things say how far off it may be: views left out one after the other, which see what is wrong with the
+//! scene, and doubles, which see what is wrong with the method. The larger holds.
+
+use rayon::prelude::*;
+
+use super::placing::{Before, Placed, numbers, place, with};
+use super::shot::Shot;
+use super::{LEVEL, TunedSetting, known};
+use crate::camera::Lens;
+use realgap_core::statistics::{jackknife_variance, student_quantile};
+
+/// The field of view is searched this far about where it starts (radians), and the distortion about none.
+const FIELD_RAD: f64 = 0.26;
+const DISTORTION: f64 = 0.5;
+
+/// Field of view in degrees, and both numbers of distortion.
+pub(super) fn in_degrees(lens: &Lens) -> [f64; 3] {
+    let [field_of_view_rad, first, second] = numbers(lens);
+    [field_of_view_rad.to_degrees(), first, second]
+}
+
+/// The lens without what the method finds too large (`off`).
+pub(super) fn corrected(lens: &Lens, off: &[(f64, f64); 3]) -> Lens {
+    let its = in_degrees(lens);
+    let [degrees, first, second] = [0, 1, 2].map(|k| its[k] - off[k].0);
+    with(lens, [degrees.to_radians(), first, second])
+}
+
+/// How far off the numbers may be, by how they change when one view is left out (jackknife).
+fn by_views(lens: &Lens, shots: &[&Shot], placed: &[Placed], before: &Before) -> [f64; 3] {
+    let mut views: Vec<usize> = shots.iter().map(|shot| shot.view).collect();
+    views.dedup();
+    let without: Vec<[f64; 3]> = views
+        .par_iter()
+        .map(|view| {
+            let others = shots.iter().zip(placed);
+            let others = others.filter(|(shot, _)| shot.view != *view);
+            let mut others: Vec<Placed> = others.map(|(_, its)| its.clone()).collect();
+            in_degrees(&place(lens, &mut others, before))
+        })
+        .collect();
+    let t = student_quantile(0.5 + 0.5 * LEVEL, views.len() as f64 - 1.0);
+    [0, 1, 2].map(|k| {
+        let own: Vec<f64> = without.iter().map(|its| its[k]).collect();
+        t * jackknife_variance(&own).sqrt()
+    })
+}
+
+/// Field of view and distortion: those of `start`, those that were found less what the method finds too large, and their intervals.
+pub(super) fn lens_settings(
+    start: &Lens,
+    found: &Lens,
+    (shots, placed): (&[&Shot], &[Placed]),
+    before: &Before,
+    off: &[(f64, f64); 3],
+) -> Vec<TunedSetting> {
+    let views = by_views(found, shots, placed, before);
+    let (first, values) = (in_degrees(start), in_degrees(&corrected(found, off)));
+    let field = FIELD_RAD.to_degrees();
+    let distortion = (-DISTORTION, DISTORTION);
+    let named = [
+        (
+            "field_of_view_deg",
+            "degrees",
+            (first[0] - field, first[0] + field),
+        ),
+        ("distortion.0", "", distortion),
+        ("distortion.1", "", distortion),
+    ];
+    let setting =
+        |(k, (name, unit, searched)): (usize, (&'static str, &'static str, (f64, f64)))| {
+            let half = views[k].max(off[k].1);
+            let (low, high) = (values[k] - half, values[k] + half);
+            let share = |value: f64| (value - searched.0) / (searched.1 - searched.0);
+            TunedSetting {
+                name,
+                unit,
+                start: first[k],
+                value: values[k],
+                low: low.max(searched.0),
+                high: high.min(searched.1),
+                searched,
+                known: known(share(low), share(high)),
+            }
+        };
+    named.into_iter().enumerate().map(setting).collect()
+}

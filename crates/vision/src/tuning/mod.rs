@@ -1,0 +1,343 @@
+//! A camera's settings from its pictures of a known room: lens, exposure, gain, noise, blur and compression.
+//!
+//! First where each picture was really taken and through which lens, from corners of the scene found in it; then the sensor, from what
+//! pictures look like where they were taken. Views that were left out judge the result.
+
+mod compression;
+mod double;
+mod lens;
+mod look;
+mod placing;
+mod sensor;
+mod shot;
+mod sighting;
+mod words;
+
+use std::cell::Cell;
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::camera::{Camera, Light, Scene};
+use crate::{PictureSource, Shots};
+use realgap_core::error::Result;
+use realgap_core::statistics::{mean, student_quantile};
+use realgap_core::warning::{Code, Warning};
+use realgap_optimize::Progress;
+
+use compression::compression;
+use double::lens_off;
+use lens::{corrected, lens_settings};
+use placing::{Before, miss_px};
+use sensor::{Search, apart, draws, mismatch, settings};
+use shot::{Shot, placed_of, read, reals_of, split};
+
+/// How a camera is tuned.
+#[derive(Debug, Clone)]
+pub struct CameraOptions {
+    /// Views that only judge; `None` for every third where there are six or more.
+    pub held_out: Option<Vec<String>>,
+    /// Standard deviation of where the camera was put down, each axis, metres.
+    pub place_sd_m: f64,
+    /// How often all pictures may be simulated in the search, about; it ends by itself where nothing gets better.
+    pub budget: usize,
+    /// Seed of simulated noise and of the search.
+    pub seed: u64,
+}
+
+impl Default for CameraOptions {
+    fn default() -> Self {
+        Self {
+            held_out: None,
+            place_sd_m: 0.02,
+            budget: 400,
+            seed: 1,
+        }
+    }
+}
+
+/// What pictures say of a setting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Known {
+    /// Its interval lies within what was searched.
+    Determined,
+    /// Nothing below a value is excluded.
+    AtMost,
+    /// Nothing above a value is excluded.
+    AtLeast,
+    /// Its interval is (nearly) all that was searched.
+    Undetermined,
+}
+
+/// A setting that was found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TunedSetting {
+    /// Its name, as in a scene's camera.
+    pub name: &'static str,
+    /// Its unit, empty for none.
+    pub unit: &'static str,
+    /// What it was before,
+    pub start: f64,
+    /// what it is now,
+    pub value: f64,
+    /// from here, 90 %,
+    pub low: f64,
+    /// to here.
+    pub high: f64,
+    /// What was searched.
+    pub searched: (f64, f64),
+    /// Whether the pictures say what it is.
+    pub known: Known,
+}
+
+/// How far simulated pictures are from real ones, before and after.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Mismatch {
+    /// What pictures look like: 1 is as far as views differ from each other after the fit.
+    pub look_start: f64,
+    /// After.
+    pub look_tuned: f64,
+    /// Where corners of the scene are seen, root mean square without outliers, pixels.
+    pub corners_start_px: f64,
+    /// After.
+    pub corners_tuned_px: f64,
+}
+
+/// A camera that was tuned.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TunedCamera {
+    /// The camera.
+    #[serde(skip)]
+    pub camera: Camera,
+    /// The one it began with.
+    pub start: String,
+    /// Where the "real" pictures come from.
+    pub real: PictureSource,
+    /// The settings.
+    pub settings: Vec<TunedSetting>,
+    /// Views that it was fitted to,
+    pub fitted_views: Vec<String>,
+    /// how far they are,
+    pub fitted: Mismatch,
+    /// views that only judged,
+    pub held_out_views: Vec<String>,
+    /// and how far those are.
+    pub held_out: Option<Mismatch>,
+    /// How far cameras stood from where they should, mean, metres,
+    pub misplaced_m: f64,
+    /// and how far they were turned, mean, radians.
+    pub turned_rad: f64,
+    /// What a reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Standard deviation of both numbers of distortion, before anything is seen.
+const DISTORTION_SD: f64 = 0.2;
+/// Standard deviation of where cameras look, before anything is seen, radians.
+const ANGLE_SD_RAD: f64 = 0.1;
+/// Level of all intervals.
+const LEVEL: f64 = 0.9;
+/// An interval of this share of what was searched says nothing.
+const WIDE: f64 = 0.8;
+
+/// Finds the settings of the camera that took the pictures of a folder, starting from a camera of the scene. Pictures are paired with
+/// the scene's views by name.
+///
+/// # Errors
+/// No pictures of the scene's views, pictures of different sizes or that are too small, fewer than three views to fit, a held-out view
+/// that does not exist, pictures in which the scene is not to be found.
+pub fn tune_camera(
+    scene: &Scene,
+    start: &Camera,
+    light: &Light,
+    folder: impl AsRef<Path>,
+    options: &CameraOptions,
+    progress: Option<&(dyn Fn(Progress) + Sync)>,
+) -> Result<TunedCamera> {
+    let names: Vec<&str> = scene.views.iter().map(|v| v.name.as_str()).collect();
+    let shots = Shots::read(folder.as_ref(), &names)?;
+    let pictures = read(&shots)?;
+    let mut warnings = Vec::new();
+    let (fitted_views, held_views) =
+        split(&names, &shots, options, &mut warnings).map_err(|e| e.at_file(folder.as_ref()))?;
+    let mut start = start.clone();
+    start.lens.width_px = pictures[0].grey.width();
+    start.lens.height_px = pictures[0].grey.height();
+    let of = |views: &[usize]| -> Vec<&Shot> {
+        pictures
+            .iter()
+            .filter(|p| views.contains(&p.view))
+            .collect()
+    };
+    let (fitted, held) = (of(&fitted_views), of(&held_views));
+
+    let before = Before {
+        place_sd_m: options.place_sd_m,
+        angle_sd_rad: ANGLE_SD_RAD,
+        distortion_sd: DISTORTION_SD,
+        lens: true,
+        sensor: false,
+    };
+    let (mut camera, placed) = placed_of(scene, &start, light, &fitted, &before)?;
+
+    let (compression, quality) = compression(&start, &fitted)?;
+    camera.sensor.jpeg_quality = quality;
+    if compression.known == Known::Undetermined {
+        let as_if = match quality {
+            Some(quality) => format!("had quality {quality}"),
+            None => "were not compressed".to_owned(),
+        };
+        warnings.push(Warning::new(
+            Code::CompressionUnknown,
+            format!("exposure, gain and read noise are found as if pictures {as_if}"),
+        ));
+    }
+    let reals = reals_of(scene, &camera, light, &fitted, &placed)?;
+    let search = Search {
+        settings: settings(&start),
+        camera: camera.clone(),
+        pictures: &reals,
+        seed: options.seed,
+        budget: options.budget,
+        tried: Cell::new(0),
+        progress,
+    };
+    let found = search.run()?;
+    // Now that brightness and blur are known, corners are found better, and then brightness and blur.
+    let known = Before {
+        sensor: true,
+        ..before
+    };
+    let sighted = search.camera_at(&found.shares);
+    let (sighted, placed) = placed_of(scene, &sighted, light, &fitted, &known)?;
+    let reals = reals_of(scene, &sighted, light, &fitted, &placed)?;
+    let search = Search {
+        camera: sighted,
+        pictures: &reals,
+        ..search
+    };
+    let found = search.again(&found)?;
+    let sighted = search.camera_at(&found.shares);
+    if !found.is_ended {
+        warnings.push(Warning::new(
+            Code::Incomplete,
+            format!(
+                "the search had more to try when its budget of {} was spent",
+                options.budget
+            ),
+        ));
+    }
+    if let Some(progress) = progress {
+        progress(Progress {
+            done: search.tried.get(),
+            total: search.tried.get(),
+            best: None,
+            finishing: Some("looking for what is wrong of the lens"),
+        });
+    }
+    let pictures = (&fitted[..], &placed[..]);
+    let method = (options.seed, LEVEL);
+    let off = lens_off(scene, &sighted, light, pictures, &known, method)?;
+    let camera = Camera {
+        name: "tuned".to_owned(),
+        is_stand_in: false,
+        lens: corrected(&sighted.lens, &off),
+        ..sighted.clone()
+    };
+    let mut all = lens_settings(&start.lens, &sighted.lens, pictures, &known, &off);
+    all.extend(sensor_settings(&search, &found, fitted_views.len()));
+    all.push(compression);
+    let judge = |own: &[&Shot]| -> Result<Mismatch> {
+        let of = |camera: &Camera, sensor: bool| -> Result<(f64, f64)> {
+            let fixed = Before {
+                lens: false,
+                sensor,
+                ..before
+            };
+            let (camera, placed) = placed_of(scene, camera, light, own, &fixed)?;
+            let reals = reals_of(scene, &camera, light, own, &placed)?;
+            let rows = apart(&camera, &reals, options.seed, draws(&reals))?;
+            Ok((
+                mismatch(&rows, &found.scale),
+                miss_px(&camera.lens, &placed),
+            ))
+        };
+        let ((look_start, corners_start_px), (look_tuned, corners_tuned_px)) =
+            (of(&start, false)?, of(&camera, true)?);
+        Ok(Mismatch {
+            look_start,
+            look_tuned,
+            corners_start_px,
+            corners_tuned_px,
+        })
+    };
+    let named = |views: &[usize]| views.iter().map(|v| names[*v].to_owned()).collect();
+    if shots.source == PictureSource::StandIn {
+        warnings.push(Warning::new(
+            Code::StandIn,
+            "a simulated camera with other settings took the place of the real one",
+        ));
+    }
+    let length = |off: &[f64]| off.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let offs = |from: usize| {
+        mean(
+            &placed
+                .iter()
+                .map(|p| length(&p.off[from..from + 3]))
+                .collect::<Vec<_>>(),
+        )
+    };
+    Ok(TunedCamera {
+        start: start.name.clone(),
+        real: shots.source,
+        settings: all,
+        fitted: judge(&fitted)?,
+        held_out: if held.is_empty() {
+            None
+        } else {
+            Some(judge(&held)?)
+        },
+        fitted_views: named(&fitted_views),
+        held_out_views: named(&held_views),
+        misplaced_m: offs(0),
+        turned_rad: offs(3),
+        warnings,
+        camera,
+    })
+}
+
+/// The verdict on an interval in shares of what was searched.
+fn known(low: f64, high: f64) -> Known {
+    let (low, high) = (low.max(0.0), high.min(1.0));
+    match (low <= 0.0, high >= 1.0) {
+        _ if high - low > WIDE => Known::Undetermined,
+        (true, false) => Known::AtMost,
+        (false, true) => Known::AtLeast,
+        (true, true) => Known::Undetermined,
+        (false, false) => Known::Determined,
+    }
+}
+
+fn sensor_settings(search: &Search<'_>, found: &sensor::Found, views: usize) -> Vec<TunedSetting> {
+    let t = student_quantile(0.5 + 0.5 * LEVEL, (views - 1) as f64);
+    let of = |(k, setting): (usize, &sensor::Setting)| {
+        let (share, half) = (found.shares[k], t * found.sd[k]);
+        let (low, high) = (share - half, share + half);
+        TunedSetting {
+            name: setting.name,
+            unit: setting.unit,
+            start: setting.value(found.start[k]),
+            value: setting.value(share),
+            low: setting.value(low),
+            high: setting.value(high),
+            searched: setting.range,
+            known: known(low, high),
+        }
+    };
+    search.settings.iter().enumerate().map(of).collect()
+}
