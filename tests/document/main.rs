@@ -1,0 +1,8 @@
+//! What is written about the program is true.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod documentation;
+mod licence;
+mod schema;
+mod tutorial;
