@@ -137,7 +137,7 @@ fn every_page_is_part_of_the_guide() {
 
 #[test]
 fn pages_that_messages_and_comments_name_exist() {
-    for folder in ["src", "tests", "sweeps", "morphologies"] {
+    for folder in ["src", "crates", "tests", "sweeps", "morphologies"] {
         for (file, text) in sources(folder) {
             for name in between(&text, "docs/", ' ') {
                 let Some((name, _)) = name.split_once(".md") else {

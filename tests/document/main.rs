@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod documentation;
+mod house;
 mod licence;
 mod schema;
 mod tutorial;
