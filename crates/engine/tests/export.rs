@@ -107,7 +107,7 @@ fn every_robot_is_well_formed_complete_and_its_names_are_unique() {
                 "link"
             };
             // URDF holds a mounted robot by a joint to a link of the world.
-            let world = part == "link" && assembly.mount_world_m.is_some();
+            let world = part == "link" && assembly.world_from_mount.is_some();
             let bodies = assembly.parts.len() + usize::from(world);
             assert_eq!(all(&document, part).count(), bodies);
             for tag in [
@@ -404,7 +404,7 @@ for path in sys.argv[1:]:
         let [mounted, hinges, mass_kg] = seen[..] else {
             panic!("{line}")
         };
-        assert_eq!(mounted == 1.0, assembly.mount_world_m.is_some(), "{line}");
+        assert_eq!(mounted == 1.0, assembly.world_from_mount.is_some(), "{line}");
         assert_eq!(hinges as usize, assembly.hinges.len(), "{line}");
         assert!((mass_kg - morphology.summary().mass_kg).abs() < 1e-6);
     }

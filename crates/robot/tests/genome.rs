@@ -44,7 +44,7 @@ proptest! {
                 prop_assert_eq!(robot.glue().len() + 1, genome.len());
                 let solids: Vec<_> = robot.assemble().parts.into_iter().flat_map(|part| part.solids).collect();
                 let boxes: Vec<_> = solids.iter().filter(|solid| solid.collides).map(|solid| {
-                    let half = (solid.robot_from_solid.rotation * solid.half_extents_m).abs();
+                    let half = (solid.robot_from_solid.rotation * solid.half_extents_m()).abs();
                     let centre = solid.robot_from_solid.translation.vector;
                     (centre - half, centre + half)
                 }).collect();

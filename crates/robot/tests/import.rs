@@ -52,7 +52,7 @@ fn an_imported_pendulum_swings_as_its_length_says() {
         "{}",
         arm.inertia_kg_m2
     );
-    assert!(assembly.mount_world_m.is_some());
+    assert!(assembly.world_from_mount.is_some());
 }
 
 #[test]

@@ -53,7 +53,7 @@ pub(super) fn robot_boxes(robot: &Morphology) -> Vec<RobotBox<'_>> {
             let drive = module.drive.filter(|_| is_first);
             all.push(RobotBox {
                 part,
-                half_m: solid.half_extents_m,
+                half_m: solid.half_extents_m(),
                 part_from_box: part_from_solid(&assembly, part, solid),
                 kind: match (solid.role, drive.is_some()) {
                     (Role::Plate, _) => BoxKind::Plate,

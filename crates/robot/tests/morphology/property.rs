@@ -134,7 +134,7 @@ fn corners(assembly: &Assembly) -> Vec<(Vector3<f64>, Vector3<f64>)> {
         .flat_map(|part| &part.solids)
         .filter(|solid| solid.collides)
         .map(|solid| {
-            let half = (solid.robot_from_solid.rotation * solid.half_extents_m).abs();
+            let half = (solid.robot_from_solid.rotation * solid.half_extents_m()).abs();
             let centre = solid.robot_from_solid.translation.vector;
             (centre - half, centre + half)
         })

@@ -133,7 +133,7 @@ fn the_tripod_is_one_body_with_three_spinning_plates() {
             place + normal * 0.035,
         );
         let half = Vector3::repeat(0.033) - normal.abs() * (0.033 - 0.005);
-        close(plate.half_extents_m, half);
+        close(plate.half_extents_m(), half);
     }
     let summary = morphology.summary();
     assert!((summary.mass_kg - (0.03 + 3.0 * 0.08)).abs() < 1e-12);
