@@ -156,9 +156,10 @@ impl Point {
             let leaves = touch.restitution.powi(2) * (now * now + gained) - gained;
             if leaves > 0.0 {
                 self.wanted = leaves.sqrt() - 0.5 * h * pull;
-                self.slack = 0.0;
             }
         }
+        // An impact is hard.
+        self.slack = 0.0;
         true
     }
 
