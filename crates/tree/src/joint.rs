@@ -8,6 +8,9 @@ use crate::forest::{Body, Freedom};
 use crate::kinematics::Node;
 use crate::spatial::Spatial;
 
+/// Share of its limit below which a servo that has been there is part of the inertia again.
+const NEAR: f64 = 0.9;
+
 /// What a joint's motor is asked to do from now on.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Command {
@@ -62,12 +65,11 @@ pub(crate) struct Actor {
     pub armature: f64,
     /// What was done since the step began.
     pub done: JointImpulse,
-    /// Servo: impulse = push − grip · speed, at most `most`; `correction` is what differs of it at the limit.
+    /// Servo: impulse = push − grip · speed, at most `most`. Folded: part of the inertia, else a row.
     push: f64,
     grip: f64,
     most: f64,
     folded: bool,
-    correction: f64,
     motor: f64,
     saturated: bool,
     /// Dry friction: at most this impulse.
@@ -134,7 +136,6 @@ impl Actor {
         self.push += time_s * stiffness * (target - node.position);
         self.grip = time_s * (time_s * stiffness + damping);
         self.folded = !self.saturated || self.grip == 0.0;
-        self.correction = 0.0;
         self.spring_push = time_s * body.stiffness * (body.rest - node.position);
         self.dry_most = self.dry * time_s;
         self.armature + self.passive(body, time_s) + if self.folded { self.grip } else { 0.0 }
@@ -178,13 +179,13 @@ impl Actor {
 
     /// Whether any row may act.
     pub fn has_rows(&self) -> bool {
-        self.grip > 0.0 || self.dry_most > 0.0 || self.side != 0.0
+        !self.folded || self.dry_most > 0.0 || self.side != 0.0
     }
 
     /// One visit of a sweep to all rows of the joint at this speed; returns the generalised impulse to add.
     pub fn solve(&mut self, speed: f64, give: f64) -> f64 {
         let mut more = 0.0;
-        if self.grip > 0.0 {
+        if !self.folded {
             more += self.solve_motor(speed, give);
         }
         if self.dry_most > 0.0 {
@@ -204,20 +205,9 @@ impl Actor {
         more
     }
 
+    /// A servo near its limit.
     fn solve_motor(&mut self, speed: f64, give: f64) -> f64 {
         let law = self.push - self.grip * speed;
-        if self.folded {
-            // The law is part of the inertia; the row holds what the torque limit takes from it.
-            let share = (1.0 - self.grip * give).max(1e-12);
-            let now = law + self.correction;
-            let wished = now - self.correction * share;
-            let more = (wished.clamp(-self.most, self.most) - now) / share;
-            if more != 0.0 && (self.correction != 0.0 || wished.abs() > self.most) {
-                self.correction += more;
-                return more;
-            }
-            return 0.0;
-        }
         let now = self.motor + (law - self.motor) / (1.0 + self.grip * give);
         let now = now.clamp(-self.most, self.most);
         let more = now - self.motor;
@@ -225,12 +215,26 @@ impl Actor {
         more
     }
 
+    /// Whether a servo that is part of the inertia gave more than it has; from now on it is a row.
+    pub fn exceeds(&mut self, speed: f64) -> bool {
+        let exceeds = self.folded
+            && self.grip > 0.0
+            && (self.push - self.grip * speed).abs() > self.most * (1.0 + 1e-9);
+        self.saturated |= exceeds;
+        exceeds
+    }
+
+    /// Makes a servo a row whatever it gives.
+    pub fn unfold(&mut self) {
+        self.saturated = true;
+    }
+
     /// After the last sweep: notes what was done at the speed that came of it.
     pub fn finish(&mut self, body: &Body, speed: f64, time_s: f64) {
         if self.folded {
-            self.motor = self.push - self.grip * speed + self.correction;
+            self.motor = self.push - self.grip * speed;
         }
-        self.saturated = self.grip > 0.0 && self.motor.abs() >= self.most * (1.0 - 1e-9);
+        self.saturated &= self.motor.abs() > NEAR * self.most;
         let done = &mut self.done;
         done.motor += self.motor;
         done.limit += self.limit_now;

@@ -12,6 +12,8 @@ use crate::model::{Model, ModelError, Settings};
 use crate::spatial::Spatial;
 use crate::sweep::{Rows, close, open, respond, tops};
 
+/// Most times that a step is solved because a servo turned out to be at its limit.
+const MOST_ATTEMPTS: usize = 4;
 /// Most parts that one step is taken in.
 const MOST_PARTS: usize = 64;
 
@@ -26,6 +28,8 @@ pub struct World {
     given: Vec<Spatial>,
     stiff: Vec<f64>,
     wrenches: Vec<Spatial>,
+    /// Velocities and speeds before the step.
+    before: Vec<(Spatial, f64)>,
     centres_link_m: Vec<Vec3>,
     earlier: Vec<Contact>,
     gravity_world_m_s2: Vec3,
@@ -104,6 +108,7 @@ impl World {
             touches: Vec::new(),
             given: vec![Spatial::ZERO; many],
             stiff,
+            before: Vec::with_capacity(many),
             wrenches: vec![Spatial::ZERO; many],
             centres_link_m: model.links.iter().map(|link| link.centre_link_m).collect(),
             earlier: Vec::new(),
@@ -142,7 +147,45 @@ impl World {
         self.touches.clear();
         self.collision
             .find(&self.nodes, time_s, &mut self.touches);
-        let ratio = time_s / self.last_time_s;
+        self.before.clear();
+        let state = self.nodes.iter().map(|node| (node.velocity, node.speed));
+        self.before.extend(state);
+        let mut ratio = time_s / self.last_time_s;
+        // A servo that turns out to be at its limit becomes a row, and the step is solved again: rare, as most stay what they are.
+        for attempt in 0..MOST_ATTEMPTS {
+            self.solve(time_s, ratio);
+            let mut again = false;
+            for (actor, node) in self.actors.iter_mut().zip(&self.nodes) {
+                again |= actor.exceeds(node.speed);
+            }
+            if !again {
+                break;
+            }
+            if attempt + 2 == MOST_ATTEMPTS {
+                self.actors.iter_mut().for_each(Actor::unfold);
+            }
+            for (node, (velocity, speed)) in self.nodes.iter_mut().zip(&self.before) {
+                (node.velocity, node.speed) = (*velocity, *speed);
+            }
+            ratio = 1.0;
+        }
+        for point in &self.rows.points {
+            self.collision.remember(point.memory, point.impulse_world());
+        }
+        for (index, actor) in self.actors.iter_mut().enumerate() {
+            let (body, node) = (&self.forest.bodies[index], &self.nodes[index]);
+            if !body.is_root() {
+                actor.finish(body, node.speed, time_s);
+            }
+        }
+        kinematics::advance(&self.forest, &mut self.nodes, time_s);
+        self.collision.lead(time_s);
+        self.last_time_s = time_s;
+        self.fresh = false;
+    }
+
+    /// Velocities at the end of a step, from those at its beginning.
+    fn solve(&mut self, time_s: f64, ratio: f64) {
         let bodies = &self.forest.bodies;
         for (index, actor) in self.actors.iter_mut().enumerate() {
             self.stiff[index] = if bodies[index].is_root() {
@@ -177,19 +220,6 @@ impl World {
             free_velocities(tree, &self.forest, &mut self.nodes, kick_s, &self.given);
         }
         self.sweep(impact);
-        for point in &self.rows.points {
-            self.collision.remember(point.memory, point.impulse_world());
-        }
-        for (index, actor) in self.actors.iter_mut().enumerate() {
-            let (body, node) = (&self.forest.bodies[index], &self.nodes[index]);
-            if !body.is_root() {
-                actor.finish(body, node.speed, time_s);
-            }
-        }
-        kinematics::advance(&self.forest, &mut self.nodes, time_s);
-        self.collision.lead(time_s);
-        self.last_time_s = time_s;
-        self.fresh = false;
     }
 
     /// Contact rows, warm started: what they did in the step before is part of what acts now. True if something hits.
