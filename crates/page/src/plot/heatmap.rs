@@ -48,6 +48,36 @@ pub struct HeatMap {
     pub lines: Vec<Vec<(f64, f64)>>,
 }
 
+impl HeatMap {
+    /// A map of scores over two axes with their values, and what they are with their unit; without any mark.
+    pub fn new(
+        caption: Caption,
+        [(x, x_values), (y, y_values)]: [(AxisSpec, Vec<f64>); 2],
+        scores: Vec<Option<f64>>,
+        (score_label, score_unit): (&str, Unit),
+    ) -> Self {
+        Self {
+            caption,
+            x,
+            y,
+            x_values,
+            y_values,
+            scores,
+            missing: "diverged".to_owned(),
+            score_label: score_label.to_owned(),
+            score_unit,
+            scale: ScoreScale::Auto,
+            best: None,
+            best_at: None,
+            indistinguishable: Vec::new(),
+            truth: None,
+            evaluated: Vec::new(),
+            larger_is_better: false,
+            lines: Vec::new(),
+        }
+    }
+}
+
 /// Draws a heat map into a PNG or SVG file.
 pub fn draw_heat_map(map: &HeatMap, path: impl AsRef<Path>) -> Result<()> {
     map.check()?;

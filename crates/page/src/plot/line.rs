@@ -60,6 +60,21 @@ pub struct LinePlot {
     pub series: Vec<Series>,
 }
 
+impl LinePlot {
+    /// Series over two linear axes that end where the points do; `y` is the vertical quantity and the unit of its values.
+    pub fn new(caption: Caption, x: AxisSpec, y: (&str, Unit), series: Vec<Series>) -> Self {
+        Self {
+            caption,
+            x,
+            y_label: y.0.to_owned(),
+            y_unit: y.1,
+            scale: ScoreScale::Linear,
+            y_range: None,
+            series,
+        }
+    }
+}
+
 /// Draws the series into a PNG or SVG file.
 ///
 /// # Errors

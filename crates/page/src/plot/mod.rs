@@ -83,6 +83,7 @@ pub use line::{LinePlot, Series, SeriesKind, draw_lines};
 pub use overlay::{Overlay, OverlayPath, draw_overlay};
 pub use panel::{Panel, PanelGrid, draw_panels};
 pub use path::PathPoint;
+pub(crate) use picture::both;
 pub use picture::check_picture_path;
 pub use plane::{Cloud, plane};
 pub use realgap_core::table::{Side, TextTable};

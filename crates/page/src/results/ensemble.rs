@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::draft::publish;
 use super::kind::Kind;
-use crate::plot::{Caption, EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
+use crate::plot::{Caption, EnsembleBand, EnsembleGroup, EnsemblePlot, both, draw_ensemble};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{versioned_json, write_atomic};
 use realgap_core::text::cell;
@@ -268,10 +268,7 @@ pub(super) fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>)
         bands: bands.collect(),
         whole_paths: (summary.band.as_ref()).map(|band| extent(band, widest)),
     };
-    for extension in ["png", "svg"] {
-        draw_ensemble(&plot, folder.join(format!("{stem}.{extension}")))?;
-    }
-    Ok(())
+    both(folder, stem, |path| draw_ensemble(&plot, path))
 }
 
 /// How far the regions of a level reach along x and along y.
