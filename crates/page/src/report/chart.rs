@@ -6,6 +6,7 @@
 use std::fmt::Write as _;
 
 use super::page::html;
+use super::section::figure;
 use realgap_core::unit::decimals;
 
 /// Size of a chart in its own units; the page scales it.
@@ -76,6 +77,69 @@ impl Frame {
 }
 
 impl Chart {
+    /// Something over anything else.
+    pub fn plain(alt: impl Into<String>, x_label: &str, y_label: impl Into<String>) -> Self {
+        Self {
+            alt: alt.into(),
+            x_label: x_label.to_owned(),
+            y_label: y_label.into(),
+            axes: Axes::Plain,
+            ..Self::default()
+        }
+    }
+
+    /// Something over time.
+    pub fn over_time(alt: impl Into<String>, y_label: impl Into<String>) -> Self {
+        let axes = Axes::Time;
+        Self {
+            axes,
+            ..Self::plain(alt, "time [s]", y_label)
+        }
+    }
+
+    /// Paths seen from above.
+    pub fn map(alt: &str) -> Self {
+        let axes = Axes::Map;
+        Self {
+            axes,
+            ..Self::plain(alt, "x [m]", "y [m]")
+        }
+    }
+
+    /// The same with the upright axis from 0.
+    pub fn from_zero(self) -> Self {
+        let from_zero = true;
+        Self { from_zero, ..self }
+    }
+
+    /// The same with a line above the others.
+    pub fn line(mut self, class: &'static str, points: Vec<[f64; 2]>) -> Self {
+        self.lines.push(Line { class, points });
+        self
+    }
+
+    /// The same with lines of one kind above the others.
+    pub fn lines(self, class: &'static str, all: impl Iterator<Item = Vec<[f64; 2]>>) -> Self {
+        all.fold(self, |chart, points| chart.line(class, points))
+    }
+
+    /// The same with a band within the others.
+    pub fn band(mut self, band: Vec<[f64; 3]>) -> Self {
+        self.bands.push(band);
+        self
+    }
+
+    /// The same with marks.
+    pub fn dots(mut self, class: &'static str, points: Vec<[f64; 2]>) -> Self {
+        self.dots.push(Line { class, points });
+        self
+    }
+
+    /// The chart with a title, and what it says.
+    pub fn figure(&self, title: &str, caption: &str) -> String {
+        figure(title, &self.svg(), caption)
+    }
+
     fn frame(&self) -> Frame {
         let band = self.bands.iter().flatten();
         let banded = band.flat_map(|[x, low, high]| [[*x, *low], [*x, *high]]);
@@ -202,6 +266,21 @@ impl Chart {
         svg.push_str("</svg>");
         svg
     }
+}
+
+/// Each value kept until the next.
+pub(super) fn steps(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
+    let mut all: Vec<[f64; 2]> = Vec::new();
+    for [x, y] in points {
+        all.extend(all.last().map(|[_, before]| [x, *before]));
+        all.push([x, y]);
+    }
+    all
+}
+
+/// A name in a legend beside what it stands for.
+pub(super) fn key(class: &str, name: &str) -> String {
+    format!("<span><i class=\"key {class}\"></i>{}</span>", html(name))
 }
 
 /// A path through the points, to a tenth of a unit; points that would not be seen apart are one.
