@@ -217,17 +217,17 @@ impl HeatMap {
                 if !self.is_indistinguishable(ix, iy) {
                     continue;
                 }
-                if ix == 0 || !self.is_indistinguishable(ix - 1, iy) {
-                    segment((xs[ix], ys[iy]), (xs[ix], ys[iy + 1]));
-                }
-                if !self.is_indistinguishable(ix + 1, iy) {
-                    segment((xs[ix + 1], ys[iy]), (xs[ix + 1], ys[iy + 1]));
-                }
-                if iy == 0 || !self.is_indistinguishable(ix, iy - 1) {
-                    segment((xs[ix], ys[iy]), (xs[ix + 1], ys[iy]));
-                }
-                if !self.is_indistinguishable(ix, iy + 1) {
-                    segment((xs[ix], ys[iy + 1]), (xs[ix + 1], ys[iy + 1]));
+                let ([left, right], [low, high]) = ([xs[ix], xs[ix + 1]], [ys[iy], ys[iy + 1]]);
+                // Beyond the first column and row is nothing: their number wraps to one that no cell has.
+                for (x, y, from, to) in [
+                    (ix.wrapping_sub(1), iy, (left, low), (left, high)),
+                    (ix + 1, iy, (right, low), (right, high)),
+                    (ix, iy.wrapping_sub(1), (left, low), (right, low)),
+                    (ix, iy + 1, (left, high), (right, high)),
+                ] {
+                    if !self.is_indistinguishable(x, y) {
+                        segment(from, to);
+                    }
                 }
             }
         }

@@ -158,11 +158,8 @@ impl Replay<'_> {
             })
         };
         let mut tracks = vec![track(self.run_name, self.run, false)];
-        tracks.extend(
-            ghosts
-                .iter()
-                .map(|ghost| track(ghost.name, &ghost.film, true)),
-        );
+        let recorded = ghosts.iter();
+        tracks.extend(recorded.map(|ghost| track(ghost.name, &ghost.film, true)));
         let mut all = self.robot.map(boxes).unwrap_or_default();
         all.extend(moving_boxes(self.scene, self.run));
         json!({
@@ -209,14 +206,9 @@ impl Replay<'_> {
             counted(ghosts.len(), "run"),
         );
         if !noise.is_empty() {
-            let low = noise
-                .iter()
-                .map(|[t, low, _]| [*t, *low])
-                .collect::<Vec<_>>();
-            let high = noise
-                .iter()
-                .map(|[t, _, high]| [*t, *high])
-                .collect::<Vec<_>>();
+            let (low, high): (Vec<_>, Vec<_>) = (noise.iter())
+                .map(|[t, low, high]| ([*t, *low], [*t, *high]))
+                .unzip();
             text += &format!(
                 "; each of those runs is {} to {} from the mean of the others",
                 length(mean(&low)),
