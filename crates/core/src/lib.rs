@@ -5,6 +5,7 @@ pub mod file;
 pub mod font;
 pub mod quantity;
 pub mod random;
+pub mod range;
 #[cfg(feature = "schema")]
 pub mod schema;
 pub mod statistics;
