@@ -1,11 +1,13 @@
-//! The comparison in words.
+//! The report of a comparison in words.
 
 use std::fmt;
 
-use super::alignment::RelativeTo;
-use super::comparison::{Answer, ExtractorReport, Mean, Verdict, VisionReport};
-use super::views::PictureSource;
-use realgap_core::table::{Side, TextTable};
+use super::super::alignment::RelativeTo;
+use super::super::extractor::Measure;
+use super::super::views::PictureSource;
+use super::{Answer, ExtractorReport, Mean, Verdict, VisionReport};
+use realgap_core::table::Side::{Left, Right};
+use realgap_core::table::TextTable;
 use realgap_core::unit::counted;
 
 fn shown(value: f64, unit: &str) -> String {
@@ -17,23 +19,16 @@ fn shown(value: f64, unit: &str) -> String {
 }
 
 fn mean(mean: Option<Mean>, unit: &str) -> String {
-    match mean {
-        None => "-".to_owned(),
-        Some(Mean {
-            value,
-            interval: None,
-            ..
-        }) => shown(value, unit),
-        Some(Mean {
-            value,
-            interval: Some((low, high)),
-            ..
-        }) => format!(
-            "{} ({} to {})",
-            shown(value, unit),
-            shown(low, ""),
-            shown(high, "")
-        ),
+    let Some(Mean {
+        value, interval, ..
+    }) = mean
+    else {
+        return "-".to_owned();
+    };
+    let value = shown(value, unit);
+    match interval {
+        None => value,
+        Some((low, high)) => format!("{value} ({} to {})", shown(low, ""), shown(high, "")),
     }
 }
 
@@ -57,77 +52,65 @@ impl fmt::Display for Verdict {
 }
 
 fn errors(report: &VisionReport) -> TextTable {
-    let mut table = TextTable::new([
-        ("error", Side::Left),
-        ("simulated", Side::Right),
-        ("real", Side::Right),
-        ("badly lit", Side::Right),
-    ]);
-    let measures: Vec<_> = report.extractors.iter().map(|e| e.error_measure).collect();
-    for e in &report.extractors {
-        let Some(measure) = e.error_measure else {
-            continue;
-        };
-        // Two may measure the same.
-        let alike = measures.iter().filter(|m| **m == e.error_measure).count();
-        table.push([
-            match alike {
-                1 => measure.name.to_owned(),
-                _ => format!("{}: {}", e.extractor, measure.name),
-            },
-            mean(e.simulated_error, measure.unit),
-            mean(e.real_error, measure.unit),
-            mean(e.badly_lit_error, measure.unit),
-        ]);
-    }
-    table
+    let measured: Vec<(&ExtractorReport, Measure)> = report
+        .extractors
+        .iter()
+        .filter_map(|e| Some((e, e.error_measure?)))
+        .collect();
+    // Two may measure the same.
+    let is_shared = |measure: Measure| measured.iter().filter(|m| m.1 == measure).count() > 1;
+    TextTable::of(
+        &measured,
+        &[
+            ("error", Left, &|(e, m)| match is_shared(*m) {
+                true => format!("{}: {}", e.extractor, m.name),
+                false => m.name.to_owned(),
+            }),
+            ("simulated", Right, &|(e, m)| {
+                mean(e.simulated_error, m.unit)
+            }),
+            ("real", Right, &|(e, m)| mean(e.real_error, m.unit)),
+            ("badly lit", Right, &|(e, m)| {
+                mean(e.badly_lit_error, m.unit)
+            }),
+        ],
+    )
 }
 
 fn distances(report: &VisionReport) -> TextTable {
-    let mut table = TextTable::new([
-        ("distance", Side::Left),
-        ("simulated to real", Side::Right),
-        ("badly lit to real", Side::Right),
-        ("noise floor", Side::Right),
-        ("gap ratio", Side::Right),
-    ]);
-    for e in &report.extractors {
-        let unit = e.distance_measure.unit;
-        table.push([
-            format!("{}: {}", e.extractor, e.distance_measure.name),
-            mean(e.gap, unit),
-            mean(e.badly_lit, unit),
-            mean(e.floor, unit),
-            e.gap_ratio.map_or("-".to_owned(), |r| format!("{r:.2}")),
-        ]);
-    }
-    table
+    let of = |e: &ExtractorReport, value: Option<Mean>| mean(value, e.distance_measure.unit);
+    TextTable::of(
+        &report.extractors,
+        &[
+            ("distance", Left, &|e| {
+                format!("{}: {}", e.extractor, e.distance_measure.name)
+            }),
+            ("simulated to real", Right, &|e| of(e, e.gap)),
+            ("badly lit to real", Right, &|e| of(e, e.badly_lit)),
+            ("noise floor", Right, &|e| of(e, e.floor)),
+            ("gap ratio", Right, &|e| {
+                e.gap_ratio.map_or("-".to_owned(), |r| format!("{r:.2}"))
+            }),
+        ],
+    )
 }
 
 impl fmt::Display for ExtractorReport {
     /// View by view.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut table = TextTable::new([
-            ("view", Side::Left),
-            ("error: simulated", Side::Right),
-            ("real", Side::Right),
-            ("badly lit", Side::Right),
-            ("distance: sim.-real", Side::Right),
-            ("bad-real", Side::Right),
-            ("real-real", Side::Right),
-        ]);
         let cell = |value: Option<f64>| value.map_or("-".to_owned(), |v| shown(v, ""));
-        for v in &self.views {
-            table.push([
-                v.view.clone(),
-                cell(v.simulated_error),
-                cell(v.real_error),
-                cell(v.badly_lit_error),
-                cell(v.simulated_real),
-                cell(v.badly_lit_real),
-                cell(v.floor),
-            ]);
-        }
+        let table = TextTable::of(
+            &self.views,
+            &[
+                ("view", Left, &|v| v.view.clone()),
+                ("error: simulated", Right, &|v| cell(v.simulated_error)),
+                ("real", Right, &|v| cell(v.real_error)),
+                ("badly lit", Right, &|v| cell(v.badly_lit_error)),
+                ("distance: sim.-real", Right, &|v| cell(v.simulated_real)),
+                ("bad-real", Right, &|v| cell(v.badly_lit_real)),
+                ("real-real", Right, &|v| cell(v.floor)),
+            ],
+        );
         write!(
             f,
             "{} (figure {})\n{}",

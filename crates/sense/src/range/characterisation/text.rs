@@ -2,10 +2,11 @@
 
 use std::fmt;
 
-use super::characterisation::{Characterisation, Value};
-use super::form::form_by_name;
+use super::super::form::form_by_name;
+use super::{Candidate, Characterisation, DistanceReport, Value};
 use realgap_core::statistics::Proportion;
-use realgap_core::table::{Side, TextTable};
+use realgap_core::table::Side::{Left, Right};
+use realgap_core::table::{Column, TextTable};
 use realgap_core::unit::number;
 
 /// Most rows of the table of distances; a log of thousands of different distances has its own file.
@@ -27,20 +28,17 @@ fn digits(value: f64) -> String {
 fn values(f: &mut fmt::Formatter<'_>, what: &str, form: &str, values: &[Value]) -> fmt::Result {
     let formula = form_by_name(form).map_or("", |form| form.formula());
     writeln!(f, "{what}: {form}, {formula}")?;
-    let mut table = TextTable::new([
-        ("  parameter", Side::Left),
-        ("value", Side::Right),
-        ("95 % interval", Side::Left),
-        ("standard error", Side::Right),
-    ]);
-    for v in values {
-        table.push([
-            format!("  {}", v.name),
-            digits(v.value),
-            format!("{} to {}", digits(v.low), digits(v.high)),
-            number(v.standard_error),
-        ]);
-    }
+    let table = TextTable::of(
+        values,
+        &[
+            ("  parameter", Left, &|v| format!("  {}", v.name)),
+            ("value", Right, &|v| digits(v.value)),
+            ("95 % interval", Left, &|v| {
+                format!("{} to {}", digits(v.low), digits(v.high))
+            }),
+            ("standard error", Right, &|v| number(v.standard_error)),
+        ],
+    );
     f.write_str(&table.render(false))
 }
 
@@ -102,30 +100,23 @@ impl Characterisation {
             f,
             "\nforms, by the log density of readings at distances that were left out"
         )?;
-        let mut table = TextTable::new([
-            ("  mean", Side::Left),
-            ("spread", Side::Left),
-            ("parameters", Side::Right),
-            ("a reading", Side::Right),
-            ("behind", Side::Right),
-            ("± standard error", Side::Left),
-        ]);
-        let mut order: Vec<_> = self.candidates.iter().collect();
-        order.sort_by(|a, b| {
-            let behind = |c: &super::Candidate| c.behind.unwrap_or(f64::INFINITY);
-            behind(a).total_cmp(&behind(b))
-        });
-        for c in order {
-            let of = |v: Option<f64>| v.map_or("cannot be".to_owned(), |v| format!("{v:.4}"));
-            table.push([
-                format!("  {}", c.mean),
-                c.spread.to_owned(),
-                c.parameters.to_string(),
-                of(c.log_score),
-                of(c.behind),
-                of(c.behind_error) + if c.is_chosen { "  chosen" } else { "" },
-            ]);
-        }
+        let behind = |c: &Candidate| c.behind.unwrap_or(f64::INFINITY);
+        let mut order = self.candidates.clone();
+        order.sort_by(|a, b| behind(a).total_cmp(&behind(b)));
+        let of = |v: Option<f64>| v.map_or("cannot be".to_owned(), |v| format!("{v:.4}"));
+        let table = TextTable::of(
+            &order,
+            &[
+                ("  mean", Left, &|c| format!("  {}", c.mean)),
+                ("spread", Left, &|c| c.spread.to_owned()),
+                ("parameters", Right, &|c| c.parameters.to_string()),
+                ("a reading", Right, &|c| of(c.log_score)),
+                ("behind", Right, &|c| of(c.behind)),
+                ("± standard error", Left, &|c| {
+                    of(c.behind_error) + if c.is_chosen { "  chosen" } else { "" }
+                }),
+            ],
+        );
         f.write_str(&table.render(false))
     }
 
@@ -143,14 +134,15 @@ impl Characterisation {
             size.enough,
             100.0 * size.spread_error
         )?;
-        let mut table =
-            TextTable::new([("  readings", Side::Right), ("in another bin", Side::Right)]);
-        for step in &size.steps {
-            table.push([
-                step.readings.to_string(),
-                format!("{:.1} %", 100.0 * step.change),
-            ]);
-        }
+        let table = TextTable::of(
+            &size.steps,
+            &[
+                ("  readings", Right, &|s| s.readings.to_string()),
+                ("in another bin", Right, &|s| {
+                    format!("{:.1} %", 100.0 * s.change)
+                }),
+            ],
+        );
         f.write_str(&table.render(false))
     }
 
@@ -159,41 +151,32 @@ impl Characterisation {
             .distances
             .iter()
             .any(|d| d.incidence_deg != 0.0 || d.offset_deg != 0.0);
-        let mut columns = vec![("  distance", Side::Right)];
-        if has_angles {
-            columns.extend([("incidence", Side::Right), ("offset", Side::Right)]);
-        }
-        for name in [
-            "readings",
-            "mean",
-            "off the model",
-            "sd",
-            "sd / model",
-            "normal p",
-            "nonsense",
-            "never came",
-        ] {
-            columns.push((name, Side::Right));
-        }
-        let mut table = TextTable::new(columns);
-        for d in self.distances.iter().take(MOST_ROWS) {
-            let of = |v: Option<f64>| v.map_or("–".to_owned(), digits);
-            let mut cells = vec![d.distance.to_string()];
-            if has_angles {
-                cells.extend([d.incidence_deg.to_string(), d.offset_deg.to_string()]);
-            }
-            cells.extend([
-                d.readings.to_string(),
-                of(d.mean),
-                d.residual.map_or("–".to_owned(), |r| format!("{r:+.3e}")),
-                of(d.sd),
-                d.sd_ratio.map_or("–".to_owned(), |r| format!("{r:.3}")),
-                d.normality_p.map_or("–".to_owned(), |p| format!("{p:.3}")),
-                d.outliers.to_string(),
-                d.dropouts.to_string(),
-            ]);
-            table.push(cells);
-        }
+        let none = || "–".to_owned();
+        let angles: [Column<'_, DistanceReport>; 2] = [
+            ("incidence", Right, &|d| d.incidence_deg.to_string()),
+            ("offset", Right, &|d| d.offset_deg.to_string()),
+        ];
+        let mut columns: Vec<Column<'_, DistanceReport>> =
+            vec![("  distance", Right, &|d| d.distance.to_string())];
+        columns.extend(angles.into_iter().filter(|_| has_angles));
+        let numbers: [Column<'_, DistanceReport>; 8] = [
+            ("readings", Right, &|d| d.readings.to_string()),
+            ("mean", Right, &|d| d.mean.map_or_else(none, digits)),
+            ("off the model", Right, &|d| {
+                d.residual.map_or_else(none, |r| format!("{r:+.3e}"))
+            }),
+            ("sd", Right, &|d| d.sd.map_or_else(none, digits)),
+            ("sd / model", Right, &|d| {
+                d.sd_ratio.map_or_else(none, |r| format!("{r:.3}"))
+            }),
+            ("normal p", Right, &|d| {
+                d.normality_p.map_or_else(none, |p| format!("{p:.3}"))
+            }),
+            ("nonsense", Right, &|d| d.outliers.to_string()),
+            ("never came", Right, &|d| d.dropouts.to_string()),
+        ];
+        columns.extend(numbers);
+        let table = TextTable::of(self.distances.iter().take(MOST_ROWS), &columns);
         let text = table.render(false);
         f.write_str(text.trim_end())?;
         if self.distances.len() > MOST_ROWS {

@@ -16,12 +16,12 @@ pub struct ArenaFile {
     /// Its name.
     name: String,
     /// Width and depth of the field, from (0, 0), metres.
-    size_m: (f64, f64),
+    size_m: [f64; 2],
     /// Whether there are walls around the field.
     boundary: Boundary,
     /// Corners of a closed wall around rooms, the last the first again.
     #[serde(default)]
-    outline_m: Vec<(f64, f64)>,
+    outline_m: Vec<[f64; 2]>,
     /// Thickness of that wall, metres.
     #[serde(default = "thin")]
     outline_thickness_m: f64,
@@ -36,7 +36,7 @@ pub struct ArenaFile {
     circles: Vec<CircleFile>,
     /// Radio stations.
     #[serde(default)]
-    anchors: Vec<AnchorFile>,
+    anchors: Vec<Anchor>,
     /// Where robots start; else nowhere in particular.
     start: Option<StartFile>,
 }
@@ -46,9 +46,9 @@ pub struct ArenaFile {
 #[serde(deny_unknown_fields, rename = "Wall")]
 struct WallFile {
     /// One end, metres.
-    from_m: (f64, f64),
+    from_m: [f64; 2],
     /// The other end, metres.
-    to_m: (f64, f64),
+    to_m: [f64; 2],
     /// Thickness, metres.
     #[serde(default = "thin")]
     thickness_m: f64,
@@ -62,9 +62,9 @@ struct WallFile {
 #[serde(deny_unknown_fields, rename = "Box")]
 struct BoxFile {
     /// Centre, metres.
-    centre_m: (f64, f64),
+    centre_m: [f64; 2],
     /// Half of its sides, metres.
-    half_m: (f64, f64),
+    half_m: [f64; 2],
     /// Turn to the left, degrees.
     #[serde(default)]
     turn_deg: f64,
@@ -78,22 +78,12 @@ struct BoxFile {
 #[serde(deny_unknown_fields, rename = "Circle")]
 struct CircleFile {
     /// Centre, metres.
-    centre_m: (f64, f64),
+    centre_m: [f64; 2],
     /// Radius, metres.
     radius_m: f64,
     /// What it is made of.
     #[serde(default)]
     material: String,
-}
-
-#[derive(Debug, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "Anchor")]
-struct AnchorFile {
-    /// Its name, as in radio logs.
-    name: String,
-    /// Its place: x, y and height, metres.
-    position_m: (f64, f64, f64),
 }
 
 #[derive(Debug, Deserialize)]
@@ -134,41 +124,70 @@ impl Arena {
     /// As [`Arena::read`].
     pub fn parse(source: &Source) -> Result<Self> {
         let file: ArenaFile = parse_ron(source)?;
-        let size_m = [file.size_m.0, file.size_m.1];
-        let wrong = |field: &str, message: &str, found: String, allowed: &str| {
-            source.at(
-                field,
-                Error::invalid(message.to_owned())
-                    .field(field)
-                    .found(found)
-                    .allowed(allowed),
-            )
+        let arena = Self {
+            objects: file.objects().map_err(|e| source.at_field(e))?,
+            name: file.name,
+            size_m: file.size_m,
+            boundary: file.boundary,
+            anchors: file.anchors,
+            start: file
+                .start
+                .map(|s| [s.x_m, s.y_m, s.heading_deg.to_radians()]),
         };
-        if !size_m.iter().all(|side| *side > 0.0 && *side <= LARGEST_M) {
+        for (index, anchor) in arena.anchors.iter().enumerate() {
+            anchor
+                .check(&arena.anchors[..index])
+                .map_err(|e| source.at(&format!("anchors[{index}]"), e))?;
+        }
+        if let Some([x, y, heading]) = arena.start {
+            if !heading.is_finite() {
+                let error = wrong("start", "not a heading", heading, "a finite number");
+                return Err(source.at_field(error));
+            }
+            arena
+                .check_place([x, y], 0.0)
+                .map_err(|e| source.at("start", e))?;
+        }
+        Ok(arena)
+    }
+}
+
+fn wrong(field: &str, message: &str, found: impl std::fmt::Display, allowed: &str) -> Error {
+    Error::invalid(message)
+        .field(field)
+        .found(found)
+        .allowed(allowed)
+}
+
+impl ArenaFile {
+    /// Everything that stands in it.
+    fn objects(&self) -> Result<Vec<Object>> {
+        if !self.size_m.iter().all(|s| *s > 0.0 && *s <= LARGEST_M) {
             return Err(wrong(
                 "size_m",
                 "not a size of a field",
-                format!("{size_m:?}"),
+                format!("{:?}", self.size_m),
                 "above 0 m, at most 10 km",
             ));
         }
         let mut objects = Vec::new();
-        if file.boundary == Boundary::Solid {
-            objects.extend(around(size_m));
+        if self.boundary == Boundary::Solid {
+            objects.extend(around(self.size_m));
         }
-        for (index, pair) in file.outline_m.windows(2).enumerate() {
-            let wall = wall(pair[0], pair[1], file.outline_thickness_m, "");
+        for (index, pair) in self.outline_m.windows(2).enumerate() {
+            let wall = wall(pair[0], pair[1], self.outline_thickness_m, "");
             objects.push(wall.ok_or_else(|| {
                 wrong(
                     &format!("outline_m[{index}]"),
                     "not a wall",
-                    format!("{pair:?}"),
+                    format!("{:?} to {:?}", pair[0], pair[1]),
                     "two different corners and a thickness above 0",
                 )
             })?);
         }
-        if let (Some(first), Some(last)) = (file.outline_m.first(), file.outline_m.last())
-            && (file.outline_m.len() < 4 || (first.0 - last.0).hypot(first.1 - last.1) > CLOSED_M)
+        if let (Some(first), Some(last)) = (self.outline_m.first(), self.outline_m.last())
+            && (self.outline_m.len() < 4
+                || (first[0] - last[0]).hypot(first[1] - last[1]) > CLOSED_M)
         {
             return Err(wrong(
                 "outline_m",
@@ -177,7 +196,7 @@ impl Arena {
                 "three or more corners, the last entry the first again",
             ));
         }
-        for (index, w) in file.walls.iter().enumerate() {
+        for (index, w) in self.walls.iter().enumerate() {
             let built = wall(w.from_m, w.to_m, w.thickness_m, &w.material);
             objects.push(built.ok_or_else(|| {
                 wrong(
@@ -188,128 +207,88 @@ impl Arena {
                 )
             })?);
         }
-        let positive = |v: f64| v > 0.0 && v.is_finite();
-        for (index, b) in file.boxes.iter().enumerate() {
-            let is_sound = positive(b.half_m.0)
-                && positive(b.half_m.1)
-                && [b.centre_m.0, b.centre_m.1, b.turn_deg]
-                    .iter()
-                    .all(|v| v.is_finite());
-            if !is_sound {
-                return Err(wrong(
+        for (index, b) in self.boxes.iter().enumerate() {
+            let (sin, cos) = b.turn_deg.to_radians().sin_cos();
+            let shape = Shape::Box {
+                half_m: b.half_m,
+                turn: [cos, sin],
+            };
+            objects.push(solid(b.centre_m, shape, &b.material).ok_or_else(|| {
+                wrong(
                     &format!("boxes[{index}]"),
                     "not a box",
                     format!("half {:?} m at {:?} m", b.half_m, b.centre_m),
                     "halves above 0 m at a finite place",
-                ));
-            }
-            let (sin, cos) = b.turn_deg.to_radians().sin_cos();
-            objects.push(Object {
-                centre_m: [b.centre_m.0, b.centre_m.1],
-                shape: Shape::Box {
-                    half_m: [b.half_m.0, b.half_m.1],
-                    turn: [cos, sin],
-                },
-                material: b.material.clone(),
-            });
+                )
+            })?);
         }
-        for (index, c) in file.circles.iter().enumerate() {
-            if !(positive(c.radius_m) && c.centre_m.0.is_finite() && c.centre_m.1.is_finite()) {
-                return Err(wrong(
+        for (index, c) in self.circles.iter().enumerate() {
+            let shape = Shape::Circle {
+                radius_m: c.radius_m,
+            };
+            objects.push(solid(c.centre_m, shape, &c.material).ok_or_else(|| {
+                wrong(
                     &format!("circles[{index}]"),
                     "not a circle",
                     format!("radius {} m at {:?} m", c.radius_m, c.centre_m),
                     "a radius above 0 m at a finite place",
-                ));
-            }
-            objects.push(Object {
-                centre_m: [c.centre_m.0, c.centre_m.1],
-                shape: Shape::Circle {
-                    radius_m: c.radius_m,
-                },
-                material: c.material.clone(),
-            });
+                )
+            })?);
         }
         if objects.len() > MOST {
-            return Err(Error::invalid("too many objects")
-                .at_file(source.path())
-                .found(objects.len())
-                .allowed(format!("at most {MOST}")));
+            let allowed = format!("at most {MOST}");
+            let error = Error::invalid("too many objects").found(objects.len());
+            return Err(error.allowed(allowed));
         }
-        let mut anchors: Vec<Anchor> = Vec::new();
-        for (index, a) in file.anchors.into_iter().enumerate() {
-            let anchor = Anchor {
-                name: a.name,
-                position_m: [a.position_m.0, a.position_m.1, a.position_m.2],
-            };
-            anchor
-                .check(&anchors)
-                .map_err(|e| source.at(&format!("anchors[{index}]"), e))?;
-            anchors.push(anchor);
-        }
-        let start = file
-            .start
-            .map(|s| [s.x_m, s.y_m, s.heading_deg.to_radians()]);
-        let arena = Self {
-            name: file.name,
-            size_m,
-            boundary: file.boundary,
-            objects,
-            anchors,
-            start,
-        };
-        if let Some([x, y, heading]) = arena.start {
-            if !heading.is_finite() {
-                return Err(wrong(
-                    "start",
-                    "not a heading",
-                    heading.to_string(),
-                    "a finite number",
-                ));
-            }
-            arena
-                .check_place([x, y], 0.0)
-                .map_err(|e| source.at("start", e))?;
-        }
-        Ok(arena)
+        Ok(objects)
     }
 }
 
-/// A straight wall as a turned box.
-fn wall(from: (f64, f64), to: (f64, f64), thickness_m: f64, material: &str) -> Option<Object> {
-    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-    let length = dx.hypot(dy);
-    let is_sound = length > 0.0
-        && length.is_finite()
-        && thickness_m > 0.0
-        && thickness_m.is_finite()
-        && from.0.is_finite()
-        && from.1.is_finite();
-    is_sound.then(|| Object {
-        centre_m: [0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1)],
-        shape: Shape::Box {
-            half_m: [0.5 * length, 0.5 * thickness_m],
-            turn: [dx / length, dy / length],
-        },
+/// An object of a size above 0 at a finite place.
+fn solid(centre_m: [f64; 2], shape: Shape, material: &str) -> Option<Object> {
+    let is_size = |size: f64| size > 0.0 && size.is_finite();
+    let is_sound = match shape {
+        Shape::Box {
+            half_m: [x, y],
+            turn,
+        } => is_size(x) && is_size(y) && turn[0].is_finite(),
+        Shape::Circle { radius_m } => is_size(radius_m),
+    };
+    (is_sound && centre_m.iter().all(|v| v.is_finite())).then(|| Object {
+        centre_m,
+        shape,
         material: material.to_owned(),
     })
 }
 
+/// A straight wall as a turned box.
+fn wall(from: [f64; 2], to: [f64; 2], thickness_m: f64, material: &str) -> Option<Object> {
+    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+    let length = dx.hypot(dy);
+    let shape = Shape::Box {
+        half_m: [0.5 * length, 0.5 * thickness_m],
+        turn: [dx / length, dy / length],
+    };
+    let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];
+    solid(middle, shape, material)
+}
+
 /// Four walls just outside of the field.
-fn around([x, y]: [f64; 2]) -> Vec<Object> {
+fn around([x, y]: [f64; 2]) -> impl Iterator<Item = Object> {
     let t = thin();
-    let solid = |centre_m: [f64; 2], half_m: [f64; 2]| Object {
+    [
+        ([0.5 * x, -0.5 * t], [0.5 * x + t, 0.5 * t]),
+        ([0.5 * x, y + 0.5 * t], [0.5 * x + t, 0.5 * t]),
+        ([-0.5 * t, 0.5 * y], [0.5 * t, 0.5 * y + t]),
+        ([x + 0.5 * t, 0.5 * y], [0.5 * t, 0.5 * y + t]),
+    ]
+    .into_iter()
+    .map(|(centre_m, half_m)| Object {
         centre_m,
         shape: Shape::Box {
             half_m,
             turn: [1.0, 0.0],
         },
         material: String::new(),
-    };
-    vec![
-        solid([0.5 * x, -0.5 * t], [0.5 * x + t, 0.5 * t]),
-        solid([0.5 * x, y + 0.5 * t], [0.5 * x + t, 0.5 * t]),
-        solid([-0.5 * t, 0.5 * y], [0.5 * t, 0.5 * y + t]),
-        solid([x + 0.5 * t, 0.5 * y], [0.5 * t, 0.5 * y + t]),
-    ]
+    })
 }

@@ -1,12 +1,13 @@
 //! Where points of a scene are seen in a real picture: patches of the simulated picture, looked for in the real one.
 
-use crate::camera::{Camera, Light, Pose, Scene, luminance, met_m};
+use super::shot::Room;
+use crate::camera::{Camera, Pose, luminance, met_m};
 use crate::{Grey, gauss, sobel};
 use realgap_core::error::Result;
 
 /// A point of the scene and where it is seen.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sighting {
+pub(super) struct Correspondence {
     pub point_m: [f64; 3],
     pub seen_px: [f64; 2],
 }
@@ -40,15 +41,13 @@ fn grey([red, green, blue]: &[Grey; 3]) -> Result<Grey> {
 /// Looks for corners of the scene in a real picture, in both at `1 / factor` of its size, up to `reach` (small) pixels from where this
 /// camera at this place would see them. Where the sensor is known, the simulated picture is as bright as the real one, and as white
 /// where light is cut off, which moves edges.
-pub(super) fn sightings(
-    scene: &Scene,
-    camera: &Camera,
-    is_sensor_known: bool,
+pub(super) fn correspondences(
+    Room { scene, light }: Room<'_>,
+    (camera, is_sensor_known): (&Camera, bool),
     pose: &Pose,
-    light: &Light,
     real: &Grey,
     (factor, reach): (usize, i64),
-) -> Result<Vec<Sighting>> {
+) -> Result<Vec<Correspondence>> {
     let (width, height) = (real.width() / factor, real.height() / factor);
     let mut small = camera.clone();
     small.lens.width_px = width;
@@ -82,7 +81,7 @@ pub(super) fn sightings(
     let points = met_m(scene, &small, pose, &places);
     let pairs = points.into_iter().zip(seen);
     Ok(pairs
-        .map(|(point_m, seen_px)| Sighting { point_m, seen_px })
+        .map(|(point_m, seen_px)| Correspondence { point_m, seen_px })
         .collect())
 }
 

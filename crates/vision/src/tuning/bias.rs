@@ -3,10 +3,10 @@
 
 use rayon::prelude::*;
 
+use super::extrinsics::{Extrinsics, Prior};
 use super::lens::in_degrees;
-use super::placing::{Before, Placed};
-use super::shot::{Shot, placed_of};
-use crate::camera::{Camera, Light, Scene, expose, luminance};
+use super::shot::{Room, Shot, extrinsics_of};
+use crate::camera::{Camera, expose, luminance};
 use realgap_core::error::Result;
 use realgap_core::statistics::{mean, standard_deviation, student_quantile};
 
@@ -17,17 +17,16 @@ const FIRST_NUMBER: u64 = 1 << 25;
 const APART: u64 = 1 << 16;
 
 /// The three numbers of a lens: by how much the method finds them too large, and how far off that may leave them at this level.
-pub(super) fn lens_off(
-    scene: &Scene,
+pub(super) fn lens_bias(
+    room: Room<'_>,
     camera: &Camera,
-    light: &Light,
-    (shots, placed): (&[&Shot], &[Placed]),
-    before: &Before,
+    (shots, extrinsics): (&[&Shot], &[Extrinsics]),
+    prior: &Prior,
     (seed, level): (u64, f64),
 ) -> Result<[(f64, f64); 3]> {
-    let lit: Vec<_> = placed
+    let lit: Vec<_> = extrinsics
         .par_iter()
-        .map(|its| luminance(scene, camera, &its.pose(), light))
+        .map(|its| luminance(room.scene, camera, &its.pose(), room.light))
         .collect();
     let found: Vec<[f64; 3]> = (0..DOUBLES)
         .into_par_iter()
@@ -48,7 +47,7 @@ pub(super) fn lens_off(
                 })
                 .collect::<Result<_>>()?;
             let own: Vec<&Shot> = own.iter().collect();
-            let (double, _) = placed_of(scene, camera, light, &own, before)?;
+            let (double, _) = extrinsics_of(room, camera, &own, prior)?;
             Ok(in_degrees(&double.lens))
         })
         .collect::<Result<_>>()?;

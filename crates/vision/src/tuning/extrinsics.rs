@@ -2,20 +2,20 @@
 
 use nalgebra::{Matrix3, Matrix3x6, Matrix6, Vector3, Vector6};
 
-use super::sighting::Sighting;
+use super::correspondence::Correspondence;
 use crate::camera::{Lens, Pose};
 use realgap_core::statistics::median;
 
 /// A picture's place, as it was meant and as it is found.
 #[derive(Debug, Clone)]
-pub(super) struct Placed {
+pub(super) struct Extrinsics {
     pub meant: Pose,
     /// Moved (metres) and turned (radians).
     pub off: [f64; 6],
-    pub sightings: Vec<Sighting>,
+    pub correspondences: Vec<Correspondence>,
 }
 
-impl Placed {
+impl Extrinsics {
     pub(super) fn pose(&self) -> Pose {
         moved(&self.meant, &self.off)
     }
@@ -25,9 +25,9 @@ fn moved(meant: &Pose, off: &[f64; 6]) -> Pose {
     meant.moved([off[0], off[1], off[2]], [off[3], off[4], off[5]])
 }
 
-/// What is known before: standard deviations of places (metres), angles (radians) and distortion.
+/// What is known prior: standard deviations of places (metres), angles (radians) and distortion.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Before {
+pub(super) struct Prior {
     pub place_sd_m: f64,
     pub angle_sd_rad: f64,
     pub distortion_sd: f64,
@@ -62,17 +62,17 @@ pub(super) fn with(lens: &Lens, numbers: [f64; 3]) -> Lens {
     }
 }
 
-fn errors(lens: &Lens, pose: &Pose, sighting: &Sighting) -> Option<[f64; 2]> {
-    let said = lens.project_px(pose, sighting.point_m)?;
-    Some([0, 1].map(|k| sighting.seen_px[k] - said[k]))
+fn errors(lens: &Lens, pose: &Pose, correspondence: &Correspondence) -> Option<[f64; 2]> {
+    let said = lens.project_px(pose, correspondence.point_m)?;
+    Some([0, 1].map(|k| correspondence.seen_px[k] - said[k]))
 }
 
 /// Root mean square distance of what is seen from where it should be, without outliers: 1.2 medians, pixels.
-pub(super) fn miss_px(lens: &Lens, placed: &[Placed]) -> f64 {
+pub(super) fn reprojection_error_px(lens: &Lens, extrinsics: &[Extrinsics]) -> f64 {
     let mut all: Vec<f64> = Vec::new();
-    for picture in placed {
+    for picture in extrinsics {
         let pose = picture.pose();
-        let own = picture.sightings.iter();
+        let own = picture.correspondences.iter();
         all.extend(own.filter_map(|s| errors(lens, &pose, s).map(|e| e[0].hypot(e[1]))));
     }
     // The median of a distance whose two parts are normal is 1.177 of each part's deviation.
@@ -84,10 +84,10 @@ pub(super) fn miss_px(lens: &Lens, placed: &[Placed]) -> f64 {
 }
 
 /// Finds places, and the lens if asked for. Starts from what is there.
-pub(super) fn place(start: &Lens, placed: &mut [Placed], before: &Before) -> Lens {
+pub(super) fn resect(start: &Lens, extrinsics: &mut [Extrinsics], prior: &Prior) -> Lens {
     let mut lens = *start;
     for _ in 0..ROUNDS {
-        let sd = (miss_px(&lens, placed) / 2f64.sqrt()).max(LEAST_PX);
+        let sd = (reprojection_error_px(&lens, extrinsics) / 2f64.sqrt()).max(LEAST_PX);
         if !sd.is_finite() {
             return lens;
         }
@@ -95,26 +95,26 @@ pub(super) fn place(start: &Lens, placed: &mut [Placed], before: &Before) -> Len
         let mut lens_right = Vector3::<f64>::zeros();
         let its = numbers(&lens);
         for k in [1, 2] {
-            let weight = before.distortion_sd.powi(-2);
+            let weight = prior.distortion_sd.powi(-2);
             lens_side[(k, k)] += weight;
             lens_right[k] -= weight * its[k];
         }
         // Each picture's own six numbers are eliminated (Schur).
         let mut own: Vec<(Matrix3x6<f64>, Matrix6<f64>, Vector6<f64>)> = Vec::new();
-        for picture in placed.iter() {
+        for picture in extrinsics.iter() {
             let (mut cross, mut side, mut right) =
                 (Matrix3x6::zeros(), Matrix6::zeros(), Vector6::zeros());
             for k in 0..6 {
                 let sd = if k < 3 {
-                    before.place_sd_m
+                    prior.place_sd_m
                 } else {
-                    before.angle_sd_rad
+                    prior.angle_sd_rad
                 };
                 side[(k, k)] += sd.powi(-2);
                 right[k] -= sd.powi(-2) * picture.off[k];
             }
-            for sighting in &picture.sightings {
-                let Some((error, of_lens, of_pose)) = linear(&lens, picture, sighting) else {
+            for correspondence in &picture.correspondences {
+                let Some((error, of_lens, of_pose)) = linear(&lens, picture, correspondence) else {
                     continue;
                 };
                 let far = error[0].hypot(error[1]) / sd;
@@ -130,7 +130,7 @@ pub(super) fn place(start: &Lens, placed: &mut [Placed], before: &Before) -> Len
             own.push((cross, side, right));
         }
         let mut step = Vector3::zeros();
-        if before.lens {
+        if prior.lens {
             for (cross, side, right) in &own {
                 if let Some(inverse) = side.try_inverse() {
                     lens_side -= cross * inverse * cross.transpose();
@@ -141,7 +141,7 @@ pub(super) fn place(start: &Lens, placed: &mut [Placed], before: &Before) -> Len
                 .try_inverse()
                 .map_or(step, |inverse| inverse * lens_right);
         }
-        for (picture, (cross, side, right)) in placed.iter_mut().zip(&own) {
+        for (picture, (cross, side, right)) in extrinsics.iter_mut().zip(&own) {
             if let Some(inverse) = side.try_inverse() {
                 let moved = inverse * (right - cross.transpose() * step);
                 (0..6).for_each(|k| picture.off[k] += moved[k]);
@@ -152,19 +152,19 @@ pub(super) fn place(start: &Lens, placed: &mut [Placed], before: &Before) -> Len
     lens
 }
 
-/// Error of a sighting, and what it changes with: the lens and the place.
+/// Error of a correspondence, and what it changes with: the lens and the place.
 type Linear = ([f64; 2], [Vector3<f64>; 2], [Vector6<f64>; 2]);
 
-fn linear(lens: &Lens, picture: &Placed, sighting: &Sighting) -> Option<Linear> {
+fn linear(lens: &Lens, picture: &Extrinsics, correspondence: &Correspondence) -> Option<Linear> {
     let pose = picture.pose();
-    let error = errors(lens, &pose, sighting)?;
+    let error = errors(lens, &pose, correspondence)?;
     let its = numbers(lens);
     let mut of_lens = [Vector3::zeros(); 2];
     for k in 0..3 {
         let ends = [STEP, -STEP].map(|step| {
             let mut changed = its;
             changed[k] += step;
-            with(lens, changed).project_px(&pose, sighting.point_m)
+            with(lens, changed).project_px(&pose, correspondence.point_m)
         });
         let (up, down) = (ends[0]?, ends[1]?);
         (0..2).for_each(|row| of_lens[row][k] = (up[row] - down[row]) / (2.0 * STEP));
@@ -174,7 +174,7 @@ fn linear(lens: &Lens, picture: &Placed, sighting: &Sighting) -> Option<Linear> 
         let ends = [STEP, -STEP].map(|step| {
             let mut off = picture.off;
             off[k] += step;
-            lens.project_px(&moved(&picture.meant, &off), sighting.point_m)
+            lens.project_px(&moved(&picture.meant, &off), correspondence.point_m)
         });
         let (up, down) = (ends[0]?, ends[1]?);
         (0..2).for_each(|row| of_pose[row][k] = (up[row] - down[row]) / (2.0 * STEP));

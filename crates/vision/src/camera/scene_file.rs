@@ -3,17 +3,19 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
+use super::camera_file::CameraFile;
 use super::face::Faces;
-use super::form::CameraFile;
 use super::lens::Pose;
 use super::poster::{Motif, Texture};
 use super::scene::{Block, Camera, Lamp, Light, Mount, Poster, Scene, View};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, check_name, look_up, orientation, parse_ron};
+use realgap_core::range::Range;
 
-type Three = (f64, f64, f64);
+/// A place, a direction or a colour.
+type Three = [f64; 3];
 
 /// A room to take pictures of, as its file states it.
 #[derive(Debug, Deserialize)]
@@ -72,17 +74,7 @@ struct BlockFile {
     colour: Three,
     /// What its faces show.
     #[serde(default)]
-    faces: FacesFile,
-}
-
-#[derive(Debug, Default, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-enum FacesFile {
-    /// Nothing.
-    #[default]
-    Plain,
-    /// A dark rim and the dots of a die.
-    Die,
+    faces: Faces,
 }
 
 #[derive(Debug, Deserialize)]
@@ -96,20 +88,7 @@ struct PosterFile {
     /// Where it looks, degrees from the x axis to the left.
     facing_deg: f64,
     /// What it shows.
-    motif: MotifFile,
-}
-
-#[derive(Debug, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-enum MotifFile {
-    /// A logo: three bars, a ring and a corner.
-    Logo,
-    /// A disc.
-    Disc,
-    /// The outline of a bottle.
-    Bottle,
-    /// A text.
-    Text(String),
+    motif: Motif,
 }
 
 #[derive(Debug, Deserialize)]
@@ -120,17 +99,7 @@ struct LightFile {
     ambient_lux: f64,
     /// Lamps.
     #[serde(default)]
-    lamps: Vec<LampFile>,
-}
-
-#[derive(Debug, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "Lamp")]
-struct LampFile {
-    /// Where it hangs, metres.
-    place_m: Three,
-    /// Luminous intensity, candela.
-    intensity_cd: f64,
+    lamps: Vec<Lamp>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -159,14 +128,14 @@ struct MountFile {
     #[serde(default = "forwards")]
     ahead: Three,
     /// Where in the room the motion begins, metres.
-    start_m: (f64, f64),
+    start_m: [f64; 2],
     /// Where the motion's x axis points in the room, degrees from the room's to the left.
     #[serde(default)]
     facing_deg: f64,
 }
 
 fn forwards() -> Three {
-    (1.0, 0.0, 0.0)
+    [1.0, 0.0, 0.0]
 }
 
 fn upright() -> (f64, f64, f64, f64) {
@@ -174,16 +143,12 @@ fn upright() -> (f64, f64, f64, f64) {
 }
 
 fn light_grey() -> Three {
-    (0.7, 0.7, 0.7)
+    [0.7; 3]
 }
 
 /// Largest room, metres, and most things in it.
 const LARGEST_M: f64 = 1000.0;
 const MOST: usize = 10_000;
-
-fn three(v: Three) -> [f64; 3] {
-    [v.0, v.1, v.2]
-}
 
 /// A text with the error of one of its values.
 pub(super) struct Reader<'a>(pub &'a Source);
@@ -206,21 +171,13 @@ impl Reader<'_> {
         value: f64,
         low: f64,
         high: f64,
-        unit: &str,
+        unit: &'static str,
     ) -> Result<f64> {
-        if (low..=high).contains(&value) {
-            return Ok(value);
-        }
-        Err(self.wrong(
-            field,
-            "out of range",
-            value,
-            format!("{low} to {high} {unit}").trim_end(),
-        ))
+        let checked = Range::within(low, high, unit).check(value, field);
+        checked.map(|()| value).map_err(|e| self.0.at_field(e))
     }
 
-    fn colour(&self, field: &str, colour: Three) -> Result<[f64; 3]> {
-        let colour = three(colour);
+    fn colour(&self, field: &str, colour: Three) -> Result<Three> {
         if colour.iter().all(|share| (0.0..=1.0).contains(share)) {
             return Ok(colour);
         }
@@ -232,8 +189,7 @@ impl Reader<'_> {
         ))
     }
 
-    fn inside(&self, field: &str, place: Three, room_m: [f64; 3]) -> Result<[f64; 3]> {
-        let place = three(place);
+    fn inside(&self, field: &str, place: Three, room_m: Three) -> Result<Three> {
         if (0..3).all(|i| place[i] > 0.0 && place[i] < room_m[i]) {
             return Ok(place);
         }
@@ -246,7 +202,7 @@ impl Reader<'_> {
     }
 
     fn block(&self, field: &str, file: &BlockFile) -> Result<Block> {
-        let (centre_m, half_m) = (three(file.centre_m), three(file.half_m));
+        let (centre_m, half_m) = (file.centre_m, file.half_m);
         let is_sound = half_m.iter().all(|h| *h > 0.0 && *h <= LARGEST_M)
             && centre_m.iter().all(|c| c.is_finite())
             && file.turn_deg.is_finite();
@@ -273,21 +229,12 @@ impl Reader<'_> {
                 [cos * x - sin * y, sin * x + cos * y, z]
             }),
             colour: self.colour(&format!("{field}.colour"), file.colour)?,
-            faces: match file.faces {
-                FacesFile::Plain => Faces::Plain,
-                FacesFile::Die => Faces::Die,
-            },
+            faces: file.faces,
             is_seen: true,
         })
     }
 
     fn poster(&self, field: &str, file: PosterFile, room_m: [f64; 3]) -> Result<Poster> {
-        let motif = match file.motif {
-            MotifFile::Logo => Motif::Logo,
-            MotifFile::Disc => Motif::Disc,
-            MotifFile::Bottle => Motif::Bottle,
-            MotifFile::Text(text) => Motif::Text(text),
-        };
         let width_m = self.within(&format!("{field}.width_m"), file.width_m, 0.01, 100.0, "m")?;
         let facing = self.within(
             &format!("{field}.facing_deg"),
@@ -297,7 +244,7 @@ impl Reader<'_> {
             "degrees",
         )?;
         let at = |e: Error| self.0.at(field, e);
-        let texture = Texture::new(&motif).map_err(at)?;
+        let texture = Texture::new(&file.motif).map_err(at)?;
         let height_m = width_m / texture.shape();
         let (sin, cos) = facing.to_radians().sin_cos();
         Ok(Poster {
@@ -305,14 +252,38 @@ impl Reader<'_> {
             // Who looks at it looks against where it faces, so right is to the left of that.
             right_m: [-0.5 * width_m * sin, 0.5 * width_m * cos, 0.0],
             down_m: [0.0, 0.0, -0.5 * height_m],
-            motif,
+            motif: file.motif,
             texture,
+        })
+    }
+
+    fn view(&self, field: &str, file: ViewFile, scene: &Scene) -> Result<View> {
+        check_name(&file.name, "a view").map_err(|e| self.0.at(field, e.field(field)))?;
+        let place = self.inside(field, file.place_m, scene.room_m)?;
+        if scene.blocks.iter().any(|block| block.holds(place)) {
+            let found = format!("{place:?} m");
+            return Err(self.wrong(field, "the camera stands in a box", found, "a free place"));
+        }
+        let Some(pose) = Pose::towards(place, file.look_at_m) else {
+            return Err(self.wrong(
+                field,
+                "the camera looks nowhere",
+                format!("{:?} m", file.look_at_m),
+                "a place that is not right above or below",
+            ));
+        };
+        if scene.views.iter().any(|v| v.name == file.name) {
+            return Err(self.wrong(field, "a view stands twice", file.name, "different names"));
+        }
+        Ok(View {
+            name: file.name,
+            pose,
         })
     }
 
     fn mount(&self, name: String, file: MountFile) -> Result<Mount> {
         let at = |field: &str| format!("mounts.{name}.{field}");
-        let (ahead, place) = (three(file.ahead), three(file.place_m));
+        let (ahead, place) = (file.ahead, file.place_m);
         let level = ahead[0].hypot(ahead[1]);
         let length = level.hypot(ahead[2]);
         if !(length.is_finite() && level > 1e-3 * length) {
@@ -323,19 +294,17 @@ impl Reader<'_> {
                 "a direction that is not right up or down",
             ));
         }
-        for value in place {
-            self.within(&at("place_m"), value, -LARGEST_M, LARGEST_M, "m")?;
-        }
-        let (start_x, start_y) = file.start_m;
-        for value in [start_x, start_y] {
-            self.within(&at("start_m"), value, -LARGEST_M, LARGEST_M, "m")?;
+        for (field, places) in [("place_m", &place[..]), ("start_m", &file.start_m)] {
+            for value in places {
+                self.within(&at(field), *value, -LARGEST_M, LARGEST_M, "m")?;
+            }
         }
         let facing = self.within(&at("facing_deg"), file.facing_deg, -360.0, 360.0, "degrees")?;
         Ok(Mount {
             body: file.body,
             place_body_m: place,
             ahead_body: ahead.map(|v| v / length),
-            start_m: [start_x, start_y],
+            start_m: file.start_m,
             facing_rad: facing.to_radians(),
             name,
         })
@@ -358,7 +327,7 @@ impl Scene {
     pub fn parse(source: &Source) -> Result<Self> {
         let file: SceneFile = parse_ron(source)?;
         let reader = Reader(source);
-        let room_m = three(file.room_m);
+        let room_m = file.room_m;
         for side in room_m {
             reader.within("room_m", side, 0.1, LARGEST_M, "m")?;
         }
@@ -392,13 +361,10 @@ impl Scene {
         }
         for (name, light) in file.lights {
             let at = |field: &str| format!("lights.{name}.{field}");
-            let mut lamps = Vec::new();
             for (index, lamp) in light.lamps.iter().enumerate() {
                 let field = at(&format!("lamps[{index}]"));
-                lamps.push(Lamp {
-                    place_m: reader.inside(&field, lamp.place_m, room_m)?,
-                    intensity_cd: reader.within(&field, lamp.intensity_cd, 0.0, 1e7, "cd")?,
-                });
+                reader.inside(&field, lamp.place_m, room_m)?;
+                reader.within(&field, lamp.intensity_cd, 0.0, 1e7, "cd")?;
             }
             scene.lights.push(Light {
                 ambient_lux: reader.within(
@@ -408,7 +374,7 @@ impl Scene {
                     1e6,
                     "lux",
                 )?,
-                lamps,
+                lamps: light.lamps,
                 name,
             });
         }
@@ -417,39 +383,8 @@ impl Scene {
             scene.cameras.push(camera.camera(&reader, &at, name)?);
         }
         for (index, view) in file.views.into_iter().enumerate() {
-            let field = format!("views[{index}]");
-            check_name(&view.name, "a view").map_err(|e| source.at(&field, e.field(&field)))?;
-            let place = reader.inside(&field, view.place_m, room_m)?;
-            let in_block = |block: &&Block| block.holds(place);
-            if scene.blocks.iter().any(|block| in_block(&block)) {
-                return Err(reader.wrong(
-                    &field,
-                    "the camera stands in a box",
-                    format!("{place:?} m"),
-                    "a free place",
-                ));
-            }
-            let Some(pose) = Pose::towards(place, three(view.look_at_m)) else {
-                let found = format!("{:?} m", view.look_at_m);
-                return Err(reader.wrong(
-                    &field,
-                    "the camera looks nowhere",
-                    found,
-                    "a place that is not right above or below",
-                ));
-            };
-            if scene.views.iter().any(|v| v.name == view.name) {
-                return Err(reader.wrong(
-                    &field,
-                    "a view stands twice",
-                    view.name,
-                    "different names",
-                ));
-            }
-            scene.views.push(View {
-                name: view.name,
-                pose,
-            });
+            let view = reader.view(&format!("views[{index}]"), view, &scene)?;
+            scene.views.push(view);
         }
         for (name, mount) in file.mounts {
             scene.mounts.push(reader.mount(name, mount)?);

@@ -5,9 +5,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::exposure::Sensor;
-use super::file::Reader;
 use super::lens::Lens;
 use super::scene::Camera;
+use super::scene_file::Reader;
 use realgap_core::error::Result;
 use realgap_core::file::{Source, parse_ron, write_ron};
 
@@ -27,7 +27,7 @@ pub struct CameraFile {
     field_of_view_deg: f64,
     /// First and second radial coefficient.
     #[serde(default)]
-    distortion: (f64, f64),
+    distortion: [f64; 2],
     /// Standard deviation of how far the lens spreads a point, pixels.
     #[serde(default)]
     blur_px: f64,
@@ -58,7 +58,7 @@ pub struct CameraFile {
     angle_sd_deg: f64,
     /// Speed at which it turns while exposing, to the right and down, degrees per second.
     #[serde(default)]
-    turning_deg_s: (f64, f64),
+    turning_deg_s: [f64; 2],
 }
 
 fn resolution() -> (usize, usize) {
@@ -83,9 +83,6 @@ const MOST_PIXELS: usize = 16_000_000;
 impl CameraFile {
     pub(super) fn camera(&self, reader: &Reader<'_>, before: &str, name: String) -> Result<Camera> {
         let at = |field: &str| format!("{before}{field}");
-        let number = |field: &str, value: f64, low: f64, high: f64, unit: &str| {
-            reader.within(&at(field), value, low, high, unit)
-        };
         let (width_px, height_px) = self.resolution_px;
         let pixels = width_px.saturating_mul(height_px);
         if !(1..=MOST_PIXELS).contains(&pixels) {
@@ -101,49 +98,53 @@ impl CameraFile {
             let found = self.jpeg_quality.unwrap_or_default();
             return Err(reader.wrong(&at("jpeg_quality"), "not a quality", found, "1 to 100"));
         }
-        let fov = number(
-            "field_of_view_deg",
-            self.field_of_view_deg,
-            1.0,
-            150.0,
-            "degrees",
-        )?;
-        let distortion = [self.distortion.0, self.distortion.1];
-        for value in distortion {
-            number("distortion", value, -0.5, 0.5, "")?;
-        }
-        let turning = [self.turning_deg_s.0, self.turning_deg_s.1];
-        for value in turning {
-            number("turning_deg_s", value, -720.0, 720.0, "degrees per second")?;
+        let [[k1, k2], [right, down]] = [self.distortion, self.turning_deg_s];
+        let rate = "degrees per second";
+        for (field, value, low, high, unit) in [
+            (
+                "field_of_view_deg",
+                self.field_of_view_deg,
+                1.0,
+                150.0,
+                "degrees",
+            ),
+            ("distortion", k1, -0.5, 0.5, ""),
+            ("distortion", k2, -0.5, 0.5, ""),
+            ("turning_deg_s", right, -720.0, 720.0, rate),
+            ("turning_deg_s", down, -720.0, 720.0, rate),
+            ("blur_px", self.blur_px, 0.0, 20.0, "px"),
+            ("exposure_s", self.exposure_s, 1e-6, 10.0, "s"),
+            ("electrons_per_cd_s", self.electrons_per_cd_s, 1e-3, 1e9, ""),
+            ("full_well_e", self.full_well_e, 1.0, 1e9, "electrons"),
+            ("read_noise_e", self.read_noise_e, 0.0, 1e6, "electrons"),
+            ("gain", self.gain, 1e-3, 1e4, ""),
+            ("most_gain", self.most_gain, 0.0, 1e4, ""),
+            ("place_sd_m", self.place_sd_m, 0.0, 1.0, "m"),
+            ("angle_sd_deg", self.angle_sd_deg, 0.0, 20.0, "degrees"),
+        ] {
+            reader.within(&at(field), value, low, high, unit)?;
         }
         Ok(Camera {
             is_stand_in: self.stand_in,
             lens: Lens {
                 width_px,
                 height_px,
-                field_of_view_rad: fov.to_radians(),
-                distortion,
-                blur_px: number("blur_px", self.blur_px, 0.0, 20.0, "px")?,
+                field_of_view_rad: self.field_of_view_deg.to_radians(),
+                distortion: self.distortion,
+                blur_px: self.blur_px,
             },
             sensor: Sensor {
-                exposure_s: number("exposure_s", self.exposure_s, 1e-6, 10.0, "s")?,
-                electrons_per_cd_s: number(
-                    "electrons_per_cd_s",
-                    self.electrons_per_cd_s,
-                    1e-3,
-                    1e9,
-                    "",
-                )?,
-                full_well_e: number("full_well_e", self.full_well_e, 1.0, 1e9, "electrons")?,
-                read_noise_e: number("read_noise_e", self.read_noise_e, 0.0, 1e6, "electrons")?,
-                gain: number("gain", self.gain, 1e-3, 1e4, "")?,
-                most_gain: number("most_gain", self.most_gain, 0.0, 1e4, "")?,
+                exposure_s: self.exposure_s,
+                electrons_per_cd_s: self.electrons_per_cd_s,
+                full_well_e: self.full_well_e,
+                read_noise_e: self.read_noise_e,
+                gain: self.gain,
+                most_gain: self.most_gain,
                 jpeg_quality: self.jpeg_quality,
             },
-            place_sd_m: number("place_sd_m", self.place_sd_m, 0.0, 1.0, "m")?,
-            angle_sd_rad: number("angle_sd_deg", self.angle_sd_deg, 0.0, 20.0, "degrees")?
-                .to_radians(),
-            turning_rad_s: turning.map(f64::to_radians),
+            place_sd_m: self.place_sd_m,
+            angle_sd_rad: self.angle_sd_deg.to_radians(),
+            turning_rad_s: self.turning_deg_s.map(f64::to_radians),
             name,
         })
     }
@@ -167,12 +168,11 @@ impl Camera {
     /// # Errors
     /// None.
     pub fn to_ron(&self) -> Result<String> {
-        let degrees = |angles: [f64; 2]| (angles[0].to_degrees(), angles[1].to_degrees());
         write_ron(&CameraFile {
             stand_in: self.is_stand_in,
             resolution_px: (self.lens.width_px, self.lens.height_px),
             field_of_view_deg: self.lens.field_of_view_rad.to_degrees(),
-            distortion: (self.lens.distortion[0], self.lens.distortion[1]),
+            distortion: self.lens.distortion,
             blur_px: self.lens.blur_px,
             exposure_s: self.sensor.exposure_s,
             electrons_per_cd_s: self.sensor.electrons_per_cd_s,
@@ -183,7 +183,7 @@ impl Camera {
             jpeg_quality: self.sensor.jpeg_quality,
             place_sd_m: self.place_sd_m,
             angle_sd_deg: self.angle_sd_rad.to_degrees(),
-            turning_deg_s: degrees(self.turning_rad_s),
+            turning_deg_s: self.turning_rad_s.map(f64::to_degrees),
         })
     }
 }
