@@ -79,8 +79,10 @@ fn the_examples_inside_of_the_program_are_those_of_the_repository() {
         "sensors",
         "vehicles",
         "scenes",
+        "real_trajectories/cube_tosses",
         "real_trajectories/tripod_mujoco",
         "real_trajectories/tripod_standin",
+        "real_trajectories/two_wheel_runs",
     ] {
         for (path, bytes) in files(&project().join(name)) {
             let path = std::path::Path::new(name).join(path);

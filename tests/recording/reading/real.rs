@@ -1,7 +1,7 @@
 //! What is fine is not doubted: shipped stand-ins, and real recordings where they are there.
 
 use realgap::calibration::{Definition, Overrides};
-use realgap::trajectory::{Recording, read_all};
+use realgap::trajectory::{Recording, Source, read_all, read_meta_beside};
 use realgap::unit::LengthUnit;
 use realgap::warning::Code;
 
@@ -31,7 +31,13 @@ fn nothing_is_doubted_of_the_shipped_stand_ins() {
     let root = project().join("real_trajectories");
     let mut count = 0;
     for folder in std::fs::read_dir(&root).unwrap() {
-        for entry in std::fs::read_dir(folder.unwrap().path()).unwrap() {
+        let folder = folder.unwrap().path();
+        // Of real recordings some are rightly doubted: a run of a wheeled robot has a hole.
+        let meta = read_meta_beside(&folder.join("run.csv")).unwrap();
+        if meta.is_none_or(|meta| meta.source == Source::Real) {
+            continue;
+        }
+        for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
             if path.extension().is_some_and(|e| e == "csv") {
                 let doubts = doubted(&read_all(&path, LengthUnit::Metre).unwrap());
