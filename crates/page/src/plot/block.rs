@@ -354,6 +354,19 @@ fn draw_turn<B: DrawingBackend>(
     canvas.polygon(&[at(276.0, 0.17), tip, at(276.0, 0.38)], white);
 }
 
+/// A bar with ends: what a length of the picture is.
+pub(super) fn draw_length<B: DrawingBackend>(
+    canvas: &mut Canvas<B>,
+    (left, right): Point,
+    (y, half): Point,
+    width: f64,
+) {
+    canvas.path(&[(left, y), (right, y)], Stroke::new(width, INK));
+    for x in [left, right] {
+        canvas.path(&[(x, y - half), (x, y + half)], Stroke::new(width, INK));
+    }
+}
+
 pub(super) fn darken(colour: RGBColor, share: f64) -> RGBColor {
     let scale = |channel: u8| (f64::from(channel) * share).round() as u8;
     RGBColor(scale(colour.0), scale(colour.1), scale(colour.2))

@@ -13,10 +13,11 @@ use super::value::{
     at, count, first_text, float, floats, is, list, measured, noted, percent, proportion,
     read_json, span, table, text_of, titled,
 };
+use crate::results::kind::file;
 use realgap_core::error::Result;
 
 pub(super) fn search(folder: &Path, report: &Value) -> Result<Story> {
-    let history = Sheet::read(folder, "history.csv")?;
+    let history = Sheet::read(folder, file::HISTORY)?;
     let drawn = |stem: &str| ["gallery", "fitness", "archive", "paths"].contains(&stem);
     let picture =
         |id, title, name: &'static str| pictures(folder, id, title, move |stem| stem == name);
@@ -236,7 +237,7 @@ fn progress(history: &Sheet, report: &Value) -> String {
 }
 
 fn archive(folder: &Path) -> Result<String> {
-    let sheet = Sheet::read(folder, "archive.csv")?;
+    let sheet = Sheet::read(folder, file::ARCHIVE)?;
     if sheet.rows().is_empty() {
         return Ok(String::new());
     }

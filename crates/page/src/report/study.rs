@@ -16,6 +16,7 @@ use super::story::Story;
 use super::value::{
     at, count, first_text, float, floats, is, list, measured, percent, span, table, text_of, titled,
 };
+use crate::results::kind::file;
 use realgap_core::error::Result;
 use realgap_core::unit::{counted, number};
 
@@ -279,7 +280,7 @@ fn verdicts(folder: &Path, report: &Value) -> Result<String> {
 
 /// The best score along each parameter, from `profiles.csv`.
 fn profiles(folder: &Path, report: &Value) -> Result<Vec<String>> {
-    let sheet = Sheet::read(folder, "profiles.csv")?;
+    let sheet = Sheet::read(folder, file::PROFILES)?;
     let (x, y) = (sheet.numbers("value"), sheet.numbers("lowest_score"));
     let (names, alike) = (sheet.texts("parameter"), sheet.texts("indistinguishable"));
     // Name, points, and those of them that cannot be told from the best.
@@ -312,7 +313,7 @@ fn profiles(folder: &Path, report: &Value) -> Result<Vec<String>> {
 
 /// Every score in the order of the optimizer, and the best so far as steps.
 fn convergence(folder: &Path, report: &Value) -> Result<String> {
-    let sheet = Sheet::read(folder, "trials.csv")?;
+    let sheet = Sheet::read(folder, file::TRIALS)?;
     let (scores, best) = (sheet.numbers("score"), sheet.numbers("best_so_far"));
     if best.is_empty() {
         return Ok(String::new());
