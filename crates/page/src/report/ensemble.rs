@@ -8,8 +8,8 @@ use super::chart::{Chart, key};
 use super::section::{Section, figures, pictures};
 use super::story::Story;
 use super::value::{
-    at, first_text, float, floats, is, list, measured, noted, percent, proportion, span, text_of,
-    titled,
+    at, count, first_text, float, floats, is, list, measured, noted, percent, proportion, span,
+    text_of, titled,
 };
 use realgap_core::error::Result;
 use realgap_core::unit::{counted, decimals, number};
@@ -26,19 +26,14 @@ pub(super) fn ensemble(folder: &Path, report: &Value) -> Result<Story> {
         .map_or(&Value::Null, |case| at(case, "summary"));
     let mut motion = String::new();
     for case in cases.iter().take(STARTS) {
-        let name = if cases.len() > 1 {
-            text_of(case, "case")
-        } else {
-            ""
-        };
+        let name = text_of(case, "case");
+        let name = if cases.len() > 1 { name } else { "" };
         motion += &charts(name, at(case, "summary"));
     }
     if cases.len() > STARTS {
-        motion += &format!(
-            "<p class=\"note\">{} of {} starts; ensemble.json holds all.</p>",
-            STARTS,
-            cases.len()
-        );
+        let all = cases.len();
+        let note = format!("{STARTS} of {all} starts; ensemble.json holds all.");
+        motion += &format!("<p class=\"note\">{note}</p>");
     }
     let reality = at(report, "reality");
     let mut said = answer(first, "");
@@ -95,12 +90,12 @@ pub(super) fn answer(summary: &Value, sure: &str) -> String {
         .iter()
         .max_by(|a, b| share(a).total_cmp(&share(b)))
         .map_or_else(String::new, |behaviour| {
-            format!(
-                "; the most likely of {} is “{}” with {}",
-                counted(behaviours.len(), "behaviour"),
-                text_of(behaviour, "name"),
-                percent(Some(share(behaviour)))
-            )
+            let which = match behaviours.len() {
+                1 => "its one behaviour".to_owned(),
+                many => format!("the most likely of {many} behaviours"),
+            };
+            let (name, share) = (text_of(behaviour, "name"), percent(Some(share(behaviour))));
+            format!("; {which} is “{name}” with {share}")
         });
     let seconds = float(summary, "duration_s").map_or_else(String::new, |s| decimals(s, 1));
     format!(
@@ -123,10 +118,7 @@ pub(super) fn behaviour_table(first: &Value, cases: &[Value]) -> String {
                 text_of(behaviour, "name").to_owned(),
                 proportion(at(behaviour, "probability")),
                 measured(float(behaviour, "mean_displacement_m"), "m"),
-                behaviour
-                    .get("representative")
-                    .and_then(Value::as_u64)
-                    .map_or("–".to_owned(), |n| n.to_string()),
+                count(behaviour, "representative").map_or("–".to_owned(), |n| n.to_string()),
             ];
             if many {
                 row.insert(0, text_of(case, "case").to_owned());
@@ -253,15 +245,11 @@ pub(super) fn distances(cases: &[Value]) -> String {
         quantities.iter().filter_map(move |(name, field, unit)| {
             let found = summary.get(*field).filter(|found| found.is_object())?;
             let quantile = |q: &str| measured(float(found, q), unit);
-            let free = if *field == "displacement_m" {
-                measured(float(summary, "noise_free_displacement_m"), unit)
-            } else {
-                "–".to_owned()
-            };
-            let name = if many {
-                format!("{}: {name}", text_of(case, "case"))
-            } else {
-                (*name).to_owned()
+            let free = float(summary, "noise_free_displacement_m");
+            let free = measured(free.filter(|_| *field == "displacement_m"), unit);
+            let name = match many {
+                true => format!("{}: {name}", text_of(case, "case")),
+                false => (*name).to_owned(),
             };
             Some(vec![
                 name,

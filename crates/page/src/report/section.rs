@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::base64;
 use super::page::html;
-use super::value::{definitions, list, pairs_of, scalar, scalars, text_of};
+use super::value::{entries, list, pairs_of, scalar, scalars, text_of};
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::Code;
 
@@ -42,9 +42,9 @@ pub(super) fn body(sections: &[Section]) -> String {
 /// Links to the sections.
 pub(super) fn contents(sections: &[Section]) -> String {
     let there = sections.iter().filter(|section| !section.html.is_empty());
-    let links: String = there
-        .map(|Section { id, title, .. }| format!("<li><a href=\"#{id}\">{title}</a></li>"))
-        .collect();
+    let link =
+        |Section { id, title, .. }: &Section| format!("<li><a href=\"#{id}\">{title}</a></li>");
+    let links: String = there.map(link).collect();
     format!("<nav class=\"contents\" aria-label=\"Contents\"><ol>{links}</ol></nav>")
 }
 
@@ -62,6 +62,14 @@ pub(super) fn figures(all: &[String]) -> String {
     format!("<div class=\"figures\">{}</div>", all.concat())
 }
 
+/// An element with this content; nothing of none.
+fn within(tag: &str, content: String) -> String {
+    match content.as_str() {
+        "" => content,
+        _ => format!("<{tag}>{content}</{tag}>"),
+    }
+}
+
 /// What the reader should know, with what to do about it; those of parts of the report, too.
 pub(super) fn warnings(report: &Value) -> Section {
     let mut all: Vec<(String, String)> = Vec::new();
@@ -74,24 +82,14 @@ pub(super) fn warning_section<'a>(all: impl Iterator<Item = (&'a str, &'a str)>)
     let items: String = all
         .map(|(code, message)| {
             let remedy = Code::by_name(code).map_or_else(String::new, |code| {
-                format!(
-                    "<span class=\"remedy\">What to do: {}.</span>",
-                    html(code.remedy())
-                )
+                let remedy = html(code.remedy());
+                format!("<span class=\"remedy\">What to do: {remedy}.</span>")
             });
-            format!(
-                "<li><code>{}</code> {} {remedy}</li>",
-                html(code),
-                html(message)
-            )
+            let (code, message) = (html(code), html(message));
+            format!("<li><code>{code}</code> {message} {remedy}</li>")
         })
         .collect();
-    let list = if items.is_empty() {
-        String::new()
-    } else {
-        format!("<ul>{items}</ul>")
-    };
-    Section::new("warnings", "Warnings", list)
+    Section::new("warnings", "Warnings", within("ul", items))
 }
 
 /// Warnings of a report and of what it holds, each once.
@@ -123,12 +121,7 @@ pub(super) fn numbers(report: &Value, said: &[&str]) -> Section {
     let always = ["description", "provenance", "warnings", "engine", "version"];
     let said: Vec<&str> = said.iter().copied().chain(always).collect();
     let all = scalars(report, &said);
-    let list = if all.is_empty() {
-        String::new()
-    } else {
-        definitions(pairs_of(&all))
-    };
-    Section::new("numbers", "Numbers", list)
+    Section::new("numbers", "Numbers", within("dl", entries(pairs_of(&all))))
 }
 
 /// Versions, settings, hashes, and the command that does it again.
@@ -143,8 +136,8 @@ pub(super) fn provenance(report: &Value, command: Option<&str>, page: Option<&st
             pairs.push((shown.to_owned(), text));
         }
     }
-    let entries = report.get("provenance").and_then(Value::as_object);
-    for (name, value) in entries.into_iter().flatten() {
+    let origins = report.get("provenance").and_then(Value::as_object);
+    for (name, value) in origins.into_iter().flatten() {
         pairs.push((
             name.clone(),
             scalar(value).unwrap_or_else(|| value.to_string()),
@@ -156,7 +149,7 @@ pub(super) fn provenance(report: &Value, command: Option<&str>, page: Option<&st
     Section::new(
         "provenance",
         "How this was made",
-        definitions(pairs_of(&pairs)),
+        within("dl", entries(pairs_of(&pairs))),
     )
 }
 

@@ -37,65 +37,15 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
     let paths = points.paths(folder)?;
     let best = points.best(report);
     let map = points.map(report);
-    let has_map = map.is_some();
-    let mut story = Story {
-        kind: if report.get("tuning").is_some_and(|tuning| !tuning.is_null()) {
-            "tuning"
-        } else {
-            "sweep"
-        },
-        name: first_text(report, &["study"])
-            .unwrap_or("results")
-            .to_owned(),
-        answer: answer(report, kept),
-        sections: vec![
-            Section::new(
-                "map",
-                "Scores, and the path of each point",
-                heat(
-                    &points,
-                    report,
-                    map,
-                    &from_above(&points, paths.as_ref(), best, kept),
-                ),
-            ),
-            Section::new(
-                "over-time",
-                "The chosen point over time",
-                over_time(paths.as_ref(), best, kept),
-            ),
-        ],
-        said: SAID.to_vec(),
-        ..Story::default()
-    };
-    story.sections.push(Section::new(
-        "verdicts",
-        "What the recordings say about each parameter",
-        verdicts(folder, report)?,
-    ));
-    story.sections.push(Section::new(
-        "convergence",
-        "How the optimizer came there",
-        convergence(folder, report)?,
-    ));
+    let (has_map, has_paths) = (map.is_some(), paths.is_some() && best.is_some());
+    let is_tuned = !at(report, "tuning").is_null();
+    let chosen = from_above(&points, paths.as_ref(), best, kept);
+    let map = heat(&points, report, map, &chosen);
+    let over_time = over_time(paths.as_ref(), best, kept);
+    let verdicts = verdicts(folder, report)?;
+    let came = convergence(folder, report)?;
     let is_plane = |stem: &str| stem == "components";
-    story.sections.push(pictures(
-        folder,
-        "components",
-        "Every run in the first two principal components",
-        is_plane,
-    )?);
-    story.sections.push(Section::new(
-        "validation",
-        "On recordings that were held out",
-        validation(report),
-    ));
-    story.sections.push(Section::new(
-        "audit",
-        "Numerical audit: what no recording can tell",
-        audit(report),
-    ));
-    let has_paths = paths.is_some() && best.is_some();
+    let plane_title = "Every run in the first two principal components";
     let is_drawn = move |stem: &str| {
         stem.starts_with("profile_")
             || is_plane(stem)
@@ -103,11 +53,32 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
             || (has_paths && stem == "trajectories")
             || stem == "convergence"
     };
-    story
-        .sections
-        .push(pictures(folder, "pictures", "More pictures", |stem| {
-            !is_drawn(stem)
-        })?);
+    let audit_title = "Numerical audit: what no recording can tell";
+    let verdict_title = "What the recordings say about each parameter";
+    let sections = vec![
+        Section::new("map", "Scores, and the path of each point", map),
+        Section::new("over-time", "The chosen point over time", over_time),
+        Section::new("verdicts", verdict_title, verdicts),
+        Section::new("convergence", "How the optimizer came there", came),
+        pictures(folder, "components", plane_title, is_plane)?,
+        Section::new(
+            "validation",
+            "On recordings that were held out",
+            validation(report),
+        ),
+        Section::new("audit", audit_title, audit(report)),
+        pictures(folder, "pictures", "More pictures", |stem| !is_drawn(stem))?,
+    ];
+    let mut story = Story {
+        kind: if is_tuned { "tuning" } else { "sweep" },
+        name: first_text(report, &["study"])
+            .unwrap_or("results")
+            .to_owned(),
+        answer: answer(report, kept),
+        sections,
+        said: SAID.to_vec(),
+        ..Story::default()
+    };
     if let (Some(paths), Some(best)) = (paths, best) {
         let mut block = Block::default();
         paths.push(&mut block);
@@ -155,20 +126,15 @@ fn answer(report: &Value, kept: Option<&Kept>) -> String {
         .iter()
         .map(|(name, value)| {
             let value = value.as_f64().map_or_else(String::new, number);
-            let interval = verdicts
-                .iter()
-                .find(|verdict| {
-                    text_of(verdict, "parameter") == name && known.contains(&name.as_str())
-                })
-                .map(|verdict| floats(verdict, "interval"));
-            match interval.as_deref() {
-                Some([low, high]) => format!(
-                    "{name} = {value} (90 %: {} to {})",
-                    number(*low),
-                    number(*high)
-                ),
-                _ => format!("{name} = {value}"),
-            }
+            let is_known = known.contains(&name.as_str());
+            let mut found = verdicts.iter().filter(|_| is_known);
+            let verdict = found.find(|verdict| text_of(verdict, "parameter") == name);
+            let interval = verdict.map(|verdict| floats(verdict, "interval"));
+            let interval = match interval.as_deref() {
+                Some([low, high]) => format!(" (90 %: {} to {})", number(*low), number(*high)),
+                _ => String::new(),
+            };
+            format!("{name} = {value}{interval}")
         })
         .collect();
     let over = match count(best, "settings") {
@@ -264,12 +230,10 @@ fn verdicts(folder: &Path, report: &Value) -> Result<String> {
             text_of(verdict, "parameter").to_owned(),
             measured(float(verdict, "best"), text_of(verdict, "unit")),
             span(interval.first().copied(), interval.get(1).copied(), ""),
-            if is(verdict, "identified") == Some(true) {
-                "narrowed down"
-            } else {
-                "not determined"
-            }
-            .to_owned(),
+            match is(verdict, "identified") {
+                Some(true) => "narrowed down".to_owned(),
+                _ => "not determined".to_owned(),
+            },
             text_of(verdict, "text").to_owned(),
         ]
     });
@@ -368,12 +332,10 @@ fn audit(report: &Value) -> String {
         let change = float(row, "change");
         vec![
             text_of(row, "setting").to_owned(),
-            if is(row, "coarser") == Some(true) {
-                "coarser"
-            } else {
-                "as fine or finer"
-            }
-            .to_owned(),
+            match is(row, "coarser") {
+                Some(true) => "coarser".to_owned(),
+                _ => "as fine or finer".to_owned(),
+            },
             measured(float(row, "score"), unit),
             measured(change, unit),
             percent(change.zip(score).map(|(change, score)| change / score)),

@@ -190,11 +190,6 @@ pub(super) fn pairs_of(pairs: &[(String, String)]) -> impl Iterator<Item = (&str
     pairs.map(|(name, text)| (name.as_str(), text.as_str()))
 }
 
-/// Names and values.
-pub(super) fn definitions<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
-    format!("<dl>{}</dl>", entries(pairs))
-}
-
 /// What stands in a list of names and values.
 pub(super) fn entries<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
     let entry = |(name, value)| format!("<dt>{}</dt><dd>{}</dd>", html(name), html(value));
