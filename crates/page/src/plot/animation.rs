@@ -1,16 +1,10 @@
 //! A robot in motion as an animated PNG: the view of the static pictures of robots, paths growing behind.
 
-use plotters::backend::DrawingBackend;
-use plotters::style::RGBColor;
 use rayon::prelude::*;
 
 use super::block::{ACTIVE, FLOOR, PASSIVE, SPIN, draw_length};
-use super::canvas::{Align, Canvas, Letter, Point, Stroke};
-use super::colour::{BLUE, FAINT_INK, GRID, INK, tint};
 use super::cuboid::{Cuboid, draw_cuboid, draw_outline, far_first, project, shadow};
-use super::font::{Weight, shorten};
-use super::picture::{self, Picture};
-use realgap_core::Result;
+use super::kit::*;
 use realgap_core::file::Animated;
 
 const WIDTH: f64 = 760.0;

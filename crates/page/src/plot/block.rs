@@ -1,11 +1,7 @@
 //! Boxes seen from the side and above: parallel projection, shaded faces, far boxes first.
 
-use plotters::backend::DrawingBackend;
-use plotters::style::RGBColor;
-
-use super::canvas::{Canvas, Point, Stroke};
-use super::colour::{INK, VERMILLION, tint};
 use super::cuboid::{Cuboid, far_first};
+use super::kit::*;
 
 /// What a box stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

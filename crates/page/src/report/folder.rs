@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::kept::Kept;
 use super::section::{Section, numbers, provenance, warnings};
-use super::value::{read_json, text_of};
+use super::value::*;
 use super::{ensemble, gap, prediction, replay, search, study};
 use crate::results::kind::file;
 use realgap_core::error::{Error, Result};
@@ -35,7 +35,9 @@ pub fn folder_page(folder: &Path, command: &str) -> Result<String> {
         _ if report.get("search").is_some() => search::search(folder, &report)?,
         _ => study::story(folder, &report, kept)?,
     };
-    text_of(&report, "description").clone_into(&mut story.description);
+    report
+        .text("description")
+        .clone_into(&mut story.description);
     if let Some(shown) = kept.and_then(|kept| kept.replay.as_ref()) {
         let seen = Section::new("replay", "In motion", replay::stage(&shown.scene));
         let at = story.sections.len().min(2);

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::block::Block;
 use super::heat::{Point, heat_map};
 use super::sheet::Sheet;
-use super::value::text_of;
+use super::value::*;
 use crate::results::kind::file;
 use realgap_core::error::{Error, Result};
 use realgap_store::{STORE_FILE, Store, Trial};
@@ -66,7 +66,7 @@ impl Points {
 
     /// The map of scores over two parameters.
     pub fn map(&self, report: &Value) -> Option<String> {
-        heat_map(&self.points, &self.names, text_of(report, "unit"))
+        heat_map(&self.points, &self.names, report.text("unit"))
     }
 
     /// The point that the report calls the best, else that of the lowest score.

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::base64;
 use super::page::html;
-use super::value::{entries, list, pairs_of, scalar, scalars, text_of};
+use super::value::*;
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::Code;
 
@@ -97,11 +97,8 @@ fn collect(value: &Value, depth: usize, all: &mut Vec<(String, String)>) {
     if depth > 4 {
         return;
     }
-    for warning in list(value, "warnings") {
-        let pair = (
-            text_of(warning, "code").to_owned(),
-            text_of(warning, "message").to_owned(),
-        );
+    for warning in value.list("warnings") {
+        let pair = (warning.owned("code"), warning.owned("message"));
         if !all.contains(&pair) {
             all.push(pair);
         }

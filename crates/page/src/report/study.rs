@@ -13,9 +13,7 @@ use super::points::{PATH_STEP_M, Points, push_path};
 use super::section::{Section, figures, pictures};
 use super::sheet::Sheet;
 use super::story::Story;
-use super::value::{
-    at, count, first_text, float, floats, is, list, measured, percent, span, table, text_of, titled,
-};
+use super::value::*;
 use crate::results::kind::file;
 use realgap_core::error::Result;
 use realgap_core::unit::{counted, number};
@@ -38,7 +36,7 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
     let best = points.best(report);
     let map = points.map(report);
     let (has_map, has_paths) = (map.is_some(), paths.is_some() && best.is_some());
-    let is_tuned = !at(report, "tuning").is_null();
+    let is_tuned = !report.at("tuning").is_null();
     let chosen = from_above(&points, paths.as_ref(), best, kept);
     let map = heat(&points, report, map, &chosen);
     let over_time = over_time(paths.as_ref(), best, kept);
@@ -71,9 +69,7 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
     ];
     let mut story = Story {
         kind: if is_tuned { "tuning" } else { "sweep" },
-        name: first_text(report, &["study"])
-            .unwrap_or("results")
-            .to_owned(),
+        name: report.named("study", "results"),
         answer: answer(report, kept),
         sections,
         said: SAID.to_vec(),
@@ -108,17 +104,17 @@ fn answer(report: &Value, kept: Option<&Kept>) -> String {
         "reality" => "reality".to_owned(),
         stand_in => format!("the {stand_in}"),
     };
-    let best = at(report, "best");
+    let best = report.at("best");
     let Some(parameters) = best.get("parameters").and_then(Value::as_object) else {
         return "Not determined: no point has a score.".to_owned();
     };
-    let unit = text_of(report, "unit");
-    let verdicts = list(report, "verdicts");
+    let unit = report.text("unit");
+    let verdicts = report.list("verdicts");
     let names = |identified: bool| -> Vec<&str> {
         verdicts
             .iter()
-            .filter(|v| is(v, "identified") == Some(identified))
-            .map(|v| text_of(v, "parameter"))
+            .filter(|v| v.is("identified") == Some(identified))
+            .map(|v| v.text("parameter"))
             .collect()
     };
     let (known, open) = (names(true), names(false));
@@ -128,8 +124,8 @@ fn answer(report: &Value, kept: Option<&Kept>) -> String {
             let value = value.as_f64().map_or_else(String::new, number);
             let is_known = known.contains(&name.as_str());
             let mut found = verdicts.iter().filter(|_| is_known);
-            let verdict = found.find(|verdict| text_of(verdict, "parameter") == name);
-            let interval = verdict.map(|verdict| floats(verdict, "interval"));
+            let verdict = found.find(|verdict| verdict.text("parameter") == name);
+            let interval = verdict.map(|verdict| verdict.floats("interval"));
             let interval = match interval.as_deref() {
                 Some([low, high]) => format!(" (90 %: {} to {})", number(*low), number(*high)),
                 _ => String::new(),
@@ -137,7 +133,7 @@ fn answer(report: &Value, kept: Option<&Kept>) -> String {
             format!("{name} = {value}{interval}")
         })
         .collect();
-    let over = match count(best, "settings") {
+    let over = match best.count("settings") {
         Some(settings) if settings > 1 => {
             format!(" on average over {settings} equally valid numerical settings")
         }
@@ -146,8 +142,8 @@ fn answer(report: &Value, kept: Option<&Kept>) -> String {
     let mut text = format!(
         "The simulation comes nearest to {reality} at {}: {} {}{over}.",
         values.join(", "),
-        text_of(report, "metric"),
-        measured(float(best, "score"), unit),
+        report.text("metric"),
+        best.measured("score", unit),
     );
     text += &match (known.is_empty(), open.is_empty()) {
         (true, true) => " Nothing is said about how sure that is.".to_owned(),
@@ -155,7 +151,7 @@ fn answer(report: &Value, kept: Option<&Kept>) -> String {
             " {} narrowed down by {}.",
             listed(&known),
             counted(
-                count(report, "recordings").unwrap_or(0) as usize,
+                report.count("recordings").unwrap_or(0) as usize,
                 "recording"
             )
         ),
@@ -166,7 +162,7 @@ fn answer(report: &Value, kept: Option<&Kept>) -> String {
             listed(&open)
         ),
     };
-    if is(report, "complete") == Some(false) {
+    if report.is("complete") == Some(false) {
         text += " Unfinished: this is what there is so far.";
     }
     text
@@ -185,7 +181,7 @@ fn heat(points: &Points, report: &Value, map: Option<String>, path: &str) -> Str
     if points.points.is_empty() {
         return String::new();
     }
-    let unit = text_of(report, "unit");
+    let unit = report.text("unit");
     let mut order: Vec<_> = points.points.iter().collect();
     order.sort_by(|a, b| {
         let key = |score: Option<f64>| score.unwrap_or(f64::INFINITY);
@@ -220,21 +216,21 @@ fn heat(points: &Points, report: &Value, map: Option<String>, path: &str) -> Str
 }
 
 fn verdicts(folder: &Path, report: &Value) -> Result<String> {
-    let verdicts = list(report, "verdicts");
+    let verdicts = report.list("verdicts");
     if verdicts.is_empty() {
         return Ok(String::new());
     }
     let rows = verdicts.iter().map(|verdict| {
-        let interval = floats(verdict, "interval");
+        let interval = verdict.floats("interval");
         vec![
-            text_of(verdict, "parameter").to_owned(),
-            measured(float(verdict, "best"), text_of(verdict, "unit")),
+            verdict.owned("parameter"),
+            measured(verdict.float("best"), verdict.text("unit")),
             span(interval.first().copied(), interval.get(1).copied(), ""),
-            match is(verdict, "identified") {
+            match verdict.is("identified") {
                 Some(true) => "narrowed down".to_owned(),
                 _ => "not determined".to_owned(),
             },
-            text_of(verdict, "text").to_owned(),
+            verdict.owned("text"),
         ]
     });
     let table = titled("parameter | best | 90 % interval | | verdict", rows);
@@ -263,8 +259,8 @@ fn profiles(folder: &Path, report: &Value) -> Result<Vec<String>> {
             }
         }
     }
-    let unit = text_of(report, "unit");
-    let score = format!("lowest {} [{unit}]", text_of(report, "metric"));
+    let unit = report.text("unit");
+    let score = format!("lowest {} [{unit}]", report.text("metric"));
     Ok(all
         .into_iter()
         .map(|(name, [points, alike])| {
@@ -290,11 +286,7 @@ fn convergence(folder: &Path, report: &Value) -> Result<String> {
     };
     let best = numbered(&best).into_iter();
     let best = steps(best.filter(|[_, value]| value.is_finite()));
-    let label = format!(
-        "{} [{}]",
-        text_of(report, "metric"),
-        text_of(report, "unit")
-    );
+    let label = format!("{} [{}]", report.text("metric"), report.text("unit"));
     let alt = "Score of each point in order, and the best so far";
     let chart = Chart::plain(alt, "point", label).from_zero();
     let chart = chart.line("sim", best).dots("grey", numbered(&scores));
@@ -305,38 +297,38 @@ fn convergence(folder: &Path, report: &Value) -> Result<String> {
 }
 
 fn validation(report: &Value) -> String {
-    let validation = at(report, "validation");
+    let validation = report.at("validation");
     let Some(fields) = validation.as_object() else {
         return String::new();
     };
-    let unit = text_of(report, "unit");
+    let unit = report.text("unit");
     let rows = fields.iter().filter_map(|(name, value)| {
         let shown = value
             .as_f64()
             .map(|v| measured(Some(v), unit))
-            .or_else(|| super::value::scalar(value))?;
+            .or_else(|| scalar(value))?;
         Some(vec![name.replace('_', " "), shown])
     });
     table(&["", "value"], rows)
 }
 
 fn audit(report: &Value) -> String {
-    let audit = at(report, "audit");
-    let rows = list(audit, "rows");
+    let audit = report.at("audit");
+    let rows = audit.list("rows");
     if rows.is_empty() {
         return String::new();
     }
-    let unit = text_of(report, "unit");
-    let score = float(at(report, "best"), "score");
+    let unit = report.text("unit");
+    let score = report.at("best").float("score");
     let cells = rows.iter().map(|row| {
-        let change = float(row, "change");
+        let change = row.float("change");
         vec![
-            text_of(row, "setting").to_owned(),
-            match is(row, "coarser") {
+            row.owned("setting"),
+            match row.is("coarser") {
                 Some(true) => "coarser".to_owned(),
                 _ => "as fine or finer".to_owned(),
             },
-            measured(float(row, "score"), unit),
+            row.measured("score", unit),
             measured(change, unit),
             percent(change.zip(score).map(|(change, score)| change / score)),
         ]
