@@ -80,7 +80,7 @@ fn runs(report: &Value, count: Option<f64>) -> String {
 
 pub(super) fn answer(summary: &Value, sure: &str) -> String {
     let far = summary.at("displacement_m");
-    let behaviours = summary.at("behaviours").list("list");
+    let behaviours = summary.list("behaviours.list");
     let likely = behaviours
         .iter()
         .max_by(|a, b| share(a).total_cmp(&share(b)))
@@ -92,9 +92,8 @@ pub(super) fn answer(summary: &Value, sure: &str) -> String {
             let (name, share) = (behaviour.text("name"), percent(Some(share(behaviour))));
             format!("; {which} is “{name}” with {share}")
         });
-    let seconds = summary
-        .float("duration_s")
-        .map_or_else(String::new, |s| decimals(s, 1));
+    let seconds = summary.float("duration_s").map(|s| decimals(s, 1));
+    let seconds = seconds.unwrap_or_default();
     format!(
         "In {seconds} s it goes {} in nine of ten repeats, {} in the middle one{likely}.{sure}",
         far.span(["q05", "q95"], "m"),
@@ -103,21 +102,19 @@ pub(super) fn answer(summary: &Value, sure: &str) -> String {
 }
 
 fn share(behaviour: &Value) -> f64 {
-    behaviour.at("probability").float("share").unwrap_or(0.0)
+    behaviour.float("probability.share").unwrap_or(0.0)
 }
 
 pub(super) fn behaviour_table(first: &Value, cases: &[Value]) -> String {
     let many = cases.len() > 1;
     let rows = cases.iter().take(40).flat_map(|case| {
-        let list = case.at("summary").at("behaviours").list("list");
+        let list = case.list("summary.behaviours.list");
         list.iter().map(move |behaviour| {
             let mut row = vec![
                 behaviour.owned("name"),
                 behaviour.proportion("probability"),
                 behaviour.measured("mean_displacement_m", "m"),
-                behaviour
-                    .count("representative")
-                    .map_or("–".to_owned(), |n| n.to_string()),
+                behaviour.number("representative"),
             ];
             if many {
                 row.insert(0, case.owned("case"));
@@ -127,27 +124,22 @@ pub(super) fn behaviour_table(first: &Value, cases: &[Value]) -> String {
     });
     let head = "behaviour | probability (95 %) | net displacement | typical repeat";
     let head = if many { "start | " } else { "" }.to_owned() + head;
-    let diverged = first.at("diverged");
-    let lost = match diverged.float("count") {
-        Some(count) if count > 0.0 => {
-            format!(
-                "<p>{} of the repeats diverged.</p>",
-                first.proportion("diverged")
-            )
-        }
+    let share = first.proportion("diverged");
+    let lost = match first.count("diverged.count") {
+        Some(1..) => format!("<p>{share} of the repeats diverged.</p>"),
         _ => String::new(),
     };
     format!(
         "{}{lost}<p class=\"note\">Repeats are one behaviour where their paths are nearer than {} to each other. More repeats narrow the probabilities; only other noise or another model moves them.</p>",
         titled(&head, rows),
-        first.at("behaviours").measured("cut_m", "m"),
+        first.measured("behaviours.cut_m", "m"),
     )
 }
 
 /// Paths of the behaviours with the region of the end, and the regions over time.
 pub(super) fn charts(name: &str, summary: &Value) -> String {
-    let behaviours = summary.at("behaviours").list("list");
-    let regions = summary.at("envelope").list("regions");
+    let behaviours = summary.list("behaviours.list");
+    let regions = summary.list("envelope.regions");
     let alt = "A typical path of each behaviour, and where half and nine of ten repeats end";
     let ends = regions.last().into_iter();
     let ends = ends.flat_map(|end| [0, 2].map(|level| ellipse(end, level)));
@@ -158,17 +150,20 @@ pub(super) fn charts(name: &str, summary: &Value) -> String {
             places.filter_map(|place| Some([place.get(0)?.as_f64()?, place.get(1)?.as_f64()?]));
         map = map.line(CLASSES[index % CLASSES.len()], points.collect());
     }
-    let times = summary.at("envelope").floats("times_s");
+    let times = summary.floats("envelope.times_s");
     let over_time = |axis: usize, label: &str| {
-        let number = |region: &Value, name: &str, at: usize| region.floats(name).get(at).copied();
         // The ellipse's shadow on the axis.
         let band = |level: usize| -> Vec<[f64; 3]> {
             let at_time = times.iter().zip(regions);
             at_time
                 .map(|(t, region)| {
-                    let middle = number(region, "centre_m", axis).unwrap_or(f64::NAN);
-                    let spread = number(region, "covariance_m2", 2 * axis).unwrap_or(0.0);
-                    let radius = number(region, "radii", level).unwrap_or(0.0);
+                    let middle = region
+                        .float(&format!("centre_m.{axis}"))
+                        .unwrap_or(f64::NAN);
+                    let spread = region
+                        .float(&format!("covariance_m2.{}", 2 * axis))
+                        .unwrap_or(0.0);
+                    let radius = region.float(&format!("radii.{level}")).unwrap_or(0.0);
                     let half = radius * spread.max(0.0).sqrt();
                     [*t, middle - half, middle + half]
                 })
@@ -217,7 +212,7 @@ pub(super) fn charts(name: &str, summary: &Value) -> String {
 /// The edge of a region: those points whose Mahalanobis distance is its radius.
 fn ellipse(region: &Value, level: usize) -> Vec<[f64; 2]> {
     let (centre, c) = (region.floats("centre_m"), region.floats("covariance_m2"));
-    let radius = region.floats("radii").get(level).copied().unwrap_or(0.0);
+    let radius = region.float(&format!("radii.{level}")).unwrap_or(0.0);
     let ([x, y], [xx, xy, yy]) = (centre.as_slice(), c.as_slice()) else {
         return Vec::new();
     };

@@ -70,7 +70,7 @@ fn answer(report: &Value) -> String {
             ratio.span(["low", "high"], ""),
             metric.text("metric"),
             gap.measured("value", unit),
-            metric.at("floor").measured("value", unit),
+            metric.measured("floor.value", unit),
         ),
         None => format!(
             "How many noise floors the simulation is away is not determined: {} {} from {reality}, and there are no repeats of the recorded run.",
@@ -102,7 +102,7 @@ fn floor_answer(report: &Value) -> String {
     let first = sets.first().and_then(|set| set.list("metrics").first());
     let floors = sets.iter().filter_map(|set| {
         let metric = set.list("metrics").first()?;
-        let floor = measured(metric.at("floor").float("value"), metric.text("unit"));
+        let floor = measured(metric.float("floor.value"), metric.text("unit"));
         Some(match sets.len() {
             1 => floor,
             _ => format!("{floor} ({})", set.text("set")),
@@ -131,10 +131,7 @@ fn metrics(report: &Value) -> String {
             .into_iter()
             .filter_map(move |(name, which)| {
                 let found = metric.get(which).filter(|found| found.is_object())?;
-                let p = metric
-                    .at("alike")
-                    .float("p_value")
-                    .filter(|_| which == "repeats");
+                let p = metric.float("alike.p_value").filter(|_| which == "repeats");
                 Some(vec![
                     format!("{}: {name}", metric.text("metric")),
                     interval(metric.at("floor"), &unit),

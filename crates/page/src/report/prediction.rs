@@ -21,9 +21,9 @@ pub(super) fn prediction(folder: &Path, report: &Value) -> Result<Story> {
         sure = format!(
             " It gets at least {} far with a probability of {} ({} to {} by sampling alone{}).",
             success.measured("least_displacement_m", "m"),
-            success.at("probability").percent("share"),
-            success.at("probability").percent("low"),
-            success.at("probability").percent("high"),
+            success.percent("probability.share"),
+            success.percent("probability.low"),
+            success.percent("probability.high"),
             if models.is_null() {
                 String::new()
             } else {
@@ -31,8 +31,8 @@ pub(super) fn prediction(folder: &Path, report: &Value) -> Result<Story> {
                     "; {} to {} over other models, {} to {} with another engine",
                     models.percent("low"),
                     models.percent("high"),
-                    range.at("other_engine").percent("low"),
-                    range.at("other_engine").percent("high")
+                    range.percent("other_engine.low"),
+                    range.percent("other_engine.high")
                 )
             }
         );

@@ -58,21 +58,13 @@ fn answer(report: &Value) -> String {
     } else {
         "but does NOT walk the same under other numerics"
     };
-    let beats = match (
-        report.at("baseline").float("fitness"),
-        first.float("fitness"),
-    ) {
-        (Some(base), Some(own)) => format!(
-            " What it started from is worth {}: {}.",
-            measured(Some(base), unit),
-            if own > base {
-                "it was beaten"
-            } else {
-                "it was not beaten"
-            }
-        ),
-        _ => String::new(),
-    };
+    let base = report.float("baseline.fitness");
+    let beats = base.zip(first.float("fitness")).map(|(base, own)| {
+        let outcome = if own > base { "beaten" } else { "not beaten" };
+        let worth = measured(Some(base), unit);
+        format!(" What it started from is worth {worth}: it was {outcome}.")
+    });
+    let beats = beats.unwrap_or_default();
     format!(
         "The best robot, {}, is worth {} with new draws ({}), {holds}. It gets at least {} far with a probability of {}, and {survivors} of {} finalists survive.{beats}",
         first.text("file"),
@@ -87,7 +79,7 @@ fn answer(report: &Value) -> String {
 fn finalists(report: &Value) -> String {
     let unit = report.text("unit");
     let rows = report.list("best").iter().map(|robot| {
-        let range = robot.floats("displacement_q05_q95_m");
+        let range = ["displacement_q05_q95_m.0", "displacement_q05_q95_m.1"];
         let survives = match (robot.is("survives"), robot.float("largest_change")) {
             (Some(true), change) => format!("yes (changes by at most {})", percent(change)),
             (_, Some(change)) => format!(
@@ -99,43 +91,37 @@ fn finalists(report: &Value) -> String {
         };
         vec![
             robot.owned("file"),
-            robot
-                .count("modules")
-                .map_or_else(String::new, |n| n.to_string()),
-            robot
-                .count("servos")
-                .map_or_else(String::new, |n| n.to_string()),
+            robot.number("modules"),
+            robot.number("servos"),
             robot.measured("search_fitness", unit),
             robot.measured("fitness", unit),
-            span(range.first().copied(), range.get(1).copied(), "m"),
+            robot.span(range, "m"),
             robot.measured("joules_per_metre", "J/m"),
             survives,
         ]
     });
-    let rows: Vec<_> = rows.collect();
-    if rows.is_empty() {
-        return String::new();
+    let table = noted(
+        "robot | modules | servos | in the search | new draws | net displacement, 90 % | energy | survives other numerics",
+        rows,
+        "",
+    );
+    if table.is_empty() {
+        return table;
     }
     let baseline = report.at("baseline");
-    let from = if baseline.is_object() {
-        let worth = match (baseline.text("failure"), baseline.float("fitness")) {
-            ("", fitness) => measured(fitness, unit),
-            (failure, _) => format!("nothing: {failure}"),
-        };
-        format!(
-            "<p>What the search started from, {}, is worth {} with the same draws.</p>",
-            html(baseline.text("robot")),
-            html(&worth)
-        )
-    } else {
-        String::new()
+    let worth = match (baseline.text("failure"), baseline.float("fitness")) {
+        ("", fitness) => measured(fitness, unit),
+        (failure, _) => format!("nothing: {failure}"),
+    };
+    let (robot, worth) = (html(baseline.text("robot")), html(&worth));
+    let from = match baseline.is_object() {
+        true => format!(
+            "<p>What the search started from, {robot}, is worth {worth} with the same draws.</p>"
+        ),
+        false => String::new(),
     };
     format!(
-        "{}{from}<p class=\"note\">What was best in the search is partly luck; new draws show how much. A robot that walks otherwise at another timestep, with other substeps, joints or contacts is ranked last: build none of these.</p>",
-        titled(
-            "robot | modules | servos | in the search | new draws | net displacement, 90 % | energy | survives other numerics",
-            rows
-        )
+        "{table}{from}<p class=\"note\">What was best in the search is partly luck; new draws show how much. A robot that walks otherwise at another timestep, with other substeps, joints or contacts is ranked last: build none of these.</p>"
     )
 }
 
@@ -144,23 +130,13 @@ fn cards(folder: &Path, report: &Value) -> Result<String> {
     for robot in report.list("best") {
         let file = robot.text("file");
         // A name from a report is no path.
-        if file.is_empty()
-            || !file
-                .chars()
-                .all(|c| c.is_ascii_alphanumeric() || "_-".contains(c))
-        {
-            continue;
-        }
+        let is_name = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
         let path = folder.join("best").join(format!("{file}.json"));
-        if !path.is_file() {
+        if file.is_empty() || !file.chars().all(is_name) || !path.is_file() {
             continue;
         }
-        let card: Value = read_json(&path, "a card")?;
-        all += &format!(
-            "<details><summary>{}</summary>{}</details>",
-            html(file),
-            one_card(&card)
-        );
+        let (name, card) = (html(file), one_card(&read_json(&path, "a card")?));
+        all += &format!("<details><summary>{name}</summary>{card}</details>");
     }
     Ok(all)
 }
@@ -179,17 +155,14 @@ fn one_card(card: &Value) -> String {
         ]
     });
     let reruns = titled("under | mean displacement | changes by | survives", reruns);
-    let behaviours = card
-        .at("prediction.behaviours")
-        .list("list")
-        .iter()
-        .map(|behaviour| {
-            vec![
-                behaviour.owned("name"),
-                behaviour.proportion("probability"),
-                behaviour.measured("mean_displacement_m", "m"),
-            ]
-        });
+    let behaviours = card.list("prediction.behaviours.list").iter();
+    let behaviours = behaviours.map(|behaviour| {
+        vec![
+            behaviour.owned("name"),
+            behaviour.proportion("probability"),
+            behaviour.measured("mean_displacement_m", "m"),
+        ]
+    });
     let head = "behaviour | probability (95 %) | net displacement";
     let behaviours = titled(head, behaviours);
     let success = card.at("success");

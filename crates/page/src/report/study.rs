@@ -221,11 +221,10 @@ fn verdicts(folder: &Path, report: &Value) -> Result<String> {
         return Ok(String::new());
     }
     let rows = verdicts.iter().map(|verdict| {
-        let interval = verdict.floats("interval");
         vec![
             verdict.owned("parameter"),
             measured(verdict.float("best"), verdict.text("unit")),
-            span(interval.first().copied(), interval.get(1).copied(), ""),
+            verdict.span(["interval.0", "interval.1"], ""),
             match verdict.is("identified") {
                 Some(true) => "narrowed down".to_owned(),
                 _ => "not determined".to_owned(),
@@ -319,7 +318,7 @@ fn audit(report: &Value) -> String {
         return String::new();
     }
     let unit = report.text("unit");
-    let score = report.at("best").float("score");
+    let score = report.float("best.score");
     let cells = rows.iter().map(|row| {
         let change = row.float("change");
         vec![

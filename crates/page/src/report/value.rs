@@ -21,7 +21,7 @@ pub(super) fn read_json<T: DeserializeOwned>(path: &Path, whose: &str) -> Result
 
 /// What a report says under a name, whatever else it holds.
 pub(super) trait Found {
-    /// The value at `a.b.c`; null where there is none.
+    /// The value at `a.b.2`; null where there is none.
     fn at(&self, path: &str) -> &Value;
 
     fn text(&self, name: &str) -> &str {
@@ -50,6 +50,11 @@ pub(super) trait Found {
 
     fn count(&self, name: &str) -> Option<u64> {
         self.at(name).as_u64()
+    }
+
+    /// A count for people, or a dash.
+    fn number(&self, name: &str) -> String {
+        self.count(name).map_or("–".to_owned(), |n| n.to_string())
     }
 
     fn is(&self, name: &str) -> Option<bool> {
@@ -92,11 +97,11 @@ pub(super) trait Found {
 
 impl Found for Value {
     fn at(&self, path: &str) -> &Value {
-        let names = path.split('.');
-        let found = names
-            .into_iter()
-            .try_fold(self, |value, name| value.get(name));
-        found.unwrap_or(&Value::Null)
+        let found = path.split('.').try_fold(self, |value, name| match value {
+            Self::Array(all) => all.get(name.parse::<usize>().ok()?),
+            _ => value.get(name),
+        });
+        found.unwrap_or(&Self::Null)
     }
 }
 
@@ -230,7 +235,7 @@ mod tests {
     #[test]
     fn whatever_is_missing_is_a_dash() {
         let report = serde_json::json!({ "a": { "b": { "low": 0.25 } }, "n": [1.0, null] });
-        assert_eq!(report.at("a.b").float("low"), Some(0.25));
+        assert_eq!(report.float("a.b.low"), Some(0.25));
         assert!(report.at("a.x.low").is_null());
         assert_eq!(measured(None, "m"), "–");
         assert_eq!(measured(Some(0.118), "m"), "11.8 cm");

@@ -202,45 +202,34 @@ fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Resul
 }
 
 fn gallery(search: &Search, finalists: &[Finalist]) -> Gallery {
-    let robots = finalists
-        .iter()
-        .enumerate()
-        .map(|(index, finalist)| {
-            let far = finalist.prediction().displacement_m.map_or(
-                "every repeat diverged".to_owned(),
-                |d| {
-                    let [q05, q50, q95] = [d.q05, d.q50, d.q95].map(|m| number(100.0 * m));
-                    format!("{q50} cm (90 %: {q05} to {q95} cm)")
-                },
-            );
-            let success = finalist.success().map_or(String::new(), |s| {
-                format!(
-                    ", P(over {} cm) {:.0} %",
-                    number(100.0 * s.least_displacement_m),
-                    100.0 * s.probability.share
-                )
-            });
-            let survives = if finalist.finals.survives {
-                ""
-            } else {
-                ", does NOT survive reruns"
-            };
-            let mut drawn = portrait(&finalist.robot, format!("{far}{success}{survives}"));
-            drawn.title = format!("{}. {}", index + 1, finalist.robot.name());
-            drawn
-        })
-        .collect();
+    let robots = finalists.iter().enumerate().map(|(index, finalist)| {
+        let far = finalist.prediction().displacement_m.map(|d| {
+            let [q05, q50, q95] = [d.q05, d.q50, d.q95].map(|m| number(100.0 * m));
+            format!("{q50} cm (90 %: {q05} to {q95} cm)")
+        });
+        let far = far.unwrap_or_else(|| "every repeat diverged".to_owned());
+        let success = finalist.success().map(|s| {
+            let least_cm = number(100.0 * s.least_displacement_m);
+            let share = 100.0 * s.probability.share;
+            format!(", P(over {least_cm} cm) {share:.0} %")
+        });
+        let success = success.unwrap_or_default();
+        let survives = match finalist.finals.survives {
+            true => "",
+            false => ", does NOT survive reruns",
+        };
+        let mut drawn = portrait(&finalist.robot, format!("{far}{success}{survives}"));
+        drawn.title = format!("{}. {}", index + 1, finalist.robot.name());
+        drawn
+    });
+    let remark = match finalists.iter().any(|finalist| finalist.finals.survives) {
+        true => "",
+        false => ", none of which walks the same in other settings",
+    };
     Gallery {
         gait_s: GAIT_S,
         caption: Caption::new(
-            if finalists.iter().any(|finalist| finalist.finals.survives) {
-                format!("{}: the best robots", search.name())
-            } else {
-                format!(
-                    "{}: the best robots, none of which walks the same in other settings",
-                    search.name()
-                )
-            },
+            format!("{}: the best robots{remark}", search.name()),
             format!(
                 "{} of {}, {}, in {} s; at zero servo angles",
                 search.strategy().name(),
@@ -250,6 +239,6 @@ fn gallery(search: &Search, finalists: &[Finalist]) -> Gallery {
             ),
         ),
         columns: finalists.len().min(4),
-        robots,
+        robots: robots.collect(),
     }
 }
