@@ -49,16 +49,13 @@ pub(super) fn ensemble(folder: &Path, report: &Value) -> Result<Story> {
             }
         );
     }
+    let does = behaviour_table(first, cases);
     Ok(Story {
         kind: "ensemble",
         name: report.named("study", "ensemble"),
         answer: said,
         sections: vec![
-            Section::new(
-                "behaviours",
-                "What it does, and how likely",
-                behaviour_table(first, cases),
-            ),
+            Section::new("behaviours", "What it does, and how likely", does),
             Section::new("motion", "Where it will be", motion),
             Section::new("distance", "How far", distances(cases)),
             Section::new("reality", "How honest that is", honesty(reality)),

@@ -16,10 +16,9 @@ pub(super) fn gap(folder: &Path, report: &Value) -> Result<Story> {
     Ok(Story {
         kind: if is_floor_alone { "noise floor" } else { "gap" },
         name: report.named("study", "recordings"),
-        answer: if is_floor_alone {
-            floor_answer(report)
-        } else {
-            answer(report)
+        answer: match is_floor_alone {
+            true => floor_answer(report),
+            false => answer(report),
         },
         sections: vec![
             Section::new("metrics", "How far, in noise floors", metrics(report)),
@@ -50,19 +49,14 @@ fn answer(report: &Value) -> String {
     let Some(metric) = report.list("metrics").first() else {
         return "Not determined: nothing was compared.".to_owned();
     };
-    let ratio = |which: &str| metric.at(&format!("{which}.ratio")).clone();
-    let repeats = ratio("repeats");
-    let ratio = if repeats.is_null() {
-        ratio("ideal")
-    } else {
-        repeats
+    // Repeats where there are some, else the run without noise.
+    let either = |name: &str| {
+        let mut both = ["repeats", "ideal"].map(|which| metric.at(&format!("{which}.{name}")));
+        both.sort_by_key(|found| found.is_null());
+        both[0]
     };
+    let (ratio, gap) = (either("ratio"), either("gap"));
     let unit = metric.text("unit");
-    let gap = metric.at(if metric.at("repeats.gap").is_null() {
-        "ideal.gap"
-    } else {
-        "repeats.gap"
-    });
     let first = match ratio.float("value") {
         Some(value) => format!(
             "The simulation is {} noise floors away from {reality} (95 %: {}; 1 means indistinguishable): {} {} where repeats of the recorded run are {} apart.",

@@ -24,48 +24,37 @@ pub(super) fn prediction(folder: &Path, report: &Value) -> Result<Story> {
             success.percent("probability.share"),
             success.percent("probability.low"),
             success.percent("probability.high"),
-            if models.is_null() {
-                String::new()
-            } else {
-                format!(
+            match models.is_null() {
+                true => String::new(),
+                false => format!(
                     "; {} to {} over other models, {} to {} with another engine",
                     models.percent("low"),
                     models.percent("high"),
                     range.percent("other_engine.low"),
                     range.percent("other_engine.high")
-                )
+                ),
             }
         );
     }
     let case = serde_json::json!([{ "case": report.text("robot"), "summary": summary }]);
     let cases = case.as_array().map_or(&[][..], Vec::as_slice);
-    let not: Vec<&str> = report
-        .list("not_covered")
-        .iter()
-        .filter_map(Value::as_str)
-        .collect();
-    let not = if not.is_empty() {
-        String::new()
-    } else {
-        format!("<p>No number here knows of {}.</p>", html(&not.join("; ")))
+    let not = report.list("not_covered").iter();
+    let not = not.filter_map(Value::as_str).collect::<Vec<_>>().join("; ");
+    let not = match html(&not).as_str() {
+        "" => String::new(),
+        not => format!("<p>No number here knows of {not}.</p>"),
     };
+    let does = behaviour_table(summary, cases);
+    let wrong = model(report.at("model")) + &not;
     Ok(Story {
         kind: "prediction",
         name: report.named("robot", "prediction"),
         answer: answer(summary, &sure),
         sections: vec![
-            Section::new(
-                "behaviours",
-                "What it does, and how likely",
-                behaviour_table(summary, cases),
-            ),
+            Section::new("behaviours", "What it does, and how likely", does),
             Section::new("motion", "Where it will be", charts("", summary)),
             Section::new("distance", "How far", distances(cases)),
-            Section::new(
-                "model",
-                "What the model itself may be wrong by",
-                model(report.at("model")) + &not,
-            ),
+            Section::new("model", "What the model itself may be wrong by", wrong),
             Section::new("noise", "What repeats differ by", noise(summary)),
             pictures(folder, "pictures", "All repeats", |_| true)?,
         ],

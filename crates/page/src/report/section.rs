@@ -1,5 +1,6 @@
 //! Sections of a report, and those that every report has.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
@@ -8,6 +9,7 @@ use serde_json::Value;
 use super::base64;
 use super::page::html;
 use super::value::*;
+use crate::results::kind::picture_stem;
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::Code;
 
@@ -161,35 +163,22 @@ pub(super) fn pictures(
     title: &'static str,
     wanted: impl Fn(&str) -> bool,
 ) -> Result<Section> {
-    let mut stems = Vec::new();
     let entries =
         fs::read_dir(folder).map_err(|e| Error::io("look into the results folder", folder, &e))?;
-    for entry in entries.flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let Some(stem) = name.strip_suffix(".png").or(name.strip_suffix(".svg")) else {
-            continue;
-        };
-        let is_there = stems.iter().any(|s| s == stem);
-        if wanted(stem) && !is_there {
-            stems.push(stem.to_owned());
-        }
-    }
-    stems.sort();
+    let names = entries.flatten().map(|entry| entry.file_name());
+    let names = names.map(|name| name.to_string_lossy().into_owned());
+    let stems = names.filter_map(|name| picture_stem(&name).map(str::to_owned));
+    let stems: BTreeSet<String> = stems.filter(|stem| wanted(stem)).collect();
     let mut figures = String::new();
     for stem in stems {
-        let size = |ending: &str| {
-            let path = folder.join(format!("{stem}.{ending}"));
-            fs::metadata(&path)
-                .ok()
-                .filter(|m| m.is_file() && m.len() <= LARGEST_PICTURE)
-                .map(|_| path)
-        };
-        let chosen = size("png").map(|path| (path, "image/png"));
-        let Some((path, kind)) = chosen.or_else(|| size("svg").map(|path| (path, "image/svg+xml")))
-        else {
-            continue;
-        };
-        figures += &embedded(&path, kind, &stem.replace('_', " "))?;
+        let kinds = [("png", "image/png"), ("svg", "image/svg+xml")];
+        let files = kinds.map(|(ending, kind)| (folder.join(format!("{stem}.{ending}")), kind));
+        let chosen = files.into_iter().find(|(path, _)| {
+            fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() <= LARGEST_PICTURE)
+        });
+        if let Some((path, kind)) = chosen {
+            figures += &embedded(&path, kind, &stem.replace('_', " "))?;
+        }
     }
     Ok(Section::new(id, title, beside(&figures)))
 }
@@ -206,10 +195,10 @@ pub(super) fn embedded(path: &Path, kind: &str, name: &str) -> Result<String> {
 
 /// Figures of pictures beside each other; nothing of none.
 pub(super) fn beside(figures: &str) -> String {
-    if figures.is_empty() {
-        return String::new();
+    match figures {
+        "" => String::new(),
+        _ => format!("<div class=\"pictures\">{figures}</div>"),
     }
-    format!("<div class=\"pictures\">{figures}</div>")
 }
 
 #[cfg(test)]

@@ -86,7 +86,7 @@ impl Kind {
         name == file::TIMING
             || file::PAGE.contains(&name)
             || files.contains(&name)
-            || picture(name).is_some_and(is_drawn)
+            || picture_stem(name).is_some_and(is_drawn)
             || (self == Self::Search && search::is_ours(name))
     }
 
@@ -113,7 +113,7 @@ impl Kind {
 }
 
 /// The name of a picture without its ending.
-fn picture(name: &str) -> Option<&str> {
+pub(crate) fn picture_stem(name: &str) -> Option<&str> {
     name.strip_suffix(".png").or(name.strip_suffix(".svg"))
 }
 
