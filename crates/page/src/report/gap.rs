@@ -172,7 +172,7 @@ fn over_time(report: &Value) -> String {
     let mut all = Vec::new();
     if !times.is_empty() {
         let alt = "Distance to recorded runs over time, of the run without noise, of repeats, and of recorded runs among each other";
-        let chart = Chart::over_time(alt, "distance [m]").from_zero();
+        let chart = Chart::over_time(alt, "distance [m]").upwards();
         let chart = chart.line("real", line("real_mean_m"));
         let chart = chart.line("b4", line("simulated_mean_m"));
         let figure = chart.line("sim", line("ideal_m")).figure(
@@ -194,7 +194,7 @@ fn over_time(report: &Value) -> String {
         let level = confidence.float("level").unwrap_or(0.9);
         let ends = [times[0], times[times.len() - 1]];
         let alt = "Share of recorded runs inside the predicted region over time";
-        let chart = Chart::over_time(alt, "share inside").from_zero();
+        let chart = Chart::over_time(alt, "share inside").upwards();
         let chart = chart.band(band.collect());
         let chart = chart.line("edge", ends.map(|t| [t, level]).to_vec());
         all.push(chart.line("sim", line.collect()).figure(

@@ -287,7 +287,7 @@ fn convergence(folder: &Path, report: &Value) -> Result<String> {
     let best = steps(best.filter(|[_, value]| value.is_finite()));
     let label = format!("{} [{}]", report.text("metric"), report.text("unit"));
     let alt = "Score of each point in order, and the best so far";
-    let chart = Chart::plain(alt, "point", label).from_zero();
+    let chart = Chart::plain(alt, "point", label).upwards();
     let chart = chart.line("sim", best).dots("grey", numbered(&scores));
     Ok(figures(&[chart.figure(
         "Score point by point",
