@@ -270,10 +270,7 @@ impl<B: DrawingBackend> Canvas<B> {
         upwards: bool,
     ) {
         // Control characters have no glyph and are not allowed in SVG.
-        let text: String = text
-            .chars()
-            .map(|c| if c.is_control() { ' ' } else { c })
-            .collect();
+        let text = text.replace(char::is_control, " ");
         match self.medium {
             Medium::Pixels => self.raster_text(&text, anchor, align, letter, upwards),
             Medium::Vector => self.vector_text(&text, anchor, align, letter, upwards),
