@@ -175,10 +175,7 @@ pub fn of_study(study: &Study, answer: &Answer) -> Kept {
         // Whoever interrupts does not want to wait for one more simulation.
         replay: experiment
             .filter(|_| answer.ending == Ending::Complete)
-            .and_then(|experiment| {
-                let is_settled = definition.start == StartRule::Settled;
-                moving(&experiment, &definition.morphology, &recordings, is_settled)
-            }),
+            .and_then(|experiment| seen(definition, &experiment, &recordings)),
         ..Kept::default()
     }
 }
@@ -190,15 +187,9 @@ pub fn of_gap(study: &Study) -> Kept {
         return Kept::default();
     };
     let (_, recordings) = recorded(definition, case, 1.0);
-    let is_settled = definition.start == StartRule::Settled;
     Kept {
         duration_s: case.experiment.duration_s,
-        replay: moving(
-            &case.experiment,
-            &definition.morphology,
-            &recordings,
-            is_settled,
-        ),
+        replay: seen(definition, &case.experiment, &recordings),
         ..Kept::default()
     }
 }
@@ -262,17 +253,11 @@ pub fn of_repeats(study: &Repeatable) -> Kept {
     let Some(case) = study.cases.first() else {
         return Kept::default();
     };
-    let is_settled = study.definition.start == StartRule::Settled;
     let recordings = recordings_of(study, case);
     Kept {
         duration_s: case.experiment.duration_s,
         reality: study.definition.source().reality_label().to_owned(),
-        replay: moving(
-            &case.experiment,
-            &study.definition.morphology,
-            &recordings,
-            is_settled,
-        ),
+        replay: seen(&study.definition, &case.experiment, &recordings),
         ..Kept::default()
     }
 }
@@ -284,6 +269,16 @@ pub fn of_robot(experiment: &Experiment, robot: &Morphology) -> Kept {
         replay: moving(experiment, robot, &[], true),
         ..Kept::default()
     }
+}
+
+/// One more run of a study beside its recordings.
+fn seen(
+    definition: &Definition,
+    experiment: &Experiment,
+    recordings: &[Recording],
+) -> Option<KeptReplay> {
+    let is_settled = definition.start == StartRule::Settled;
+    moving(experiment, &definition.morphology, recordings, is_settled)
 }
 
 /// One more run, with all parts; nothing where it diverges or has no parts.
