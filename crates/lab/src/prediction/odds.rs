@@ -6,9 +6,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::ensemble::{LEVELS, Region};
@@ -174,22 +172,9 @@ impl Odds {
         if resting.is_empty() {
             return Err(Error::invalid("no recording ends at rest"));
         }
-        let done = AtomicUsize::new(0);
-        let found = run.install(|| {
-            resting
-                .par_iter()
-                .map(|&case| {
-                    run.go_on()?;
-                    let row = odds_of(study, case, set, options);
-                    run.tell(
-                        done.fetch_add(1, Ordering::Relaxed) + 1,
-                        resting.len(),
-                        None,
-                    );
-                    row
-                })
-                .collect::<Result<Vec<_>>>()
-        })??;
+        let found = run.each(resting.len(), |index| {
+            odds_of(study, resting[index], set, options)
+        })?;
         Ok(Self::over(found, options, study.warnings().to_vec()))
     }
 

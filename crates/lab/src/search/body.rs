@@ -1,7 +1,6 @@
 //! From a genome to a robot: developed, or a given robot with the genome's gait.
 
-use realgap_core::Error;
-use realgap_core::Result;
+use realgap_core::{Error, Result};
 use realgap_robot::genome::{Development, Gene, Genome, Locus, Misfit};
 use realgap_robot::morphology::{Blueprint, Gait, Morphology};
 
