@@ -81,3 +81,53 @@ macro_rules! ron_file {
         }
     };
 }
+
+/// An enum whose members are words in files and options: with `ALL`, the word of each by the method that is named, reading and
+/// writing. A word that none has is refused with `$wrong` ("is no unit of length") and those that there are.
+#[macro_export]
+macro_rules! spelled {
+    ($(#[$doc:meta])* $name:ident.$word:ident, $wrong:expr; $($(#[$about:meta])* $member:ident $text:literal;)*) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum $name {
+            $($(#[$about])* $member,)*
+        }
+
+        impl $name {
+            /// All of them.
+            pub const ALL: &[Self] = &[$(Self::$member),*];
+
+            /// How it is written, e.g. in a study.
+            pub fn $word(self) -> &'static str {
+                match self {
+                    $(Self::$member => $text,)*
+                }
+            }
+        }
+
+        impl std::str::FromStr for $name {
+            type Err = String;
+
+            fn from_str(word: &str) -> std::result::Result<Self, String> {
+                let known = Self::ALL.iter().find(|one| one.$word() == word);
+                known.copied().ok_or_else(|| {
+                    let all: Vec<&str> = Self::ALL.iter().map(|one| one.$word()).collect();
+                    format!("`{word}` {}; allowed: {}", $wrong, all.join(", "))
+                })
+            }
+        }
+
+        impl serde::Serialize for $name {
+            fn serialize<S: serde::Serializer>(&self, s: S) -> std::result::Result<S::Ok, S::Error> {
+                s.serialize_str(self.$word())
+            }
+        }
+
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(d: D) -> std::result::Result<Self, D::Error> {
+                let word: String = serde::Deserialize::deserialize(d)?;
+                word.parse().map_err(serde::de::Error::custom)
+            }
+        }
+    };
+}
