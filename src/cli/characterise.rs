@@ -1,7 +1,6 @@
 //! `realgap characterise`: from a log of readings at known distances to a sensor's model.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::file::{check_writable, write_atomic};
@@ -12,7 +11,7 @@ use realgap::sensing::range::{Characterisation, LogOptions, Options, ReadingLog}
 use realgap::unit::LengthUnit;
 use realgap::{Error, Result};
 
-use super::option::Format as Print;
+use super::option::Print;
 use super::page::PageFile;
 use super::terminal;
 
@@ -60,9 +59,8 @@ pub struct Characterise {
     at: Vec<f64>,
     #[command(flatten)]
     page: PageFile,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Print,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// The form of this name; `auto` leaves it open.
@@ -79,7 +77,7 @@ fn form(option: &str, name: &str) -> Result<Option<&'static dyn Form>> {
 }
 
 impl Characterise {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let options = Options {
             mean: form("--model", &self.model)?,
             spread: form("--spread", &self.spread)?,
@@ -125,10 +123,6 @@ impl Characterise {
         let pictures = self.plot.iter().chain(&self.histograms);
         self.page
             .write("sensor", &self.log, &found, &found.to_string(), pictures)?;
-        match self.format {
-            Print::Json => terminal::print_answer(&found)?,
-            Print::Table => terminal::print(found.to_string()),
-        }
-        Ok(ExitCode::SUCCESS)
+        self.print.value(&found)
     }
 }

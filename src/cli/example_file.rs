@@ -1,76 +1,35 @@
 //! The shipped examples, inside of the program: who has installed it needs no copy of the repository.
 
-/// A file by its path, with what is in it.
-pub type ExampleFile = (&'static str, &'static [u8]);
+/// A file by its folder and name, with what is in it.
+type Shipped = (&'static str, &'static str, &'static [u8]);
 
-macro_rules! files {
-    ($($path:literal,)*) => {
-        &[$(($path, include_bytes!(concat!("../../", $path)).as_slice()),)*]
+macro_rules! shipped {
+    ($($folder:literal: $($name:literal)*;)*) => {
+        &[$($(($folder, $name, include_bytes!(concat!("../../", $folder, "/", $name)).as_slice()),)*)*]
     };
 }
 
 /// By path; a test holds the list to what is there. Recordings that no shipped study reads stay in the repository.
-pub const FILES: &[ExampleFile] = files![
-    "arenas/cartons.ron",
-    "arenas/flat.ron",
-    "arenas/paper000.ron",
-    "arenas/pen.ron",
-    "morphologies/chain3.ron",
-    "morphologies/chain30.ron",
-    "morphologies/chain5.ron",
-    "morphologies/cube.ron",
-    "morphologies/elbow.ron",
-    "morphologies/push_cube.ron",
-    "morphologies/servo_pendulum.ron",
-    "morphologies/spider8.ron",
-    "morphologies/tripod.ron",
-    "morphologies/two_module.ron",
-    "real_trajectories/tripod_mujoco/README.md",
-    "real_trajectories/tripod_mujoco/meta.ron",
-    "real_trajectories/tripod_mujoco/run_00.csv",
-    "real_trajectories/tripod_mujoco/run_01.csv",
-    "real_trajectories/tripod_mujoco/run_02.csv",
-    "real_trajectories/tripod_mujoco/run_03.csv",
-    "real_trajectories/tripod_mujoco/run_04.csv",
-    "real_trajectories/tripod_mujoco/run_05.csv",
-    "real_trajectories/tripod_mujoco/run_06.csv",
-    "real_trajectories/tripod_mujoco/run_07.csv",
-    "real_trajectories/tripod_mujoco/run_08.csv",
-    "real_trajectories/tripod_mujoco/run_09.csv",
-    "real_trajectories/tripod_standin/README.md",
-    "real_trajectories/tripod_standin/meta.ron",
-    "real_trajectories/tripod_standin/run_00.csv",
-    "real_trajectories/tripod_standin/run_01.csv",
-    "real_trajectories/tripod_standin/run_02.csv",
-    "real_trajectories/tripod_standin/run_03.csv",
-    "real_trajectories/tripod_standin/run_04.csv",
-    "real_trajectories/tripod_standin/run_05.csv",
-    "real_trajectories/tripod_standin/run_06.csv",
-    "real_trajectories/tripod_standin/run_07.csv",
-    "real_trajectories/tripod_standin/run_08.csv",
-    "real_trajectories/tripod_standin/run_09.csv",
-    "scenes/pen.ron",
-    "scenes/room.ron",
-    "sensors/infrared.ron",
-    "sensors/laser.ron",
-    "sensors/ultrasonic.ron",
-    "sweeps/best_robot.ron",
-    "sweeps/best_tripod_gait.ron",
-    "sweeps/cube_push_best.ron",
-    "sweeps/cube_push_fit.ron",
-    "sweeps/cube_toss.ron",
-    "sweeps/cube_toss_best.ron",
-    "sweeps/cube_toss_fit.ron",
-    "sweeps/elbow_toss_best.ron",
-    "sweeps/elbow_toss_fit.ron",
-    "sweeps/servo_xl330_best.ron",
-    "sweeps/servo_xl330_fit.ron",
-    "sweeps/tripod_floor.ron",
-    "sweeps/tripod_self.ron",
-    "sweeps/two_wheel_ir.ron",
-    "sweeps/two_wheel_ir_bayesian.ron",
-    "sweeps/two_wheel_sensor.ron",
-    "sweeps/two_wheel_us1.ron",
-    "sweeps/two_wheel_us_bayesian.ron",
-    "vehicles/two_wheel.ron",
+const SHIPPED: &[Shipped] = shipped![
+    "arenas": "cartons.ron" "flat.ron" "paper000.ron" "pen.ron";
+    "morphologies": "chain3.ron" "chain30.ron" "chain5.ron" "cube.ron" "elbow.ron" "push_cube.ron"
+        "servo_pendulum.ron" "spider8.ron" "tripod.ron" "two_module.ron";
+    "real_trajectories/tripod_mujoco": "README.md" "meta.ron" "run_00.csv" "run_01.csv" "run_02.csv" "run_03.csv"
+        "run_04.csv" "run_05.csv" "run_06.csv" "run_07.csv" "run_08.csv" "run_09.csv";
+    "real_trajectories/tripod_standin": "README.md" "meta.ron" "run_00.csv" "run_01.csv" "run_02.csv" "run_03.csv"
+        "run_04.csv" "run_05.csv" "run_06.csv" "run_07.csv" "run_08.csv" "run_09.csv";
+    "scenes": "pen.ron" "room.ron";
+    "sensors": "infrared.ron" "laser.ron" "ultrasonic.ron";
+    "sweeps": "best_robot.ron" "best_tripod_gait.ron" "cube_push_best.ron" "cube_push_fit.ron" "cube_toss.ron"
+        "cube_toss_best.ron" "cube_toss_fit.ron" "elbow_toss_best.ron" "elbow_toss_fit.ron" "servo_xl330_best.ron"
+        "servo_xl330_fit.ron" "tripod_floor.ron" "tripod_self.ron" "two_wheel_ir.ron" "two_wheel_ir_bayesian.ron"
+        "two_wheel_sensor.ron" "two_wheel_us1.ron" "two_wheel_us_bayesian.ron";
+    "vehicles": "two_wheel.ron";
 ];
+
+/// Every file by its path.
+pub fn files() -> impl Iterator<Item = (String, &'static [u8])> {
+    let path = |folder, name| format!("{folder}/{name}");
+    let all = SHIPPED.iter();
+    all.map(move |(folder, name, bytes)| (path(folder, name), *bytes))
+}

@@ -1,7 +1,6 @@
 //! `realgap export`: a robot for another simulator.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -33,7 +32,7 @@ pub struct Export {
 }
 
 impl Export {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let format = format_named(&self.format)?;
         let morphology = read_morphology(&self.morphology)?;
         let experiment = Experiment::new(morphology.assemble());
@@ -49,6 +48,6 @@ impl Export {
             Some(path) => write_atomic(path, exported.text.as_bytes())?,
             None => terminal::print(exported.text.trim_end()),
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, ValueEnum};
 use realgap::file::write_atomic;
 use realgap::robot::genome::{Genome, Locus, Specimen};
 use realgap::robot::morphology::Morphology;
@@ -14,15 +13,9 @@ use serde::Serialize;
 
 use super::terminal;
 
-/// Make genomes: ten numbers per module, from which `realgap develop` builds a robot
-#[derive(Debug, Args)]
-pub struct GenomeCommand {
-    #[command(subcommand)]
-    action: Action,
-}
-
-#[derive(Debug, Subcommand)]
-enum Action {
+commands! {
+    /// Make genomes: ten numbers per module, from which `realgap develop` builds a robot
+    GenomeCommand:
     Random(Random),
 }
 
@@ -56,7 +49,7 @@ pub fn named(genome: &Genome) -> Vec<BTreeMap<&'static str, f64>> {
 
 /// Draw a random genome, every number as likely
 #[derive(Debug, Args)]
-struct Random {
+pub struct Random {
     /// Number of modules
     #[arg(long, value_name = "N", default_value_t = 3)]
     modules: usize,
@@ -83,16 +76,8 @@ enum GenomeFormat {
     Json,
 }
 
-impl GenomeCommand {
-    pub fn run(self) -> Result<ExitCode> {
-        match self.action {
-            Action::Random(random) => random.run(),
-        }
-    }
-}
-
 impl Random {
-    fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let genome = Genome::random(self.modules, &mut generator(self.seed, 0))
             .map_err(Error::into_usage)?;
         let name = self
@@ -126,6 +111,6 @@ impl Random {
                 output: self.output,
             })?;
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

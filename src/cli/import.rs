@@ -1,7 +1,6 @@
 //! `realgap import`: a robot of another program.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::Result;
@@ -25,7 +24,7 @@ pub struct Import {
 }
 
 impl Import {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let imported = from_urdf(&Source::read(&self.urdf, "URDF")?)?;
         for left_out in &imported.left_out {
             terminal::note(format!("left out or changed: {left_out}"));
@@ -34,6 +33,6 @@ impl Import {
             Some(path) => write_atomic(path, imported.text.as_bytes())?,
             None => terminal::print(imported.text.trim_end()),
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

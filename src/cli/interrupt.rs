@@ -4,8 +4,6 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use realgap::Result;
-
 static STOP: AtomicBool = AtomicBool::new(false);
 /// Whether anybody looks at the flag.
 static IS_POLLED: AtomicBool = AtomicBool::new(false);
@@ -23,12 +21,9 @@ enum Wish {
 }
 
 /// A flag that Ctrl-C (or a polite kill) sets.
-///
-/// # Errors
-/// None.
-pub fn stop_flag() -> Result<&'static AtomicBool> {
+pub fn stop_flag() -> &'static AtomicBool {
     IS_POLLED.store(true, Ordering::Relaxed);
-    Ok(&STOP)
+    &STOP
 }
 
 /// Asks for an orderly end, as Ctrl-C does.

@@ -1,5 +1,25 @@
 //! The command line: one file per subcommand, each one library call plus printing.
 
+/// Declares commands: the type that clap reads them into, and what runs them.
+macro_rules! commands {
+    ($(#[$about:meta])* $name:ident: $($(#[$meta:meta])* $variant:ident($options:ty),)*) => {
+        $(#[$about])*
+        #[derive(Debug, clap::Subcommand)]
+        pub enum $name {
+            $($(#[$meta])* $variant($options),)*
+        }
+
+        impl $name {
+            pub fn run(self) -> realgap::Result<std::process::ExitCode> {
+                use $crate::cli::Ending as _;
+                match self {
+                    $(Self::$variant(options) => options.run().map(|ending| ending.code()),)*
+                }
+            }
+        }
+    };
+}
+
 mod advice;
 mod answer;
 mod belief;
@@ -9,7 +29,6 @@ mod compare;
 mod completions;
 mod develop;
 mod ensemble;
-mod estimate;
 mod evaluate;
 mod example_file;
 mod examples;
@@ -59,8 +78,8 @@ mod work;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
-use realgap::{ErrorKind, Result};
+use clap::Parser;
+use realgap::ErrorKind;
 
 /// How far is your simulated robot from the real one, what closes the gap, and how sure may you be?
 ///
@@ -89,8 +108,9 @@ The usual way through:
 
 Exit codes: 0 fine, 1 failed, 2 wrong usage, 130 interrupted (the work so far is saved).";
 
-#[derive(Debug, Subcommand)]
-enum Command {
+commands! {
+    /// What there is to do.
+    Command:
     Check(check::Check),
     Simulate(simulate::Simulate),
     Replay(replay::ReplayCommand),
@@ -103,6 +123,7 @@ enum Command {
     Run(run::Run),
     Merge(merge::Merge),
     Status(status::StatusCommand),
+    #[command(subcommand)]
     Submit(submit::Submit),
     Sensitivity(sensitivity::Sensitivity),
     Evaluate(evaluate::Evaluate),
@@ -113,18 +134,24 @@ enum Command {
     Record(record::Record),
     Search(search::Search),
     Develop(develop::Develop),
+    #[command(subcommand)]
     Genome(genome::GenomeCommand),
     Export(export::Export),
     Import(import::Import),
     Characterise(characterise::Characterise),
     Sense(sense::Sense),
     Belief(belief::Belief),
+    #[command(subcommand)]
     Sensorgraph(sensorgraph::SensorgraphCommand),
+    #[command(subcommand)]
     Radio(radio::RadioCommand),
+    #[command(subcommand)]
     Tasks(tasks::TasksCommand),
     Picture(picture::Picture),
+    #[command(subcommand)]
     Vision(vision::VisionCommand),
     New(new::New),
+    #[command(subcommand)]
     Examples(examples::Examples),
     Schema(schema::SchemaCommand),
     Parameters(parameters::Parameters),
@@ -132,11 +159,29 @@ enum Command {
     Completions(completions::Completions),
 }
 
+/// How a command ends that does not fail.
+trait Ending {
+    fn code(self) -> ExitCode;
+}
+
+/// Most commands have nothing to say.
+impl Ending for () {
+    fn code(self) -> ExitCode {
+        ExitCode::SUCCESS
+    }
+}
+
+impl Ending for ExitCode {
+    fn code(self) -> Self {
+        self
+    }
+}
+
 /// Parses the arguments, runs the command, prints the error if there is one.
 pub fn main() -> ExitCode {
     interrupt::listen();
     let cli = Cli::try_parse().unwrap_or_else(|error| advice::with_decimal_point(error).exit());
-    match run(cli.command) {
+    match cli.command.run() {
         Ok(_) if terminal::output_lost() => ExitCode::FAILURE,
         Ok(code) => code,
         Err(error) => {
@@ -147,49 +192,5 @@ pub fn main() -> ExitCode {
                 _ => 1,
             })
         }
-    }
-}
-
-fn run(command: Command) -> Result<ExitCode> {
-    match command {
-        Command::Check(check) => check.run(),
-        Command::Simulate(simulate) => simulate.run(),
-        Command::Replay(replay) => replay.run(),
-        Command::Compare(compare) => compare.run(),
-        Command::Sweep(sweep) => sweep.run(),
-        Command::Tune(tune) => tune.run(),
-        Command::Results(results) => results.run(),
-        Command::Report(report) => report.run(),
-        Command::Plan(plan) => plan.run(),
-        Command::Run(run) => run.run(),
-        Command::Merge(merge) => merge.run(),
-        Command::Status(status) => status.run(),
-        Command::Submit(submit) => submit.run(),
-        Command::Sensitivity(sensitivity) => sensitivity.run(),
-        Command::Evaluate(evaluate) => evaluate.run(),
-        Command::Ensemble(ensemble) => ensemble.run(),
-        Command::Gap(gap) => gap.run(),
-        Command::Predict(predict) => predict.run(),
-        Command::Identify(identify) => identify.run(),
-        Command::Record(record) => record.run(),
-        Command::Search(search) => search.run(),
-        Command::Develop(develop) => develop.run(),
-        Command::Genome(genome) => genome.run(),
-        Command::Export(export) => export.run(),
-        Command::Import(import) => import.run(),
-        Command::Characterise(characterise) => characterise.run(),
-        Command::Sense(sense) => sense.run(),
-        Command::Belief(belief) => belief.run(),
-        Command::Sensorgraph(graph) => graph.run(),
-        Command::Radio(radio) => radio.run(),
-        Command::Tasks(tasks) => tasks.run(),
-        Command::Picture(picture) => picture.run(),
-        Command::Vision(vision) => vision.run(),
-        Command::New(new) => new.run(),
-        Command::Examples(examples) => examples.run(),
-        Command::Schema(schema) => schema.run(),
-        Command::Parameters(parameters) => parameters.run(),
-        Command::Verify(verify) => verify.run(),
-        Command::Completions(completions) => completions.run(),
     }
 }

@@ -3,7 +3,6 @@
 mod motion;
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::{ArgGroup, Args};
 use indicatif::ProgressBar;
@@ -84,7 +83,7 @@ fn numbered(view: usize) -> u64 {
 const TEMPLATE_PX: usize = 96;
 
 impl Picture {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let scene = Scene::read(&self.scene)?;
         let option = |name: &str, e: Error| e.field(name).into_usage();
         let camera = &camera_named(&scene, &self.camera)?;
@@ -154,7 +153,7 @@ impl Picture {
             counted(album.file.views.len(), "picture"),
             folder.display()
         ));
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     /// The viewpoints that are asked for, each with its number in the scene.

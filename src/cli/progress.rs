@@ -4,7 +4,28 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use realgap::optimization::Progress;
+use realgap::Result;
+use realgap::optimization::{Progress, RunOptions};
+
+/// Does some work under a bar of `total` steps.
+///
+/// # Errors
+/// As the work.
+pub fn during<T>(
+    total: usize,
+    what: &str,
+    run: RunOptions<'_>,
+    work: impl FnOnce(&RunOptions<'_>) -> Result<T>,
+) -> Result<T> {
+    let bar = bar(total, what);
+    let follow = follow(&bar);
+    let done = work(&RunOptions {
+        progress: Some(&follow),
+        ..run
+    });
+    bar.finish_and_clear();
+    done
+}
 
 /// What keeps a bar where the run is.
 pub fn follow(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {

@@ -1,7 +1,6 @@
 //! `realgap replay`: a robot in motion and its recorded runs, as a page, an animation, or a file for another program.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::calibration::{Overrides, RepeatCase, Repeatable, StartRule};
@@ -56,11 +55,11 @@ pub struct ReplayCommand {
 }
 
 impl ReplayCommand {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         check_replay(&self.output)?;
         if kind::is_study(&self.run) {
             self.of_study()?;
-            return Ok(ExitCode::SUCCESS);
+            return Ok(());
         }
         if self.start.is_some() {
             return Err(
@@ -84,7 +83,7 @@ impl ReplayCommand {
         } else {
             self.recorded(&recordings, &files)?;
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     /// A run that is simulated now.

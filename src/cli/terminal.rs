@@ -4,6 +4,7 @@ use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use realgap::file::versioned_json;
+use realgap::plot::TextTable;
 use realgap::text::escaped_lines;
 use realgap::{Error, Warning};
 
@@ -18,6 +19,12 @@ fn wants_colour(is_terminal: bool) -> bool {
 /// Whether standard output wants colours.
 pub fn stdout_wants_colour() -> bool {
     wants_colour(std::io::stdout().is_terminal())
+}
+
+/// A table as standard output wants it, without the line feed at its end.
+pub fn table(table: &TextTable) -> String {
+    let text = table.render(stdout_wants_colour());
+    text.trim_end().to_owned()
 }
 
 /// Set when standard output refused something, e.g. on a full disk.

@@ -6,6 +6,7 @@
 mod cell;
 mod characterisation;
 mod choice;
+mod drawn;
 mod fit;
 pub mod form;
 mod log;
@@ -15,6 +16,7 @@ mod words;
 
 pub use characterisation::{Characterisation, DistanceReport, LEVEL, Normality, Options, Value};
 pub use choice::Candidate;
+pub use drawn::{DrawOptions, DrawnLog};
 pub use log::{LogOptions, Reading, ReadingLog};
 #[cfg(feature = "schema")]
 pub use model::ModelFile;
