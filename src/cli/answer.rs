@@ -146,7 +146,8 @@ impl StudyOptions {
         wall_s: f64,
     ) -> Result<()> {
         results::write(folder.path(), study, answer)?;
-        self.page
+        let page_said = self
+            .page
             .write(folder.path(), || page::of_study(study, answer));
         folder.write_timing(self.jobs.count())?;
         let folder = folder.path();
@@ -162,7 +163,7 @@ impl StudyOptions {
                 counted(self.jobs.count(), "thread"),
                 folder.display(),
                 pictures(folder).join(", "),
-                self.page.said()
+                page_said
             ))?;
         if answer.ending == Ending::Interrupted {
             return Err(Error::interrupted(format!(

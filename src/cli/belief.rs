@@ -1,4 +1,4 @@
-//! `realgap belief`: what a robot believes about a distance after some readings.
+//! `realgap sense belief`: what a robot believes about a distance after some readings.
 
 use std::path::{Path, PathBuf};
 

@@ -1,9 +1,8 @@
-//! `realgap characterise`: from a log of readings at known distances to a sensor's model.
+//! `realgap sense characterise`: from a log of readings at known distances to a sensor's model.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use realgap::file::{check_writable, write_atomic};
 use realgap::plot::check_picture_path;
 use realgap::results::{draw_histograms, draw_sensor};
 use realgap::sensing::range::form::{FORMS, Form, form_by_name};
@@ -13,7 +12,7 @@ use realgap::{Error, Result};
 
 use super::option::Print;
 use super::page::PageFile;
-use super::terminal;
+use super::{output, terminal};
 
 /// Make a range sensor's model of a log: mean and spread over the distance, with intervals
 ///
@@ -98,7 +97,7 @@ impl Characterise {
             check_picture_path(picture)?;
         }
         if let Some(output) = &self.output {
-            check_writable(output)?;
+            output::check(output)?;
         }
         let reading = LogOptions {
             unit: self.unit,
@@ -112,7 +111,7 @@ impl Characterise {
         );
         terminal::print_warnings(&found.warnings);
         if let Some(output) = &self.output {
-            write_atomic(output, found.model.to_ron()?.as_bytes())?;
+            output::write_ron(output, &found.model.to_ron()?)?;
         }
         if let Some(plot) = &self.plot {
             draw_sensor(&found, plot)?;

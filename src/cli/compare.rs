@@ -21,7 +21,7 @@ use serde::Serialize;
 
 use super::option::{Print, TimeOption};
 use super::reading::ReadingOptions;
-use super::terminal;
+use super::{output, terminal};
 
 /// Compare trajectories with a reference, real with simulated or real with real
 ///
@@ -208,7 +208,7 @@ impl Compare {
         }
         if let Some(file) = &self.save_basis {
             let json = versioned_json(comparison.basis())?;
-            realgap::file::write_atomic(file, format!("{json}\n").as_bytes())?;
+            output::write(file, format!("{json}\n").as_bytes())?;
             terminal::note(format!("written: {}", file.display()));
         }
         Ok(())

@@ -1,10 +1,9 @@
-//! `realgap develop`: the robot of a genome.
+//! `realgap robot develop`: the robot of a genome.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
-use realgap::file::write_atomic;
 use realgap::robot::genome::Specimen;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Settling, settle};
@@ -16,11 +15,11 @@ use serde::Serialize;
 use super::genome::named;
 use super::kind::read_specimen;
 use super::option::Print;
-use super::terminal;
+use super::{output, terminal};
 
 /// Build the robot of a genome, or say why it cannot be built
 ///
-/// Every gene turns the part built so far, turns its own module and glues it on top; `realgap genome random` makes
+/// Every gene turns the part built so far, turns its own module and glues it on top; `realgap robot genome random` makes
 /// one to start from. The robot is then put down in the simulator: one that keeps moving or falls over is
 /// flagged. `-o` writes a morphology for all other commands.
 #[derive(Debug, Args)]
@@ -110,7 +109,7 @@ impl Develop {
         };
         let settling = settle(&Experiment::new(robot.assemble()))?;
         if let Some(path) = &self.output {
-            write_atomic(path, robot.to_ron()?.as_bytes())?;
+            output::write_ron(path, &robot.to_ron()?)?;
         }
         terminal::print_warnings(&flags(&robot, &settling));
         self.print(&specimen, &robot, &settling)?;

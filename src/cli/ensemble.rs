@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use realgap::calibration::{Overrides, Repeatable, read_noise};
 use realgap::comparison;
-use realgap::file::check_writable;
 use realgap::plan::Work;
 use realgap::prediction::{EnsembleOptions, EnsembleReport, ensemble};
 use realgap::results::{Kind, write_ensemble};
@@ -18,7 +17,7 @@ use super::folder::ResultsFolder;
 use super::kind::read_repeatable;
 use super::option::{Jobs, MOST_REPEATS, ModelErrorOption, Print, Recordings, Values};
 use super::page::{self, PageOption};
-use super::{progress, terminal};
+use super::{output, progress, terminal};
 
 /// Repeat a study's experiment under its noise: what will really happen, and how sure may we be?
 ///
@@ -116,7 +115,7 @@ impl Ensemble {
         })?;
         folder.check()?;
         write_ensemble(folder.path(), &report)?;
-        self.page.write(folder.path(), || page::of_repeats(&study));
+        let page_said = self.page.write(folder.path(), || page::of_repeats(&study));
         folder.write_timing(run.jobs)?;
         terminal::print_warnings(
             report
@@ -128,7 +127,7 @@ impl Ensemble {
             format!(
                 "{report}\n  results in {}: ensemble.json, repeats.csv, ensemble.png and .svg{}",
                 folder.path().display(),
-                self.page.said()
+                page_said
             )
         })?;
         if !report.complete {
@@ -160,7 +159,7 @@ fn replay(study: &Repeatable, options: &EnsembleOptions, number: u64, file: &Pat
             .hint("name one with --recordings"));
     };
     trajectory::check_output(file)?;
-    check_writable(file)?;
+    output::check(file)?;
     let run = ensemble::repeat(&case.experiment, &options.noise, options.seed, number)?;
     terminal::print_warnings(&run.warnings);
     match run.outcome {

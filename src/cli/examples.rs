@@ -1,4 +1,4 @@
-//! `realgap examples`: the shipped robots, studies, recordings and arenas.
+//! `realgap study examples`: the shipped robots, studies, recordings and arenas.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! `realgap export`: a robot for another simulator.
+//! `realgap robot export`: a robot for another simulator.
 
 use std::path::PathBuf;
 
@@ -6,12 +6,11 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use realgap::Result;
 use realgap::export::{FORMATS, Robot, format_named};
-use realgap::file::write_atomic;
 use realgap::simulation::Experiment;
 
 use super::kind::read_morphology;
 use super::option::{Values, recording_unused};
-use super::terminal;
+use super::{output, terminal};
 
 /// Write a robot for another simulator: MJCF for MuJoCo, URDF for ROS and PyBullet
 ///
@@ -45,7 +44,7 @@ impl Export {
             terminal::note(format!("{} does not carry: {}", format.name(), warning));
         }
         match &self.output {
-            Some(path) => write_atomic(path, exported.text.as_bytes())?,
+            Some(path) => output::write(path, exported.text.as_bytes())?,
             None => terminal::print(exported.text.trim_end()),
         }
         Ok(())

@@ -14,7 +14,6 @@ use realgap::sensing::radio::{Evaluation as RadioEvaluation, FittedRadio, Servic
 use realgap::sensing::range::Characterisation;
 use realgap::sensing::vision::VisionReport;
 use realgap::task::TaskComparison;
-use serde::Serialize;
 
 use super::check::report::FileReport;
 use super::compare::{Compared, Scored};
@@ -25,10 +24,8 @@ use super::identify::Identified;
 use super::parameters::ParameterRow;
 use super::results::TrialRow;
 use super::simulate::SimulateReport;
+use super::terminal::Answer;
 use super::verify::VerifyReport;
-
-/// What a command prints for machines.
-pub trait Answer: Serialize {}
 
 /// A form, for making its schema.
 #[cfg(all(test, feature = "schema"))]

@@ -141,7 +141,7 @@ impl Gap {
         })?;
         folder.check()?;
         write_gap(folder.path(), &found)?;
-        self.page.write(folder.path(), || page::of_gap(&study));
+        let page_said = self.page.write(folder.path(), || page::of_gap(&study));
         folder.write_timing(run.jobs)?;
         terminal::print_warnings(&found.warnings);
         let pictures = if found.confidence.is_some() {
@@ -153,7 +153,7 @@ impl Gap {
             format!(
                 "{found}\n  results in {}: {pictures}{}",
                 folder.path().display(),
-                self.page.said()
+                page_said
             )
         })?;
         if !found.complete {

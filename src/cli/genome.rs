@@ -1,20 +1,19 @@
-//! `realgap genome`: genomes to start from.
+//! `realgap robot genome`: genomes to start from.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use realgap::file::write_atomic;
 use realgap::robot::genome::{Genome, Locus, Specimen};
 use realgap::robot::morphology::Morphology;
 use realgap::search::generator;
 use realgap::{Error, Result};
 use serde::Serialize;
 
-use super::terminal;
+use super::{output, terminal};
 
 commands! {
-    /// Make genomes: ten numbers per module, from which `realgap develop` builds a robot
+    /// Make genomes: ten numbers per module, from which `realgap robot develop` builds a robot
     GenomeCommand:
     Random(Random),
 }
@@ -62,7 +61,7 @@ pub struct Random {
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// How to print; a file is always RON, which is what `realgap develop` reads
+    /// How to print; a file is always RON, which is what `realgap robot develop` reads
     #[arg(long, value_enum, default_value_t)]
     format: GenomeFormat,
 }
@@ -96,7 +95,7 @@ impl Random {
         }
         let text = specimen.to_ron()?;
         match &self.output {
-            Some(path) => write_atomic(path, text.as_bytes())?,
+            Some(path) => output::write_ron(path, &text)?,
             None if self.format == GenomeFormat::Json => {}
             None => terminal::print(text.trim_end()),
         }

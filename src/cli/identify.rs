@@ -1,4 +1,4 @@
-//! `realgap identify`: what free flight tells before any contact model can spoil it.
+//! `realgap study identify`: what free flight tells before any contact model can spoil it.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use realgap::calibration::identification::{
 };
 use realgap::calibration::{BestFile, Definition, Overrides, RestingOdds, StartRule, recording_id};
 use realgap::comparison::Pose;
-use realgap::file::{check_writable, write_atomic, write_ron};
+use realgap::file::write_ron;
 use realgap::plot::{Side, TextTable};
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::unit::counted;
@@ -18,10 +18,10 @@ use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 use serde::Serialize;
 
-use super::form::Answer;
 use super::kind::read_definition;
 use super::option::{Choice, Print, Recordings, Values, choice};
-use super::{progress, terminal};
+use super::terminal::Answer;
+use super::{output, progress, terminal};
 
 /// How an apparent gravity other than the stated one is read.
 const READINGS: &[Choice<LengthReading>] = &[
@@ -60,7 +60,7 @@ pub struct Identify {
 impl Identify {
     pub fn run(self) -> Result<()> {
         if let Some(output) = &self.output {
-            check_writable(output)?;
+            output::check(output)?;
         }
         let overrides = Overrides {
             set: self.values.parameter_set()?,
@@ -79,7 +79,7 @@ impl Identify {
         let file = |flying: usize, parameters: &BTreeMap<String, f64>| BestFile {
             study: None,
             description: format!(
-                "Identified from the free flight of {flying} of {} of the study {} (realgap identify); no contact was used.",
+                "Identified from the free flight of {flying} of {} of the study {} (realgap study identify); no contact was used.",
                 counted(recordings.len(), "recording"),
                 study.name,
             ),
@@ -111,7 +111,7 @@ impl Identify {
         words: impl FnOnce() -> String,
     ) -> Result<()> {
         if let Some(output) = &self.output {
-            write_atomic(output, write_ron(file)?.as_bytes())?;
+            output::write_ron(output, &write_ron(file)?)?;
         }
         self.print.answer(answer, words)?;
         if let Some(output) = &self.output {

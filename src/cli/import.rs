@@ -1,13 +1,13 @@
-//! `realgap import`: a robot of another program.
+//! `realgap robot import`: a robot of another program.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use realgap::Result;
-use realgap::file::{Source, write_atomic};
+use realgap::file::Source;
 use realgap::import::from_urdf;
 
-use super::terminal;
+use super::{output, terminal};
 
 /// Read a robot of boxes and hinges from a URDF, and write it in RON
 ///
@@ -30,7 +30,7 @@ impl Import {
             terminal::note(format!("left out or changed: {left_out}"));
         }
         match &self.output {
-            Some(path) => write_atomic(path, imported.text.as_bytes())?,
+            Some(path) => output::write_ron(path, &imported.text)?,
             None => terminal::print(imported.text.trim_end()),
         }
         Ok(())

@@ -51,6 +51,10 @@ fn received(wish: Wish) {
 #[cfg(unix)]
 pub fn listen() {
     use nix::sys::signal::{SigSet, Signal};
+    // A file that may not grow is an error of the write then, not the end of the program.
+    let mut too_large = SigSet::empty();
+    too_large.add(Signal::SIGXFSZ);
+    let _as_before = too_large.thread_block();
     let mut signals = SigSet::empty();
     for signal in [Signal::SIGINT, Signal::SIGTERM, Signal::SIGQUIT] {
         signals.add(signal);

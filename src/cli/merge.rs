@@ -1,4 +1,4 @@
-//! `realgap merge`: put the shards of a plan together, and answer.
+//! `realgap cluster merge`: put the shards of a plan together, and answer.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use realgap::unit::counted;
 use realgap::{Error, Result};
 
 use super::option::{Jobs, Print};
-use super::{Command, terminal, work};
+use super::{Command, shell, terminal, work};
 
 /// Put together what the shards of a plan have made; in the end, write the answer
 ///
@@ -61,13 +61,13 @@ impl Merge {
             return Err(self.missing(&plan, &merged, &next)?);
         }
         say(format!(
-            "round {} is whole; {} to be made in the next: run the shards again\n  realgap run {} --shard {}",
+            "round {} is whole; {} to be made in the next: run the shards again\n  realgap cluster run {} --shard {}",
             next.number - 1,
             match next.to - next.from {
                 1 => "1 row is".to_owned(),
                 rows => format!("{rows} rows are"),
             },
-            self.plan.display(),
+            shell::path(&self.plan),
             plan.status()?.pending(),
         ));
         Ok(())
@@ -99,12 +99,12 @@ impl Merge {
             false => found.join("\n           "),
         })
         .hint(format!(
-            "{}run: realgap run {} --shard {}; then merge again",
+            "{}run: realgap cluster run {} --shard {}; then merge again",
             match damaged {
                 true => "remove the folders of damaged shards (what they did is made again), then ",
                 false => "",
             },
-            self.plan.display(),
+            shell::path(&self.plan),
             status.pending()
         )))
     }

@@ -1,4 +1,4 @@
-//! `realgap new`: a file to start from.
+//! `realgap study new`: a file to start from.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use realgap::file::write_atomic;
 use realgap::{Error, Result};
 
 use super::option::{Choice, choice};
-use super::terminal;
+use super::{output, terminal};
 
 /// Write a commented file to start from
 ///
@@ -51,7 +51,7 @@ impl New {
         let file = self
             .output
             .unwrap_or_else(|| PathBuf::from(format!("{name}.ron")));
-        if file.exists() {
+        if file.exists() && !output::is_forced() {
             return Err(Error::conflict("this file is there already, and stays")
                 .at_file(file)
                 .hint("name another with -o, or look at the template with --print"));

@@ -15,8 +15,8 @@ use realgap::simulation::{Experiment, JointKind, Solver};
 use realgap::warning::Code;
 use realgap::{Error, Result, RunOptions, Warning};
 
-use super::form::Answer;
 use super::reading::ReadingOptions;
+use super::terminal::Answer;
 use super::{interrupt, terminal};
 
 /// Most repeats: the distances of all pairs are held in memory.
@@ -281,7 +281,7 @@ impl Jobs {
 /// Values for parameters, from files and from the command line.
 #[derive(Debug, Clone, Args)]
 pub struct Values {
-    /// Set a parameter, e.g. `--set floor.friction=0.4` (repeatable; `realgap parameters` lists them)
+    /// Set a parameter, e.g. `--set floor.friction=0.4` (repeatable; `realgap study parameters` lists them)
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parse_assignment)]
     set: Vec<Assignment>,
     /// Take parameters from a file such as the `best.ron` of a sweep (repeatable)

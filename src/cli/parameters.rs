@@ -1,4 +1,4 @@
-//! `realgap parameters`: the registry.
+//! `realgap study parameters`: the registry.
 
 use clap::Args;
 use realgap::Result;
@@ -16,7 +16,7 @@ pub struct Parameters {
     print: Print,
 }
 
-/// What `realgap sensitivity` changes a parameter by.
+/// What `realgap study sensitivity` changes a parameter by.
 fn step(nudge: Nudge) -> String {
     match nudge {
         Nudge::Share(share) => format!("{:.0} %", 100.0 * share),

@@ -1,4 +1,4 @@
-//! `realgap plan`: cut a long run into shards.
+//! `realgap cluster plan`: cut a long run into shards.
 
 use std::path::PathBuf;
 
@@ -9,15 +9,15 @@ use realgap::{Error, Result};
 
 use super::option::{Jobs, Print};
 use super::work::{absolute, check_arguments, parse, work_of};
-use super::{kind, terminal};
+use super::{kind, shell, terminal};
 
 /// Cut a sweep, a tuning, a search, an ensemble or a gap into shards that many machines can run
 ///
-/// The plan is a folder that all machines see. `realgap run PLAN --shard I` makes a part of the rows, `realgap merge PLAN` puts the
+/// The plan is a folder that all machines see. `realgap cluster run PLAN --shard I` makes a part of the rows, `realgap cluster merge PLAN` puts the
 /// parts together, says what is to be made next, and in the end writes PLAN/results: byte for byte what one machine would
-/// have written. `realgap submit slurm PLAN` lets Slurm do all of that. Options of the command itself follow after --, e.g.
+/// have written. `realgap cluster submit slurm PLAN` lets Slurm do all of that. Options of the command itself follow after --, e.g.
 ///
-///   realgap plan sweeps/tripod_floor.ron --shards 20 -o plan -- --points 41
+///   realgap cluster plan sweeps/tripod_floor.ron --shards 20 -o plan -- --points 41
 ///
 /// A few runs are measured first, so that the plan says what it will cost.
 #[derive(Debug, Args)]
@@ -97,7 +97,7 @@ impl PlanCommand {
             terminal::print_answer(&plan.status()?)?;
             return Ok(());
         }
-        let folder = self.output.display();
+        let folder = shell::path(&self.output);
         let mut lines = vec![format!(
             "{command} of {} in {}, at first {}",
             work.name(),
@@ -118,11 +118,13 @@ impl PlanCommand {
                 time(all)
             ));
         }
-        lines.push(format!("  a shard:        realgap run {folder} --shard 0"));
-        lines.push(format!("  after a round:  realgap merge {folder}"));
-        lines.push(format!("  how far it is:  realgap status {folder}"));
         lines.push(format!(
-            "  or all of it:   realgap submit slurm {folder} --go"
+            "  a shard:        realgap cluster run {folder} --shard 0"
+        ));
+        lines.push(format!("  after a round:  realgap cluster merge {folder}"));
+        lines.push(format!("  how far it is:  realgap cluster status {folder}"));
+        lines.push(format!(
+            "  or all of it:   realgap cluster submit slurm {folder} --go"
         ));
         terminal::print(lines.join("\n"));
         Ok(())

@@ -112,10 +112,12 @@ impl Predict {
             .with_growth(growth)
             .with_warnings(warnings);
         terminal::print_warnings(&card.warnings);
+        let mut page_said = "";
         if let Some(folder) = &folder {
             folder.check()?;
             write_prediction(folder.path(), &card, &repeats)?;
-            self.page
+            page_said = self
+                .page
                 .write(folder.path(), || page::of_robot(&experiment, &morphology));
             folder.write_timing(run.jobs)?;
         }
@@ -124,7 +126,7 @@ impl Predict {
                 format!(
                     "\n  results in {}: prediction.json, repeats.csv, prediction.png and .svg{}",
                     folder.path().display(),
-                    self.page.said()
+                    page_said
                 )
             });
             card.to_string() + &written.unwrap_or_default()

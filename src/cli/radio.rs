@@ -1,9 +1,8 @@
-//! `realgap radio`: from logged strengths to a radio model, and what becomes of messages.
+//! `realgap sense radio`: from logged strengths to a radio model, and what becomes of messages.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use realgap::file::{check_writable, write_atomic};
 use realgap::plot::check_picture_path;
 use realgap::results::{draw_error_map, draw_strength_map};
 use realgap::sensing::arena::{Anchor, Arena};
@@ -16,7 +15,7 @@ use realgap::{Error, Result};
 
 use super::option::{Choice, Print, choice};
 use super::page::PageFile;
-use super::terminal;
+use super::{output, terminal};
 
 commands! {
     /// Fit how strong radio signals arrive, hold it against other logs, and send messages (paper 002, section IV)
@@ -210,7 +209,7 @@ impl Fit {
     pub fn run(self) -> Result<()> {
         self.page.check()?;
         if let Some(output) = &self.output {
-            check_writable(output)?;
+            output::check(output)?;
         }
         let propagation = match self.model.as_str() {
             "auto" => None,
@@ -236,7 +235,7 @@ impl Fit {
         );
         terminal::print_warnings(&found.warnings);
         if let Some(output) = &self.output {
-            write_atomic(output, found.model.to_ron()?.as_bytes())?;
+            output::write_ron(output, &found.model.to_ron()?)?;
         }
         self.page
             .write("radio", &self.log, &found, &found.to_string(), [])?;

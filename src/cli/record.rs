@@ -1,4 +1,4 @@
-//! `realgap record`: stand-in recordings from hidden parameters, with noise.
+//! `realgap study record`: stand-in recordings from hidden parameters, with noise.
 
 use std::path::PathBuf;
 
@@ -30,8 +30,8 @@ pub struct Record {
     #[arg(long, value_name = "S", default_value_t = 20.0)]
     duration: f64,
     /// Samples per second
-    #[arg(long, value_name = "HZ", default_value_t = 30.0)]
-    rate: f64,
+    #[arg(long, alias = "rate", value_name = "HZ", default_value_t = 30.0)]
+    rate_hz: f64,
     #[command(flatten)]
     values: Values,
     /// Seed of the noise
@@ -64,7 +64,7 @@ impl Record {
         let stand_in = StandIn {
             repeats: self.repeats,
             duration_s: self.duration,
-            rate_hz: self.rate,
+            rate_hz: self.rate_hz,
             values: self.values.parameter_set()?,
             seed: self.seed,
             noise: NoiseReport {

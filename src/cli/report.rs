@@ -7,7 +7,8 @@ use realgap::file::write_atomic;
 use realgap::report::folder_page;
 use realgap::{Error, Result};
 
-use super::replay::{check_page, command_line};
+use super::output::check_page;
+use super::shell::command_line;
 use super::terminal;
 
 /// Show what a results folder holds: one HTML file that needs no network

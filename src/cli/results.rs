@@ -1,16 +1,16 @@
-//! `realgap results`: what a results folder holds.
+//! `realgap study results`: what a results folder holds.
 
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use realgap::file::{versioned_json, write_atomic};
+use realgap::file::versioned_json;
 use realgap::plot::{Side, TextTable, number};
 use realgap::store::{Cell, Listing};
 use realgap::text::{cell, shown};
 use realgap::{Error, Result};
 use serde::Serialize;
 
-use super::terminal;
+use super::{output, terminal};
 
 /// List the points or robots of a results folder, also while a run is still writing into it
 ///
@@ -66,7 +66,7 @@ impl Results {
             ResultsFormat::Parquet => parquet(&listing, self.output.as_deref())?,
         };
         match &self.output {
-            Some(path) => write_atomic(path, &bytes)?,
+            Some(path) => output::write(path, &bytes)?,
             None => terminal::print(String::from_utf8_lossy(&bytes).trim_end()),
         }
         Ok(())

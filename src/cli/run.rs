@@ -1,4 +1,4 @@
-//! `realgap run`: make the rows of some shards.
+//! `realgap cluster run`: make the rows of some shards.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use realgap::unit::counted;
 use realgap::{Error, Result};
 
 use super::option::Jobs;
-use super::{progress, terminal, work};
+use super::{progress, shell, terminal, work};
 
 /// Make the rows of one shard of a plan, or of several, one after the other
 ///
@@ -52,8 +52,8 @@ impl Run {
         let round = plan.round()?;
         if round.complete {
             terminal::print(format!(
-                "nothing is left to be made; what is left is: realgap merge {}",
-                self.plan.display()
+                "nothing is left to be made; what is left is: realgap cluster merge {}",
+                shell::path(&self.plan)
             ));
             return Ok(());
         }

@@ -1,4 +1,4 @@
-//! `realgap schema`: what files and answers may hold, for editors and machines.
+//! `realgap study schema`: what files and answers may hold, for editors and machines.
 
 use std::path::PathBuf;
 

@@ -119,7 +119,8 @@ impl Search {
             summary = write(&reranked)?;
             finalists = Ok(reranked);
         }
-        self.page
+        let page_said = self
+            .page
             .write(folder.path(), || match finalists.as_deref() {
                 Ok([best, ..]) => page::of_robot(&search.experiment(&best.robot), &best.robot),
                 _ => Kept::default(),
@@ -133,7 +134,7 @@ impl Search {
                 "{}\n  results in {}: summary.json, history.csv, best/ and pictures{}",
                 words(&summary, &search, &head),
                 folder.path().display(),
-                self.page.said()
+                page_said
             )
         })?;
         let go_on = format!(

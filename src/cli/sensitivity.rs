@@ -1,4 +1,4 @@
-//! `realgap sensitivity`: which parameters matter at all?
+//! `realgap study sensitivity`: which parameters matter at all?
 
 use std::path::PathBuf;
 
@@ -16,7 +16,7 @@ use super::{progress, terminal};
 /// Change every parameter a little, one at a time, and see what it does to the score
 ///
 /// Around the study's values, or those of --parameters best.ron. Each parameter moves by a step that a user would call small
-/// (`realgap parameters` lists it). Worth doing before a sweep: what has no effect cannot be fitted.
+/// (`realgap study parameters` lists it). Worth doing before a sweep: what has no effect cannot be fitted.
 #[derive(Debug, Args)]
 pub struct Sensitivity {
     /// The study

@@ -1,9 +1,8 @@
-//! `realgap sensorgraph`: logs of a scanner, polynomial models of what it reads at a place.
+//! `realgap sense graph`: logs of a scanner, polynomial models of what it reads at a place.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use realgap::file::{check_writable, write_atomic};
 use realgap::plot::check_picture_path;
 use realgap::results::{draw_segment, draw_visits, draw_way};
 use realgap::sensing::arena::Arena;
@@ -17,7 +16,7 @@ use realgap::{Error, Result};
 
 use super::option::{Choice, Print, choice};
 use super::page::PageFile;
-use super::terminal;
+use super::{output, terminal};
 
 commands! {
     /// Make polynomials of what a scanner reads at a place, and hold them against a log they have not seen (paper 001)
@@ -250,7 +249,7 @@ pub struct PrintOut {
 
 impl Log {
     pub fn run(self) -> Result<()> {
-        check_writable(&self.output)?;
+        output::check(&self.output)?;
         let arena = Arena::read(&self.arena)?;
         let sensor = find_sensor(&self.sensor)?;
         let logger = Logger {
@@ -268,7 +267,7 @@ impl Log {
             None => logger.walk(&arena, &sensor, self.samples, self.seed),
         };
         let log = log.map_err(|e| e.at_file(&self.arena))?;
-        write_atomic(&self.output, log.to_csv().as_bytes())?;
+        output::write(&self.output, log.to_csv().as_bytes())?;
         terminal::print(format!(
             "{} in {}",
             counted(log.scans.len(), "scan"),
@@ -285,7 +284,7 @@ impl Fit {
             check_picture_path(plot)?;
         }
         if let Some(output) = &self.output {
-            check_writable(output)?;
+            output::check(output)?;
         }
         let options = GraphOptions {
             degree: self.degree,
@@ -304,7 +303,7 @@ impl Fit {
             draw_visits(&log, plot)?;
         }
         if let Some(output) = &self.output {
-            write_atomic(output, found.model.to_ron()?.as_bytes())?;
+            output::write_ron(output, &found.model.to_ron()?)?;
         }
         let pictures = self.way.iter().chain(&self.visits);
         self.page.write(

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use realgap::file::{Source, check_writable};
+use realgap::file::Source;
 use realgap::plot::quantity;
 use realgap::report::SIMULATION;
 use realgap::robot::morphology::Morphology;
@@ -18,7 +18,7 @@ use serde::Serialize;
 use super::kind::read_morphology;
 use super::option::{Print, SolverOptions, Values};
 use super::replay::{Shown, check_replay, diverged};
-use super::terminal;
+use super::{output, terminal};
 
 /// Simulate one run of a robot from rest and print what it did
 ///
@@ -43,8 +43,8 @@ pub struct Simulate {
     #[arg(long)]
     energy: bool,
     /// Samples per second of the output
-    #[arg(long, value_name = "HZ", default_value_t = 60.0)]
-    rate: f64,
+    #[arg(long, alias = "rate", value_name = "HZ", default_value_t = 60.0)]
+    rate_hz: f64,
     /// Write the motion to this file
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -141,7 +141,7 @@ impl Simulate {
         let morphology = read_morphology(&self.morphology)?;
         let mut experiment = Experiment::new(morphology.assemble());
         experiment.duration_s = self.duration;
-        experiment.sampling = Sampling::Rate(self.rate);
+        experiment.sampling = Sampling::Rate(self.rate_hz);
         if let Some(path) = &self.arena {
             let plan = Source::read(path, "arena")?;
             experiment.scene.push(SceneBody::read_arena(&plan, true)?);
@@ -152,7 +152,7 @@ impl Simulate {
         let mut experiment = self.solver.apply(experiment);
         for output in self.output.iter().chain(&self.parts) {
             trajectory::check_output(output)?;
-            check_writable(output)?;
+            output::check(output)?;
         }
         if let Some(page) = &self.replay {
             check_replay(page)?;

@@ -1,4 +1,4 @@
-//! `realgap status`: how far a plan is.
+//! `realgap cluster status`: how far a plan is.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use realgap::plan::{Plan, ShardState, Status};
 use realgap::plot::{Side, TextTable};
 
 use super::option::Print;
-use super::terminal;
+use super::{shell, terminal};
 
 /// How far the shards of a plan are
 #[derive(Debug, Args)]
@@ -65,9 +65,9 @@ impl StatusCommand {
                 )
             } else if round.complete {
                 format!(
-                    "all {} rows are merged; the answer is written by: realgap merge {}",
+                    "all {} rows are merged; the answer is written by: realgap cluster merge {}",
                     status.merged,
-                    self.plan.display()
+                    shell::path(&self.plan)
                 )
             } else {
                 format!(
@@ -118,9 +118,9 @@ impl StatusCommand {
         }
         let pending = status.pending();
         if !round.complete && !pending.is_empty() {
-            let folder = self.plan.display();
+            let folder = shell::path(&self.plan);
             lines.push(format!(
-                "  to be run: realgap run {folder} --shard {pending}"
+                "  to be run: realgap cluster run {folder} --shard {pending}"
             ));
         }
         lines.join("\n")

@@ -1,4 +1,4 @@
-//! `realgap submit`: let an engine that people have run a plan.
+//! `realgap cluster submit`: let an engine that people have run a plan.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -8,7 +8,7 @@ use realgap::plan::Plan;
 use realgap::{Error, Result};
 
 use super::slurm::{Slurm, scripts};
-use super::terminal;
+use super::{shell, terminal};
 
 commands! {
     /// Let Slurm run a plan: arrays of shards, a merge after each, retries, and the answer
@@ -68,7 +68,7 @@ impl SlurmOptions {
         };
         let script = scripts(&plan, &slurm)?;
         if !options.go {
-            terminal::print(format!("submit it with: bash {}", script.display()));
+            terminal::print(format!("submit it with: bash {}", shell::path(&script)));
             return Ok(());
         }
         let done = Command::new("bash").arg(&script).status();

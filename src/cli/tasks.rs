@@ -1,4 +1,4 @@
-//! `realgap tasks`: how long tasks take, real against simulated.
+//! `realgap sense tasks`: how long tasks take, real against simulated.
 
 use std::path::PathBuf;
 

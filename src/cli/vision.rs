@@ -1,10 +1,9 @@
-//! `realgap vision`: what is found in pictures, and whether it is the same in simulated and in real ones.
+//! `realgap sense vision`: what is found in pictures, and whether it is the same in simulated and in real ones.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use realgap::calibration::camera::{CameraOptions, tune_camera};
-use realgap::file::{check_writable, write_atomic};
 use realgap::results::draw_vision;
 use realgap::sensing::vision::camera::Scene;
 use realgap::sensing::vision::{
@@ -16,13 +15,13 @@ use realgap::{Error, Result};
 use super::option::{Choice, Print, choice};
 use super::page::PageFile;
 use super::picture::camera_named;
-use super::{progress, terminal};
+use super::{output, progress, terminal};
 
 commands! {
     /// Compare simulated pictures with real ones by what image processing finds in them (paper 002)
     ///
     /// Four extractors: edges (Canny), a template (correlation in the Fourier domain), a contour (a greedy snake), and text. What is to be
-    /// found where is said by views.ron in the folder of simulated pictures; `realgap picture` writes it.
+    /// found where is said by views.ron in the folder of simulated pictures; `realgap sense picture` writes it.
     VisionCommand:
     Compare(Compare),
     Extract(Extract),
@@ -112,7 +111,7 @@ pub struct Tune {
     /// Seed of the simulated noise and of the search
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Write the camera into this .ron file, for `realgap picture --camera FILE`
+    /// Write the camera into this .ron file, for `realgap sense picture --camera FILE`
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -187,7 +186,7 @@ impl Compare {
 impl Tune {
     pub fn run(self) -> Result<()> {
         if let Some(output) = &self.output {
-            check_writable(output)?;
+            output::check(output)?;
         }
         if !(self.place_sd > 0.0 && self.place_sd <= 1000.0) {
             return Err(Error::invalid("not a deviation of places")
@@ -212,7 +211,7 @@ impl Tune {
             tune_camera(&scene, &camera, light, &self.real, &options, run.progress)
         })?;
         if let Some(output) = &self.output {
-            write_atomic(output, tuned.camera.to_ron()?.as_bytes())?;
+            output::write_ron(output, &tuned.camera.to_ron()?)?;
         }
         terminal::print_warnings(&tuned.warnings);
         self.print.value(&tuned)
@@ -226,7 +225,7 @@ impl Extract {
             program.version()?;
         }
         if let Some(output) = &self.output {
-            check_writable(output)?;
+            output::check(output)?;
         }
         let mut rows = Vec::new();
         for path in &self.pictures {

@@ -1,20 +1,19 @@
-//! `realgap sense`: a log of what a sensor's model reads.
+//! `realgap sense draw`: a log of what a sensor's model reads.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use realgap::file::write_atomic;
 use realgap::sensing::range::{DrawOptions, DrawnLog, find_sensor};
 use realgap::unit::counted;
 use realgap::{Error, Result};
 
-use super::terminal;
+use super::{output, terminal};
 
 /// Draw a log of readings from a range sensor's model: a stand-in for a real log, with known truth
 ///
-/// The log can be given to `realgap characterise` and `realgap belief`. Distances are in the model's own unit.
+/// The log can be given to `realgap sense characterise` and `realgap sense belief`. Distances are in the model's own unit.
 #[derive(Debug, Args)]
-pub struct Sense {
+pub struct Draw {
     /// A shipped sensor (ultrasonic, infrared, laser) or a model's .ron file
     sensor: String,
     /// Distances, in the model's unit [default: 21 over its range]
@@ -44,7 +43,7 @@ pub struct Sense {
     output: PathBuf,
 }
 
-impl Sense {
+impl Draw {
     pub fn run(self) -> Result<()> {
         let options = DrawOptions {
             distances: self.distances,
@@ -54,7 +53,7 @@ impl Sense {
         };
         let log =
             DrawnLog::new(&find_sensor(&self.sensor)?, &options).map_err(Error::into_usage)?;
-        write_atomic(&self.output, log.csv.as_bytes())?;
+        output::write(&self.output, log.csv.as_bytes())?;
         terminal::print_warnings(&log.warnings);
         terminal::print(format!(
             "{} at {} in {}",
