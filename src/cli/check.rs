@@ -21,7 +21,6 @@ use realgap::trajectory::Reading;
 use realgap::unit::counted;
 use realgap::{Error, Result, Warning, results::draw_arena, results::portrait, trajectory};
 
-use super::estimate::cpu_s_per_point;
 use super::kind::Kind;
 use super::option::Format;
 use super::reading::ReadingOptions;
@@ -278,7 +277,7 @@ fn study(path: &Path) -> Result<Contents> {
             let given = whole.recordings.len();
             let study = realgap::calibration::Study::new(whole)?;
             let runs = study.sweep_runs() * study.cases().len();
-            let one = cpu_s_per_point(&study)?;
+            let one = study.cpu_s_per_point()?;
             let cost_s = one * study.run_cost() * study.sweep_runs() as f64;
             lines.push(format!(
                 "  {}, {}, {}",

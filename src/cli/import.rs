@@ -1,14 +1,13 @@
-//! `realgap import`: a robot of another program.
+//! `realgap robot import`: a robot of another program.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::Result;
-use realgap::file::{Source, write_atomic};
+use realgap::file::Source;
 use realgap::import::from_urdf;
 
-use super::terminal;
+use super::{output, terminal};
 
 /// Read a robot of boxes and hinges from a URDF, and write it in RON
 ///
@@ -25,15 +24,15 @@ pub struct Import {
 }
 
 impl Import {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let imported = from_urdf(&Source::read(&self.urdf, "URDF")?)?;
         for left_out in &imported.left_out {
             terminal::note(format!("left out or changed: {left_out}"));
         }
         match &self.output {
-            Some(path) => write_atomic(path, imported.text.as_bytes())?,
+            Some(path) => output::write_ron(path, &imported.text)?,
             None => terminal::print(imported.text.trim_end()),
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

@@ -18,7 +18,7 @@ use realgap::trajectory::Recording;
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 
-use super::{replay, terminal};
+use super::{output, shell, terminal};
 
 /// More recorded robots over each other hide what moves.
 const GHOSTS: usize = 3;
@@ -43,23 +43,15 @@ pub struct PageOption {
 }
 
 impl PageOption {
-    /// What to say about it.
-    pub fn said(self) -> &'static str {
-        if self.no_report {
-            ""
-        } else {
-            "; report.html opens in a browser"
-        }
-    }
-
-    /// Writes `report.html` into a finished results folder. What cannot be shown is a warning: the results are there.
-    pub fn write(self, folder: &Path, keep: impl FnOnce() -> Kept) {
+    /// Writes `report.html` into a finished results folder; what to say about it. What cannot be shown is a warning: the results
+    /// are there.
+    pub fn write(self, folder: &Path, keep: impl FnOnce() -> Kept) -> &'static str {
         if self.no_report {
             for name in [PAGE_FILE, Kept::FILE] {
                 // There may be none.
                 let _ignored = std::fs::remove_file(folder.join(name));
             }
-            return;
+            return "";
         }
         let kept = Kept {
             command: command(typed()),
@@ -68,7 +60,9 @@ impl PageOption {
         if let Err(error) = write(folder, &kept) {
             let warning = Warning::new(Code::NotWritten, format!("no report.html: {error}"));
             terminal::print_warnings(&[warning]);
+            return "";
         }
+        "; report.html opens in a browser"
     }
 }
 
@@ -83,7 +77,7 @@ pub struct PageFile {
 impl PageFile {
     /// Checks before the work that the page can be written.
     pub fn check(&self) -> Result<()> {
-        self.report.as_deref().map_or(Ok(()), replay::check_page)
+        self.report.as_deref().map_or(Ok(()), output::check_page)
     }
 
     /// Writes the page: `text` is what the command prints, `of` the file that it is about.
@@ -108,7 +102,7 @@ impl PageFile {
             text,
             report: &report,
             pictures: &pictures,
-            command: &replay::command_line(),
+            command: &shell::command_line(),
         };
         write_atomic(file, page.page()?.as_bytes())
     }
@@ -147,7 +141,7 @@ fn command(words: impl Iterator<Item = String>) -> String {
                 words.by_ref().take(*values).for_each(drop);
             }
             Some(_) => {}
-            None => kept.push(replay::quoted(word)),
+            None => kept.push(shell::quoted(word)),
         }
     }
     kept.join(" ")
