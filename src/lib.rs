@@ -161,6 +161,7 @@ pub mod guide {
 [docs/fidelity.md]: crate::guide::fidelity
 [docs/compare.md]: crate::guide::compare
 [docs/limits.md]: crate::guide::limits
+[docs/questions.md]: crate::guide::questions
 [docs/bibliography.md]: crate::guide::bibliography
 [docs/fidelity/verification.md]: crate::guide::fidelity::verification
 [docs/fidelity/contact.md]: crate::guide::fidelity::contact
@@ -382,6 +383,10 @@ pub mod guide {
     #[doc = links!()]
     #[doc = include_str!("../docs/limits.md")]
     pub mod limits {}
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/questions.md")]
+    pub mod questions {}
 
     #[doc = links!()]
     #[doc = include_str!("../docs/bibliography.md")]
