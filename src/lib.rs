@@ -142,253 +142,67 @@ pub use realgap_optimize::{Progress, RunOptions};
 
 /// The pages of `docs/`, shipped with the code they describe.
 pub mod guide {
-    /// Where the links of the pages lead in these pages. A page defines the same names once more, at its end, for
-    /// those who read it as a file: the first definition wins.
-    macro_rules! links {
-        () => {
-            "
-[docs/tutorial.md]: crate::guide::tutorial
-[docs/cli.md]: crate::guide::cli
-[docs/conventions.md]: crate::guide::conventions
-[docs/recordings.md]: crate::guide::recordings
-[docs/gallery.md]: crate::guide::gallery
-[docs/files.md]: crate::guide::files
-[docs/python.md]: crate::guide::python
-[docs/scale.md]: crate::guide::scale
-[docs/pages.md]: crate::guide::pages
-[docs/glossary.md]: crate::guide::glossary
-[docs/design.md]: crate::guide::design
-[docs/fidelity.md]: crate::guide::fidelity
-[docs/compare.md]: crate::guide::compare
-[docs/limits.md]: crate::guide::limits
-[docs/questions.md]: crate::guide::questions
-[docs/bibliography.md]: crate::guide::bibliography
-[docs/fidelity/verification.md]: crate::guide::fidelity::verification
-[docs/fidelity/contact.md]: crate::guide::fidelity::contact
-[docs/fidelity/settings.md]: crate::guide::fidelity::settings
-[docs/fidelity/precision.md]: crate::guide::fidelity::precision
-[docs/fidelity/joints.md]: crate::guide::fidelity::joints
-[docs/fidelity/tosses.md]: crate::guide::fidelity::tosses
-[docs/fidelity/energy.md]: crate::guide::fidelity::energy
-[docs/fidelity/hardware.md]: crate::guide::fidelity::hardware
-[docs/fidelity/servo.md]: crate::guide::fidelity::servo
-[docs/fidelity/engines.md]: crate::guide::fidelity::engines
-[docs/fidelity/stand_ins.md]: crate::guide::fidelity::stand_ins
-[docs/fidelity/tuning.md]: crate::guide::fidelity::tuning
-[docs/fidelity/intervals.md]: crate::guide::fidelity::intervals
-[docs/fidelity/sensitivity.md]: crate::guide::fidelity::sensitivity
-[docs/fidelity/ensembles.md]: crate::guide::fidelity::ensembles
-[docs/fidelity/gap.md]: crate::guide::fidelity::gap
-[docs/fidelity/genomes.md]: crate::guide::fidelity::genomes
-[docs/fidelity/search.md]: crate::guide::fidelity::search
-[docs/fidelity/sensing.md]: crate::guide::fidelity::sensing
-[docs/fidelity/radio.md]: crate::guide::fidelity::radio
-[docs/fidelity/vision.md]: crate::guide::fidelity::vision
-[docs/upstream/contact_stiffness.md]: crate::guide::upstream::contact_stiffness
-[docs/upstream/friction_direction.md]: crate::guide::upstream::friction_direction
-[docs/upstream/multibody_root.md]: crate::guide::upstream::multibody_root
-[docs/upstream/restitution.md]: crate::guide::upstream::restitution
-"
+    /// A module for every page, each with the links to all pages and pictures: pictures as seen from the folder that `cargo doc`
+    /// writes. A page defines the same names once more, at its end, for those who read it as a file: the first definition wins.
+    macro_rules! pages {
+        (
+            pictures: $($picture:ident)*;
+            pages: $($page:ident)*;
+            $($(#[$about:meta])* $room:ident: $($inner:ident)*;)*
+        ) => {
+            macro_rules! links {
+                () => {
+                    concat!(
+                        "\n[docs/fidelity.md]: crate::guide::fidelity\n",
+                        $("[docs/", stringify!($page), ".md]: crate::guide::", stringify!($page), "\n",)*
+                        $(link_inside!($room: $($inner)*),)*
+                        $("[docs/images/", stringify!($picture), ".png]: ../../../../../docs/images/",
+                            stringify!($picture), ".png\n",)*
+                    )
+                };
+            }
+            $(
+                #[doc = links!()]
+                #[doc = include_str!(concat!("../docs/", stringify!($page), ".md"))]
+                pub mod $page {}
+            )*
+            $(
+                $(#[$about])*
+                pub mod $room {
+                    pages_inside!($room: $($inner)*);
+                }
+            )*
         };
     }
 
-    /// The pictures, as seen from the folder that `cargo doc` writes.
-    macro_rules! pictures {
-        () => {
-            "
-[docs/images/compare.png]: ../../../../../docs/images/compare.png
-[docs/images/confidence.png]: ../../../../../docs/images/confidence.png
-[docs/images/convergence.png]: ../../../../../docs/images/convergence.png
-[docs/images/curves.png]: ../../../../../docs/images/curves.png
-[docs/images/ensemble.png]: ../../../../../docs/images/ensemble.png
-[docs/images/fitness.png]: ../../../../../docs/images/fitness.png
-[docs/images/gallery.png]: ../../../../../docs/images/gallery.png
-[docs/images/heatmap.png]: ../../../../../docs/images/heatmap.png
-[docs/images/histograms.png]: ../../../../../docs/images/histograms.png
-[docs/images/map.png]: ../../../../../docs/images/map.png
-[docs/images/paths.png]: ../../../../../docs/images/paths.png
-[docs/images/profile.png]: ../../../../../docs/images/profile.png
-[docs/images/ride.png]: ../../../../../docs/images/ride.png
-[docs/images/watched.png]: ../../../../../docs/images/watched.png
-[docs/images/seen.png]: ../../../../../docs/images/seen.png
-[docs/images/robot.png]: ../../../../../docs/images/robot.png
-[docs/images/sensitivity.png]: ../../../../../docs/images/sensitivity.png
-[docs/images/sensor.png]: ../../../../../docs/images/sensor.png
-[docs/images/steps.png]: ../../../../../docs/images/steps.png
-[docs/images/template.png]: ../../../../../docs/images/template.png
-[docs/images/time.png]: ../../../../../docs/images/time.png
-[docs/images/times.png]: ../../../../../docs/images/times.png
-[docs/images/visits.png]: ../../../../../docs/images/visits.png
-[docs/images/trajectories.png]: ../../../../../docs/images/trajectories.png
-"
+    macro_rules! link_inside {
+        ($room:ident: $($page:ident)*) => {
+            concat!($("[docs/", stringify!($room), "/", stringify!($page), ".md]: crate::guide::", stringify!($room), "::",
+                stringify!($page), "\n",)*)
         };
     }
 
-    #[doc = links!()]
-    #[doc = include_str!("../docs/tutorial.md")]
-    pub mod tutorial {}
-
-    #[doc = links!()]
-    #[doc = include_str!("../docs/cli.md")]
-    pub mod cli {}
-
-    #[doc = links!()]
-    #[doc = include_str!("../docs/conventions.md")]
-    pub mod conventions {}
-
-    #[doc = links!()]
-    #[doc = include_str!("../docs/files.md")]
-    pub mod files {}
-
-    #[doc = links!()]
-    #[doc = include_str!("../docs/python.md")]
-    pub mod python {}
-
-    #[doc = links!()]
-    #[doc = include_str!("../docs/recordings.md")]
-    pub mod recordings {}
-
-    #[doc = links!()]
-    #[doc = include_str!("../docs/scale.md")]
-    pub mod scale {}
-
-    #[doc = links!()]
-    #[doc = include_str!("../docs/glossary.md")]
-    pub mod glossary {}
-
-    #[doc = links!()]
-    #[doc = pictures!()]
-    #[doc = include_str!("../docs/gallery.md")]
-    pub mod gallery {}
-
-    #[doc = links!()]
-    #[doc = include_str!("../docs/pages.md")]
-    pub mod pages {}
-
-    #[doc = links!()]
-    #[doc = include_str!("../docs/design.md")]
-    pub mod design {}
-
-    /// Defects of the engine, each with a program that shows it.
-    pub mod upstream {
-        #[doc = links!()]
-        #[doc = include_str!("../docs/upstream/contact_stiffness.md")]
-        pub mod contact_stiffness {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/upstream/friction_direction.md")]
-        pub mod friction_direction {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/upstream/multibody_root.md")]
-        pub mod multibody_root {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/upstream/restitution.md")]
-        pub mod restitution {}
+    macro_rules! pages_inside {
+        ($room:ident: $($page:ident)*) => {
+            $(
+                #[doc = links!()]
+                #[doc = include_str!(concat!("../docs/", stringify!($room), "/", stringify!($page), ".md"))]
+                pub mod $page {}
+            )*
+        };
     }
 
-    #[doc = links!()]
-    #[doc = include_str!("../docs/fidelity.md")]
-    pub mod fidelity {
+    // A page is a word in this table; `tests/documentation.rs` holds it to the folder.
+    pages! {
+        pictures: compare confidence convergence curves ensemble fitness gallery heatmap histograms map paths profile ride
+            robot seen sensitivity sensor steps template time times tosses trajectories visits watched;
+        pages: tutorial cli conventions files python recordings scale glossary gallery pages design compare limits
+            questions bibliography;
         #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/verification.md")]
-        pub mod verification {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/contact.md")]
-        pub mod contact {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/settings.md")]
-        pub mod settings {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/precision.md")]
-        pub mod precision {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/joints.md")]
-        pub mod joints {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/tosses.md")]
-        pub mod tosses {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/energy.md")]
-        pub mod energy {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/hardware.md")]
-        pub mod hardware {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/servo.md")]
-        pub mod servo {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/engines.md")]
-        pub mod engines {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/stand_ins.md")]
-        pub mod stand_ins {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/tuning.md")]
-        pub mod tuning {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/intervals.md")]
-        pub mod intervals {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/sensitivity.md")]
-        pub mod sensitivity {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/ensembles.md")]
-        pub mod ensembles {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/gap.md")]
-        pub mod gap {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/genomes.md")]
-        pub mod genomes {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/search.md")]
-        pub mod search {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/sensing.md")]
-        pub mod sensing {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/radio.md")]
-        pub mod radio {}
-
-        #[doc = links!()]
-        #[doc = include_str!("../docs/fidelity/vision.md")]
-        pub mod vision {}
+        #[doc = include_str!("../docs/fidelity.md")]
+        fidelity: verification contact settings precision joints tosses energy hardware servo engines stand_ins tuning
+            intervals sensitivity ensembles gap genomes search sensing radio vision;
+        /// Defects of the engine, each with a program that shows it.
+        upstream: contact_stiffness friction_direction multibody_root restitution;
     }
-
-    #[doc = links!()]
-    #[doc = include_str!("../docs/compare.md")]
-    pub mod compare {}
-
-    #[doc = links!()]
-    #[doc = include_str!("../docs/limits.md")]
-    pub mod limits {}
-
-    #[doc = links!()]
-    #[doc = include_str!("../docs/questions.md")]
-    pub mod questions {}
-
-    #[doc = links!()]
-    #[doc = include_str!("../docs/bibliography.md")]
-    pub mod bibliography {}
 }

@@ -1,6 +1,6 @@
-"""Writes tests/golden/energy.csv: reference values for the energy test of src/statistics/energy.rs, from scipy and numpy.
+"""Writes crates/lab/tests/golden/energy.csv: reference values for the energy test of crates/core/src/statistics/energy.rs, from scipy and numpy.
 
-pip install numpy==2.4.6 scipy==1.17.1 && python3 tools/golden_energy.py > tests/golden/energy.csv
+pip install numpy==2.4.6 scipy==1.17.1 && python3 tools/golden_energy.py > crates/lab/tests/golden/energy.csv
 
 Points in `dimensions` dimensions, row by row. In one dimension the energy distance is also that of
 scipy.stats.energy_distance (which gives its root). p is exact: the share of all ways to choose the first sample.

@@ -1,6 +1,6 @@
-"""Writes tests/golden/statistics.csv: reference values for src/statistics, from scipy, numpy and statsmodels.
+"""Writes crates/core/tests/golden/statistics.csv: reference values for crates/core/src/statistics, from scipy, numpy and statsmodels.
 
-pip install numpy==2.4.6 scipy==1.17.1 statsmodels && python3 tools/golden_statistics.py > tests/golden/statistics.csv
+pip install numpy==2.4.6 scipy==1.17.1 statsmodels && python3 tools/golden_statistics.py > crates/core/tests/golden/statistics.csv
 """
 
 from itertools import combinations

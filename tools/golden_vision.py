@@ -1,6 +1,6 @@
-"""Writes tests/golden/vision.json: what scikit-image and scipy find in pictures that both sides make by the same formulas.
+"""Writes crates/vision/tests/golden/vision.json: what scikit-image and scipy find in pictures that both sides make by the same formulas.
 
-pip install numpy==2.4.6 scipy==1.17.1 scikit-image && python3 tools/golden_vision.py > tests/golden/vision.json
+pip install numpy==2.4.6 scipy==1.17.1 scikit-image && python3 tools/golden_vision.py > crates/vision/tests/golden/vision.json
 """
 
 import json

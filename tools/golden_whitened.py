@@ -1,8 +1,8 @@
 """Reference values of the metric `pca-whitened`: scikit-learn's OAS covariance and a dense inverse.
 
-    python tools/golden_whitened.py > tests/golden/whitened.json
+    python tools/golden_whitened.py > crates/path/tests/golden/whitened.json
 
-Needs numpy and scikit-learn. tests/whitened.rs makes the same paths from the same formula.
+Needs numpy and scikit-learn. crates/path/tests/whitened.rs makes the same paths from the same formula.
 """
 
 import json

@@ -1,6 +1,6 @@
-"""Writes tests/golden/wilcoxon.csv: scipy's signed-rank test, for src/statistics/paired.rs.
+"""Writes crates/core/tests/golden/wilcoxon.csv: scipy's signed-rank test, for crates/core/src/statistics/paired.rs.
 
-pip install numpy==2.4.6 scipy==1.17.1 && python3 tools/golden_wilcoxon.py > tests/golden/wilcoxon.csv
+pip install numpy==2.4.6 scipy==1.17.1 && python3 tools/golden_wilcoxon.py > crates/core/tests/golden/wilcoxon.csv
 """
 
 from itertools import product

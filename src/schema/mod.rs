@@ -89,7 +89,7 @@ pub fn files() -> Vec<FileKind> {
             "An arena: walls, boxes, radio stations, seen from above.",
         ),
         ron::<simulation::VehicleFile>("vehicle", "A robot on two wheels."),
-        ron::<range::ModelFile>(
+        ron::<range::RangeModel>(
             "sensor",
             "A range sensor, as `realgap characterise` finds it.",
         ),
@@ -97,7 +97,7 @@ pub fn files() -> Vec<FileKind> {
             "sensorgraph",
             "Polynomials that foretell a sensor's readings, as `realgap sensorgraph fit` finds them.",
         ),
-        ron::<radio::RadioFile>("radio", "A radio model, as `realgap radio fit` finds it."),
+        ron::<radio::RadioModel>("radio", "A radio model, as `realgap radio fit` finds it."),
         ron::<vision::SceneFile>("scene", "A room to take pictures of."),
         ron::<vision::CameraFile>(
             "camera",

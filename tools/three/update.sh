@@ -1,6 +1,6 @@
 #!/bin/sh
 # Makes src/report/page/three.min.js: the parts of three.js that the replay uses, in one minified script.
-# Needs npm. Versions are pinned here; change them, run this, run `cargo test --test replay`, and look at a replay.
+# Needs npm. Versions are pinned here; change them, run this, run `cargo test --test page replay`, and look at a replay.
 set -eu
 THREE=0.170.0
 ESBUILD=0.25.0

@@ -169,6 +169,9 @@ impl fmt::Display for Advice {
     }
 }
 
+/// Stands between the parts of an error that serde carries; no text of ours has it.
+const PART: char = '\u{1f}';
+
 impl Error {
     fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
         Self(Box::new(Parts {
@@ -301,6 +304,39 @@ impl Error {
             self.0.hint = Some(hint);
         }
         self
+    }
+
+    /// The same error of a field of this one, e.g. `mean` for `mean.values`.
+    #[must_use]
+    pub fn within(mut self, parent: &str) -> Self {
+        self.0.field = Some(match self.0.field.take() {
+            Some(field) => format!("{parent}.{field}"),
+            None => parent.to_owned(),
+        });
+        self
+    }
+
+    /// The same error on its way through serde, which knows messages only: for `Deserialize` of what is looked up by name.
+    /// [`parse_ron`](crate::file::parse_ron) puts the parts together again, and adds where it was.
+    pub fn through_serde<E: serde::de::Error>(self) -> E {
+        let Parts {
+            message,
+            found,
+            allowed,
+            hint,
+            ..
+        } = *self.0;
+        let parts = [found, allowed, hint].map(Option::unwrap_or_default);
+        E::custom(format!("{message}{PART}{}", parts.join(&PART.to_string())))
+    }
+
+    /// What [`Error::through_serde`] sent, or anybody's message.
+    pub(crate) fn from_serde(message: &str) -> Self {
+        let mut parts = message.split(PART);
+        let mut error = Self::invalid(parts.next().unwrap_or_default());
+        let mut next = || parts.next().filter(|p| !p.is_empty()).map(str::to_owned);
+        (error.0.found, error.0.allowed, error.0.hint) = (next(), next(), next());
+        error
     }
 
     /// The same error as a wrong use of a command: for values that came from an option, not from a file.

@@ -19,6 +19,9 @@ pub enum Side {
     Right,
 }
 
+/// A column of a table of rows: its name, its side, and what its cell of a row says.
+pub type Column<'a, T> = (&'a str, Side, &'a dyn Fn(&T) -> String);
+
 /// A table as plain text: a header line, a row for each entry, columns two blanks apart.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TextTable {
@@ -36,6 +39,25 @@ impl TextTable {
                 .collect(),
             rows: Vec::new(),
         }
+    }
+
+    /// A table of some rows: each column says its name, its side and what stands in its cells.
+    ///
+    /// ```
+    /// use realgap_core::table::{Side::{Left, Right}, TextTable};
+    /// let rows = [("run_1", 1.23), ("run_2", 12.3)];
+    /// let table = TextTable::of(&rows, &[
+    ///     ("trajectory", Left, &|row| row.0.to_owned()),
+    ///     ("pca", Right, &|row| format!("{} cm", row.1)),
+    /// ]);
+    /// assert!(table.render(false).ends_with("run_2       12.3 cm\n"));
+    /// ```
+    pub fn of<'a, T: 'a>(rows: impl IntoIterator<Item = &'a T>, columns: &[Column<'_, T>]) -> Self {
+        let mut table = Self::new(columns.iter().map(|(name, side, _)| (*name, *side)));
+        for row in rows {
+            table.push(columns.iter().map(|(.., cell)| cell(row)));
+        }
+        table
     }
 
     /// Adds a row; missing cells stay empty. Of a long cell the start is shown, control characters as escapes.

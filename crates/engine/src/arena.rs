@@ -102,7 +102,7 @@ impl SceneBody {
             }
             let module = (
                 world_from_robot * solid.robot_from_solid,
-                solid.half_extents_m,
+                solid.half_extents_m(),
             );
             for part in &self.boxes {
                 let part_pose = world_from_body * part.body_from_box;
@@ -127,8 +127,8 @@ impl SceneBody {
 /// Where the robot's frame is at the start, with joints at zero.
 fn world_from_robot(experiment: &Experiment) -> Isometry3<f64> {
     let assembly = &experiment.assembly;
-    match (&experiment.start, assembly.mount_world_m) {
-        (_, Some(mount_m)) => Isometry3::from_parts(mount_m.into(), UnitQuaternion::identity()),
+    match (&experiment.start, assembly.world_from_mount) {
+        (_, Some(world_from_mount)) => world_from_mount,
         (Start::Settled, None) => {
             let reach = |pose: &Isometry3<f64>, half_m: &Vector3<f64>| {
                 let turn = pose.rotation.to_rotation_matrix();
@@ -138,7 +138,7 @@ fn world_from_robot(experiment: &Experiment) -> Isometry3<f64> {
                 .parts
                 .iter()
                 .flat_map(|part| &part.solids)
-                .map(|solid| reach(&solid.robot_from_solid, &solid.half_extents_m))
+                .map(|solid| reach(&solid.robot_from_solid, &solid.half_extents_m()))
                 .fold(f64::INFINITY, f64::min);
             Isometry3::translation(0.0, 0.0, experiment.floor.height_m - lowest_m)
         }

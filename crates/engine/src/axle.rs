@@ -5,15 +5,16 @@ use std::f64::consts::TAU;
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
 use super::engine::prelude::{
-    GenericJoint, GenericJointBuilder, ImpulseJointHandle, ImpulseJointSet, JointAxesMask,
-    JointAxis, MotorModel, MultibodyJointHandle, MultibodyJointSet, RigidBodyHandle, RigidBodySet,
+    GenericJoint, GenericJointBuilder, ImpulseJointHandle, ImpulseJointSet, IntegrationParameters,
+    JointAxesMask, JointAxis, MotorModel, MultibodyJointHandle, MultibodyJointSet, RigidBody,
+    RigidBodyHandle, RigidBodySet,
 };
 use super::engine::{Real, narrow, wide};
 use super::experiment::JointKind;
 use super::motor::Effort;
 use super::servo::Command;
 use super::world::{from_rotation, from_vector, to_pose, to_vector};
-use realgap_robot::morphology::{Assembly, Bearing, Hinge};
+use realgap_robot::morphology::{Assembly, Bearing, Freedom, Hinge};
 
 /// A hinge in the engine's hands.
 #[derive(Debug, Clone, Copy)]
@@ -34,10 +35,14 @@ pub(super) struct Axle {
     exerted: Option<Exerted>,
     /// Whether a motor behind a gear drives it.
     has_gear: bool,
+    /// Turning or sliding: what the engine calls the axis.
+    axis: JointAxis,
     parent: RigidBodyHandle,
     child: RigidBodyHandle,
     /// A point on the axis, in the frame of the parent's body, metres.
     anchor_parent_m: Vector3<f64>,
+    /// The same point at the start, in the frame of the child's body, metres.
+    anchor_child_m: Vector3<f64>,
     /// Axis in the parent's frame, which equals the child's at zero angle.
     axis_part: Vector3<f64>,
     /// Joint coordinate 0 is the angle the robot started with.
@@ -72,9 +77,12 @@ pub(super) fn rotor_inertia_kg_m2(
     let rotors = hinges
         .filter(|hinge| hinge.child_part == part)
         .filter_map(|hinge| {
-            let motor = hinge.actuator.as_ref()?.servo.law.motor()?;
+            let motor = hinge.actuator.as_ref().and_then(|a| a.servo.law.motor());
+            let own_kg_m2 = hinge.bearing.armature_kg_m2;
+            let armature_kg_m2 = own_kg_m2 + motor.map_or(0.0, |motor| motor.armature_kg_m2);
+            let turns = hinge.freedom == Freedom::Turn && armature_kg_m2 > 0.0;
             let axis = part_from_robot.rotation * hinge.axis_robot.into_inner();
-            Some(axis * axis.transpose() * motor.armature_kg_m2)
+            turns.then(|| axis * axis.transpose() * armature_kg_m2)
         });
     rotors.sum()
 }
@@ -99,10 +107,14 @@ impl Axle {
                 .local_frame2(to_pose(&seats[1].body_from_hinge))
                 .contacts_enabled(false)
         };
-        let mut data = joint_with(JointAxesMask::LOCKED_REVOLUTE_AXES);
+        let (axis, locked) = match hinge.freedom {
+            Freedom::Turn => (JointAxis::AngX, JointAxesMask::LOCKED_REVOLUTE_AXES),
+            Freedom::Slide => (JointAxis::LinX, JointAxesMask::LOCKED_PRISMATIC_AXES),
+        };
+        let mut data = joint_with(locked);
         if let Some((low_rad, high_rad)) = bearing.limits_rad {
             data = data.limits(
-                JointAxis::AngX,
+                axis,
                 [low_rad, high_rad].map(|limit_rad| narrow(limit_rad - start_rad)),
             );
         }
@@ -135,16 +147,40 @@ impl Axle {
             bearing,
             exerted: None,
             has_gear,
+            axis,
             parent,
             child,
             anchor_parent_m: seats[0].body_from_hinge.translation.vector,
+            anchor_child_m: seats[1].body_from_hinge.translation.vector,
             axis_part: hinge.axis_robot.into_inner(),
             start_rad,
         }
     }
 
-    /// Angle, radians, continued from `near_rad` so that it does not jump at half turns.
+    /// Whether it slides.
+    fn slides(&self) -> bool {
+        self.axis == JointAxis::LinX
+    }
+
+    /// Axis, and the anchors that parent and child carry, world frame, metres.
+    fn places(&self, bodies: &RigidBodySet) -> (Vector3<f64>, [Vector3<f64>; 2]) {
+        let [parent, child] = [self.parent, self.child].map(|handle| bodies[handle].position());
+        let anchors_world_m = [
+            from_vector(*parent * to_vector(&self.anchor_parent_m)),
+            from_vector(*child * to_vector(&self.anchor_child_m)),
+        ];
+        (
+            from_rotation(&parent.rotation) * self.axis_part,
+            anchors_world_m,
+        )
+    }
+
+    /// Angle, radians, continued from `near_rad` so that it does not jump at half turns; of a slide the distance, metres.
     pub fn angle_rad(&self, bodies: &RigidBodySet, near_rad: f64) -> f64 {
+        if self.slides() {
+            let (axis_world, [here_m, there_m]) = self.places(bodies);
+            return self.start_rad + (there_m - here_m).dot(&axis_world);
+        }
         let parent = from_rotation(&bodies[self.parent].position().rotation);
         let child = from_rotation(&bodies[self.child].position().rotation);
         let relative: UnitQuaternion<f64> = parent.inverse() * child;
@@ -154,8 +190,17 @@ impl Axle {
         angle_rad + turns * TAU
     }
 
-    /// Speed, rad/s.
+    /// Speed, rad/s; of a slide m/s.
     pub fn speed_rad_s(&self, bodies: &RigidBodySet) -> f64 {
+        if self.slides() {
+            let (axis_world, [_, at_m]) = self.places(bodies);
+            let velocity = |handle| {
+                let body: &RigidBody = &bodies[handle];
+                let arm_m = at_m - from_vector(body.center_of_mass());
+                from_vector(body.linvel()) + from_vector(body.angvel()).cross(&arm_m)
+            };
+            return (velocity(self.child) - velocity(self.parent)).dot(&axis_world);
+        }
         let [parent, child] = [self.parent, self.child].map(|handle| &bodies[handle]);
         let axis_world = from_rotation(&parent.position().rotation) * self.axis_part;
         (from_vector(child.angvel()) - from_vector(parent.angvel())).dot(&axis_world)
@@ -174,6 +219,7 @@ impl Axle {
         };
         multibody.damping_mut()[row] = narrow(self.bearing.viscous_nm_s_rad);
         multibody.frictions_mut()[row] = narrow(self.bearing.dry_nm);
+        multibody.armature_mut()[row] = narrow(self.bearing.armature_kg_m2);
         multibody.generalized_velocity_mut()[row] = narrow(speed_rad_s);
     }
 
@@ -213,13 +259,7 @@ impl Axle {
                 torque_nm,
                 speed_rad_s,
             });
-            let axis_world =
-                from_rotation(&bodies[self.parent].position().rotation) * self.axis_part;
-            for (part, torque_nm) in [(self.child, torque_nm), (self.parent, -torque_nm)] {
-                if let Some(body) = bodies.get_mut(part) {
-                    body.add_torque(to_vector(&(axis_world * torque_nm)), false);
-                }
-            }
+            self.push(bodies, torque_nm);
             return;
         };
         let Some((multibody, link)) = multibody_joints.get_mut(handle) else {
@@ -228,7 +268,8 @@ impl Axle {
         if let Some(row) = multibody.link(link).map(|link| link.assembly_id()) {
             multibody.damping_mut()[row] = narrow(viscous_nm_s_rad);
             multibody.frictions_mut()[row] = narrow(dry_nm + effort.dry_nm());
-            multibody.armature_mut()[row] = narrow(effort.armature_kg_m2);
+            multibody.armature_mut()[row] =
+                narrow(self.bearing.armature_kg_m2 + effort.armature_kg_m2);
         }
         let Some(link) = multibody.link_mut(link) else {
             return;
@@ -240,23 +281,62 @@ impl Axle {
             0.0
         };
         let data = &mut link.joint.data;
-        data.set_motor_model(JointAxis::AngX, MotorModel::ForceBased);
+        data.set_motor_model(self.axis, MotorModel::ForceBased);
         data.set_motor_velocity(
-            JointAxis::AngX,
+            self.axis,
             narrow(effort.shifted_target_rad_s()),
             narrow(effort.damping_nm_s_rad),
         );
-        data.set_motor_max_force(JointAxis::AngX, most_nm);
+        data.set_motor_max_force(self.axis, most_nm);
     }
 
-    /// Takes back what a motor exerted on the parts of an impulse joint: it was for one step.
+    /// Torque on the child and against the parent; of a slide a force at its anchor.
+    fn push(&self, bodies: &mut RigidBodySet, torque_nm: f64) {
+        let (axis_world, [_, at_m]) = self.places(bodies);
+        for (part, torque_nm) in [(self.child, torque_nm), (self.parent, -torque_nm)] {
+            let Some(body) = bodies.get_mut(part) else {
+                continue;
+            };
+            let along = to_vector(&(axis_world * torque_nm));
+            if self.slides() {
+                body.add_force_at_point(along, to_vector(&at_m), false);
+            } else {
+                body.add_torque(along, false);
+            }
+        }
+    }
+
+    /// Has the spring of the joint act during the next step.
+    ///
+    /// The force is that of one step, which the solver takes in substeps. Taken where the joint will be after a share of it, the
+    /// spring neither gains nor loses energy: with n substeps a constant acceleration a moves a body by a h² (n + 1) / (2 n), and
+    /// the motion keeps its amplitude where the force is that of (n − 1) / (2 n) steps ahead. Where the spring is too stiff for
+    /// steps this long, it is held to what would carry the joint to its rest within one.
+    pub fn spring(&self, bodies: &mut RigidBodySet, parameters: &IntegrationParameters) {
+        let Some(spring) = self.bearing.spring else {
+            return;
+        };
+        let timestep_s = wide(parameters.dt);
+        let substeps = parameters.num_solver_iterations as f64;
+        let ahead_s = timestep_s * (substeps - 1.0) / (2.0 * substeps);
+        let here_rad = self.angle_rad(bodies, spring.rest_rad);
+        let then_rad = here_rad + ahead_s * self.speed_rad_s(bodies);
+        let inertia_kg_m2 = self.reduced_inertia_kg_m2(bodies) + self.bearing.armature_kg_m2;
+        let most_nm_rad = inertia_kg_m2 / (timestep_s * timestep_s);
+        let stiffness_nm_rad = spring.stiffness_nm_rad.min(most_nm_rad);
+        self.push(bodies, stiffness_nm_rad * (spring.rest_rad - then_rad));
+    }
+
+    /// Takes back what a motor or spring exerted on the parts: it was for one step.
     pub fn let_go(&self, bodies: &mut RigidBodySet) {
-        if !self.has_gear || matches!(self.joint, Joint::Multibody(_)) {
+        let has_pushed = self.has_gear && matches!(self.joint, Joint::Impulse(_));
+        if !has_pushed && self.bearing.spring.is_none() {
             return;
         }
         for part in [self.parent, self.child] {
             if let Some(body) = bodies.get_mut(part) {
                 body.reset_torques(false);
+                body.reset_forces(false);
             }
         }
     }
@@ -267,11 +347,15 @@ impl Axle {
         let world_from_parent = parent.position();
         let axis_world = from_rotation(&world_from_parent.rotation) * self.axis_part;
         let anchor_world_m = from_vector(*world_from_parent * to_vector(&self.anchor_parent_m));
+        let slides = self.slides();
         let inverse: f64 = [self.parent, self.child]
             .iter()
             .map(|handle| &bodies[*handle])
             .filter(|body| body.is_dynamic())
             .map(|body| {
+                if slides {
+                    return 1.0 / wide(body.mass());
+                }
                 let inverse = body.mass_properties().effective_world_inv_inertia;
                 let turn = from_vector(inverse * to_vector(&axis_world)).dot(&axis_world);
                 let arm_m = from_vector(body.center_of_mass()) - anchor_world_m;
@@ -305,9 +389,9 @@ impl Axle {
             (0.0, 0.0)
         };
         let data = &mut joint.data;
-        data.set_motor_model(JointAxis::AngX, MotorModel::ForceBased);
-        data.set_motor_velocity(JointAxis::AngX, 0.0, narrow(damping_nm_s_rad));
-        data.set_motor_max_force(JointAxis::AngX, most_nm);
+        data.set_motor_model(self.axis, MotorModel::ForceBased);
+        data.set_motor_velocity(self.axis, 0.0, narrow(damping_nm_s_rad));
+        data.set_motor_max_force(self.axis, most_nm);
     }
 
     /// Asks the motor of the hinge, which is at `angle_rad`, to do `command` during the next step.
@@ -322,7 +406,10 @@ impl Axle {
         let data = match self.joint {
             Joint::Impulse(handle) => {
                 // An impulse joint knows its angle only up to whole turns.
-                let wrapped_rad = coordinate_rad - TAU * (coordinate_rad / TAU).round();
+                let wrapped_rad = match self.slides() {
+                    true => coordinate_rad,
+                    false => coordinate_rad - TAU * (coordinate_rad / TAU).round(),
+                };
                 impulse_joints
                     .get_mut(handle, false)
                     .map(|joint| (&mut joint.data, wrapped_rad))
@@ -333,19 +420,15 @@ impl Axle {
                 .map(|link| (&mut link.joint.data, coordinate_rad)),
         };
         let Some((data, here_rad)) = data else { return };
-        data.set_motor_model(JointAxis::AngX, MotorModel::ForceBased);
+        data.set_motor_model(self.axis, MotorModel::ForceBased);
         match command {
             Command::Velocity {
                 target_rad_s,
                 damping_nm_s_rad,
                 max_torque_nm,
             } => {
-                data.set_motor_velocity(
-                    JointAxis::AngX,
-                    narrow(target_rad_s),
-                    narrow(damping_nm_s_rad),
-                );
-                data.set_motor_max_force(JointAxis::AngX, narrow(max_torque_nm));
+                data.set_motor_velocity(self.axis, narrow(target_rad_s), narrow(damping_nm_s_rad));
+                data.set_motor_max_force(self.axis, narrow(max_torque_nm));
             }
             Command::Spring {
                 error_rad,
@@ -354,12 +437,12 @@ impl Axle {
                 max_torque_nm,
             } => {
                 data.set_motor_position(
-                    JointAxis::AngX,
+                    self.axis,
                     narrow(here_rad + error_rad),
                     narrow(stiffness_nm_rad),
                     narrow(damping_nm_s_rad),
                 );
-                data.set_motor_max_force(JointAxis::AngX, narrow(max_torque_nm));
+                data.set_motor_max_force(self.axis, narrow(max_torque_nm));
             }
         }
     }

@@ -18,7 +18,7 @@ use super::motor::Effort;
 use super::part_state::PartState;
 use super::world::{Load, World};
 use realgap_core::warning::{Code, Warning};
-use realgap_robot::morphology::{Assembly, Bearing};
+use realgap_robot::morphology::{Assembly, Bearing, Freedom};
 
 /// Above this share of what the servos gave, a balance is called open.
 const OPEN_SHARE: f64 = 0.02;
@@ -91,6 +91,7 @@ struct Gauge {
     anchor_child_m: Point3<f64>,
     /// The axis, in the frame of either part at any angle.
     axis_part: Vector3<f64>,
+    slides: bool,
     bearing: Bearing,
     has_servo: bool,
     /// Inertia of a rotor that no part has, kg m².
@@ -102,6 +103,14 @@ impl Gauge {
     fn speed_rad_s(&self, parts: &[PartState]) -> f64 {
         let (parent, child) = (&parts[self.parent], &parts[self.child]);
         let axis_world = parent.world_from_part.rotation * self.axis_part;
+        if self.slides {
+            let anchor_world_m = child.world_from_part * self.anchor_child_m;
+            let at = |part: &PartState| {
+                let arm_m = anchor_world_m.coords - part.centre_world_m;
+                part.velocity_world_m_s + part.angular_velocity_world_rad_s.cross(&arm_m)
+            };
+            return (at(child) - at(parent)).dot(&axis_world);
+        }
         (child.angular_velocity_world_rad_s - parent.angular_velocity_world_rad_s).dot(&axis_world)
     }
 }
@@ -164,11 +173,13 @@ impl Meter {
                 child: hinge.child_part,
                 anchor_child_m: child_from_robot * Point3::from(hinge.anchor_robot_m),
                 axis_part: hinge.axis_robot.into_inner(),
+                slides: hinge.freedom == Freedom::Slide,
                 bearing: hinge.bearing,
                 has_servo: servo.is_some(),
                 armature_kg_m2: motor
                     .filter(|_| has_rotors)
-                    .map_or(0.0, |motor| motor.armature_kg_m2),
+                    .map_or(0.0, |motor| motor.armature_kg_m2)
+                    + hinge.bearing.armature_kg_m2,
             }
         });
         Self {
@@ -213,7 +224,7 @@ impl Meter {
         // The step in whose middle counting starts belongs to the later part.
         if began_s + 0.5 * self.timestep_s >= self.from_s {
             world.loads(&mut self.loads);
-            self.count(assembly.mount_world_m.is_some(), &after, efforts);
+            self.count(assembly.world_from_mount.is_some(), &after, efforts);
         }
         self.before = after;
     }
@@ -268,14 +279,22 @@ impl Meter {
                 .map(|part| Mean::of(&self.before[part], &after[part]).about(&anchor_world_m));
             let open_m_s = child.0 - parent.0;
             let turn_rad_s = child.1 - parent.1;
-            let tilt_rad_s = turn_rad_s - axis_world * turn_rad_s.dot(&axis_world);
-            balance.slack_j += passed.impulse_n_s.dot(&open_m_s) + moment_nm_s.dot(&tilt_rad_s);
+            // What the joint leaves free is no slack.
+            let along = |v: &Vector3<f64>| axis_world * v.dot(&axis_world);
+            let (slack_m_s, slack_rad_s, along_axis) = if gauge.slides {
+                let impulse_n_s = passed.impulse_n_s.dot(&axis_world);
+                (open_m_s - along(&open_m_s), turn_rad_s, impulse_n_s)
+            } else {
+                let tilt_rad_s = turn_rad_s - along(&turn_rad_s);
+                (open_m_s, tilt_rad_s, moment_nm_s.dot(&axis_world))
+            };
+            balance.slack_j += passed.impulse_n_s.dot(&slack_m_s) + moment_nm_s.dot(&slack_rad_s);
             let [first_rad_s, then_rad_s] =
                 [gauge.speed_rad_s(&self.before), gauge.speed_rad_s(after)];
             let mean_rad_s = 0.5 * (first_rad_s + then_rad_s);
             let rotor_j = 0.5 * gauge.armature_kg_m2 * (then_rad_s.powi(2) - first_rad_s.powi(2));
             balance.kinetic_j += rotor_j;
-            let hinge_j = moment_nm_s.dot(&axis_world) * mean_rad_s + rotor_j;
+            let hinge_j = along_axis * mean_rad_s + rotor_j;
             let servo_j = match efforts.get(index).copied().flatten() {
                 _ if !gauge.has_servo => 0.0,
                 Some(effort) => {

@@ -74,6 +74,7 @@ pub enum JointKind {
     Impulse,
     /// Multibody joints where a light part carries a heavy one, [`JointKind::LIGHT`], or a servo is a motor behind a gear, and the
     /// robot has at most [`JointKind::MOST_HINGES`] hinges; impulse joints for all others, whose contacts they do not soften (docs/fidelity/contact.md).
+    /// A robot of stated bodies is a multibody, whatever its number of joints.
     Auto,
 }
 
@@ -97,6 +98,8 @@ impl JointKind {
             has_gear || a.min(b) < Self::LIGHT * a.max(b)
         });
         match self {
+            // Links without mass, springs and slides are at home in reduced coordinates.
+            Self::Auto if !assembly.is_modular => Self::Multibody,
             Self::Auto if is_uneven && assembly.hinges.len() <= Self::MOST_HINGES => {
                 Self::Multibody
             }

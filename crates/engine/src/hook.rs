@@ -1,5 +1,7 @@
 //! What the engine asks about contacts: which modules pass through each other, and how contacts rub.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 
 use super::engine::Real;
@@ -52,7 +54,7 @@ pub(super) struct Hooks {
     /// Turns sliding friction opposite to slip; only where every contact has a cone of its own.
     pub friction: Option<Friction>,
     /// Pairs of modules that never touch.
-    pub apart: Vec<(usize, usize)>,
+    pub apart: BTreeSet<(usize, usize)>,
     /// Friction of pairs with these colliders, whatever the other one is.
     pub pair_friction: Vec<(ColliderHandle, Real)>,
     /// Bodies that are driven along tracks.
@@ -61,12 +63,15 @@ pub(super) struct Hooks {
 
 impl PhysicsHooks for Hooks {
     fn filter_contact_pair(&self, context: &PairFilterContext<'_>) -> Option<SolverFlags> {
-        let mark = |handle: ColliderHandle| context.colliders.get(handle).map(|c| c.user_data);
-        let marks = (mark(context.collider1)?, mark(context.collider2)?);
-        let is_apart = self.apart.iter().any(|&(a, b)| {
-            let pair = (module_mark(a), module_mark(b));
-            marks == pair || marks == (pair.1, pair.0)
-        });
+        let module = |handle: ColliderHandle| {
+            let mark = context.colliders.get(handle).map(|c| c.user_data)?;
+            // What is not of a module has no number.
+            usize::try_from(mark).ok()?.checked_sub(1)
+        };
+        let is_apart = match (module(context.collider1), module(context.collider2)) {
+            (Some(a), Some(b)) => self.apart.contains(&(a, b)) || self.apart.contains(&(b, a)),
+            _ => false,
+        };
         (!is_apart).then_some(SolverFlags::default())
     }
 

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 use super::experiment::JointState;
-use realgap_robot::morphology::{Assembly, Hinge};
+use realgap_robot::morphology::{Assembly, Freedom, Hinge};
 
 /// Robot-frame pose of a part's own frame at zero angles: the centre of its first solid, axes of the robot.
 pub(super) fn robot_from_part_at_zero(assembly: &Assembly, part: usize) -> Isometry3<f64> {
@@ -11,8 +11,11 @@ pub(super) fn robot_from_part_at_zero(assembly: &Assembly, part: usize) -> Isome
     Isometry3::from_parts(origin, UnitQuaternion::identity())
 }
 
-/// Turn by `angle_rad` about the hinge's axis, in the robot frame.
+/// Turn by `angle_rad` about the hinge's axis, or slide along it, in the robot frame.
 fn turn(hinge: &Hinge, angle_rad: f64) -> Isometry3<f64> {
+    if hinge.freedom == Freedom::Slide {
+        return Translation3::from(hinge.axis_robot.into_inner() * angle_rad).into();
+    }
     let there = Translation3::from(hinge.anchor_robot_m);
     let rotation = UnitQuaternion::from_axis_angle(&hinge.axis_robot, angle_rad);
     there * rotation * there.inverse()
@@ -54,8 +57,13 @@ pub(super) fn joint_turns(
             let part_from_robot = robot_from_part_at_zero(assembly, hinge.parent_part).inverse();
             let anchor_m = parent * part_from_robot * Point3::from(hinge.anchor_robot_m);
             let rate = parent.rotation * hinge.axis_robot.into_inner() * joint.speed_rad_s;
-            turn.angular_world_rad_s += rate;
-            turn.at_origin_world_m_s -= rate.cross(&anchor_m.coords);
+            match hinge.freedom {
+                Freedom::Turn => {
+                    turn.angular_world_rad_s += rate;
+                    turn.at_origin_world_m_s -= rate.cross(&anchor_m.coords);
+                }
+                Freedom::Slide => turn.at_origin_world_m_s += rate,
+            }
         }
         turns[hinge.child_part] = turn;
     }
@@ -78,7 +86,8 @@ pub(super) fn part_from_track(assembly: &Assembly) -> Isometry3<f64> {
     robot_from_part_at_zero(assembly, assembly.track_part).inverse() * assembly.robot_from_track
 }
 
-/// Smallest signed distance of the robot's collision boxes to the plane through the origin with this unit normal, metres.
+/// Smallest signed distance of the robot's shapes to the plane through the origin with this unit normal, metres; of the parts'
+/// origins where nothing has a surface.
 pub(super) fn lowest_m(
     assembly: &Assembly,
     parts: &[Isometry3<f64>],
@@ -87,12 +96,20 @@ pub(super) fn lowest_m(
     let mut lowest = f64::INFINITY;
     for (part, robot_from_part) in parts.iter().enumerate() {
         let part_from_robot = robot_from_part_at_zero(assembly, part).inverse();
-        for solid in assembly.parts[part].solids.iter().filter(|s| s.collides) {
+        for solid in assembly.parts[part]
+            .solids
+            .iter()
+            .filter(|s| s.has_surface())
+        {
             let pose = robot_from_part * part_from_robot * solid.robot_from_solid;
             let along = pose.rotation.inverse() * normal;
-            let reach = along.abs().dot(&solid.half_extents_m);
+            let reach = solid.shape.reach_m(&-along);
             lowest = lowest.min(pose.translation.vector.dot(normal) - reach);
         }
     }
-    lowest
+    if lowest.is_finite() {
+        return lowest;
+    }
+    let heights = parts.iter().map(|pose| pose.translation.vector.dot(normal));
+    heights.fold(f64::INFINITY, f64::min)
 }

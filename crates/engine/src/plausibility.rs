@@ -37,11 +37,11 @@ impl Experiment {
             .collect();
         let solids = robot.parts.iter().flat_map(|part| &part.solids);
         let outside = solids.filter(|solid| {
-            if solid.mass_kg == 0.0 {
+            if solid.mass_kg == 0.0 || !solid.shape.is_box() {
                 return false;
             }
             let centre_m = solid.centre_of_mass_solid_m.abs();
-            let half_m = solid.half_extents_m;
+            let half_m = solid.half_extents_m();
             solid.role == Role::Cube && (0..3).any(|i| centre_m[i] > half_m[i] * (1.0 + 1e-9))
         });
         warnings.extend(outside.map(|solid| {
@@ -55,7 +55,7 @@ impl Experiment {
                     centre_m.x,
                     centre_m.y,
                     centre_m.z,
-                    2.0 * solid.half_extents_m.x
+                    2.0 * solid.half_extents_m().x
                 ),
             )
         }));

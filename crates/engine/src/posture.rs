@@ -3,20 +3,20 @@
 use nalgebra::Isometry3;
 
 use super::engine::parry::query;
-use super::engine::parry::shape::Cuboid;
 use super::engine::wide;
 use super::experiment::Floor;
 use super::kinematics::{lowest_m, robot_from_part_at_zero};
 use super::watch::Snapshot;
-use super::world::{to_pose, to_vector};
+use super::world::{Surface, to_pose};
 use realgap_robot::morphology::{Assembly, Solid};
 
 /// The boxes of a robot, ready to be looked at in many snapshots.
 #[derive(Debug)]
 pub struct Posture<'a> {
     assembly: &'a Assembly,
-    /// Every box that touches, with its part and its pose in the part's frame.
+    /// Everything that touches, with its part and its pose in the part's frame.
     boxes: Vec<(usize, Isometry3<f64>, &'a Solid)>,
+    surfaces: Vec<Surface>,
     /// Pairs of boxes whose parts no hinge joins.
     pairs: Vec<(usize, usize)>,
 }
@@ -27,7 +27,7 @@ impl<'a> Posture<'a> {
         let mut boxes = Vec::new();
         for (index, part) in assembly.parts.iter().enumerate() {
             let part_from_robot = robot_from_part_at_zero(assembly, index).inverse();
-            for solid in part.solids.iter().filter(|solid| solid.collides) {
+            for solid in part.solids.iter().filter(|solid| solid.has_surface()) {
                 boxes.push((index, part_from_robot * solid.robot_from_solid, solid));
             }
         }
@@ -45,8 +45,11 @@ impl<'a> Posture<'a> {
                 }
             }
         }
+        let sharp =
+            |(_, _, solid): &(usize, Isometry3<f64>, &Solid)| Surface::new(&solid.shape, 0.0);
         Self {
             assembly,
+            surfaces: boxes.iter().filter_map(sharp).collect(),
             boxes,
             pairs,
         }
@@ -70,16 +73,18 @@ impl<'a> Posture<'a> {
         let mut deepest_m = 0.0_f64;
         for &(a, b) in &self.pairs {
             let (half_a, half_b) = (
-                self.boxes[a].2.half_extents_m,
-                self.boxes[b].2.half_extents_m,
+                self.boxes[a].2.half_extents_m(),
+                self.boxes[b].2.half_extents_m(),
             );
             let apart_m = (placed[a].translation.vector - placed[b].translation.vector).norm();
             if apart_m > half_a.norm() + half_b.norm() {
                 continue;
             }
-            let (a, b) = (to_pose(&placed[a]), to_pose(&placed[b]));
-            let shape = |half| Cuboid::new(to_vector(half));
-            if let Ok(Some(contact)) = query::contact(&a, &shape(&half_a), &b, &shape(&half_b), 0.0)
+            let (first, second) = (&self.surfaces[a], &self.surfaces[b]);
+            let at = |index: usize, surface: &Surface| to_pose(&surface.pose(placed[index]));
+            let (here, there) = (at(a, first), at(b, second));
+            if let Ok(Some(contact)) =
+                query::contact(&here, &*first.shape, &there, &*second.shape, 0.0)
             {
                 deepest_m = deepest_m.max(-wide(contact.dist));
             }

@@ -162,11 +162,8 @@ impl<'a> Rollout<'a> {
         let part_from_track = part_from_track(assembly);
         let perturbation = &experiment.perturbation;
         let turn = UnitQuaternion::from_scaled_axis(perturbation.turn_world_rad);
-        let (world_from_robot, motion) = match (experiment.start, assembly.mount_world_m) {
-            (_, Some(mount_world_m)) => (
-                Isometry3::from_parts(mount_world_m.into(), UnitQuaternion::identity()),
-                Motion::REST,
-            ),
+        let (world_from_robot, motion) = match (experiment.start, assembly.world_from_mount) {
+            (_, Some(world_from_mount)) => (world_from_mount, Motion::REST),
             (Start::Settled, None) => {
                 let turned: Vec<_> = robot_from_parts.iter().map(|pose| turn * pose).collect();
                 let normal = experiment.floor.normal_world();
@@ -404,7 +401,7 @@ impl<'a> Rollout<'a> {
         let timestep_s = experiment.solver.timestep_s;
         let origin_world_m = self.track().position_world_m;
         // What is held needs no floor to come to rest on.
-        if experiment.start == Start::Settled && self.assembly.mount_world_m.is_none() {
+        if experiment.start == Start::Settled && self.assembly.world_from_mount.is_none() {
             if let Some(why) = self.settle(timestep_s, &origin_world_m) {
                 let at_s = (self.settle_steps as f64 * timestep_s) - SETTLE_LIMIT_S;
                 let at_s = at_s.min(0.0);

@@ -3,6 +3,7 @@
 mod load;
 mod pose;
 mod scene;
+mod surface;
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
@@ -22,11 +23,12 @@ use super::kinematics::{Turn, joint_turns, robot_from_part_at_zero};
 use super::motor::Effort;
 use super::part_state::PartState;
 use super::servo::Command;
-use realgap_robot::morphology::{Assembly, Part, Role};
+use realgap_robot::morphology::{Assembly, ClusterMass, Part, Role};
 
 pub(super) use load::Load;
 use pose::{from_pose, to_matrix};
 pub(super) use pose::{from_rotation, from_vector, to_pose, to_vector};
+pub(super) use surface::Surface;
 
 /// Rigid motion of the whole robot at the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -145,7 +147,7 @@ impl World {
             hooks: Hooks {
                 friction: (experiment.contact.friction_model == FrictionModel::Coulomb)
                     .then(Friction::default),
-                apart: assembly.apart.clone(),
+                apart: assembly.apart.iter().copied().collect(),
                 ..Hooks::default()
             },
             scene: Vec::new(),
@@ -153,9 +155,10 @@ impl World {
         world.lay_floor(experiment);
         let kind = experiment.joint_kind();
         let turns = joint_turns(assembly, world_from_parts, joints);
+        let least_kg = LEAST_SHARE * total_kg(assembly);
         for (index, part) in assembly.parts.iter().enumerate() {
             let part_from_robot = robot_from_part_at_zero(assembly, index).inverse();
-            let is_held = index == 0 && assembly.mount_world_m.is_some();
+            let is_held = index == 0 && assembly.world_from_mount.is_some();
             world.place_part(
                 experiment,
                 part,
@@ -170,6 +173,7 @@ impl World {
                     JointKind::Impulse => rotor_inertia_kg_m2(assembly, index, &part_from_robot),
                     JointKind::Multibody | JointKind::Auto => Matrix3::zeros(),
                 },
+                least_kg,
             );
         }
         for (hinge, joint) in assembly.hinges.iter().zip(joints) {
@@ -240,8 +244,9 @@ impl World {
         world_from_part: &Isometry3<f64>,
         motion: &PartMotion,
         rotors_kg_m2: &Matrix3<f64>,
+        least_kg: f64,
     ) {
-        let mass = part.mass(part_from_robot);
+        let mass = weighable(part.mass(part_from_robot), least_kg);
         let centre_part_m = mass.centre_m;
         let centre_world_m = world_from_part * nalgebra::Point3::from(centre_part_m);
         let (velocity, angular_world_rad_s) = motion.at(&centre_world_m.coords);
@@ -268,20 +273,17 @@ impl World {
             .build();
         member.body = self.bodies.insert(body);
         for solid in part.solids.iter().filter(|solid| solid.collides) {
-            let r = match solid.role {
-                Role::Cube => narrow(experiment.adjustment.edge_radius_m),
+            let edge_radius_m = match solid.role {
+                Role::Cube => experiment.adjustment.edge_radius_m,
                 Role::Plate => 0.0,
             };
-            let h = to_vector(&solid.half_extents_m);
-            let shape = if r > 0.0 {
-                ColliderBuilder::round_cuboid(h.x - r, h.y - r, h.z - r, r)
-            } else {
-                ColliderBuilder::cuboid(h.x, h.y, h.z)
+            let Some(surface) = Surface::new(&solid.shape, edge_radius_m) else {
+                continue;
             };
-            let collider = shape
-                .position(to_pose(
-                    &(body_from_part * part_from_robot * solid.robot_from_solid),
-                ))
+            let body_from_solid = body_from_part * part_from_robot * solid.robot_from_solid;
+            let pose = surface.pose(body_from_solid);
+            let collider = ColliderBuilder::new(surface.shape)
+                .position(to_pose(&pose))
                 .density(0.0)
                 .friction(narrow(
                     experiment.floor.friction
@@ -346,6 +348,7 @@ impl World {
         }
         for axle in &self.axles {
             axle.brake(&mut self.impulse_joints, &self.bodies);
+            axle.spring(&mut self.bodies, &self.parameters);
         }
         self.pipeline.step(
             self.gravity,
@@ -458,6 +461,28 @@ impl World {
             effort,
             wide(self.parameters.dt),
         );
+    }
+}
+
+/// A link without mass weighs this share of the whole robot for the engine.
+const LEAST_SHARE: f64 = 1e-9;
+/// … and is as hard to turn as that mass at this distance, metres.
+const LEAST_ARM_M: f64 = 0.01;
+
+fn total_kg(assembly: &Assembly) -> f64 {
+    let solids = assembly.parts.iter().flat_map(|part| &part.solids);
+    solids.map(|solid| solid.mass_kg).sum()
+}
+
+/// The engine takes a body without mass for one that nothing moves: a link between two joints gets next to nothing.
+fn weighable(mass: ClusterMass, least_kg: f64) -> ClusterMass {
+    if mass.mass_kg > 0.0 {
+        return mass;
+    }
+    ClusterMass {
+        mass_kg: least_kg,
+        inertia_kg_m2: Matrix3::from_diagonal_element(least_kg * LEAST_ARM_M * LEAST_ARM_M),
+        ..mass
     }
 }
 

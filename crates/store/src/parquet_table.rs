@@ -85,3 +85,43 @@ fn cell(text: &str) -> String {
         plain
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use parquet::data_type::DoubleType;
+    use parquet::file::writer::SerializedFileWriter;
+    use parquet::schema::parser::parse_message_type;
+    use rand::RngExt;
+    use realgap_core::random::Once;
+
+    use super::parquet_table;
+
+    /// Seed of the places where the file is cut.
+    const SEED: u64 = 30;
+
+    #[test]
+    fn no_cut_of_a_file_reads_as_a_table() {
+        let schema = "message rows { required double t_s; required double x_m; }";
+        let schema = Arc::new(parse_message_type(schema).unwrap());
+        let mut bytes = Vec::new();
+        let mut writer = SerializedFileWriter::new(&mut bytes, schema, Arc::default()).unwrap();
+        let mut group = writer.next_row_group().unwrap();
+        let values: Vec<f64> = (0..100).map(f64::from).collect();
+        while let Some(mut column) = group.next_column().unwrap() {
+            let open = column.typed::<DoubleType>();
+            open.write_batch(&values, None, None).unwrap();
+            column.close().unwrap();
+        }
+        group.close().unwrap();
+        writer.close().unwrap();
+        let text = parquet_table(bytes.clone(), 100).unwrap();
+        assert_eq!(text.lines().count(), 101);
+        let mut rng = Once::Subset.generator(SEED);
+        let cuts = (0..200).map(|_| rng.random_range(0..bytes.len()));
+        for length in cuts.chain(bytes.len() - 20..bytes.len()) {
+            assert!(parquet_table(bytes[..length].to_vec(), 100).is_err());
+        }
+    }
+}

@@ -5,7 +5,8 @@ use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use realgap_core::error::Result;
 use realgap_core::file::Source;
 use realgap_robot::morphology::{
-    Actuator, Assembly, Bearing, Gait, Hinge, Morphology, Part, Role, Servo, ServoLaw, Solid,
+    Actuator, Assembly, Bearing, Freedom, Gait, Hinge, Morphology, Part, Role, Servo, ServoLaw,
+    Shape, Solid,
 };
 
 /// Edge of a module, metres.
@@ -21,7 +22,7 @@ pub(super) fn block(centre_m: Vector3<f64>, half_m: Vector3<f64>, mass_kg: f64) 
         module: 0,
         role: Role::Cube,
         number: 0,
-        half_extents_m: half_m,
+        shape: Shape::cuboid(half_m),
         robot_from_solid: Isometry3::from_parts(centre_m.into(), UnitQuaternion::identity()),
         mass_kg,
         centre_of_mass_solid_m: Vector3::zeros(),
@@ -49,8 +50,10 @@ pub(super) fn robot(parts: Vec<Vec<Solid>>, hinges: Vec<Hinge>) -> Assembly {
         module_names: vec!["body".to_owned()],
         parts: parts.into_iter().map(|solids| Part { solids }).collect(),
         hinges,
+        is_modular: true,
         apart: Vec::new(),
-        mount_world_m: None,
+        world_from_mount: None,
+        marks: Vec::new(),
         track_part: 0,
         robot_from_track: Isometry3::identity(),
         body_length_m: SIDE_M,
@@ -117,6 +120,7 @@ pub(super) fn arm(mass_kg: f64, axis: Vector3<f64>, servo: Servo, gait: Gait) ->
         child_part: 1,
         anchor_robot_m: Vector3::new(BASE_HALF_M, 0.0, 0.0),
         axis_robot: nalgebra::Unit::new_normalize(axis),
+        freedom: Freedom::Turn,
         actuator: Some(Actuator { servo, gait }),
         bearing: Bearing::default(),
         is_stated: false,
@@ -184,6 +188,7 @@ pub(super) fn stool(modules: Vec<Solid>, servo: Servo, gait: Gait) -> Assembly {
         child_part: 1,
         anchor_robot_m: Vector3::new(0.0, 0.0, -0.5 * SIDE_M),
         axis_robot: -Vector3::z_axis(),
+        freedom: Freedom::Turn,
         actuator: Some(Actuator { servo, gait }),
         bearing: Bearing::default(),
         is_stated: false,

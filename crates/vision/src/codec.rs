@@ -158,6 +158,8 @@ fn decode_png(bytes: &[u8]) -> Result<Picture> {
         .ok_or_else(|| broken("its size overflows"))?;
     let mut pixels = vec![0; size];
     let frame = reader.next_frame(&mut pixels).map_err(broken)?;
+    // What follows the pixels is read, too: a file without its last bytes may have lost others.
+    reader.finish().map_err(broken)?;
     pixels.truncate(frame.buffer_size());
     let over_white = |value: u8, alpha: u8| {
         let (value, alpha) = (u32::from(value), u32::from(alpha));
@@ -195,12 +197,67 @@ fn jpeg_header(bytes: &[u8]) -> Result<(Jpeg<'_>, usize, usize)> {
     Ok((decoder, width, height))
 }
 
+/// Whether a JPEG file is there to its last marker. The decoder fills what is missing with grey, as browsers do; here that would be a
+/// wrong answer.
+fn is_whole(bytes: &[u8]) -> bool {
+    let mut rest = &bytes[2..];
+    loop {
+        let Some(start) = rest.iter().position(|byte| *byte == 0xff) else {
+            return false;
+        };
+        rest = &rest[start + 1..];
+        match rest {
+            [0xd9, ..] => return true,
+            // A filling byte, a 0xff among the coded pixels, or a marker that stands alone.
+            [0xff, ..] => {}
+            [0x00 | 0x01 | 0xd0..=0xd8, after @ ..] => rest = after,
+            [_, high, low, ..] => {
+                let length = usize::from(u16::from_be_bytes([*high, *low]));
+                rest = rest.get(1 + length..).unwrap_or_default();
+            }
+            _ => return false,
+        }
+    }
+}
+
 fn decode_jpeg(bytes: &[u8]) -> Result<Picture> {
     let (mut decoder, width, height) = jpeg_header(bytes)?;
+    if !is_whole(bytes) {
+        return Err(broken("a JPEG file that is cut off: it has no end")
+            .hint("copy the picture again from where it was taken"));
+    }
     let pixels = decoder.decode().map_err(broken)?;
     let rgb = match decoder.output_colorspace() {
         Some(ColorSpace::Luma) => pixels.iter().flat_map(|v| [*v; 3]).collect(),
         _ => pixels,
     };
     Picture::new(width, height, rgb)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand_distr::{Distribution as _, Uniform};
+    use realgap_core::random::Once;
+
+    use super::Picture;
+
+    /// Seed of the noise and of the places where files are cut.
+    const SEED: u64 = 30;
+
+    #[test]
+    fn no_cut_of_a_picture_reads_as_a_picture() {
+        let mut rng = Once::Subset.generator(SEED);
+        let noise = Uniform::new_inclusive(0, u8::MAX).unwrap();
+        let rgb = (0..3 * 67 * 45).map(|_| noise.sample(&mut rng)).collect();
+        let picture = Picture::new(67, 45, rgb).unwrap();
+        let (png, jpeg) = (picture.to_png().unwrap(), picture.to_jpeg(90).unwrap());
+        for bytes in [&png, &jpeg] {
+            Picture::decode(bytes).unwrap();
+            let place = Uniform::new(0, bytes.len()).unwrap();
+            let cuts = (0..200).map(|_| place.sample(&mut rng));
+            for length in cuts.chain(bytes.len() - 20..bytes.len()) {
+                assert!(Picture::decode(&bytes[..length]).is_err(), "{length}");
+            }
+        }
+    }
 }

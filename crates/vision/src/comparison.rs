@@ -1,5 +1,7 @@
 //! Simulated pictures against real ones: what the extractors find in both, and whether bad light changes more than simulation.
 
+mod text;
+
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;

@@ -4,6 +4,7 @@ use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::picture::Grey;
 use super::snake::{Ending, Snake, evenly, mean_distance_px};
 use realgap_core::error::{Error, Result};
+use realgap_core::stated;
 use realgap_core::warning::{Code, Warning};
 
 /// A greedy snake.
@@ -45,30 +46,18 @@ fn over(picture: &Grey, points_px: &[[f64; 2]]) -> Grey {
 }
 
 impl Extractor for Contour {
-    fn name(&self) -> &'static str {
-        "contour"
-    }
-
-    fn doc(&self) -> &'static str {
-        "the outline of a thing, by a greedy snake that begins around it"
-    }
-
-    fn figure(&self) -> u8 {
-        8
-    }
-
-    fn error_measure(&self) -> Option<Measure> {
-        Some(Measure {
+    stated! {
+        name: &'static str = "contour";
+        doc: &'static str = "the outline of a thing, by a greedy snake that begins around it";
+        figure: u8 = 8;
+        error_measure: Option<Measure> = Some(Measure {
             name: "mean snake distance",
             unit: "px",
-        })
-    }
-
-    fn distance_measure(&self) -> Measure {
-        Measure {
+        });
+        distance_measure: Measure = Measure {
             name: "mean distance of the contours",
             unit: "px",
-        }
+        };
     }
 
     fn is_sought(&self, sought: &Sought) -> bool {

@@ -48,7 +48,6 @@ mod template;
 mod tesseract;
 pub mod tuning;
 mod views;
-mod words;
 
 pub use album::Shots;
 pub use alignment::RelativeTo;

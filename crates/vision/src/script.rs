@@ -6,6 +6,7 @@ use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::glyph::{LEAST_SPOT, hough_angle_rad, inked, rows, without_spots};
 use super::picture::Grey;
 use realgap_core::error::{Error, Result};
+use realgap_core::stated;
 
 /// The reader of text.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,24 +98,12 @@ pub(super) fn distance(a: &Feature, b: &Feature) -> Option<f64> {
 }
 
 impl Extractor for Script {
-    fn name(&self) -> &'static str {
-        "text"
-    }
-
-    fn doc(&self) -> &'static str {
-        "text, glyph by glyph, by a learned alphabet"
-    }
-
-    fn figure(&self) -> u8 {
-        11
-    }
-
-    fn error_measure(&self) -> Option<Measure> {
-        Some(ERROR_RATE)
-    }
-
-    fn distance_measure(&self) -> Measure {
-        DISTANCE
+    stated! {
+        name: &'static str = "text";
+        doc: &'static str = "text, glyph by glyph, by a learned alphabet";
+        figure: u8 = 11;
+        error_measure: Option<Measure> = Some(ERROR_RATE);
+        distance_measure: Measure = DISTANCE;
     }
 
     fn is_sought(&self, sought: &Sought) -> bool {

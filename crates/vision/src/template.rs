@@ -5,6 +5,7 @@ use super::filter::steepness;
 use super::matching::{correlate, correlation_map};
 use super::picture::Grey;
 use realgap_core::error::{Error, Result};
+use realgap_core::stated;
 
 /// Matching by normalised correlation over a pyramid of sizes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -129,30 +130,18 @@ fn peak(place: usize, count: usize, value: impl Fn(usize) -> f64) -> f64 {
 }
 
 impl Extractor for Template {
-    fn name(&self) -> &'static str {
-        "template"
-    }
-
-    fn doc(&self) -> &'static str {
-        "where a template is, by normalised correlation over a pyramid of sizes"
-    }
-
-    fn figure(&self) -> u8 {
-        6
-    }
-
-    fn error_measure(&self) -> Option<Measure> {
-        Some(Measure {
+    stated! {
+        name: &'static str = "template";
+        doc: &'static str = "where a template is, by normalised correlation over a pyramid of sizes";
+        figure: u8 = 6;
+        error_measure: Option<Measure> = Some(Measure {
             name: "template distance",
             unit: "px",
-        })
-    }
-
-    fn distance_measure(&self) -> Measure {
-        Measure {
+        });
+        distance_measure: Measure = Measure {
             name: "distance of the places found",
             unit: "px",
-        }
+        };
     }
 
     fn is_sought(&self, sought: &Sought) -> bool {

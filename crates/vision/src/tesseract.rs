@@ -5,6 +5,7 @@ use super::picture::Grey;
 use super::program::Program;
 use super::script::{DISTANCE, ERROR_RATE, distance, error_rate, text_part};
 use realgap_core::error::{Error, Result};
+use realgap_core::stated;
 
 /// Rows one below the other, each as long as it is: page segmentation 6, a block of text.
 static PROGRAM: Program = Program::new(
@@ -18,28 +19,13 @@ static PROGRAM: Program = Program::new(
 pub struct Tesseract;
 
 impl Extractor for Tesseract {
-    fn name(&self) -> &'static str {
-        "tesseract"
-    }
-
-    fn doc(&self) -> &'static str {
-        "text, by the installed program Tesseract"
-    }
-
-    fn figure(&self) -> u8 {
-        11
-    }
-
-    fn program(&self) -> Option<&'static Program> {
-        Some(&PROGRAM)
-    }
-
-    fn error_measure(&self) -> Option<Measure> {
-        Some(ERROR_RATE)
-    }
-
-    fn distance_measure(&self) -> Measure {
-        DISTANCE
+    stated! {
+        name: &'static str = "tesseract";
+        doc: &'static str = "text, by the installed program Tesseract";
+        figure: u8 = 11;
+        program: Option<&'static Program> = Some(&PROGRAM);
+        error_measure: Option<Measure> = Some(ERROR_RATE);
+        distance_measure: Measure = DISTANCE;
     }
 
     fn is_sought(&self, sought: &Sought) -> bool {

@@ -35,7 +35,7 @@ fn parse_json<T: DeserializeOwned>(source: &Source) -> Result<T> {
         let message = message
             .rsplit_once(" at line ")
             .map_or(&*message, |(message, _)| message);
-        Error::invalid(message).at_file(source.path())
+        Error::from_serde(message).at_file(source.path())
     })
 }
 
@@ -99,7 +99,11 @@ fn translate(source: &Source, error: &SpannedError) -> Error {
         Code::ExpectedDifferentLength { expected, found } => spot.in_container(
             Error::invalid("wrong number of values")
                 .found(found)
-                .allowed(expected.replace("a tuple of size", "a group `( ... )` of")),
+                .allowed(
+                    expected
+                        .replace("a tuple of size", "a group `( ... )` of")
+                        .replace("an array of length", "a group `( ... )` of"),
+                ),
         ),
         Code::InvalidValueForType { expected, found } => spot.here(
             Error::invalid("a value of the wrong kind")
@@ -112,7 +116,7 @@ fn translate(source: &Source, error: &SpannedError) -> Error {
                 .allowed("( field: value, ... )"),
         ),
         Code::ExpectedStructLike | Code::ExpectedNamedStructLike(_) => spot.group_expected(),
-        Code::Message(message) => spot.here(Error::invalid(message.clone())),
+        Code::Message(message) => spot.here(Error::from_serde(message)),
         Code::NoSuchExtension(name) => spot.here(
             Error::invalid("unknown RON extension")
                 .found(name)

@@ -149,6 +149,13 @@ impl Source {
         }
     }
 
+    /// Adds file, line and column of the field that an error names.
+    #[must_use]
+    pub fn at_field(&self, error: Error) -> Error {
+        let field = error.field_name().unwrap_or_default().to_owned();
+        self.at(&field, error)
+    }
+
     pub(super) fn form(&self) -> Form {
         self.form
     }

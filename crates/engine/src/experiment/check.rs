@@ -103,8 +103,8 @@ impl Experiment {
             .parts
             .iter()
             .flat_map(|part| &part.solids)
-            .filter(|solid| solid.role == Role::Cube)
-            .map(|solid| solid.half_extents_m.min())
+            .filter(|solid| solid.role == Role::Cube && solid.shape.is_box())
+            .map(|solid| solid.half_extents_m().min())
             .fold(f64::INFINITY, f64::min);
         if radius_m == 0.0 || (0.0..smallest_m).contains(&radius_m) {
             return Ok(());

@@ -1,5 +1,7 @@
 //! MJCF, the format of MuJoCo: the whole experiment but restitution and contact softness.
 
+use nalgebra::{Point3, UnitQuaternion};
+
 use super::format::{Exported, Format};
 use super::robot::{Robot, origin_robot_m, quaternion, seen_from};
 use super::xml::{Element, numbers, vector};
@@ -217,9 +219,12 @@ fn body(robot: &Robot<'_>, part: usize, hinge: Option<&Hinge>) -> Element {
     let origin_m = origin_robot_m(cluster);
     let mut element = Element::new("body").with("name", robot.part_name(part));
     match hinge {
-        None if robot.assembly.mount_world_m.is_some() => {
-            let mount_m = robot.assembly.mount_world_m.unwrap_or_default();
-            element = element.with("pos", vector(&(origin_m + mount_m)));
+        None if robot.assembly.world_from_mount.is_some() => {
+            let mount = robot.assembly.world_from_mount.unwrap_or_default();
+            element = element.with("pos", vector(&(mount * Point3::from(origin_m)).coords));
+            if mount.rotation != UnitQuaternion::identity() {
+                element = element.with("quat", numbers(quaternion(&mount.rotation)));
+            }
         }
         None => {
             let height_m = robot.floor.height_m + robot.clearance_m() + GAP_M;
@@ -305,7 +310,7 @@ fn geom(robot: &Robot<'_>, solid: &Solid, origin_robot_m: &nalgebra::Vector3<f64
     let element = Element::new("geom")
         .with("name", robot.solid_name(solid))
         .with("type", "box")
-        .with("size", vector(&solid.half_extents_m))
+        .with("size", vector(&solid.half_extents_m()))
         .with("pos", vector(&pose.translation.vector))
         .with("quat", numbers(quaternion(&pose.rotation)))
         .with(

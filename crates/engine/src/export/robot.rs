@@ -120,11 +120,11 @@ impl<'a> Robot<'a> {
             .parts
             .iter()
             .flat_map(|part| &part.solids)
-            .filter(|solid| solid.collides)
+            .filter(|solid| solid.has_surface())
             .map(|solid| {
                 let along = solid.robot_from_solid.rotation.inverse() * normal;
                 solid.robot_from_solid.translation.vector.dot(&normal)
-                    - along.abs().dot(&solid.half_extents_m)
+                    - solid.shape.reach_m(&-along)
             })
             .fold(f64::INFINITY, f64::min);
         -lowest / normal.z

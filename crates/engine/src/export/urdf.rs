@@ -1,6 +1,6 @@
 //! URDF, the format of ROS and PyBullet: bodies, hinges and servo limits only.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
 use super::format::{Exported, Format};
 use super::robot::{Robot, origin_robot_m};
@@ -30,9 +30,9 @@ impl Format for Urdf {
             &warnings,
         );
         let mut root = Element::new("robot").with("name", robot.name);
-        if let Some(mount_m) = robot.assembly.mount_world_m {
+        if let Some(mount) = robot.assembly.world_from_mount {
             root.push(Element::new("link").with("name", MOUNT));
-            root.push(mount(robot, &mount_m));
+            root.push(held(robot, &mount));
         }
         root.push(link(robot, 0, &origin_robot_m(&robot.assembly.parts[0])));
         // Parents come before their children in the assembly, as URDF readers like it.
@@ -113,7 +113,7 @@ fn origin(position_m: &Vector3<f64>, rotation: &UnitQuaternion<f64>) -> Element 
 
 fn link(robot: &Robot<'_>, part: usize, origin_m: &Vector3<f64>) -> Element {
     let cluster = &robot.assembly.parts[part];
-    let mass = cluster.mass(&nalgebra::Isometry3::identity());
+    let mass = cluster.mass(&Isometry3::identity());
     let i = mass.inertia_kg_m2;
     let moment = |row: usize, column: usize| numbers([i[(row, column)]]);
     let mut link = Element::new("link")
@@ -154,7 +154,7 @@ fn shape(kind: &'static str, robot: &Robot<'_>, solid: &Solid, origin_m: &Vector
         ))
         .child(
             Element::new("geometry")
-                .child(Element::new("box").with("size", vector(&(solid.half_extents_m * 2.0)))),
+                .child(Element::new("box").with("size", vector(&(solid.half_extents_m() * 2.0)))),
         )
 }
 
@@ -206,12 +206,12 @@ fn joint(robot: &Robot<'_>, hinge: &Hinge) -> Element {
 /// What holds a robot that is mounted.
 const MOUNT: &str = "world";
 
-fn mount(robot: &Robot<'_>, mount_m: &Vector3<f64>) -> Element {
-    let origin_m = origin_robot_m(&robot.assembly.parts[0]);
+fn held(robot: &Robot<'_>, mount: &Isometry3<f64>) -> Element {
+    let origin_m = mount * Point3::from(origin_robot_m(&robot.assembly.parts[0]));
     Element::new("joint")
         .with("name", "mount")
         .with("type", "fixed")
-        .child(origin(&(mount_m + origin_m), &UnitQuaternion::identity()))
+        .child(origin(&origin_m.coords, &mount.rotation))
         .child(Element::new("parent").with("link", MOUNT))
         .child(Element::new("child").with("link", robot.part_name(0)))
 }

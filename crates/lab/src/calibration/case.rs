@@ -149,7 +149,7 @@ fn from_recordings(
         )?;
         let times_s = target.motion.times_s();
         let mut experiment = base.clone();
-        if recording.trajectory.is_of_joints() && base.assembly.mount_world_m.is_some() {
+        if recording.trajectory.is_of_joints() && base.assembly.world_from_mount.is_some() {
             // What is held needs no state but its joints'.
             experiment.start = Start::Settled;
         } else {

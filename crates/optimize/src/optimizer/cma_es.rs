@@ -291,7 +291,7 @@ fn median<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
 }
 
 fn search(brief: &Brief, history: &History<'_>) -> std::result::Result<Infallible, Unknown> {
-    let mut replay = Replay::new(history.told);
+    let replay = Replay::new(history.told);
     let n = brief.dimensions();
     let best = history.best_of_design();
     let mut restart = 0;

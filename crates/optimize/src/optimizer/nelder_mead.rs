@@ -1,10 +1,14 @@
-//! The downhill simplex (Nelder & Mead 1965).
+//! The downhill simplex, from the library `argmin`.
 
 use std::convert::Infallible;
 
+use argmin::core::{CostFunction, IterState, Problem, Solver, State, TerminationStatus};
+use argmin::solver::neldermead;
+use argmin_math::{ArgminAdd, ArgminMul, ArgminSub};
+
 use super::replay::{Replay, Unknown};
 use super::{Brief, History, Optimizer, Proposal, UnitPoint};
-use realgap_core::error::Result;
+use realgap_core::error::{Advice, Error, Result};
 
 /// Nelder–Mead with restarts from the best points of the first design.
 pub(super) struct NelderMead;
@@ -15,135 +19,63 @@ const EDGE: f64 = 0.12;
 const ARRIVED: f64 = 1e-3;
 /// Evaluations of one simplex per parameter; rough scores can keep it wandering for ever.
 const PATIENCE: usize = 30;
-/// How far a worst corner goes from the middle of the others, in multiples of its distance; all four are the paper's.
-const REFLECTED: f64 = 1.0;
-const EXPANDED: f64 = 2.0;
-const CONTRACTED: f64 = 0.5;
-/// How near to the best corner the others come where nothing else helps.
-const SHRUNK: f64 = 0.5;
+/// A point with the arithmetic that argmin asks for.
+#[derive(Clone)]
+pub(super) struct Corner(UnitPoint);
+
+impl Corner {
+    fn with(&self, other: &Self, operation: impl Fn(f64, f64) -> f64) -> Self {
+        let axes = self.0.iter().zip(&other.0);
+        Self(axes.map(|(a, b)| operation(*a, *b)).collect())
+    }
+}
+
+impl ArgminAdd<Self, Self> for Corner {
+    fn add(&self, other: &Self) -> Self {
+        self.with(other, |a, b| a + b)
+    }
+}
+
+impl ArgminSub<Self, Self> for Corner {
+    fn sub(&self, other: &Self) -> Self {
+        self.with(other, |a, b| a - b)
+    }
+}
+
+impl ArgminMul<f64, Self> for Corner {
+    fn mul(&self, factor: &f64) -> Self {
+        self.with(self, |a, _| a * factor)
+    }
+}
+
+type SolverState = IterState<Corner, (), (), (), (), f64>;
+
+impl CostFunction for &Replay<'_> {
+    type Param = Corner;
+    type Output = f64;
+
+    fn cost(&self, corner: &Corner) -> std::result::Result<f64, argmin::core::Error> {
+        Ok(self.scores([corner.0.as_slice()])?[0])
+    }
+}
 
 /// `start` and one more point along each axis, towards the middle.
-fn corners(start: &UnitPoint) -> Vec<UnitPoint> {
-    let mut corners = vec![start.clone()];
+fn simplex(start: &UnitPoint) -> Vec<Corner> {
+    let mut corners = vec![Corner(start.clone())];
     for axis in 0..start.len() {
         let mut corner = start.clone();
         corner[axis] += if corner[axis] > 0.5 { -EDGE } else { EDGE };
-        corners.push(corner);
+        corners.push(Corner(corner));
     }
     corners
 }
 
-/// `from` and `factor` times the way to `to`.
-fn along(from: &[f64], to: &[f64], factor: f64) -> UnitPoint {
-    let pairs = from.iter().zip(to);
-    pairs
-        .map(|(from, to)| from + (to - from) * factor)
-        .collect()
-}
-
-struct Corner {
-    point: UnitPoint,
-    score: f64,
-}
-
-/// The corners, best first.
-struct Simplex(Vec<Corner>);
-
-impl Simplex {
-    fn begin(start: &UnitPoint, replay: &mut Replay<'_>) -> std::result::Result<Self, Unknown> {
-        let points = corners(start);
-        let scores = replay.scores(points.iter().map(Vec::as_slice))?;
-        let corners = points.into_iter().zip(scores);
-        let mut simplex = Self(
-            corners
-                .map(|(point, score)| Corner { point, score })
-                .collect(),
-        );
-        simplex.sort();
-        Ok(simplex)
-    }
-
-    fn sort(&mut self) {
-        self.0.sort_by(|a, b| a.score.total_cmp(&b.score));
-    }
-
-    /// The middle of all corners but the worst.
-    fn middle(&self) -> UnitPoint {
-        let others = &self.0[..self.0.len() - 1];
-        let share = 1.0 / others.len() as f64;
-        (0..others[0].point.len())
-            .map(|axis| {
-                let first = others[0].point[axis];
-                let sum = others[1..].iter().fold(first, |sum, c| sum + c.point[axis]);
-                sum * share
-            })
-            .collect()
-    }
-
-    fn step(&mut self, replay: &mut Replay<'_>) -> std::result::Result<(), Unknown> {
-        let middle = self.middle();
-        let last = self.0.len() - 1;
-        let (best, worst) = (self.0[0].score, self.0[last].score);
-        let second_worst = self.0[last - 1].score;
-        let mirrored: UnitPoint = middle
-            .iter()
-            .zip(&self.0[last].point)
-            .map(|(middle, worst)| middle + (middle - worst) * REFLECTED)
-            .collect();
-        let mirrored_score = replay.score(&mirrored)?;
-        let reflected = Corner {
-            point: mirrored,
-            score: mirrored_score,
-        };
-        if reflected.score < best {
-            let point = along(&middle, &reflected.point, EXPANDED);
-            let score = replay.score(&point)?;
-            self.0[last] = if score < reflected.score {
-                Corner { point, score }
-            } else {
-                reflected
-            };
-        } else if reflected.score < second_worst {
-            self.0[last] = reflected;
-        } else {
-            let outside = reflected.score < worst;
-            let towards = if outside {
-                &reflected.point
-            } else {
-                &self.0[last].point
-            };
-            let point = along(&middle, towards, CONTRACTED);
-            let score = replay.score(&point)?;
-            let better = if outside {
-                score <= reflected.score
-            } else {
-                score < worst
-            };
-            if better {
-                self.0[last] = Corner { point, score };
-            } else {
-                let best = self.0[0].point.clone();
-                for corner in &mut self.0[1..] {
-                    corner.point = along(&best, &corner.point, SHRUNK);
-                    corner.score = replay.score(&corner.point)?;
-                }
-            }
-        }
-        self.sort();
-        Ok(())
-    }
-
-    /// Standard deviation of the scores.
-    fn spread(&self) -> f64 {
-        let n = self.0.len() as f64;
-        let mean = self.0.iter().map(|corner| corner.score).sum::<f64>() / n;
-        let squares = self.0.iter().map(|corner| (corner.score - mean).powi(2));
-        (1.0 / (n - 1.0) * squares.sum::<f64>()).sqrt()
-    }
-}
-
-fn search(dimensions: usize, history: &History<'_>) -> std::result::Result<Infallible, Unknown> {
-    let mut replay = Replay::new(history.told);
+/// Goes on until a point is asked for that nobody has evaluated, which ends it as an error of argmin.
+fn search(
+    dimensions: usize,
+    history: &History<'_>,
+) -> std::result::Result<Infallible, argmin::core::Error> {
+    let replay = Replay::new(history.told);
     let middle = vec![0.5; dimensions];
     let starts = history.best_of_design();
     let scale = starts.first().map_or(1.0, |(_, score)| score.abs());
@@ -154,10 +86,20 @@ fn search(dimensions: usize, history: &History<'_>) -> std::result::Result<Infal
             0 => &middle,
             n => starts[restart % n].0,
         };
+        let corners = simplex(start);
+        // argmin does not hand on an error of the first simplex, and asks for its corners one by one.
+        replay
+            .clone()
+            .scores(corners.iter().map(|corner| corner.0.as_slice()))?;
         let limit = replay.answered() + PATIENCE * dimensions;
-        let mut simplex = Simplex::begin(start, &mut replay)?;
-        while replay.answered() < limit && simplex.spread() >= arrived {
-            simplex.step(&mut replay)?;
+        let mut solver = neldermead::NelderMead::new(corners).with_sd_tolerance(arrived)?;
+        let mut problem = Problem::new(&replay);
+        let (mut state, _) = solver.init(&mut problem, SolverState::new())?;
+        while replay.answered() < limit
+            && Solver::<&Replay<'_>, SolverState>::terminate(&mut solver, &state)
+                == TerminationStatus::NotTerminated
+        {
+            (state, _) = solver.next_iter(&mut problem, state)?;
         }
         restart += 1;
     }
@@ -169,7 +111,7 @@ impl Optimizer for NelderMead {
     }
 
     fn doc(&self) -> &'static str {
-        "Downhill simplex (Nelder & Mead 1965), restarted from the best points of a space-filling first design; one candidate at a time."
+        "Downhill simplex (Nelder & Mead 1965, argmin), restarted from the best points of a space-filling first design; one candidate at a time."
     }
 
     fn batch(&self, brief: &Brief) -> usize {
@@ -177,7 +119,14 @@ impl Optimizer for NelderMead {
     }
 
     fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal> {
-        let Err(Unknown(points)) = search(brief.dimensions(), history);
-        Ok(Proposal::Evaluate(points))
+        let Err(ended) = search(brief.dimensions(), history);
+        match ended.downcast::<Unknown>() {
+            Ok(Unknown(points)) => Ok(Proposal::Evaluate(points)),
+            Err(error) => Err(
+                Error::conflict(format!("the simplex cannot go on: {error}"))
+                    .advise(Advice::OtherOptimizer)
+                    .advise(Advice::OtherSeed),
+            ),
+        }
     }
 }

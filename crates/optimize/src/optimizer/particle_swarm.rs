@@ -61,7 +61,7 @@ fn scatter(dimensions: usize, random: &mut Xoshiro256PlusPlus) -> Vec<(UnitPoint
 }
 
 fn search(brief: &Brief, history: &History<'_>) -> std::result::Result<Infallible, Unknown> {
-    let mut replay = Replay::new(history.told);
+    let replay = Replay::new(history.told);
     let mut random = Xoshiro256PlusPlus::seed_from_u64(brief.seed);
     let known = history.best_of_design();
     let mut particles: Vec<Particle> = if known.len() >= PARTICLES {

@@ -1,22 +1,37 @@
 //! Lets an algorithm be written as a loop and still be a function of the history.
 
+use std::cell::Cell;
+
 use super::{Told, UnitPoint, fold};
 
 /// Score of a candidate without one: worse than any that can be measured, and finite for algorithms that do arithmetic.
 const FAILED: f64 = 1e30;
 
-/// Points that an algorithm needs to know before it can go on.
+/// Points that an algorithm needs to know before it can go on; an error, so that a library hands it on.
+#[derive(Debug)]
 pub(super) struct Unknown(pub Vec<UnitPoint>);
 
+impl std::fmt::Display for Unknown {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} points without a score", self.0.len())
+    }
+}
+
+impl std::error::Error for Unknown {}
+
 /// Answers an algorithm from what was told, in its order, until the history ends.
+#[derive(Clone)]
 pub(super) struct Replay<'a> {
     told: &'a [Told],
-    answered: usize,
+    answered: Cell<usize>,
 }
 
 impl<'a> Replay<'a> {
     pub fn new(told: &'a [Told]) -> Self {
-        Self { told, answered: 0 }
+        Self {
+            told,
+            answered: Cell::new(0),
+        }
     }
 
     /// The scores of points that may lie outside of the bounds.
@@ -24,16 +39,17 @@ impl<'a> Replay<'a> {
     /// # Errors
     /// Those of them that nobody has evaluated yet, brought within the bounds.
     pub fn scores<'p>(
-        &mut self,
+        &self,
         points: impl IntoIterator<Item = &'p [f64]>,
     ) -> Result<Vec<f64>, Unknown> {
         let (mut scores, mut unknown) = (Vec::new(), Vec::new());
         for point in points {
-            match self.told.get(self.answered) {
+            match self.told.get(self.answered.get()) {
                 Some(told) => scores.push(told.score.unwrap_or(FAILED)),
                 None => unknown.push(point.iter().copied().map(fold).collect()),
             }
-            self.answered += usize::from(unknown.is_empty());
+            self.answered
+                .set(self.answered.get() + usize::from(unknown.is_empty()));
         }
         if unknown.is_empty() {
             Ok(scores)
@@ -42,16 +58,8 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// The score of one point, which may lie outside of the bounds.
-    ///
-    /// # Errors
-    /// The point, where nobody has evaluated it yet.
-    pub fn score(&mut self, point: &[f64]) -> Result<f64, Unknown> {
-        self.scores([point]).map(|scores| scores[0])
-    }
-
     /// Scores given so far.
     pub fn answered(&self) -> usize {
-        self.answered
+        self.answered.get()
     }
 }

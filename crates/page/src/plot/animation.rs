@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 use rayon::prelude::*;
 
 use super::block::{ACTIVE, FLOOR, PASSIVE, SPIN};
-use super::canvas::{Align, Canvas, Letter, Point};
+use super::canvas::{Align, Canvas, Letter, Point, Stroke};
 use super::colour::{BLUE, FAINT_INK, GRID, INK, tint};
 use super::cuboid::{Cuboid, draw_cuboid, draw_outline, far_first, project, shadow};
 use super::font::{Weight, shorten};
@@ -224,7 +224,7 @@ impl Frame<'_> {
                     0 => [on_floor(at, low[1]), on_floor(at, high[1])],
                     _ => [on_floor(low[0], at), on_floor(high[0], at)],
                 };
-                canvas.path(&ends, 1.0, GRID, None);
+                canvas.path(&ends, Stroke::new(1.0, GRID));
             }
         }
     }
@@ -233,9 +233,9 @@ impl Frame<'_> {
         for trace in &self.animation.traces {
             let colour = colour(trace);
             let all: Vec<Point> = trace.places_m.iter().map(|p| self.room.place(*p)).collect();
-            canvas.path(&all, 1.2, tint(colour, 0.3), None);
+            canvas.path(&all, Stroke::new(1.2, tint(colour, 0.3)));
             let now = trace.times_s.partition_point(|t| *t <= self.moment.time_s);
-            canvas.path(&all[..now], 2.4, tint(colour, 0.85), None);
+            canvas.path(&all[..now], Stroke::new(2.4, tint(colour, 0.85)));
         }
     }
 
@@ -276,7 +276,10 @@ impl Frame<'_> {
         for trace in traces.iter().filter(|trace| trace.is_recorded) {
             let Some(at) = now(trace) else { continue };
             if let Some(run) = run {
-                canvas.path(&[run, at], 1.4, RECORDED, Some((5.0, 4.0)));
+                canvas.path(
+                    &[run, at],
+                    Stroke::new(1.4, RECORDED).dashed(Some((5.0, 4.0))),
+                );
             }
             canvas.disc(at, 6.5, RGBColor(255, 255, 255));
             canvas.disc(at, 5.0, RECORDED);
@@ -305,7 +308,10 @@ impl Frame<'_> {
                 continue;
             };
             let colour = colour(trace);
-            canvas.path(&[(left, middle), (left + 26.0, middle)], 3.0, colour, None);
+            canvas.path(
+                &[(left, middle), (left + 26.0, middle)],
+                Stroke::new(3.0, colour),
+            );
             canvas.disc((left + 26.0, middle), 4.5, colour);
             let label = shorten(label, Weight::Regular, 17.0, 260.0);
             canvas.text_beside(&label, (left + 38.0, middle), Align::Left, letter);
@@ -327,9 +333,9 @@ impl Frame<'_> {
         };
         let (right, y) = (WIDTH - MARGIN, middle + 7.0);
         let left = right - length_m * self.room.scale;
-        canvas.path(&[(left, y), (right, y)], 2.4, INK, None);
+        canvas.path(&[(left, y), (right, y)], Stroke::new(2.4, INK));
         for x in [left, right] {
-            canvas.path(&[(x, y - 5.0), (x, y + 5.0)], 2.4, INK, None);
+            canvas.path(&[(x, y - 5.0), (x, y + 5.0)], Stroke::new(2.4, INK));
         }
         let text = if length_m < 1.0 {
             format!("{:.0} cm", 100.0 * length_m)

@@ -1,21 +1,6 @@
 //! Bars: what each of many causes changes, largest first.
 
-use std::path::Path;
-
-use plotters::backend::DrawingBackend;
-
-use super::canvas::{Align, Canvas, Letter};
-use super::colour::{BLUE, FAINT_INK, INK, SHADE, VERMILLION};
-use super::font::{Weight, shorten};
-use super::frame::{BELOW_LABEL, Frame};
-use super::heading::{Caption, Heading};
-use super::legend::{Legend, Symbol};
-use super::picture::{self, Picture};
-use super::scale::Scale;
-use realgap_core::Error;
-use realgap_core::Result;
-use realgap_core::unit::DisplayUnit;
-use realgap_core::unit::Unit;
+use super::kit::*;
 
 const WIDTH: f64 = 1200.0;
 const MARGIN: f64 = 34.0;
@@ -84,34 +69,21 @@ impl Picture for BarChart {
             high = high.max(value * unit.factor);
         }
         let room = 0.05 * (high - low);
-        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
-        heading.draw(canvas, MARGIN, 14.0);
-        let mut entries = vec![
-            (
-                Symbol::Shade(VERMILLION),
-                "parameter made smaller".to_owned(),
-            ),
-            (Symbol::Shade(BLUE), "parameter made larger".to_owned()),
+        let noise_text = "no more than a slightly different start changes (1 sd)";
+        let entries = [
+            (VERMILLION, Some("parameter made smaller")),
+            (BLUE, Some("parameter made larger")),
+            (SHADE, self.noise.map(|_| noise_text)),
         ];
-        if self.noise.is_some() {
-            entries.push((
-                Symbol::Shade(SHADE),
-                "no more than a slightly different start changes (1 sd)".to_owned(),
-            ));
-        }
-        let legend = Legend::new(entries, WIDTH - 2.0 * MARGIN);
-        let legend_top = height - 16.0 - legend.height();
-        legend.draw(canvas, MARGIN, legend_top);
+        let entries = entries.into_iter();
+        let entries = entries.filter_map(|(c, text)| Some((Symbol::Shade(c), text?.to_owned())));
+        let sheet = Sheet::new(&self.caption, entries.collect(), WIDTH, MARGIN);
+        let bottom = sheet.draw(canvas, height);
         let x = Scale::linear(low - room, high + room);
         let x_ticks = x.ticks(7);
-        let frame = Frame {
-            left: MARGIN + NAMES,
-            top: 14.0 + heading.height() + 22.0,
-            right: WIDTH - MARGIN,
-            bottom: legend_top - 14.0 - BELOW_LABEL,
-            x,
-            y: Scale::linear(0.0, 1.0),
-        };
+        let corner = (WIDTH - MARGIN, bottom - BELOW_LABEL);
+        let y = Scale::linear(0.0, 1.0);
+        let frame = Frame::new((MARGIN + NAMES, sheet.top()), corner, [x, y]);
         if let Some(noise) = self.noise {
             let edge = noise * unit.factor;
             let (from, to) = (frame.at_x(-edge), frame.at_x(edge));
@@ -141,12 +113,8 @@ impl Picture for BarChart {
             }
             let letter = Letter::new(20.0, Weight::Regular, INK);
             let name = shorten(&bar.name, Weight::Regular, 20.0, NAMES - 12.0);
-            canvas.text_beside(
-                &name,
-                (frame.left - 12.0, top + 0.5 * row),
-                Align::Right,
-                letter,
-            );
+            let anchor = (frame.left - 12.0, top + 0.5 * row);
+            canvas.text_beside(&name, anchor, Align::Right, letter);
         }
         canvas.cell((zero - 1.0, frame.top), (zero + 1.0, frame.bottom), INK);
         frame.draw_outline(canvas);

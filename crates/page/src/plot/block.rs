@@ -3,7 +3,7 @@
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
-use super::canvas::{Canvas, Point};
+use super::canvas::{Canvas, Point, Stroke};
 use super::colour::{INK, VERMILLION, tint};
 
 /// What a box stands for.
@@ -290,7 +290,7 @@ fn draw_block<B: DrawingBackend>(
             canvas.polygon(&flat(block.patch(axis, shares)), colour);
         }
         let outline: Vec<Point> = face.iter().chain(&face[..1]).copied().collect();
-        canvas.path(&outline, line, INK, None);
+        canvas.path(&outline, Stroke::new(line, INK));
         if block.kind == BlockKind::Plate
             && block.driven.is_some_and(|driven| {
                 driven.axis == axis && driven.positive == VISIBLE_POSITIVE[axis]
@@ -349,7 +349,7 @@ fn draw_turn<B: DrawingBackend>(
     let arc: Vec<Point> = (0..=24)
         .map(|step| at(40.0 + 10.0 * f64::from(step), 0.27))
         .collect();
-    canvas.path(&arc, line, white, None);
+    canvas.path(&arc, Stroke::new(line, white));
     let tip = at(318.0, 0.27);
     canvas.polygon(&[at(276.0, 0.17), tip, at(276.0, 0.38)], white);
 }

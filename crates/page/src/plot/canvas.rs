@@ -6,6 +6,7 @@ use plotters::style::{
     Color, FontDesc, FontFamily, FontStyle, FontTransform, RGBColor, ShapeStyle, TextStyle,
 };
 
+use super::colour::line;
 use super::font::{self, CAPITAL_HEIGHT_EM, Weight};
 use realgap_core::Error;
 use realgap_core::Result;
@@ -26,6 +27,36 @@ pub(super) enum Align {
     Left,
     Centre,
     Right,
+}
+
+/// How a line is drawn.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stroke {
+    pub width: f64,
+    pub colour: RGBColor,
+    /// Lengths of dash and gap.
+    pub dash: Option<(f64, f64)>,
+}
+
+impl Stroke {
+    pub(super) fn new(width: f64, colour: RGBColor) -> Self {
+        let dash = None;
+        Self {
+            width,
+            colour,
+            dash,
+        }
+    }
+
+    pub(super) fn dashed(self, dash: Option<(f64, f64)>) -> Self {
+        Self { dash, ..self }
+    }
+
+    /// The line of this number in the order in which they are used.
+    pub(super) fn of(index: usize, width: f64) -> Self {
+        let (colour, dash) = line(index);
+        Self::new(width, colour).dashed(dash)
+    }
 }
 
 /// Size, weight and colour of a text.
@@ -143,7 +174,7 @@ impl<B: DrawingBackend> Canvas<B> {
                 (centre.0 + radius * cos, centre.1 + radius * sin)
             })
             .collect();
-        self.path(&points, width, colour, None);
+        self.path(&points, Stroke::new(width, colour));
     }
 
     /// A star with five points.
@@ -159,24 +190,18 @@ impl<B: DrawingBackend> Canvas<B> {
     }
 
     /// A line through `points`, with round corners and ends.
-    pub(super) fn path(
-        &mut self,
-        points: &[Point],
-        width: f64,
-        colour: RGBColor,
-        dash: Option<(f64, f64)>,
-    ) {
-        match dash {
-            None => self.solid_path(points, width, colour),
+    pub(super) fn path(&mut self, points: &[Point], stroke: Stroke) {
+        match stroke.dash {
+            None => self.solid_path(points, stroke),
             Some(dash) => {
                 for piece in dashes(points, dash) {
-                    self.solid_path(&piece, width, colour);
+                    self.solid_path(&piece, stroke);
                 }
             }
         }
     }
 
-    fn solid_path(&mut self, points: &[Point], width: f64, colour: RGBColor) {
+    fn solid_path(&mut self, points: &[Point], Stroke { width, colour, .. }: Stroke) {
         let mut kept: Vec<Point> = Vec::with_capacity(points.len());
         for (i, &point) in points.iter().enumerate() {
             // Steps far below a pixel cost time and size, and plotters draws them badly.

@@ -1,19 +1,6 @@
 //! Columns: a few values for each of several things, side by side.
 
-use std::path::Path;
-
-use plotters::backend::DrawingBackend;
-
-use super::canvas::{Align, Canvas};
-use super::colour::{FAINT_INK, INK, line};
-use super::font::{Weight, shorten};
-use super::frame::{BELOW_TICKS, Frame, TICK_SIZE, left_of_label, tick_letter};
-use super::heading::{Caption, Heading};
-use super::legend::{Legend, Symbol};
-use super::picture::{self, Picture};
-use super::scale::{AXIS_DECADES, Scale, ScoreScale, with_room};
-use realgap_core::Error;
-use realgap_core::Result;
+use super::kit::*;
 
 const WIDTH: f64 = 1200.0;
 const HEIGHT: f64 = 760.0;
@@ -51,7 +38,7 @@ pub struct ColumnChart {
 /// No finite value, a series with another number of values than groups, a path that is no picture's, a full disk.
 pub fn draw_columns(chart: &ColumnChart, path: impl AsRef<Path>) -> Result<()> {
     for series in &chart.series {
-        super::axis::check_length(&series.label, series.values.len(), chart.groups.len())?;
+        check_length(&series.label, series.values.len(), chart.groups.len())?;
     }
     if chart.values().next().is_none() {
         return Err(Error::invalid("there is nothing to draw")
@@ -74,13 +61,10 @@ impl Picture for ColumnChart {
     }
 
     fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
-        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
-        heading.draw(canvas, MARGIN, 14.0);
         let entries = self.series.iter().enumerate();
         let entries = entries.map(|(i, s)| (Symbol::Shade(line(i).0), s.label.clone()));
-        let legend = Legend::new(entries.collect(), WIDTH - 2.0 * MARGIN);
-        let legend_top = HEIGHT - 16.0 - legend.height();
-        legend.draw(canvas, MARGIN, legend_top);
+        let sheet = Sheet::new(&self.caption, entries.collect(), WIDTH, MARGIN);
+        let bottom = sheet.draw(canvas, HEIGHT);
         let (low, high) = self
             .values()
             .fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
@@ -91,14 +75,10 @@ impl Picture for ColumnChart {
             _ => Scale::linear(if low < 0.0 { low - room } else { 0.0 }, high + room),
         };
         let ticks = y.ticks(6);
-        let frame = Frame {
-            left: MARGIN + left_of_label(&ticks),
-            top: 14.0 + heading.height() + 22.0,
-            right: WIDTH - MARGIN,
-            bottom: legend_top - 14.0 - BELOW_TICKS,
-            x: Scale::linear(0.0, self.groups.len() as f64),
-            y,
-        };
+        let corner = (WIDTH - MARGIN, bottom - BELOW_TICKS);
+        let x = Scale::linear(0.0, self.groups.len() as f64);
+        let left = MARGIN + left_of_label(&ticks);
+        let frame = Frame::new((left, sheet.top()), corner, [x, y]);
         frame.draw_grid(canvas, &[], &ticks);
         let group = (frame.right - frame.left) / self.groups.len() as f64;
         let column = group * (1.0 - BETWEEN) / self.series.len().max(1) as f64;

@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 
 pub(super) use super::block::project;
 use super::block::{darken, nothing_hidden_later, view};
-use super::canvas::{Canvas, Point};
+use super::canvas::{Canvas, Point, Stroke};
 use super::colour::INK;
 
 /// A box: its centre, and its three half edges as vectors at right angles, metres.
@@ -125,7 +125,7 @@ pub(super) fn draw_cuboid<B: DrawingBackend>(
         let share = 0.68 + 0.32 * dot(normal, light).max(0.0);
         let face = corners.map(place);
         canvas.polygon(&face, darken(colour, share));
-        canvas.path(&closed(face), 1.1, INK, None);
+        canvas.path(&closed(face), Stroke::new(1.1, INK));
     }
 }
 
@@ -137,7 +137,7 @@ pub(super) fn draw_outline<B: DrawingBackend>(
     colour: RGBColor,
 ) {
     for (_, corners) in cuboid.visible().filter(|_| cuboid.is_finite()) {
-        canvas.path(&closed(corners.map(place)), 1.5, colour, None);
+        canvas.path(&closed(corners.map(place)), Stroke::new(1.5, colour));
     }
 }
 

@@ -1,22 +1,6 @@
 //! Curve: the score over one parameter.
 
-use std::path::Path;
-
-use plotters::backend::DrawingBackend;
-
-use super::axis::{self, AxisSpec, Truth, check_length, check_values, edges};
-use super::canvas::{Align, Canvas, Letter};
-use super::colour::{BLUE, FAINT_INK, SHADE, VERMILLION, WHITE};
-use super::font::Weight;
-use super::frame::{BELOW_LABEL, Frame, left_of_label};
-use super::heading::{Caption, Heading};
-use super::legend::{Legend, Symbol, draw_cross, draw_star};
-use super::picture::{self, Picture};
-use super::scale::{AXIS_DECADES, Scale, ScoreScale, with_room};
-use realgap_core::Error;
-use realgap_core::Result;
-use realgap_core::unit::DisplayUnit;
-use realgap_core::unit::Unit;
+use super::kit::*;
 
 const WIDTH: f64 = 1200.0;
 const HEIGHT: f64 = 800.0;
@@ -60,11 +44,8 @@ impl Curve {
         check_values("x_values", &self.x_values)?;
         check_length("scores", self.scores.len(), self.x_values.len())?;
         if !self.indistinguishable.is_empty() {
-            check_length(
-                "indistinguishable",
-                self.indistinguishable.len(),
-                self.x_values.len(),
-            )?;
+            let found = self.indistinguishable.len();
+            check_length("indistinguishable", found, self.x_values.len())?;
         }
         match self.best {
             Some(best) if best >= self.x_values.len() => {
@@ -81,71 +62,54 @@ impl Curve {
         self.scores[index].filter(|score| score.is_finite())
     }
 
-    fn legend(&self, diverged: usize, unit: DisplayUnit) -> Legend {
-        let mut entries = Vec::new();
-        if let Some(best) = self.best {
-            let score = self
-                .score(best)
-                .map_or("diverged".to_string(), |score| unit.format(score));
+    fn legend(&self, diverged: usize, unit: DisplayUnit) -> Vec<(Symbol, String)> {
+        let best = self.best.map(|best| {
             let place = self.x.at(self.x_values[best]);
-            entries.push((Symbol::Star, format!("best: {score} at {place}")));
-        }
-        let inside = self
-            .indistinguishable
-            .iter()
-            .filter(|&&inside| inside)
-            .count();
-        if inside > 0 {
-            let text = format!(
-                "cannot be told from the best ({inside} of {})",
-                self.scores.len()
-            );
-            entries.push((Symbol::Shade(SHADE), text));
-        }
-        if diverged > 0 {
-            entries.push((Symbol::Cross, format!("diverged ({diverged})")));
-        }
-        if let Some(truth) = &self.truth {
-            let line = Symbol::Line {
-                colour: VERMILLION,
-                width: 3.0,
-                dash: Some((10.0, 7.0)),
-            };
-            entries.push((line, format!("{}: {}", truth.label, self.x.at(truth.x))));
-        }
-        Legend::new(entries, WIDTH - 2.0 * MARGIN)
+            (Symbol::Star, best_text(unit, self.score(best), &place))
+        });
+        let alike = alike_text(&self.indistinguishable).map(|text| (Symbol::Shade(SHADE), text));
+        let lost = (diverged > 0).then(|| (Symbol::Cross, format!("diverged ({diverged})")));
+        let truth = self.truth.as_ref().map(|truth| {
+            let text = format!("{}: {}", truth.label, self.x.at(truth.x));
+            (Symbol::Line(truth_line()), text)
+        });
+        let all = [best, alike, lost, truth];
+        all.into_iter().flatten().collect()
     }
 
     fn draw_shade<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, frame: &Frame) {
         let edges = edges(&self.x_values);
-        for (index, _) in self
-            .indistinguishable
-            .iter()
-            .enumerate()
-            .filter(|(_, inside)| **inside)
-        {
-            let at = |edge: f64| frame.at_x(edge).clamp(frame.left, frame.right);
-            canvas.cell(
-                (at(edges[index]), frame.top),
-                (at(edges[index + 1]), frame.bottom),
-                SHADE,
-            );
+        let at = |edge: f64| frame.at_x(edge).clamp(frame.left, frame.right);
+        let marked = self.indistinguishable.iter().zip(edges.windows(2));
+        for (_, ends) in marked.filter(|(inside, _)| **inside) {
+            let (from, to) = (at(ends[0]), at(ends[1]));
+            canvas.cell((from, frame.top), (to, frame.bottom), SHADE);
+        }
+    }
+
+    /// A row of crosses at the top where a simulation diverged.
+    fn draw_crosses<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, whole: &Frame) {
+        let mut free_from = f64::NEG_INFINITY;
+        for index in (0..self.scores.len()).filter(|&i| self.score(i).is_none()) {
+            let x = whole.at_x(self.x_values[index]);
+            // A dense row of crosses is as clear as a complete one, and can be read.
+            if x >= free_from {
+                draw_cross(canvas, (x, whole.top + STRIP / 2.0));
+                free_from = x + 20.0;
+            }
         }
     }
 
     fn draw_scores<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, frame: &Frame, factor: f64) {
-        let point = |index: usize| {
-            self.score(index).map(|score| {
-                let share = frame.y.share(score * factor).clamp(0.0, 1.0);
-                let y = frame.bottom - share * (frame.bottom - frame.top);
-                (frame.at_x(self.x_values[index]), y)
-            })
+        let place = |index: usize| {
+            let height = frame.within_y(self.score(index)? * factor);
+            Some((frame.at_x(self.x_values[index]), height))
         };
-        let points: Vec<_> = (0..self.scores.len()).map(point).collect();
+        let points: Vec<_> = (0..self.scores.len()).map(place).collect();
         // A diverged point interrupts the line: nothing is known there.
         for run in points.split(Option::is_none) {
             let run: Vec<_> = run.iter().flatten().copied().collect();
-            canvas.path(&run, 3.5, BLUE, None);
+            canvas.path(&run, Stroke::new(3.5, BLUE));
         }
         if points.len() <= 80 {
             for &point in points.iter().flatten() {
@@ -159,43 +123,34 @@ impl Curve {
     }
 }
 
+fn truth_line() -> Stroke {
+    Stroke::new(3.0, VERMILLION).dashed(Some((10.0, 7.0)))
+}
+
 impl Picture for Curve {
     fn size(&self) -> (u32, u32) {
         (WIDTH as u32, HEIGHT as u32)
     }
 
     fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
-        let finite: Vec<f64> = (0..self.scores.len())
-            .filter_map(|i| self.score(i))
-            .collect();
+        let all = 0..self.scores.len();
+        let finite: Vec<f64> = all.filter_map(|i| self.score(i)).collect();
         let diverged = self.scores.len() - finite.len();
         let unit = DisplayUnit::for_values(self.score_unit, finite.iter().copied());
         let shown: Vec<f64> = finite.iter().map(|score| score * unit.factor).collect();
         let y = with_room(Scale::for_scores(&shown, self.scale, AXIS_DECADES));
 
-        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
-        heading.draw(canvas, MARGIN, 14.0);
-        let legend = self.legend(diverged, unit);
-        let legend_top = HEIGHT - 16.0 - legend.height();
-        legend.draw(canvas, MARGIN, legend_top);
+        let sheet = Sheet::new(&self.caption, self.legend(diverged, unit), WIDTH, MARGIN);
+        let bottom = sheet.draw(canvas, HEIGHT);
 
         let x_edges = edges(&self.x_values);
         let x = Scale::linear(x_edges[0], x_edges[x_edges.len() - 1]);
         let x_ticks = axis::ticks(&self.x, &self.x_values, &x, 9);
-        let y_ticks = if finite.is_empty() {
-            Vec::new()
-        } else {
-            y.ticks(7)
-        };
+        let y_ticks = y.ticks(if finite.is_empty() { 0 } else { 7 });
         let strip = if diverged > 0 { STRIP } else { 0.0 };
-        let frame = Frame {
-            left: MARGIN + left_of_label(&y_ticks),
-            top: 14.0 + heading.height() + 22.0 + strip,
-            right: WIDTH - MARGIN,
-            bottom: legend_top - 14.0 - BELOW_LABEL,
-            x,
-            y,
-        };
+        let corner = (WIDTH - MARGIN, bottom - BELOW_LABEL);
+        let left = MARGIN + left_of_label(&y_ticks);
+        let frame = Frame::new((left, sheet.top() + strip), corner, [x, y]);
         let whole = Frame {
             top: frame.top - strip,
             ..frame
@@ -206,32 +161,16 @@ impl Picture for Curve {
             && (0.0..=1.0).contains(&frame.x.share(truth.x))
         {
             let x = frame.at_x(truth.x);
-            let line = [(x, whole.top), (x, whole.bottom)];
-            canvas.path(&line, 3.0, VERMILLION, Some((10.0, 7.0)));
+            canvas.path(&[(x, whole.top), (x, whole.bottom)], truth_line());
         }
-        let mut free_from = f64::NEG_INFINITY;
-        for index in (0..self.scores.len()).filter(|&i| self.score(i).is_none()) {
-            let x = frame.at_x(self.x_values[index]);
-            // A dense row of crosses is as clear as a complete one, and can be read.
-            if x >= free_from {
-                draw_cross(canvas, (x, whole.top + STRIP / 2.0));
-                free_from = x + 20.0;
-            }
-        }
+        self.draw_crosses(canvas, &whole);
         self.draw_scores(canvas, &frame, unit.factor);
         whole.draw_outline(canvas);
         frame.draw_x_axis(canvas, &x_ticks, &self.x.title());
         let label = format!("{}{}", unit.label(&self.score_label), y.remark());
         frame.draw_y_axis(canvas, &y_ticks, &label);
         if finite.is_empty() {
-            let centre = (
-                (frame.left + frame.right) / 2.0,
-                (frame.top + frame.bottom) / 2.0,
-            );
-            let (x, y) = centre;
-            canvas.cell((x - 210.0, y - 30.0), (x + 210.0, y + 30.0), WHITE);
-            let letter = Letter::new(28.0, Weight::Bold, FAINT_INK);
-            canvas.text_beside("every simulation diverged", centre, Align::Centre, letter);
+            frame.draw_nothing(canvas);
         }
     }
 }

@@ -1,20 +1,6 @@
 //! Ensemble: many repeats of one experiment, coloured by behaviour, with their envelope over time and the real runs.
 
-use std::path::Path;
-
-use plotters::backend::DrawingBackend;
-use plotters::style::RGBColor;
-
-use super::canvas::{Canvas, Point};
-use super::colour::{self, BLUE, INK, tint};
-use super::frame::{BELOW_LABEL, Frame, left_of_label};
-use super::heading::{Caption, Heading};
-use super::legend::{Legend, Symbol, draw_start};
-use super::path::{PathPoint, bounds_cm, draw_path, equal_aspect, finite_cm};
-use super::picture::{self, Picture};
-use super::scale::Scale;
-use realgap_core::Error;
-use realgap_core::Result;
+use super::kit::*;
 
 const WIDTH: f64 = 1260.0;
 const MARGIN: f64 = 32.0;
@@ -23,12 +9,17 @@ const GAP: f64 = 26.0;
 const SHAPE: std::ops::RangeInclusive<f64> = 0.25..=0.62;
 /// Height of the frames over time.
 const OVER_TIME: f64 = 260.0;
-/// Dashes of the prediction without noise.
-const DASH: (f64, f64) = (13.0, 8.0);
 const CM_PER_M: f64 = 100.0;
-/// Dashes and width of the band that whole paths stay in.
-const WHOLE_DASH: (f64, f64) = (5.0, 4.0);
-const WHOLE_WIDTH: f64 = 2.2;
+
+/// The prediction without noise.
+fn noise_free() -> Stroke {
+    Stroke::new(3.5, INK).dashed(Some((13.0, 8.0)))
+}
+
+/// The ends of the band that whole paths stay in.
+fn whole_path() -> Stroke {
+    Stroke::new(2.2, BLUE).dashed(Some((5.0, 4.0)))
+}
 
 /// Repeats that do the same.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,111 +88,56 @@ fn shade(level: f64) -> RGBColor {
 }
 
 impl EnsemblePlot {
-    fn legend(&self) -> Legend {
+    fn sheet(&self) -> Sheet {
         let mut entries = Vec::new();
         for (index, group) in self.groups.iter().enumerate() {
-            let (colour, dash) = colour::line(index);
-            let symbol = Symbol::Line {
-                colour,
-                width: 4.5,
-                dash,
-            };
-            entries.push((symbol, group.label.clone()));
+            entries.push((Symbol::Line(Stroke::of(index, 4.5)), group.label.clone()));
         }
         if !self.noise_free_m.is_empty() {
-            let symbol = Symbol::Line {
-                colour: INK,
-                width: 3.5,
-                dash: Some(DASH),
-            };
-            entries.push((symbol, "without noise".to_owned()));
+            entries.push((Symbol::Line(noise_free()), "without noise".to_owned()));
         }
         if !self.real_m.is_empty() {
-            let symbol = Symbol::Line {
-                colour: INK,
-                width: 1.8,
-                dash: None,
-            };
-            entries.push((
-                symbol,
-                format!("{} ({})", self.real_label, self.real_m.len()),
-            ));
+            let text = format!("{} ({})", self.real_label, self.real_m.len());
+            entries.push((Symbol::Line(Stroke::new(1.8, INK)), text));
         }
         for band in self.bands.iter().rev() {
             let text = format!("{:.0} % of the repeats, at each time", 100.0 * band.level);
             entries.push((Symbol::Shade(shade(band.level)), text));
         }
         if let Some(band) = &self.whole_paths {
-            let symbol = Symbol::Line {
-                colour: BLUE,
-                width: WHOLE_WIDTH,
-                dash: Some(WHOLE_DASH),
-            };
-            entries.push((
-                symbol,
-                format!("{:.0} % of whole paths stay inside", 100.0 * band.level),
-            ));
+            let text = format!("{:.0} % of whole paths stay inside", 100.0 * band.level);
+            entries.push((Symbol::Line(whole_path()), text));
         }
-        Legend::new(entries, WIDTH - 2.0 * MARGIN)
+        Sheet::new(&self.caption, entries, WIDTH, MARGIN)
     }
 
-    fn bounds(&self) -> ((f64, f64), (f64, f64)) {
+    fn above(&self) -> Above {
         let repeats = self.groups.iter().flat_map(|group| &group.paths_m);
         let single = self.groups.iter().map(|group| &group.representative_m);
-        let all = repeats
-            .chain(single)
-            .chain(&self.real_m)
-            .chain(std::iter::once(&self.noise_free_m));
-        bounds_cm(all.map(Vec::as_slice))
-    }
-
-    fn layout(&self) -> (Heading, Legend, f64) {
-        let width = WIDTH - 2.0 * MARGIN;
-        let (x, y) = self.bounds();
-        let shape = ((y.1 - y.0) / (x.1 - x.0)).clamp(*SHAPE.start(), *SHAPE.end());
-        (
-            Heading::new(&self.caption, width),
-            self.legend(),
-            ((width - 70.0) * shape).round(),
+        let all = repeats.chain(single).chain(&self.real_m);
+        Above::new(
+            all.chain(std::iter::once(&self.noise_free_m)),
+            SHAPE,
+            WIDTH,
+            MARGIN,
         )
     }
 
-    fn draw_paths<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, top: f64, height: f64) {
-        let (x, y) = self.bounds();
-        let ticks = (height / 65.0).clamp(3.0, 8.0) as usize;
-        let (_, rough) = equal_aspect(x, y, (WIDTH - 2.0 * MARGIN - 70.0) / height);
-        let left = (MARGIN + left_of_label(&rough.ticks(ticks))).round();
-        let (x, y) = equal_aspect(x, y, (WIDTH - MARGIN - left) / height);
-        let frame = Frame {
-            left,
-            top,
-            right: WIDTH - MARGIN,
-            bottom: top + height,
-            x,
-            y,
-        };
-        let (x_ticks, y_ticks) = (x.ticks(9), y.ticks(ticks));
-        frame.draw_grid(canvas, &x_ticks, &y_ticks);
+    fn draw_paths<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, frame: &Frame) {
         for (index, group) in self.groups.iter().enumerate() {
-            let pale = tint(colour::line(index).0, 0.4);
+            let pale = Stroke::new(1.3, tint(line(index).0, 0.4));
             for path in &group.paths_m {
-                draw_path(canvas, &frame, &finite_cm(path), 1.3, pale, None);
+                draw_path(canvas, frame, path, pale);
             }
         }
         for path in &self.real_m {
-            draw_path(canvas, &frame, &finite_cm(path), 1.8, INK, None);
+            draw_path(canvas, frame, path, Stroke::new(1.8, INK));
         }
         for (index, group) in self.groups.iter().enumerate().rev() {
-            let (colour, dash) = colour::line(index);
-            let path = finite_cm(&group.representative_m);
-            draw_path(canvas, &frame, &path, 4.5, colour, dash);
+            let stroke = Stroke::of(index, 4.5);
+            draw_path(canvas, frame, &group.representative_m, stroke);
         }
-        let path = finite_cm(&self.noise_free_m);
-        draw_path(canvas, &frame, &path, 3.5, INK, Some(DASH));
-        draw_start(canvas, frame.at((0.0, 0.0)));
-        frame.draw_outline(canvas);
-        frame.draw_x_axis(canvas, &x_ticks, "x along the net displacement (cm)");
-        frame.draw_y_axis(canvas, &y_ticks, "y (cm)");
+        draw_path(canvas, frame, &self.noise_free_m, noise_free());
     }
 
     /// One coordinate over time: bands, and the real runs over them.
@@ -229,14 +165,8 @@ impl EnsemblePlot {
         let y_ticks = y.ticks(6);
         let x = Scale::linear(self.times_s[0], self.times_s[self.times_s.len() - 1]);
         let x_ticks = x.ticks(6);
-        let frame = Frame {
-            left: (from + left_of_label(&y_ticks)).round(),
-            top,
-            right: to,
-            bottom: top + OVER_TIME,
-            x,
-            y,
-        };
+        let left = (from + left_of_label(&y_ticks)).round();
+        let frame = Frame::new((left, top), (to, top + OVER_TIME), [x, y]);
         let line = |points: &[PathPoint]| -> Vec<Point> {
             self.times_s
                 .iter()
@@ -250,32 +180,23 @@ impl EnsemblePlot {
             let (low, high) = (line(&band.low_m), line(&band.high_m));
             for (low, high) in low.windows(2).zip(high.windows(2)) {
                 // Half a pixel of overlap, so that no seam shows.
-                let (a, b, c, d) = (
-                    frame.at(low[0]),
-                    frame.at(low[1]),
-                    frame.at(high[1]),
-                    frame.at(high[0]),
-                );
+                let [a, b, c, d] = [low[0], low[1], high[1], high[0]].map(|p| frame.at(p));
                 let wide = |p: Point| (p.0 + 0.6, p.1);
                 canvas.polygon(&[a, wide(b), wide(c), d], shade(band.level));
             }
         }
         frame.draw_grid(canvas, &x_ticks, &y_ticks);
+        let mut draw = |points: &[PathPoint], stroke: Stroke| {
+            let line = line(points).into_iter().map(|point| frame.at(point));
+            canvas.path(&line.collect::<Vec<_>>(), stroke);
+        };
         for ends in (self.whole_paths.iter()).flat_map(|band| [&band.low_m, &band.high_m]) {
-            let dash = Some(WHOLE_DASH);
-            draw_path(canvas, &frame, &line(ends), WHOLE_WIDTH, BLUE, dash);
+            draw(ends, whole_path());
         }
         for path in &self.real_m {
-            draw_path(canvas, &frame, &line(path), 1.6, INK, None);
+            draw(path, Stroke::new(1.6, INK));
         }
-        draw_path(
-            canvas,
-            &frame,
-            &line(&self.noise_free_m),
-            3.5,
-            INK,
-            Some(DASH),
-        );
+        draw(&self.noise_free_m, noise_free());
         frame.draw_outline(canvas);
         frame.draw_x_axis(canvas, &x_ticks, "time (s)");
         frame.draw_y_axis(canvas, &y_ticks, ["x (cm)", "y (cm)"][axis]);
@@ -284,31 +205,22 @@ impl EnsemblePlot {
 
 impl Picture for EnsemblePlot {
     fn size(&self) -> (u32, u32) {
-        let (heading, legend, paths) = self.layout();
-        let height = 14.0
-            + heading.height()
-            + 22.0
-            + paths
-            + BELOW_LABEL
-            + GAP
-            + OVER_TIME
-            + BELOW_LABEL
-            + 14.0
-            + legend.height()
-            + 16.0;
-        (WIDTH as u32, height.ceil() as u32)
+        let room = self.above().height + BELOW_LABEL + GAP + OVER_TIME + BELOW_LABEL;
+        self.sheet().around(WIDTH, room)
     }
 
     fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
-        let (heading, legend, paths) = self.layout();
-        heading.draw(canvas, MARGIN, 14.0);
-        let top = (14.0 + heading.height() + 22.0).round();
-        self.draw_paths(canvas, top, paths);
-        let lower = (top + paths + BELOW_LABEL + GAP).round();
+        let (sheet, above) = (self.sheet(), self.above());
+        let top = sheet.top().round();
+        let lower = (top + above.height + BELOW_LABEL + GAP).round();
+        sheet.draw_around(canvas, lower + OVER_TIME + BELOW_LABEL);
+        let label = "x along the net displacement (cm)";
+        above.draw(canvas, top, label, |canvas, frame| {
+            self.draw_paths(canvas, frame);
+        });
         let middle = (WIDTH / 2.0).round();
         self.draw_over_time(canvas, 0, (MARGIN, middle - GAP / 2.0), lower);
         self.draw_over_time(canvas, 1, (middle + GAP / 2.0, WIDTH - MARGIN), lower);
-        legend.draw(canvas, MARGIN, lower + OVER_TIME + BELOW_LABEL + 14.0);
     }
 }
 

@@ -3,7 +3,7 @@
 use plotters::backend::DrawingBackend;
 
 use super::canvas::{Align, Canvas, Letter, Point};
-use super::colour::{GRID, INK};
+use super::colour::{FAINT_INK, GRID, INK, WHITE};
 use super::font::{Weight, shorten};
 use super::scale::{Scale, Tick};
 
@@ -52,6 +52,33 @@ pub(super) struct Frame {
 }
 
 impl Frame {
+    pub(super) fn new((left, top): Point, (right, bottom): Point, [x, y]: [Scale; 2]) -> Self {
+        Self {
+            left,
+            top,
+            right,
+            bottom,
+            x,
+            y,
+        }
+    }
+
+    /// A value's height, at an end of the frame where it lies beyond.
+    pub(super) fn within_y(&self, value: f64) -> f64 {
+        self.bottom - self.y.share(value).clamp(0.0, 1.0) * (self.bottom - self.top)
+    }
+
+    /// Says in the middle that there is nothing to see.
+    pub(super) fn draw_nothing<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+        let (x, y) = (
+            (self.left + self.right) / 2.0,
+            (self.top + self.bottom) / 2.0,
+        );
+        canvas.cell((x - 210.0, y - 30.0), (x + 210.0, y + 30.0), WHITE);
+        let letter = Letter::new(28.0, Weight::Bold, FAINT_INK);
+        canvas.text_beside("every simulation diverged", (x, y), Align::Centre, letter);
+    }
+
     pub(super) fn at_x(&self, value: f64) -> f64 {
         self.left + self.x.share(value) * (self.right - self.left)
     }

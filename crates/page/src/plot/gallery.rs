@@ -1,19 +1,9 @@
 //! Pictures of robots in rows, all to one scale.
 
-use std::path::Path;
-
-use plotters::backend::DrawingBackend;
-use plotters::style::RGBColor;
-
 use super::block::{
     ACTIVE, BEND, Block, BlockKind, Motion, PASSIVE, SPIN, draw_blocks, extent, project, seen_at,
 };
-use super::canvas::{Align, Canvas, Letter, Point};
-use super::colour::{FAINT_INK, GRID, INK, line};
-use super::font::{Weight, shorten, wrap};
-use super::heading::{Caption, Heading};
-use super::picture::{self, Picture};
-use realgap_core::Result;
+use super::kit::*;
 
 const WIDTH: f64 = 1400.0;
 const MARGIN: f64 = 28.0;
@@ -108,13 +98,8 @@ struct Layout {
 
 impl GalleryRobot {
     fn note_lines(&self, width: f64) -> Vec<String> {
-        wrap(
-            &self.note,
-            Weight::Regular,
-            NOTE_SIZE,
-            width,
-            NOTE_LINES_AT_MOST,
-        )
+        let weight = Weight::Regular;
+        wrap(&self.note, weight, NOTE_SIZE, width, NOTE_LINES_AT_MOST)
     }
 
     /// Corners of its picture with the floor around, metres.
@@ -232,7 +217,7 @@ impl Gallery {
                     (x, middle - 0.5 * (high - low) * angle / largest_rad)
                 })
                 .collect();
-            canvas.path(&points, 2.2, colour, dash);
+            canvas.path(&points, Stroke::new(2.2, colour).dashed(dash));
         }
         let baseline = top + GAIT - 10.0;
         if robot.commands.is_empty() {
@@ -305,7 +290,7 @@ impl Gallery {
             unit[axis] = 1.0;
             let (x, y) = project(unit);
             let at = |share: f64| (origin.0 + share * LENGTH * x, origin.1 + share * LENGTH * y);
-            canvas.path(&[origin, at(1.0)], 2.0, FAINT_INK, None);
+            canvas.path(&[origin, at(1.0)], Stroke::new(2.0, FAINT_INK));
             let beyond = at(1.0);
             let length = x.hypot(y);
             let label = (beyond.0 + 11.0 * x / length, beyond.1 + 11.0 * y / length);
@@ -329,9 +314,9 @@ impl Gallery {
             .fold(1e-4, f64::max);
         let left = right - round_m * scale;
         let y = middle + 12.0;
-        canvas.path(&[(left, y), (right, y)], 3.0, INK, None);
+        canvas.path(&[(left, y), (right, y)], Stroke::new(3.0, INK));
         for x in [left, right] {
-            canvas.path(&[(x, y - 7.0), (x, y + 7.0)], 3.0, INK, None);
+            canvas.path(&[(x, y - 7.0), (x, y + 7.0)], Stroke::new(3.0, INK));
         }
         let text = format!("{} cm", (round_m * 1e6).round() / 1e4);
         let letter = Letter::new(19.0, Weight::Regular, INK);

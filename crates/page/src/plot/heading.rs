@@ -5,6 +5,7 @@ use plotters::backend::DrawingBackend;
 use super::canvas::{Align, Canvas, Letter};
 use super::colour::{FAINT_INK, INK};
 use super::font::{Weight, wrap};
+use super::legend::{Legend, Symbol};
 
 /// Title sizes to try, largest first: a long title becomes smaller before it is broken into more lines.
 const TITLE_SIZES: [f64; 3] = [30.0, 26.0, 22.0];
@@ -32,6 +33,52 @@ impl Caption {
     }
 }
 
+/// A heading and a legend, with the room for a plot between them.
+pub(super) struct Sheet {
+    heading: Heading,
+    legend: Legend,
+    margin: f64,
+}
+
+impl Sheet {
+    pub(super) fn new(
+        caption: &Caption,
+        legend: Vec<(Symbol, String)>,
+        width: f64,
+        margin: f64,
+    ) -> Self {
+        Self {
+            heading: Heading::new(caption, width - 2.0 * margin),
+            legend: Legend::new(legend, width - 2.0 * margin),
+            margin,
+        }
+    }
+
+    /// Upper edge of the room.
+    pub(super) fn top(&self) -> f64 {
+        14.0 + self.heading.height() + 22.0
+    }
+
+    /// Size of the picture around a room of this height.
+    pub(super) fn around(&self, width: f64, room: f64) -> (u32, u32) {
+        let height = self.top() + room + 14.0 + self.legend.height() + 16.0;
+        (width as u32, height.ceil() as u32)
+    }
+
+    /// Draws both into a picture of this height; returns the lower edge of the room.
+    pub(super) fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, height: f64) -> f64 {
+        let legend_top = height - 16.0 - self.legend.height();
+        self.draw_around(canvas, legend_top - 14.0);
+        legend_top - 14.0
+    }
+
+    /// Draws both around a room that ends here.
+    pub(super) fn draw_around<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, bottom: f64) {
+        self.heading.draw(canvas, self.margin, 14.0);
+        self.legend.draw(canvas, self.margin, bottom + 14.0);
+    }
+}
+
 pub(super) struct Heading {
     lines: Vec<(String, Letter)>,
 }
@@ -41,11 +88,8 @@ impl Heading {
         let Caption { title, subtitle } = caption;
         let set = |size: f64, lines: usize| {
             let letter = Letter::new(size, Weight::Bold, INK);
-            let set: Vec<_> = wrap(title, Weight::Bold, size, width, lines)
-                .into_iter()
-                .map(|line| (line, letter))
-                .collect();
-            set
+            let set = wrap(title, Weight::Bold, size, width, lines).into_iter();
+            set.map(|line| (line, letter)).collect::<Vec<_>>()
         };
         let is_whole = |lines: &[(String, Letter)]| !lines.iter().any(|(l, _)| l.ends_with('…'));
         let mut lines = set(TITLE_SIZES[2], TITLE_LINES);
@@ -59,17 +103,8 @@ impl Heading {
             }
         }
         let letter = Letter::new(SUBTITLE_SIZE, Weight::Regular, FAINT_INK);
-        lines.extend(
-            wrap(
-                subtitle,
-                Weight::Regular,
-                SUBTITLE_SIZE,
-                width,
-                SUBTITLE_LINES,
-            )
-            .into_iter()
-            .map(|line| (line, letter)),
-        );
+        let below = wrap(subtitle, letter.weight, letter.size, width, SUBTITLE_LINES);
+        lines.extend(below.into_iter().map(|line| (line, letter)));
         Self { lines }
     }
 
@@ -81,12 +116,8 @@ impl Heading {
         let mut bottom = top;
         for (line, letter) in &self.lines {
             bottom += LEADING * letter.size;
-            canvas.text(
-                line,
-                (left, bottom - 0.35 * letter.size),
-                Align::Left,
-                *letter,
-            );
+            let baseline = bottom - 0.35 * letter.size;
+            canvas.text(line, (left, baseline), Align::Left, *letter);
         }
     }
 }

@@ -1,23 +1,6 @@
 //! Heat map: the score over two parameters, with the best point and all that cannot be told from it.
 
-use std::path::Path;
-
-use plotters::backend::DrawingBackend;
-use plotters::style::RGBColor;
-
-use super::axis::{self, AxisSpec, Truth, check_length, check_values, edges};
-use super::canvas::{Align, Canvas, Letter};
-use super::colour::{FAINT_INK, INK, WHITE, score_colour};
-use super::font::{Weight, shorten};
-use super::frame::{BELOW_LABEL, Frame, LABEL_SIZE, left_of_label, left_of_ticks, tick_letter};
-use super::heading::{Caption, Heading};
-use super::legend::{Legend, Symbol, draw_diverged, draw_evaluated, draw_ring, draw_star};
-use super::picture::{self, Picture};
-use super::scale::{COLOUR_DECADES, Scale, ScoreScale, Tick};
-use realgap_core::Error;
-use realgap_core::Result;
-use realgap_core::unit::DisplayUnit;
-use realgap_core::unit::Unit;
+use super::kit::*;
 
 const WIDTH: f64 = 1200.0;
 const HEIGHT: f64 = 950.0;
@@ -63,6 +46,36 @@ pub struct HeatMap {
     pub larger_is_better: bool,
     /// Lines above the cells, in the units of the axes: walls of a map.
     pub lines: Vec<Vec<(f64, f64)>>,
+}
+
+impl HeatMap {
+    /// A map of scores over two axes with their values, and what they are with their unit; without any mark.
+    pub fn new(
+        caption: Caption,
+        [(x, x_values), (y, y_values)]: [(AxisSpec, Vec<f64>); 2],
+        scores: Vec<Option<f64>>,
+        (score_label, score_unit): (&str, Unit),
+    ) -> Self {
+        Self {
+            caption,
+            x,
+            y,
+            x_values,
+            y_values,
+            scores,
+            missing: "diverged".to_owned(),
+            score_label: score_label.to_owned(),
+            score_unit,
+            scale: ScoreScale::Auto,
+            best: None,
+            best_at: None,
+            indistinguishable: Vec::new(),
+            truth: None,
+            evaluated: Vec::new(),
+            larger_is_better: false,
+            lines: Vec::new(),
+        }
+    }
 }
 
 /// Draws a heat map into a PNG or SVG file.
@@ -115,34 +128,19 @@ impl HeatMap {
     }
 
     fn finite_scores(&self) -> Vec<f64> {
-        self.scores
-            .iter()
-            .filter_map(|score| score.filter(|s| s.is_finite()))
-            .collect()
+        let finite = self.scores.iter().copied().flatten();
+        finite.filter(|score| score.is_finite()).collect()
     }
 
-    fn legend(&self, finite: &[f64], unit: DisplayUnit) -> Legend {
-        let mut entries = Vec::new();
-        if let Some((ix, iy)) = self.best {
-            let score = self
-                .score(ix, iy)
-                .map_or("diverged".to_string(), |score| unit.format(score));
+    fn legend(&self, finite: &[f64], unit: DisplayUnit) -> Vec<(Symbol, String)> {
+        let best = self.best.map(|(ix, iy)| {
             let (x, y) = self.place(ix, iy);
             let place = format!("{}, {}", self.x.at(x), self.y.at(y));
-            entries.push((Symbol::Star, format!("best: {score} at {place}")));
-        }
-        let inside = self
-            .indistinguishable
-            .iter()
-            .filter(|&&inside| inside)
-            .count();
-        if inside > 0 {
-            let text = format!(
-                "cannot be told from the best ({inside} of {})",
-                self.scores.len()
-            );
-            entries.push((Symbol::Outline, text));
-        }
+            best_text(unit, self.score(ix, iy), &place)
+        });
+        let best = best.map(|text| (Symbol::Star, text));
+        let alike = alike_text(&self.indistinguishable).map(|text| (Symbol::Outline, text));
+        let mut entries: Vec<_> = best.into_iter().chain(alike).collect();
         if !self.evaluated.is_empty() {
             let text = format!("evaluated ({})", self.evaluated.len());
             entries.push((Symbol::Evaluated, text));
@@ -155,15 +153,12 @@ impl HeatMap {
             let place = format!("{}, {}", self.x.at(truth.x), self.y.at(truth.y));
             entries.push((Symbol::Ring, format!("{}: {place}", truth.label)));
         }
-        Legend::new(entries, WIDTH - 2.0 * MARGIN)
+        entries
     }
 
     fn colour(&self, share: f64) -> RGBColor {
-        score_colour(if self.larger_is_better {
-            1.0 - share
-        } else {
-            share
-        })
+        let is_turned = self.larger_is_better;
+        score_colour(if is_turned { 1.0 - share } else { share })
     }
 
     fn draw_cells<B: DrawingBackend>(
@@ -173,14 +168,9 @@ impl HeatMap {
         scores: &Scale,
         factor: f64,
     ) {
-        let xs: Vec<f64> = edges(&self.x_values)
-            .iter()
-            .map(|&x| frame.at_x(x))
-            .collect();
-        let ys: Vec<f64> = edges(&self.y_values)
-            .iter()
-            .map(|&y| frame.at_y(y))
-            .collect();
+        let (xs, ys) = (edges(&self.x_values), edges(&self.y_values));
+        let xs: Vec<f64> = xs.iter().map(|&x| frame.at_x(x)).collect();
+        let ys: Vec<f64> = ys.iter().map(|&y| frame.at_y(y)).collect();
         for iy in 0..self.y_values.len() {
             let colour = |ix| {
                 self.score(ix, iy)
@@ -217,33 +207,27 @@ impl HeatMap {
         colour: RGBColor,
     ) {
         let half = width / 2.0;
-        let mut segment = |from: (f64, f64), to: (f64, f64)| {
-            let (from, to) = (
-                (from.0.round(), from.1.round()),
-                (to.0.round(), to.1.round()),
-            );
-            canvas.fill(
-                (from.0.min(to.0) - half, from.1.min(to.1) - half),
-                (from.0.max(to.0) + half, from.1.max(to.1) + half),
-                colour,
-            );
+        let mut segment = |from: Point, to: Point| {
+            let [(x0, y0), (x1, y1)] = [from, to].map(|(x, y)| (x.round(), y.round()));
+            let low = (x0.min(x1) - half, y0.min(y1) - half);
+            canvas.fill(low, (x0.max(x1) + half, y0.max(y1) + half), colour);
         };
         for iy in 0..self.y_values.len() {
             for ix in 0..self.x_values.len() {
                 if !self.is_indistinguishable(ix, iy) {
                     continue;
                 }
-                if ix == 0 || !self.is_indistinguishable(ix - 1, iy) {
-                    segment((xs[ix], ys[iy]), (xs[ix], ys[iy + 1]));
-                }
-                if !self.is_indistinguishable(ix + 1, iy) {
-                    segment((xs[ix + 1], ys[iy]), (xs[ix + 1], ys[iy + 1]));
-                }
-                if iy == 0 || !self.is_indistinguishable(ix, iy - 1) {
-                    segment((xs[ix], ys[iy]), (xs[ix + 1], ys[iy]));
-                }
-                if !self.is_indistinguishable(ix, iy + 1) {
-                    segment((xs[ix], ys[iy + 1]), (xs[ix + 1], ys[iy + 1]));
+                let ([left, right], [low, high]) = ([xs[ix], xs[ix + 1]], [ys[iy], ys[iy + 1]]);
+                // Beyond the first column and row is nothing: their number wraps to one that no cell has.
+                for (x, y, from, to) in [
+                    (ix.wrapping_sub(1), iy, (left, low), (left, high)),
+                    (ix + 1, iy, (right, low), (right, high)),
+                    (ix, iy.wrapping_sub(1), (left, low), (right, low)),
+                    (ix, iy + 1, (left, high), (right, high)),
+                ] {
+                    if !self.is_indistinguishable(x, y) {
+                        segment(from, to);
+                    }
                 }
             }
         }
@@ -258,22 +242,19 @@ impl HeatMap {
             });
             let points: Vec<_> = inside.collect();
             for (width, colour) in [(6.0, WHITE), (3.0, INK)] {
-                canvas.path(&points, width, colour, None);
+                canvas.path(&points, Stroke::new(width, colour));
             }
         }
-        for &(x, y) in &self.evaluated {
-            let inside = [frame.x.share(x), frame.y.share(y)];
-            if inside.iter().all(|share| (0.0..=1.0).contains(share)) {
-                draw_evaluated(canvas, frame.at((x, y)));
-            }
+        let is_inside = |(x, y): Point| {
+            let shares = [frame.x.share(x), frame.y.share(y)];
+            shares.iter().all(|share| (0.0..=1.0).contains(share))
+        };
+        for &place in self.evaluated.iter().filter(|place| is_inside(**place)) {
+            draw_evaluated(canvas, frame.at(place));
         }
-        if let Some(truth) = &self.truth {
-            let is_inside = [frame.x.share(truth.x), frame.y.share(truth.y)]
-                .iter()
-                .all(|share| (0.0..=1.0).contains(share));
-            if is_inside {
-                draw_ring(canvas, frame.at((truth.x, truth.y)));
-            }
+        let truth = self.truth.as_ref().map(|truth| (truth.x, truth.y));
+        if let Some(truth) = truth.filter(|truth| is_inside(*truth)) {
+            draw_ring(canvas, frame.at(truth));
         }
         if let Some((ix, iy)) = self.best {
             draw_star(canvas, frame.at(self.place(ix, iy)));
@@ -293,11 +274,8 @@ impl Picture for HeatMap {
         let scores = Scale::for_scores(&shown, self.scale, COLOUR_DECADES);
         let bar_ticks = scores.ticks(7);
 
-        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
-        heading.draw(canvas, MARGIN, 14.0);
-        let legend = self.legend(&finite, unit);
-        let legend_top = HEIGHT - 16.0 - legend.height();
-        legend.draw(canvas, MARGIN, legend_top);
+        let sheet = Sheet::new(&self.caption, self.legend(&finite, unit), WIDTH, MARGIN);
+        let bottom = sheet.draw(canvas, HEIGHT);
 
         let (x_edges, y_edges) = (edges(&self.x_values), edges(&self.y_values));
         let x = Scale::linear(x_edges[0], x_edges[x_edges.len() - 1]);
@@ -309,31 +287,16 @@ impl Picture for HeatMap {
         } else {
             BAR_GAP + BAR_WIDTH + left_of_ticks(&bar_ticks) + 12.0 + LABEL_SIZE
         };
-        let frame = Frame {
-            left: MARGIN + left_of_label(&y_ticks),
-            top: 14.0 + heading.height() + 22.0,
-            right: WIDTH - MARGIN + 8.0 - right_of_frame,
-            bottom: legend_top - 14.0 - BELOW_LABEL,
-            x,
-            y,
-        };
+        let left = MARGIN + left_of_label(&y_ticks);
+        let right = WIDTH - MARGIN + 8.0 - right_of_frame;
+        let frame = Frame::new((left, sheet.top()), (right, bottom - BELOW_LABEL), [x, y]);
         self.draw_cells(canvas, &frame, &scores, unit.factor);
         frame.draw_outline(canvas);
         frame.draw_x_axis(canvas, &x_ticks, &self.x.title());
         frame.draw_y_axis(canvas, &y_ticks, &self.y.title());
         self.draw_marks(canvas, &frame);
         if finite.is_empty() {
-            let centre = (
-                (frame.left + frame.right) / 2.0,
-                (frame.top + frame.bottom) / 2.0,
-            );
-            canvas.cell(
-                (centre.0 - 210.0, centre.1 - 30.0),
-                (centre.0 + 210.0, centre.1 + 30.0),
-                WHITE,
-            );
-            let letter = Letter::new(28.0, Weight::Bold, FAINT_INK);
-            canvas.text_beside("every simulation diverged", centre, Align::Centre, letter);
+            frame.draw_nothing(canvas);
         } else {
             let label = format!("{}{}", unit.label(&self.score_label), scores.remark());
             self.draw_colour_bar(canvas, &frame, &scores, &bar_ticks, &label);
@@ -367,16 +330,12 @@ impl HeatMap {
         for tick in ticks {
             let y = bar.at_y(tick.value).round();
             canvas.fill((bar.right, y - 1.0), (bar.right + 7.0, y + 1.0), INK);
-            canvas.text_beside(
-                &tick.label,
-                (bar.right + 13.0, y),
-                Align::Left,
-                tick_letter(),
-            );
+            let anchor = (bar.right + 13.0, y);
+            canvas.text_beside(&tick.label, anchor, Align::Left, tick_letter());
         }
         let baseline = bar.right + left_of_ticks(ticks) + 12.0 + 0.8 * LABEL_SIZE;
         let middle = (bar.top + bar.bottom) / 2.0;
         let label = shorten(label, Weight::Regular, LABEL_SIZE, bottom - top);
-        canvas.text_upwards(&label, (baseline, middle), super::frame::label_letter());
+        canvas.text_upwards(&label, (baseline, middle), label_letter());
     }
 }

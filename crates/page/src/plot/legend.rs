@@ -3,9 +3,10 @@
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
-use super::canvas::{Align, Canvas, Letter, Point};
+use super::canvas::{Align, Canvas, Letter, Point, Stroke};
 use super::colour::{DIVERGED, DIVERGED_LINE, INK, VERMILLION, WHITE, score_colour};
 use super::font::{Weight, shorten};
+use realgap_core::unit::DisplayUnit;
 
 const SIZE: f64 = 21.0;
 const ROW_HEIGHT: f64 = 33.0;
@@ -16,11 +17,7 @@ const ENTRY_GAP: f64 = 34.0;
 /// What stands for something in the picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Symbol {
-    Line {
-        colour: RGBColor,
-        width: f64,
-        dash: Option<(f64, f64)>,
-    },
+    Line(Stroke),
     Star,
     Outline,
     Diverged,
@@ -94,6 +91,19 @@ impl Legend {
     }
 }
 
+/// What the star stands for.
+pub(super) fn best_text(unit: DisplayUnit, score: Option<f64>, place: &str) -> String {
+    let score = score.map_or("diverged".to_string(), |score| unit.format(score));
+    format!("best: {score} at {place}")
+}
+
+/// How many points cannot be told from the best, where there are some.
+pub(super) fn alike_text(indistinguishable: &[bool]) -> Option<String> {
+    let inside = indistinguishable.iter().filter(|&&inside| inside).count();
+    let all = indistinguishable.len();
+    (inside > 0).then(|| format!("cannot be told from the best ({inside} of {all})"))
+}
+
 fn letter() -> Letter {
     Letter::new(SIZE, Weight::Regular, INK)
 }
@@ -103,11 +113,7 @@ fn draw_symbol<B: DrawingBackend>(canvas: &mut Canvas<B>, symbol: Symbol, (left,
     let centre = (left + SYMBOL_WIDTH / 2.0, middle);
     let (from, to) = ((left + 4.0, middle - 11.0), (right - 4.0, middle + 11.0));
     match symbol {
-        Symbol::Line {
-            colour,
-            width,
-            dash,
-        } => canvas.path(&[(left, middle), (right, middle)], width, colour, dash),
+        Symbol::Line(stroke) => canvas.path(&[(left, middle), (right, middle)], stroke),
         Symbol::Star => draw_star(canvas, centre),
         Symbol::Outline => {
             canvas.cell(from, to, score_colour(0.25));
@@ -155,12 +161,8 @@ pub(super) fn draw_start<B: DrawingBackend>(canvas: &mut Canvas<B>, centre: Poin
 pub(super) fn draw_cross<B: DrawingBackend>(canvas: &mut Canvas<B>, (x, y): Point) {
     let r = 7.0;
     for sign in [-1.0, 1.0] {
-        canvas.path(
-            &[(x - r, y - sign * r), (x + r, y + sign * r)],
-            3.0,
-            DIVERGED_LINE,
-            None,
-        );
+        let line = [(x - r, y - sign * r), (x + r, y + sign * r)];
+        canvas.path(&line, Stroke::new(3.0, DIVERGED_LINE));
     }
 }
 
@@ -177,12 +179,8 @@ pub(super) fn draw_diverged<B: DrawingBackend>(canvas: &mut Canvas<B>, from: Poi
         let start = (sum - y0).min(x1);
         let end = (sum - y1).max(x0);
         if start - end > 0.5 {
-            canvas.path(
-                &[(start, sum - start), (end, sum - end)],
-                1.2,
-                DIVERGED_LINE,
-                None,
-            );
+            let line = [(start, sum - start), (end, sum - end)];
+            canvas.path(&line, Stroke::new(1.2, DIVERGED_LINE));
         }
         sum += SPACING;
     }

@@ -1,22 +1,6 @@
 //! Lines, dots and bands over one quantity: convergence, errors over time, confidence over time.
 
-use std::path::Path;
-
-use plotters::backend::DrawingBackend;
-
-use super::axis::{self, AxisSpec};
-use super::canvas::{Canvas, Point};
-use super::colour::{FAINT_INK, line, tint};
-use super::frame::{BELOW_LABEL, Frame, left_of_label};
-use super::heading::{Caption, Heading};
-use super::legend::{Legend, Symbol};
-use super::path::equal_aspect;
-use super::picture::{self, Picture};
-use super::scale::{AXIS_DECADES, Scale, ScoreScale, with_room};
-use realgap_core::Error;
-use realgap_core::Result;
-use realgap_core::unit::DisplayUnit;
-use realgap_core::unit::Unit;
+use super::kit::*;
 
 const WIDTH: f64 = 1200.0;
 const HEIGHT: f64 = 800.0;
@@ -76,6 +60,21 @@ pub struct LinePlot {
     pub series: Vec<Series>,
 }
 
+impl LinePlot {
+    /// Series over two linear axes that end where the points do; `y` is the vertical quantity and the unit of its values.
+    pub fn new(caption: Caption, x: AxisSpec, y: (&str, Unit), series: Vec<Series>) -> Self {
+        Self {
+            caption,
+            x,
+            y_label: y.0.to_owned(),
+            y_unit: y.1,
+            scale: ScoreScale::Linear,
+            y_range: None,
+            series,
+        }
+    }
+}
+
 /// Draws the series into a PNG or SVG file.
 ///
 /// # Errors
@@ -105,7 +104,7 @@ impl LinePlot {
 pub(super) fn check_bands(all: &[Series]) -> Result<()> {
     for series in all {
         if let SeriesKind::Band(other) = &series.kind {
-            axis::check_length(&series.label, other.len(), series.points.len())?;
+            check_length(&series.label, other.len(), series.points.len())?;
         }
     }
     Ok(())
@@ -125,38 +124,48 @@ pub(super) fn finite_points(all: &[Series]) -> impl Iterator<Item = Point> + '_ 
         .filter(is_finite)
 }
 
-/// What the series that have a label are called, in rows no wider than this.
-pub(super) fn legend(series: &[Series], width: f64) -> Legend {
+impl Series {
+    /// A series in the first colour.
+    pub fn new(label: impl Into<String>, kind: SeriesKind, points: Vec<(f64, f64)>) -> Self {
+        Self {
+            label: label.into(),
+            points,
+            kind,
+            colour: 0,
+        }
+    }
+
+    /// The same in another colour.
+    #[must_use]
+    pub fn colour(self, colour: usize) -> Self {
+        Self { colour, ..self }
+    }
+
+    /// How its line is drawn.
+    fn stroke(&self) -> Stroke {
+        let own = Stroke::of(self.colour, 3.5);
+        match self.kind {
+            SeriesKind::Thin => Stroke { width: 2.0, ..own },
+            SeriesKind::Dashed => Stroke::new(2.5, own.colour).dashed(DASHED),
+            SeriesKind::Level => Stroke::new(2.0, FAINT_INK).dashed(DASHED),
+            _ => own,
+        }
+    }
+}
+
+/// What the series that have a label are called.
+pub(super) fn legend(series: &[Series]) -> Vec<(Symbol, String)> {
     let entries = series.iter().filter(|series| !series.label.is_empty());
     let entries = entries.map(|series| {
-        let (colour, dash) = line(series.colour);
+        let colour = line(series.colour).0;
         let symbol = match series.kind {
-            SeriesKind::Line | SeriesKind::Steps => Symbol::Line {
-                colour,
-                width: 3.5,
-                dash,
-            },
-            SeriesKind::Thin => Symbol::Line {
-                colour,
-                width: 2.0,
-                dash,
-            },
             SeriesKind::Dots => Symbol::Dot(colour),
             SeriesKind::Band(_) => Symbol::Shade(tint(colour, 0.25)),
-            SeriesKind::Dashed => Symbol::Line {
-                colour,
-                width: 2.5,
-                dash: DASHED,
-            },
-            SeriesKind::Level => Symbol::Line {
-                colour: FAINT_INK,
-                width: 2.0,
-                dash: DASHED,
-            },
+            _ => Symbol::Line(series.stroke()),
         };
         (symbol, series.label.clone())
     });
-    Legend::new(entries.collect(), width)
+    entries.collect()
 }
 
 /// Each value kept until the next point.
@@ -174,14 +183,8 @@ pub(super) fn draw_series<B: DrawingBackend>(
     series: &Series,
     factor: f64,
 ) {
-    let (colour, dash) = line(series.colour);
-    let at = |(x, y): Point| {
-        let share = frame.y.share(y * factor).clamp(0.0, 1.0);
-        (
-            frame.at_x(x),
-            frame.bottom - share * (frame.bottom - frame.top),
-        )
-    };
+    let colour = line(series.colour).0;
+    let at = |(x, y): Point| (frame.at_x(x), frame.within_y(y * factor));
     match &series.kind {
         SeriesKind::Band(other) => {
             let pairs: Vec<(Point, f64)> = series
@@ -204,26 +207,42 @@ pub(super) fn draw_series<B: DrawingBackend>(
                 canvas.disc(at(*point), 4.5, tint(colour, 0.75));
             }
         }
-        SeriesKind::Line
-        | SeriesKind::Steps
-        | SeriesKind::Thin
-        | SeriesKind::Level
-        | SeriesKind::Dashed => {
+        _ => {
             for run in series.points.split(|point| !is_finite(point)) {
                 let run = match series.kind {
                     SeriesKind::Steps => stepped(run),
                     _ => run.to_vec(),
                 };
                 let run: Vec<Point> = run.into_iter().map(at).collect();
-                let (width, colour, dash) = match series.kind {
-                    SeriesKind::Level => (2.0, FAINT_INK, DASHED),
-                    SeriesKind::Dashed => (2.5, colour, DASHED),
-                    SeriesKind::Thin => (2.0, colour, dash),
-                    _ => (3.5, colour, dash),
-                };
-                canvas.path(&run, width, colour, dash);
+                canvas.path(&run, series.stroke());
             }
         }
+    }
+}
+
+impl LinePlot {
+    /// Both scales for these points of a room of this width and height, its left part for labels.
+    fn scales(&self, xs: &[f64], ys: &[f64], factor: f64, (wide, high): Point) -> [Scale; 2] {
+        let ends = |values: &[f64], room: f64| {
+            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            (low - room * (high - low), high + room * (high - low))
+        };
+        let y = match self.y_range {
+            Some((low, high)) => Scale::linear(low * factor, high * factor),
+            None => with_room(Scale::for_scores(ys, self.scale, AXIS_DECADES)),
+        };
+        if self.scale == ScoreScale::LikeX {
+            let (across, up) = (ends(xs, 0.03), ends(ys, 0.03));
+            let shape = |y: &Scale| (wide - left_of_label(&y.ticks(7))) / high;
+            let (_, rough) = equal_aspect(across, up, shape(&y));
+            let (x, y) = equal_aspect(across, up, shape(&rough));
+            return [x, y];
+        }
+        // A line may end at the frame; a dot there would be cut in half.
+        let only_dots = self.series.iter().all(|s| s.kind == SeriesKind::Dots);
+        let (low, high) = ends(xs, if only_dots { 0.03 } else { 0.0 });
+        [Scale::linear(low, high), y]
     }
 }
 
@@ -236,49 +255,14 @@ impl Picture for LinePlot {
         let (xs, ys): (Vec<f64>, Vec<f64>) = finite_points(&self.series).unzip();
         let unit = DisplayUnit::for_values(self.y_unit, ys.iter().copied());
         let shown: Vec<f64> = ys.iter().map(|y| y * unit.factor).collect();
-        let y = match self.y_range {
-            Some((low, high)) => Scale::linear(low * unit.factor, high * unit.factor),
-            None => with_room(Scale::for_scores(&shown, self.scale, AXIS_DECADES)),
-        };
-        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
-        heading.draw(canvas, MARGIN, 14.0);
-        let legend = legend(&self.series, WIDTH - 2.0 * MARGIN);
-        let legend_top = HEIGHT - 16.0 - legend.height();
-        legend.draw(canvas, MARGIN, legend_top);
-
-        let low = xs.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = xs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        // A line may end at the frame; a dot there would be cut in half.
-        let only_dots = self.series.iter().all(|s| s.kind == SeriesKind::Dots);
-        let room = if only_dots { 0.03 * (high - low) } else { 0.0 };
-        let (top, bottom) = (
-            14.0 + heading.height() + 22.0,
-            legend_top - 14.0 - BELOW_LABEL,
-        );
-        let left_of = |y: &Scale| MARGIN + left_of_label(&y.ticks(7));
-        let (x, y) = if self.scale == ScoreScale::LikeX {
-            let ends = |values: &[f64]| {
-                let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-                let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                (low - 0.03 * (high - low), high + 0.03 * (high - low))
-            };
-            let (across, up) = (ends(&xs), ends(&shown));
-            let shape = |left: f64| (WIDTH - MARGIN - left) / (bottom - top);
-            let (_, rough) = equal_aspect(across, up, shape(left_of(&y)));
-            equal_aspect(across, up, shape(left_of(&rough)))
-        } else {
-            (Scale::linear(low - room, high + room), y)
-        };
+        let sheet = Sheet::new(&self.caption, legend(&self.series), WIDTH, MARGIN);
+        let (top, bottom) = (sheet.top(), sheet.draw(canvas, HEIGHT) - BELOW_LABEL);
+        let room = (WIDTH - MARGIN - MARGIN, bottom - top);
+        let [x, y] = self.scales(&xs, &shown, unit.factor, room);
         let x_ticks = axis::round_ticks(&self.x, &x, 9);
         let y_ticks = y.ticks(7);
-        let frame = Frame {
-            left: left_of(&y),
-            top,
-            right: WIDTH - MARGIN,
-            bottom,
-            x,
-            y,
-        };
+        let left = MARGIN + left_of_label(&y_ticks);
+        let frame = Frame::new((left, top), (WIDTH - MARGIN, bottom), [x, y]);
         // Bands lie under the grid, so that it can be read through them.
         let (bands, above): (Vec<&Series>, Vec<&Series>) = self
             .series

@@ -20,6 +20,27 @@
 //! it is not there, and the same data give the same bytes. Nothing here knows where the data come
 //! from: callers fill the structs. This is the only room that names `plotters`.
 
+/// What every chart is drawn with.
+mod kit {
+    pub(super) use std::path::Path;
+
+    pub(super) use plotters::backend::DrawingBackend;
+    pub(super) use plotters::style::RGBColor;
+    pub(super) use realgap_core::unit::{DisplayUnit, Unit};
+    pub(super) use realgap_core::{Error, Result};
+
+    pub(super) use super::axis::{self, AxisSpec, Truth, check_length, check_values, edges};
+    pub(super) use super::canvas::{Align, Canvas, Letter, Point, Stroke};
+    pub(super) use super::colour::*;
+    pub(super) use super::font::{Weight, shorten, wrap};
+    pub(super) use super::frame::*;
+    pub(super) use super::heading::{Caption, Heading, Sheet};
+    pub(super) use super::legend::*;
+    pub(super) use super::path::*;
+    pub(super) use super::picture::{self, Picture};
+    pub(super) use super::scale::*;
+}
+
 mod animation;
 mod axis;
 mod bar;
@@ -62,9 +83,11 @@ pub use line::{LinePlot, Series, SeriesKind, draw_lines};
 pub use overlay::{Overlay, OverlayPath, draw_overlay};
 pub use panel::{Panel, PanelGrid, draw_panels};
 pub use path::PathPoint;
+pub(crate) use picture::both;
 pub use picture::check_picture_path;
 pub use plane::{Cloud, plane};
 pub use realgap_core::table::{Side, TextTable};
 pub use realgap_core::unit::{DisplayUnit, number, quantity};
+pub(crate) use scale::Scale;
 pub use scale::ScoreScale;
 pub use stack::{Stack, StackRow, draw_stack};

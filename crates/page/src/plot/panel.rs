@@ -1,21 +1,6 @@
 //! Panels: simulated paths at several parameter values, each over the real ones.
 
-use std::path::Path;
-
-use plotters::backend::DrawingBackend;
-
-use super::canvas::{Align, Canvas, Letter};
-use super::colour::{BLUE, DIVERGED, FAINT_INK, INK, VERMILLION, tint};
-use super::font::{Weight, shorten, wrap};
-use super::frame::{BELOW_LABEL, Frame, left_of_label};
-use super::heading::{Caption, Heading};
-use super::legend::{Legend, Symbol, draw_star, draw_start};
-use super::path::{PathPoint, bounds_cm, draw_path, equal_aspect, finite_cm};
-use super::picture::{self, Picture};
-use super::scale::{Scale, Tick};
-use realgap_core::Result;
-use realgap_core::unit::DisplayUnit;
-use realgap_core::unit::Unit;
+use super::kit::*;
 
 const WIDTH: f64 = 1260.0;
 const MARGIN: f64 = 30.0;
@@ -90,13 +75,8 @@ impl Panel {
     }
 
     fn note_lines(&self, width: f64) -> Vec<String> {
-        wrap(
-            &self.note,
-            Weight::Regular,
-            NOTE_SIZE,
-            width,
-            NOTE_LINES_AT_MOST,
-        )
+        let weight = Weight::Regular;
+        wrap(&self.note, weight, NOTE_SIZE, width, NOTE_LINES_AT_MOST)
     }
 }
 
@@ -151,11 +131,7 @@ impl PanelGrid {
     }
 
     fn legend(&self) -> Legend {
-        let line = |colour, width| Symbol::Line {
-            colour,
-            width,
-            dash: None,
-        };
+        let line = |colour, width| Symbol::Line(Stroke::new(width, colour));
         let mut entries = Vec::new();
         if !self.reality_m.is_empty() {
             let (colour, width) = self.reality_style();
@@ -174,7 +150,7 @@ impl PanelGrid {
     }
 
     /// One real path stands out; many are a background.
-    fn reality_style(&self) -> (plotters::style::RGBColor, f64) {
+    fn reality_style(&self) -> (RGBColor, f64) {
         if self.reality_m.len() == 1 {
             (INK, 4.0)
         } else {
@@ -191,26 +167,20 @@ impl PanelGrid {
     ) {
         let score = panel.finite_score();
         if score.is_none() {
-            canvas.cell(
-                (frame.left, frame.top),
-                (frame.right, frame.bottom),
-                DIVERGED,
-            );
+            let from = (frame.left, frame.top);
+            canvas.cell(from, (frame.right, frame.bottom), DIVERGED);
         } else {
             frame.draw_grid(canvas, &layout.x_ticks, &layout.y_ticks);
         }
         let (colour, width) = self.reality_style();
         for path in &self.reality_m {
-            draw_path(canvas, frame, &finite_cm(path), width, colour, None);
+            draw_path(canvas, frame, path, Stroke::new(width, colour));
         }
         if score.is_some() {
-            let width = if panel.simulated_m.len() > 3 {
-                2.0
-            } else {
-                3.5
-            };
+            let is_crowd = panel.simulated_m.len() > 3;
+            let width = if is_crowd { 2.0 } else { 3.5 };
             for path in &panel.simulated_m {
-                draw_path(canvas, frame, &finite_cm(path), width, BLUE, None);
+                draw_path(canvas, frame, path, Stroke::new(width, BLUE));
             }
         }
         draw_start(canvas, frame.at((0.0, 0.0)));
@@ -258,14 +228,8 @@ impl Picture for PanelGrid {
             let top = layout.top
                 + layout.head
                 + row as f64 * (layout.head + layout.panel_height + ROW_GAP);
-            let frame = Frame {
-                left,
-                top,
-                right: left + layout.panel_width,
-                bottom: top + layout.panel_height,
-                x: layout.x,
-                y: layout.y,
-            };
+            let corner = (left + layout.panel_width, top + layout.panel_height);
+            let frame = Frame::new((left, top), corner, [layout.x, layout.y]);
             self.draw_panel(canvas, panel, &frame, &layout);
             // Axes are common: numbers at the left, and below the lowest panel of each column.
             if column == 0 {

@@ -1,10 +1,12 @@
 //! Paths on the floor: metres in, centimetres in the picture, both axes to one measure.
 
-use plotters::backend::DrawingBackend;
-use plotters::style::RGBColor;
+use std::ops::RangeInclusive;
 
-use super::canvas::{Canvas, Point};
-use super::frame::Frame;
+use plotters::backend::DrawingBackend;
+
+use super::canvas::{Canvas, Point, Stroke};
+use super::frame::{Frame, left_of_label};
+use super::legend::draw_start;
 use super::scale::Scale;
 
 /// A point (x, y) of a path, in metres; points that are not finite are left out.
@@ -56,14 +58,69 @@ pub(super) fn equal_aspect(x: (f64, f64), y: (f64, f64), shape: f64) -> (Scale, 
     (Scale::linear(x.0, x.1), Scale::linear(y.0, y.1))
 }
 
+/// Draws a path of metres.
 pub(super) fn draw_path<B: DrawingBackend>(
     canvas: &mut Canvas<B>,
     frame: &Frame,
-    points_cm: &[Point],
-    width: f64,
-    colour: RGBColor,
-    dash: Option<(f64, f64)>,
+    path_m: &[PathPoint],
+    stroke: Stroke,
 ) {
-    let points: Vec<Point> = points_cm.iter().map(|&point| frame.at(point)).collect();
-    canvas.path(&points, width, colour, dash);
+    let points = finite_cm(path_m).into_iter().map(|point| frame.at(point));
+    canvas.path(&points.collect::<Vec<_>>(), stroke);
+}
+
+/// Paths seen from above as a part of a picture of this width.
+pub(super) struct Above {
+    x: (f64, f64),
+    y: (f64, f64),
+    width: f64,
+    margin: f64,
+    /// Height of the frame.
+    pub height: f64,
+}
+
+impl Above {
+    /// Room for these paths, its height such a share of its width.
+    pub(super) fn new<'a>(
+        paths: impl Iterator<Item = &'a Vec<PathPoint>>,
+        shape: RangeInclusive<f64>,
+        width: f64,
+        margin: f64,
+    ) -> Self {
+        let (x, y) = bounds_cm(paths.map(Vec::as_slice));
+        let share = ((y.1 - y.0) / (x.1 - x.0)).clamp(*shape.start(), *shape.end());
+        Self {
+            x,
+            y,
+            width,
+            margin,
+            height: ((width - 2.0 * margin - 70.0) * share).round(),
+        }
+    }
+
+    /// Draws frame, axes and the start around what `paths` draws.
+    pub(super) fn draw<B: DrawingBackend>(
+        &self,
+        canvas: &mut Canvas<B>,
+        top: f64,
+        x_label: &str,
+        paths: impl FnOnce(&mut Canvas<B>, &Frame),
+    ) {
+        let Self { x, y, height, .. } = *self;
+        let count = (height / 65.0).clamp(3.0, 8.0) as usize;
+        // The width of the labels depends on the range and the range on the frame: one round is
+        // enough, as only the number of digits matters.
+        let (_, rough) = equal_aspect(x, y, (self.width - 2.0 * self.margin - 70.0) / height);
+        let left = (self.margin + left_of_label(&rough.ticks(count))).round();
+        let right = self.width - self.margin;
+        let (x, y) = equal_aspect(x, y, (right - left) / height);
+        let frame = Frame::new((left, top), (right, top + height), [x, y]);
+        let (x_ticks, y_ticks) = (x.ticks(9), y.ticks(count));
+        frame.draw_grid(canvas, &x_ticks, &y_ticks);
+        paths(canvas, &frame);
+        draw_start(canvas, frame.at((0.0, 0.0)));
+        frame.draw_outline(canvas);
+        frame.draw_x_axis(canvas, &x_ticks, x_label);
+        frame.draw_y_axis(canvas, &y_ticks, "y (cm)");
+    }
 }

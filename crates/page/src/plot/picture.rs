@@ -70,6 +70,12 @@ pub(super) fn check_rows(field: &str, count: usize, columns: usize) -> Result<()
     Ok(())
 }
 
+/// Lets `draw` write `STEM.png` and `STEM.svg` of the folder.
+pub(crate) fn both(folder: &Path, stem: &str, draw: impl Fn(&Path) -> Result<()>) -> Result<()> {
+    draw(&folder.join(format!("{stem}.png")))?;
+    draw(&folder.join(format!("{stem}.svg")))
+}
+
 /// Draws `picture` and writes it.
 pub(super) fn write(picture: &impl Picture, path: &Path) -> Result<()> {
     let format = format_of(path)?;

@@ -3,7 +3,6 @@
 use super::axis::AxisSpec;
 use super::heading::Caption;
 use super::line::{LinePlot, Series, SeriesKind};
-use super::scale::ScoreScale;
 use realgap_core::unit::Unit;
 
 /// Dots of one kind.
@@ -34,20 +33,9 @@ pub fn plane(caption: Caption, shares: [f64; 2], clouds: Vec<Cloud>) -> LinePlot
     let series = clouds
         .into_iter()
         .filter(|cloud| !cloud.points_m.is_empty());
-    LinePlot {
-        caption,
-        x: AxisSpec::new(label(1), Unit::One),
-        y_label: label(2),
-        y_unit: Unit::One,
-        scale: ScoreScale::Linear,
-        y_range: None,
-        series: series
-            .map(|cloud| Series {
-                label: cloud.label,
-                points: in_cm(&cloud.points_m),
-                kind: SeriesKind::Dots,
-                colour: cloud.colour,
-            })
-            .collect(),
-    }
+    let series = series.map(|cloud| {
+        Series::new(cloud.label, SeriesKind::Dots, in_cm(&cloud.points_m)).colour(cloud.colour)
+    });
+    let x = AxisSpec::new(label(1), Unit::One);
+    LinePlot::new(caption, x, (&label(2), Unit::One), series.collect())
 }

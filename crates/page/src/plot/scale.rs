@@ -26,7 +26,7 @@ const ROBUST_SHARE: f64 = 0.98;
 
 /// A range of values, `low < high`, and how to get from values to shares of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Scale {
+pub(crate) struct Scale {
     pub low: f64,
     pub high: f64,
     pub is_log: bool,
@@ -36,14 +36,14 @@ pub(super) struct Scale {
 
 /// A position on a scale and what to write there.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Tick {
+pub(crate) struct Tick {
     pub value: f64,
     pub label: String,
 }
 
 impl Scale {
     /// A linear scale; widened where it would be empty.
-    pub(super) fn linear(low: f64, high: f64) -> Self {
+    pub(crate) fn linear(low: f64, high: f64) -> Self {
         let (low, high) = if high - low > 1e-12 * low.abs().max(high.abs()) {
             (low, high)
         } else {
@@ -117,7 +117,7 @@ impl Scale {
     }
 
     /// About `count` round values within the scale.
-    pub(super) fn ticks(&self, count: usize) -> Vec<Tick> {
+    pub(crate) fn ticks(&self, count: usize) -> Vec<Tick> {
         if self.is_log {
             let ticks = log_ticks(self.low, self.high, count);
             if ticks.len() >= 3 {

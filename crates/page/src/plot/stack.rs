@@ -1,19 +1,7 @@
 //! Several quantities over the same axis, one above the other.
 
-use std::path::Path;
-
-use plotters::backend::DrawingBackend;
-
-use super::axis::{self, AxisSpec};
-use super::canvas::{Canvas, Point};
-use super::frame::{BELOW_LABEL, Frame, left_of_label};
-use super::heading::{Caption, Heading};
+use super::kit::*;
 use super::line::{Series, check_bands, draw_series, finite_points, legend};
-use super::picture::{self, Picture};
-use super::scale::{AXIS_DECADES, Scale, ScoreScale, with_room};
-use realgap_core::Error;
-use realgap_core::Result;
-use realgap_core::unit::{DisplayUnit, Unit};
 
 const WIDTH: f64 = 1200.0;
 const ROW_HEIGHT: f64 = 250.0;
@@ -99,27 +87,23 @@ impl Stack {
         index + 1 == self.rows.len()
     }
 
-    fn first(&self) -> &[Series] {
-        self.rows.first().map_or(&[], |row| &row.series)
+    fn sheet(&self) -> Sheet {
+        let first = self.rows.first().map_or(&[][..], |row| &row.series);
+        Sheet::new(&self.caption, legend(first), WIDTH, MARGIN)
     }
 }
 
 impl Picture for Stack {
     fn size(&self) -> (u32, u32) {
-        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
-        let legend = legend(self.first(), WIDTH - 2.0 * MARGIN);
         let shared = self.rows.last().is_some_and(|row| row.x.is_none());
         let plots = self.rows_height() + if shared { BELOW_LABEL } else { 0.0 };
-        let height = 14.0 + heading.height() + 22.0 + plots + 14.0 + legend.height() + 16.0;
-        (WIDTH as u32, height.ceil() as u32)
+        self.sheet().around(WIDTH, plots)
     }
 
     fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
         let height = f64::from(self.size().1);
-        let heading = Heading::new(&self.caption, WIDTH - 2.0 * MARGIN);
-        heading.draw(canvas, MARGIN, 14.0);
-        let legend = legend(self.first(), WIDTH - 2.0 * MARGIN);
-        legend.draw(canvas, MARGIN, height - 16.0 - legend.height());
+        let sheet = self.sheet();
+        sheet.draw(canvas, height);
 
         let shared = self.rows.iter().filter(|row| row.x.is_none());
         let shared_x = x_scale(shared.flat_map(|row| finite_points(&row.series)));
@@ -128,7 +112,7 @@ impl Picture for Stack {
             .iter()
             .map(|axis| MARGIN + left_of_label(&axis.y.ticks(5)))
             .fold(0.0, f64::max);
-        let mut top = 14.0 + heading.height() + 22.0;
+        let mut top = sheet.top();
         for (index, axis) in axes.iter().enumerate() {
             let y_ticks = axis.y.ticks(5);
             let (spec, x) = match &axis.row.x {
@@ -136,14 +120,8 @@ impl Picture for Stack {
                 None => (&self.x, shared_x),
             };
             let x_ticks = axis::round_ticks(spec, &x, 9);
-            let frame = Frame {
-                left,
-                top,
-                right: WIDTH - MARGIN,
-                bottom: top + ROW_HEIGHT,
-                x,
-                y: axis.y,
-            };
+            let corner = (WIDTH - MARGIN, top + ROW_HEIGHT);
+            let frame = Frame::new((left, top), corner, [x, axis.y]);
             frame.draw_grid(canvas, &x_ticks, &y_ticks);
             for series in &axis.row.series {
                 draw_series(canvas, &frame, series, axis.unit.factor);
@@ -153,12 +131,8 @@ impl Picture for Stack {
             if axis.row.x.is_some() || self.is_last(index) {
                 frame.draw_x_axis(canvas, &x_ticks, &spec.title());
             }
-            let below = if axis.row.x.is_some() {
-                BELOW_LABEL
-            } else {
-                0.0
-            };
-            top += ROW_HEIGHT + GAP + below;
+            let has_own = axis.row.x.is_some();
+            top += ROW_HEIGHT + GAP + if has_own { BELOW_LABEL } else { 0.0 };
         }
     }
 }
@@ -169,12 +143,7 @@ mod tests {
     use crate::plot::SeriesKind;
 
     fn stack(points: Vec<Point>) -> Stack {
-        let series = Series {
-            label: "run".to_owned(),
-            points,
-            kind: SeriesKind::Line,
-            colour: 0,
-        };
+        let series = Series::new("run", SeriesKind::Line, points);
         let row = |label: &str| StackRow {
             x: None,
             y_label: label.to_owned(),

@@ -6,7 +6,8 @@
 use std::fmt::Write as _;
 
 use super::page::html;
-use realgap_core::unit::decimals;
+use super::section::figure;
+use crate::plot::Scale;
 
 /// Size of a chart in its own units; the page scales it.
 const WIDTH: f64 = 440.0;
@@ -76,6 +77,69 @@ impl Frame {
 }
 
 impl Chart {
+    /// Something over anything else.
+    pub fn plain(alt: impl Into<String>, x_label: &str, y_label: impl Into<String>) -> Self {
+        Self {
+            alt: alt.into(),
+            x_label: x_label.to_owned(),
+            y_label: y_label.into(),
+            axes: Axes::Plain,
+            ..Self::default()
+        }
+    }
+
+    /// Something over time.
+    pub fn over_time(alt: impl Into<String>, y_label: impl Into<String>) -> Self {
+        let axes = Axes::Time;
+        Self {
+            axes,
+            ..Self::plain(alt, "time [s]", y_label)
+        }
+    }
+
+    /// Paths seen from above.
+    pub fn map(alt: &str) -> Self {
+        let axes = Axes::Map;
+        Self {
+            axes,
+            ..Self::plain(alt, "x [m]", "y [m]")
+        }
+    }
+
+    /// The same with the upright axis from 0.
+    pub fn from_zero(self) -> Self {
+        let from_zero = true;
+        Self { from_zero, ..self }
+    }
+
+    /// The same with a line above the others.
+    pub fn line(mut self, class: &'static str, points: Vec<[f64; 2]>) -> Self {
+        self.lines.push(Line { class, points });
+        self
+    }
+
+    /// The same with lines of one kind above the others.
+    pub fn lines(self, class: &'static str, all: impl Iterator<Item = Vec<[f64; 2]>>) -> Self {
+        all.fold(self, |chart, points| chart.line(class, points))
+    }
+
+    /// The same with a band within the others.
+    pub fn band(mut self, band: Vec<[f64; 3]>) -> Self {
+        self.bands.push(band);
+        self
+    }
+
+    /// The same with marks.
+    pub fn dots(mut self, class: &'static str, points: Vec<[f64; 2]>) -> Self {
+        self.dots.push(Line { class, points });
+        self
+    }
+
+    /// The chart with a title, and what it says.
+    pub fn figure(&self, title: &str, caption: &str) -> String {
+        figure(title, &self.svg(), caption)
+    }
+
     fn frame(&self) -> Frame {
         let band = self.bands.iter().flatten();
         let banded = band.flat_map(|[x, low, high]| [[*x, *low], [*x, *high]]);
@@ -144,17 +208,17 @@ impl Chart {
             high.0,
             low.1,
         );
-        for value in ticks(frame.x) {
+        for (value, text) in ticks(frame.x) {
             let (x, _) = frame.place([value, frame.y[0]]);
             let _infallible = write!(
                 svg,
                 "<line class=\"grid\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{TOP}\" y2=\"{:.1}\"/><text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
                 low.1,
                 low.1 + 15.0,
-                tick_text(value, frame.x),
+                text,
             );
         }
-        for value in ticks(frame.y) {
+        for (value, text) in ticks(frame.y) {
             let (_, y) = frame.place([frame.x[0], value]);
             let _infallible = write!(
                 svg,
@@ -162,7 +226,7 @@ impl Chart {
                 high.0,
                 LEFT - 6.0,
                 y + 4.0,
-                tick_text(value, frame.y),
+                text,
             );
         }
         let _infallible = write!(
@@ -204,6 +268,21 @@ impl Chart {
     }
 }
 
+/// Each value kept until the next.
+pub(super) fn steps(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
+    let mut all: Vec<[f64; 2]> = Vec::new();
+    for [x, y] in points {
+        all.extend(all.last().map(|[_, before]| [x, *before]));
+        all.push([x, y]);
+    }
+    all
+}
+
+/// A name in a legend beside what it stands for.
+pub(super) fn key(class: &str, name: &str) -> String {
+    format!("<span><i class=\"key {class}\"></i>{}</span>", html(name))
+}
+
 /// A path through the points, to a tenth of a unit; points that would not be seen apart are one.
 fn path(frame: &Frame, points: impl Iterator<Item = [f64; 2]>) -> String {
     let mut text = String::new();
@@ -221,30 +300,13 @@ fn path(frame: &Frame, points: impl Iterator<Item = [f64; 2]>) -> String {
     text
 }
 
-/// Step of the ticks: 1, 2 or 5 times a power of ten, four to eight of them.
-fn step([low, high]: [f64; 2]) -> f64 {
-    let rough = (high - low) / 5.0;
-    let power = 10_f64.powf(rough.log10().floor());
-    let of = |factor: f64| factor * power;
-    [1.0, 2.0, 5.0, 10.0]
-        .map(of)
-        .into_iter()
-        .find(|step| *step >= rough * 0.999)
-        .unwrap_or(power)
-}
-
-fn ticks(range: [f64; 2]) -> Vec<f64> {
-    let step = step(range);
-    let first = (range[0] / step - 1e-9).ceil() as i64;
-    let last = (range[1] / step + 1e-9).floor() as i64;
-    (first..=last.min(first + 20))
-        .map(|k| k as f64 * step)
+/// Round numbers within the range, and how they are written.
+fn ticks([low, high]: [f64; 2]) -> Vec<(f64, String)> {
+    let ticks = Scale::linear(low, high).ticks(5).into_iter();
+    // A hyphen is what screens read as a minus everywhere.
+    ticks
+        .map(|tick| (tick.value, tick.label.replace('−', "-")))
         .collect()
-}
-
-fn tick_text(value: f64, range: [f64; 2]) -> String {
-    let places = (-step(range).log10().floor()).clamp(0.0, 9.0) as usize;
-    decimals(value, places)
 }
 
 #[cfg(test)]
@@ -253,11 +315,9 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_inside() {
-        assert_eq!(ticks([0.0, 10.0]), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
-        let texts: Vec<String> = ticks([-0.03, 0.07])
-            .into_iter()
-            .map(|t| tick_text(t, [-0.03, 0.07]))
-            .collect();
+        let (values, _): (Vec<f64>, Vec<String>) = ticks([0.0, 10.0]).into_iter().unzip();
+        assert_eq!(values, [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
+        let (_, texts): (Vec<f64>, Vec<String>) = ticks([-0.03, 0.07]).into_iter().unzip();
         assert_eq!(texts, ["-0.02", "0.00", "0.02", "0.04", "0.06"]);
     }
 

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::chart::{Axes, Chart, Line};
-use super::section::{Section, figure, figures, pictures};
+use super::chart::{Chart, key};
+use super::section::{Section, figures, pictures};
 use super::story::Story;
 use super::value::{
-    at, first_text, float, floats, is, list, measured, percent, proportion, span, table, text_of,
+    at, first_text, float, floats, is, list, measured, noted, percent, proportion, span, text_of,
+    titled,
 };
 use realgap_core::error::Result;
 use realgap_core::unit::{counted, decimals, number};
@@ -133,15 +134,8 @@ pub(super) fn behaviour_table(first: &Value, cases: &[Value]) -> String {
             row
         })
     });
-    let mut head = vec![
-        "behaviour",
-        "probability (95 %)",
-        "net displacement",
-        "typical repeat",
-    ];
-    if many {
-        head.insert(0, "start");
-    }
+    let head = "behaviour | probability (95 %) | net displacement | typical repeat";
+    let head = if many { "start | " } else { "" }.to_owned() + head;
     let diverged = at(first, "diverged");
     let lost = match float(diverged, "count") {
         Some(count) if count > 0.0 => {
@@ -151,7 +145,7 @@ pub(super) fn behaviour_table(first: &Value, cases: &[Value]) -> String {
     };
     format!(
         "{}{lost}<p class=\"note\">Repeats are one behaviour where their paths are nearer than {} to each other. More repeats narrow the probabilities; only other noise or another model moves them.</p>",
-        table(&head, rows),
+        titled(&head, rows),
         measured(float(at(first, "behaviours"), "cut_m"), "m"),
     )
 }
@@ -159,98 +153,60 @@ pub(super) fn behaviour_table(first: &Value, cases: &[Value]) -> String {
 /// Paths of the behaviours with the region of the end, and the regions over time.
 pub(super) fn charts(name: &str, summary: &Value) -> String {
     let behaviours = list(at(summary, "behaviours"), "list");
-    let mut lines: Vec<Line> = Vec::new();
     let regions = list(at(summary, "envelope"), "regions");
-    if let Some(end) = regions.last() {
-        lines.extend([0, 2].map(|level| Line {
-            class: "edge",
-            points: ellipse(end, level),
-        }));
-    }
+    let alt = "A typical path of each behaviour, and where half and nine of ten repeats end";
+    let ends = regions.last().into_iter();
+    let ends = ends.flat_map(|end| [0, 2].map(|level| ellipse(end, level)));
+    let mut map = Chart::map(alt).lines("edge", ends);
     for (index, behaviour) in behaviours.iter().enumerate().rev() {
         let places = list(behaviour, "path_xy_m").iter();
         let points =
             places.filter_map(|place| Some([place.get(0)?.as_f64()?, place.get(1)?.as_f64()?]));
-        lines.push(Line {
-            class: CLASSES[index % CLASSES.len()],
-            points: points.collect(),
-        });
+        map = map.line(CLASSES[index % CLASSES.len()], points.collect());
     }
-    let map = Chart {
-        alt: "A typical path of each behaviour, and where half and nine of ten repeats end"
-            .to_owned(),
-        x_label: "x [m]".to_owned(),
-        y_label: "y [m]".to_owned(),
-        axes: Axes::Map,
-        lines,
-        ..Chart::default()
-    };
     let times = floats(at(summary, "envelope"), "times_s");
     let over_time = |axis: usize, label: &str| {
+        let number = |region: &Value, name: &str, at: usize| floats(region, name).get(at).copied();
         // The ellipse's shadow on the axis.
         let band = |level: usize| -> Vec<[f64; 3]> {
             let at_time = times.iter().zip(regions);
             at_time
                 .map(|(t, region)| {
-                    let middle = floats(region, "centre_m")
-                        .get(axis)
-                        .copied()
-                        .unwrap_or(f64::NAN);
-                    let spread = floats(region, "covariance_m2")
-                        .get(2 * axis)
-                        .copied()
-                        .unwrap_or(0.0)
-                        .max(0.0)
-                        .sqrt();
-                    let radius = floats(region, "radii").get(level).copied().unwrap_or(0.0);
-                    [*t, middle - radius * spread, middle + radius * spread]
+                    let middle = number(region, "centre_m", axis).unwrap_or(f64::NAN);
+                    let spread = number(region, "covariance_m2", 2 * axis).unwrap_or(0.0);
+                    let radius = number(region, "radii", level).unwrap_or(0.0);
+                    let half = radius * spread.max(0.0).sqrt();
+                    [*t, middle - half, middle + half]
                 })
                 .collect()
         };
-        let middle = band(0)
-            .iter()
-            .map(|[t, low, high]| [*t, 0.5 * (low + high)])
-            .collect();
-        Chart {
-            alt: format!("{label}: regions of half and nine of ten repeats over time"),
-            x_label: "time [s]".to_owned(),
-            y_label: label.to_owned(),
-            bands: vec![band(2), band(0)],
-            lines: vec![Line {
-                class: "sim",
-                points: middle,
-            }],
-            ..Chart::default()
-        }
+        let inner = band(0);
+        let middle = inner.iter().map(|[t, low, high]| [*t, 0.5 * (low + high)]);
+        let middle = middle.collect();
+        let alt = format!("{label}: regions of half and nine of ten repeats over time");
+        let chart = Chart::over_time(alt, label).band(band(2)).band(inner);
+        chart.line("sim", middle)
     };
-    let mut all = vec![figure(
+    let mut all = vec![map.figure(
         "Typical paths",
-        &map.svg(),
         "One path of each behaviour, from the origin, net displacement to the right. Rings: where half and nine of ten repeats end.",
     )];
     if !times.is_empty() {
-        all.push(figure(
-            "Along the way",
-            &over_time(0, "x [m]").svg(),
-            "Dark: half of the repeats, light: nine of ten.",
-        ));
-        all.push(figure(
-            "Across it",
-            &over_time(1, "y [m]").svg(),
-            "Less noise at the start and in friction would make the bands narrower.",
-        ));
+        let along = over_time(0, "x [m]");
+        let dark = "Dark: half of the repeats, light: nine of ten.";
+        let across = over_time(1, "y [m]");
+        let less = "Less noise at the start and in friction would make the bands narrower.";
+        all.push(along.figure("Along the way", dark));
+        all.push(across.figure("Across it", less));
     }
     let legend: String = behaviours
         .iter()
         .take(CLASSES.len())
         .enumerate()
         .map(|(index, behaviour)| {
-            format!(
-                "<span><i class=\"key {}\"></i>{} ({})</span>",
-                CLASSES[index],
-                super::page::html(text_of(behaviour, "name")),
-                percent(Some(share(behaviour)))
-            )
+            let name = text_of(behaviour, "name");
+            let share = percent(Some(share(behaviour)));
+            key(CLASSES[index], &format!("{name} ({share})"))
         })
         .collect();
     let title = if name.is_empty() {
@@ -318,18 +274,8 @@ pub(super) fn distances(cases: &[Value]) -> String {
             ])
         })
     });
-    table(
-        &[
-            "",
-            "mean",
-            "standard deviation",
-            "5 %",
-            "50 %",
-            "95 %",
-            "without noise",
-        ],
-        rows,
-    )
+    let head = " | mean | standard deviation | 5 % | 50 % | 95 % | without noise";
+    titled(head, rows)
 }
 
 fn honesty(reality: &Value) -> String {
@@ -351,14 +297,8 @@ fn honesty(reality: &Value) -> String {
             proportion(at(level, "whole_path")),
         ]
     });
-    let first = table(
-        &[
-            "region of",
-            "recorded runs inside, over time",
-            "at the end (95 %)",
-            "honest",
-            "whole paths in their band",
-        ],
+    let first = titled(
+        "region of | recorded runs inside, over time | at the end (95 %) | honest | whole paths in their band",
         rows,
     );
     let runs = list(reality, "runs").iter().map(|run| {
@@ -374,14 +314,8 @@ fn honesty(reality: &Value) -> String {
         "{first}<p class=\"note\">Energy score {}; if reality were one more repeat it would be {}. More recordings make this sharper.</p><details><summary>Recording by recording</summary>{}</details>",
         measured(float(reality, "energy_score_m"), "m"),
         measured(float(reality, "expected_energy_score_m"), "m"),
-        table(
-            &[
-                "recording",
-                "does",
-                "net displacement",
-                "from its behaviour",
-                "energy score"
-            ],
+        titled(
+            "recording | does | net displacement | from its behaviour | energy score",
             runs
         )
     )
@@ -405,8 +339,5 @@ pub(super) fn noise(summary: &Value) -> String {
     };
     let mut rows = fields(noise, "");
     rows.extend(fields(at(noise, "camera"), "camera: "));
-    if rows.is_empty() {
-        return String::new();
-    }
-    table(&["what", "drawn from", "size"], rows)
+    noted("what | drawn from | size", rows, "")
 }

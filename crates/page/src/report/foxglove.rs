@@ -14,8 +14,6 @@ const MOST_SAMPLES: usize = 20_000;
 const WORLD: &str = "world";
 /// How thick paths are, metres; a point is as wide as three of them.
 const PATH_M: f64 = 0.008;
-/// How much of what is behind a recorded robot shows through it.
-const GHOST_ALPHA: f64 = 0.4;
 
 impl Replay<'_> {
     /// The replay as an MCAP file for Foxglove, with its schemas in JSON: `/tf` (`FrameTransforms`) moves the frames `RUN/part0` and
@@ -38,11 +36,8 @@ impl Replay<'_> {
         let mut file = McapWriter::new(topics);
         let [tf, floor, first] = [0, 1, 2];
         let fixed: Vec<Value> = stage.fixed.iter().map(|solid| cube(solid, 1.0)).collect();
-        file.message(
-            floor,
-            0,
-            &scene(vec![entity("fixed", WORLD, &fixed, &[], &[])]),
-        );
+        let fixed = entity("fixed", WORLD, &fixed, &[], &[]);
+        file.message(floor, 0, &scene(vec![fixed]));
         for (index, actor) in stage.actors.iter().enumerate() {
             file.message(first + 2 * index, 0, &scene(entities(actor)));
         }
@@ -106,31 +101,14 @@ fn transforms(actor: &Actor, sample: usize, time_ns: u64) -> Vec<Value> {
 const POINT: &str = "point";
 
 fn entities(actor: &Actor) -> Vec<Value> {
-    let (alpha, own) = match actor.is_recorded {
-        true => (GHOST_ALPHA, Some(Kind::Recorded)),
-        false => (1.0, None),
-    };
     let mut all = Vec::new();
     for mover in &actor.movers {
-        let cubes: Vec<Value> = (mover.solids.iter())
-            .map(|solid| {
-                let kind = own.unwrap_or(solid.kind);
-                let solid = Solid {
-                    kind,
-                    ..solid.clone()
-                };
-                cube(&solid, alpha)
-            })
-            .collect();
-        all.push(entity(
-            &mover.name,
-            &frame(actor, &mover.name),
-            &cubes,
-            &[],
-            &[],
-        ));
+        let cubes = mover.solids.iter().map(|solid| cube(solid, actor.alpha()));
+        let cubes: Vec<Value> = cubes.collect();
+        let frame = frame(actor, &mover.name);
+        all.push(entity(&mover.name, &frame, &cubes, &[], &[]));
     }
-    let colour = own.unwrap_or(Kind::Run);
+    let colour = actor.kind();
     if actor.movers.is_empty() {
         let wide = Vector3::repeat(3.0 * PATH_M);
         let ball = json!({
@@ -174,11 +152,8 @@ fn entity(id: &str, frame: &str, cubes: &[Value], spheres: &[Value], lines: &[Va
 }
 
 fn cube(solid: &Solid, alpha: f64) -> Value {
-    let alpha = if solid.kind == Kind::Floor {
-        0.6
-    } else {
-        alpha
-    };
+    let is_floor = solid.kind == Kind::Floor;
+    let alpha = if is_floor { 0.6 } else { alpha };
     json!({
         "pose": pose_json(&solid.pose),
         "size": vector(&(2.0 * solid.half_m)),

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::chart::{Chart, Line};
-use super::section::{Section, figure, figures, pictures};
+use super::chart::{Chart, key};
+use super::section::{Section, figures, pictures};
 use super::story::Story;
 use super::value::{
-    at, count, first_text, float, floats, list, measured, percent, span, table, text_of,
+    at, count, first_text, float, floats, list, measured, noted, percent, span, text_of, titled,
 };
 use realgap_core::error::Result;
 use realgap_core::unit::{decimals, number};
@@ -148,22 +148,10 @@ fn metrics(report: &Value) -> String {
                 ])
             })
     });
-    let rows: Vec<_> = rows.collect();
-    if rows.is_empty() {
-        return String::new();
-    }
-    format!(
-        "{}<p class=\"note\">A ratio of 1 means indistinguishable from reality. More recorded repeats narrow the noise floor, which the width of most of these intervals comes from.</p>",
-        table(
-            &[
-                "metric",
-                "noise floor (95 %)",
-                "gap (95 %)",
-                "gap ratio (95 %)",
-                "drawn alike? p"
-            ],
-            rows
-        )
+    noted(
+        "metric | noise floor (95 %) | gap (95 %) | gap ratio (95 %) | drawn alike? p",
+        rows,
+        "A ratio of 1 means indistinguishable from reality. More recorded repeats narrow the noise floor, which the width of most of these intervals comes from.",
     )
 }
 
@@ -181,83 +169,47 @@ fn sets(report: &Value) -> String {
             ]
         })
     });
-    let rows: Vec<_> = rows.collect();
-    if rows.is_empty() {
-        return String::new();
-    }
-    format!(
-        "{}<p class=\"note\">More repeats of the same run narrow the intervals.</p>",
-        table(
-            &["set", "recordings", "metric", "noise floor", "95 %"],
-            rows
-        )
-    )
+    let note = "More repeats of the same run narrow the intervals.";
+    noted("set | recordings | metric | noise floor | 95 %", rows, note)
 }
 
 fn over_time(report: &Value) -> String {
     let over = at(report, "over_time");
     let times = floats(over, "times_s");
-    let line = |class: &'static str, name: &str| Line {
-        class,
-        points: times
-            .iter()
-            .zip(floats(over, name))
-            .map(|(t, v)| [*t, v])
-            .collect(),
+    let line = |name: &str| -> Vec<[f64; 2]> {
+        let values = times.iter().zip(floats(over, name));
+        values.map(|(t, v)| [*t, v]).collect()
     };
     let mut all = Vec::new();
     if !times.is_empty() {
-        let chart = Chart {
-            alt: "Distance to recorded runs over time, of the run without noise, of repeats, and of recorded runs among each other".to_owned(),
-            x_label: "time [s]".to_owned(),
-            y_label: "distance [m]".to_owned(),
-            from_zero: true,
-            lines: vec![line("real", "real_mean_m"), line("b4", "simulated_mean_m"), line("sim", "ideal_m")],
-            ..Chart::default()
-        };
-        let figure_ = figure(
+        let alt = "Distance to recorded runs over time, of the run without noise, of repeats, and of recorded runs among each other";
+        let chart = Chart::over_time(alt, "distance [m]").from_zero();
+        let chart = chart.line("real", line("real_mean_m"));
+        let chart = chart.line("b4", line("simulated_mean_m"));
+        let figure = chart.line("sim", line("ideal_m")).figure(
             "Distance to recorded runs",
-            &chart.svg(),
             "Where the simulated lines leave that of recorded runs among each other, the simulation stops being one more repeat.",
         );
-        all.push(figure_ + "<div class=\"legend\"><span><i class=\"key sim\"></i>without noise</span><span><i class=\"key b4\"></i>repeats</span><span><i class=\"key real\"></i>recorded among each other</span></div>");
+        let keys = key("sim", "without noise") + &key("b4", "repeats");
+        let keys = keys + &key("real", "recorded among each other");
+        all.push(format!("{figure}<div class=\"legend\">{keys}</div>"));
     }
     let confidence = at(report, "confidence");
     let times = floats(confidence, "times_s");
     if !times.is_empty() {
         let inside = list(confidence, "inside");
         let at_times = || times.iter().zip(inside);
-        let band = at_times().map(|(t, p)| {
-            [
-                *t,
-                float(p, "low").unwrap_or(f64::NAN),
-                float(p, "high").unwrap_or(f64::NAN),
-            ]
-        });
-        let line = at_times().map(|(t, p)| [*t, float(p, "share").unwrap_or(f64::NAN)]);
+        let of = |p: &Value, name: &str| float(p, name).unwrap_or(f64::NAN);
+        let band = at_times().map(|(t, p)| [*t, of(p, "low"), of(p, "high")]);
+        let line = at_times().map(|(t, p)| [*t, of(p, "share")]);
         let level = float(confidence, "level").unwrap_or(0.9);
         let ends = [times[0], times[times.len() - 1]];
-        let chart = Chart {
-            alt: "Share of recorded runs inside the predicted region over time".to_owned(),
-            x_label: "time [s]".to_owned(),
-            y_label: "share inside".to_owned(),
-            from_zero: true,
-            bands: vec![band.collect()],
-            lines: vec![
-                Line {
-                    class: "edge",
-                    points: ends.map(|t| [t, level]).to_vec(),
-                },
-                Line {
-                    class: "sim",
-                    points: line.collect(),
-                },
-            ],
-            ..Chart::default()
-        };
-        all.push(figure(
+        let alt = "Share of recorded runs inside the predicted region over time";
+        let chart = Chart::over_time(alt, "share inside").from_zero();
+        let chart = chart.band(band.collect());
+        let chart = chart.line("edge", ends.map(|t| [t, level]).to_vec());
+        all.push(chart.line("sim", line.collect()).figure(
             "Recorded runs inside the predicted region",
-            &chart.svg(),
             "Dashed: what an honest region holds. Band: 95 % interval of the share, narrower with more recordings.",
         ));
     }
@@ -277,13 +229,8 @@ fn displacement(report: &Value) -> String {
         return String::new();
     }
     let p = |name: &str| float(at(found, name), "p_value").map_or("–".to_owned(), number);
-    table(
-        &[
-            "recorded, mean",
-            "simulated, mean",
-            "drawn alike? p (Mann-Whitney)",
-            "p (Kolmogorov-Smirnov)",
-        ],
+    titled(
+        "recorded, mean | simulated, mean | drawn alike? p (Mann-Whitney) | p (Kolmogorov-Smirnov)",
         [vec![
             measured(float(found, "real_mean_m"), "m"),
             measured(float(found, "simulated_mean_m"), "m"),

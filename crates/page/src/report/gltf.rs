@@ -9,8 +9,6 @@ use realgap_core::error::Result;
 
 /// Most samples of one run in a file.
 const MOST_SAMPLES: usize = 20_000;
-/// How much of what is behind a recorded robot shows through it.
-const GHOST_ALPHA: f64 = 0.4;
 /// Half the edge of the cube that stands for a run of which only a path is known, metres.
 const POINT_HALF_M: f64 = 0.012;
 
@@ -169,13 +167,9 @@ impl Model {
             self.meshes.push(mesh);
             self.meshes.len() - 1
         });
-        let name = if solid.kind == Kind::Floor {
-            "floor"
-        } else {
-            "box"
-        };
+        let is_floor = solid.kind == Kind::Floor;
         self.node(json!({
-            "name": name,
+            "name": if is_floor { "floor" } else { "box" },
             "mesh": mesh,
             "translation": vector(&solid.pose.translation.vector),
             "rotation": quaternion(&solid.pose.rotation),
@@ -185,19 +179,13 @@ impl Model {
 
     /// The nodes of a run.
     fn actor(&mut self, cube: Cube, actor: &Actor) -> Vec<usize> {
-        let (alpha, own) = match actor.is_recorded {
-            true => (GHOST_ALPHA, Some(Kind::Recorded)),
-            false => (1.0, None),
-        };
         let times: Vec<Vec<f32>> = actor.times_s.iter().map(|t| vec![*t as f32]).collect();
         let times = self.accessor(&times, "SCALAR");
         let mut all = Vec::new();
         for mover in &actor.movers {
-            let boxes = mover.solids.iter().map(|solid| Solid {
-                kind: own.unwrap_or(solid.kind),
-                ..solid.clone()
-            });
-            let boxes: Vec<usize> = boxes.map(|solid| self.solid(cube, &solid, alpha)).collect();
+            let boxes = mover.solids.iter();
+            let boxes = boxes.map(|solid| self.solid(cube, solid, actor.alpha()));
+            let boxes: Vec<usize> = boxes.collect();
             let name = format!("{}/{}", actor.name, mover.name);
             all.push(self.moving(&name, boxes, times, mover.poses.iter().copied()));
         }
@@ -205,7 +193,7 @@ impl Model {
             let point = Solid {
                 half_m: Vector3::repeat(POINT_HALF_M),
                 pose: Isometry3::identity(),
-                kind: own.unwrap_or(Kind::Run),
+                kind: actor.kind(),
             };
             let boxes = vec![self.solid(cube, &point, 1.0)];
             let places = actor.places_m.iter();
@@ -215,7 +203,7 @@ impl Model {
         }
         let places: Vec<Vec<f32>> = actor.places_m.iter().map(vector).collect();
         let positions = self.accessor(&places, "VEC3");
-        let material = self.material(own.unwrap_or(Kind::Run), 1.0);
+        let material = self.material(actor.kind(), 1.0);
         self.meshes.push(json!({ "primitives": [{
             "attributes": { "POSITION": positions },
             "mode": LINE_STRIP,
@@ -283,11 +271,8 @@ impl Model {
             text.push(b' ');
         }
         let chunks = [(b"JSON", text), (b"BIN\0", self.bytes)];
-        let length: usize = 12
-            + chunks
-                .iter()
-                .map(|(_, bytes)| 8 + bytes.len())
-                .sum::<usize>();
+        let sizes = chunks.iter().map(|(_, bytes)| 8 + bytes.len());
+        let length = 12 + sizes.sum::<usize>();
         let mut file = b"glTF".to_vec();
         file.extend(2_u32.to_le_bytes());
         file.extend((length as u32).to_le_bytes());

@@ -25,7 +25,7 @@ pub fn shown_parts(robot: &Morphology) -> Vec<Vec<ShownBox>> {
         parts[one.part].push(ShownBox {
             half_m: one.half_m,
             pose: one.part_from_box,
-            colour: Kind::from(one.kind).light(),
+            colour: one.kind.light(),
         });
     }
     parts

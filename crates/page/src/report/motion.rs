@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Vector3};
 use serde_json::{Value, json};
 
 use super::block::Block;
-use super::stage::continuous;
+use super::stage::{Kind, continuous, picks};
 use realgap_engine::{Film, SceneBody, SceneMotion, part_from_solid};
 use realgap_robot::morphology::{Drive, DriveAxis, Morphology, Role};
 
@@ -21,20 +21,12 @@ fn pose_json(pose: &Isometry3<f64>) -> Value {
     json!([t.x, t.y, t.z, q.w, q.i, q.j, q.k])
 }
 
-/// What a box of a robot is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum BoxKind {
-    Passive,
-    Active,
-    Plate,
-}
-
 /// A box of a robot.
 pub(super) struct RobotBox<'a> {
     pub(super) part: usize,
     pub(super) half_m: Vector3<f64>,
     pub(super) part_from_box: Isometry3<f64>,
-    pub(super) kind: BoxKind,
+    pub(super) kind: Kind,
     /// Of the first cube of a module: its name.
     name: &'a str,
     drive: Option<Drive>,
@@ -53,12 +45,12 @@ pub(super) fn robot_boxes(robot: &Morphology) -> Vec<RobotBox<'_>> {
             let drive = module.drive.filter(|_| is_first);
             all.push(RobotBox {
                 part,
-                half_m: solid.half_extents_m,
+                half_m: solid.half_extents_m(),
                 part_from_box: part_from_solid(&assembly, part, solid),
                 kind: match (solid.role, drive.is_some()) {
-                    (Role::Plate, _) => BoxKind::Plate,
-                    (Role::Cube, true) => BoxKind::Active,
-                    (Role::Cube, false) => BoxKind::Passive,
+                    (Role::Plate, _) => Kind::Plate,
+                    (Role::Cube, true) => Kind::Active,
+                    (Role::Cube, false) => Kind::Passive,
                 },
                 name: if is_first { &module.name } else { "" },
                 drive,
@@ -80,9 +72,9 @@ pub(super) fn boxes(robot: &Morphology) -> Vec<Value> {
                 "pose": pose_json(&one.part_from_box),
                 "name": one.name,
                 "kind": match one.kind {
-                    BoxKind::Plate => "plate",
-                    BoxKind::Active => "active",
-                    BoxKind::Passive => "passive",
+                    Kind::Plate => "plate",
+                    Kind::Active => "active",
+                    _ => "passive",
                 },
                 "tracked": one.is_tracked,
                 "normal": one.drive.map(|drive| drive.face.normal().as_slice().to_vec()),
@@ -149,22 +141,16 @@ pub(super) fn push_film(block: &mut Block, film: &Film, scene: &[SceneBody], mos
     let known: Vec<_> = film.parts.iter().flatten().chain(bodies).collect();
     let columns = 4 + 7 * known.len();
     let every = (samples * columns).div_ceil(most).max(1);
-    let mut picks: Vec<usize> = (0..samples).step_by(every).collect();
-    if picks.last() != Some(&(samples - 1)) {
-        picks.push(samples - 1);
-    }
+    let picks = picks(samples, every);
     let (times_s, places) = (film.track.times_s(), film.track.positions_world_m());
     block.push(picks.iter().map(|k| times_s[*k] - times_s[0]), TIME_STEP_S);
-    let place = |sample: usize, axis: usize| places[sample][axis];
     for axis in 0..3 {
-        block.push(picks.iter().map(|k| place(*k, axis)), LENGTH_STEP_M);
+        block.push(picks.iter().map(|k| places[*k][axis]), LENGTH_STEP_M);
     }
     for poses in known {
         for axis in 0..3 {
-            block.push(
-                picks.iter().map(|k| poses[*k].translation.vector[axis]),
-                LENGTH_STEP_M,
-            );
+            let along = picks.iter().map(|k| poses[*k].translation.vector[axis]);
+            block.push(along, LENGTH_STEP_M);
         }
         let turns = continuous(picks.iter().map(|k| poses[*k].rotation));
         let turns: Vec<[f64; 4]> = turns.map(|q| [q.w, q.i, q.j, q.k]).collect();

@@ -1,15 +1,11 @@
 //! The best point's run beside the recorded ones: as it is without scripts; with them, that of the chosen point.
 
-use super::chart::{Axes, Chart, Line};
+use super::chart::{Chart, key};
 use super::kept::{Kept, KeptPath};
 use super::page::html;
 use super::points::{Paths, Points};
 use super::section::{figure, figures};
 use realgap_core::unit::{counted, number};
-
-fn line(class: &'static str, points: Vec<[f64; 2]>) -> Line {
-    Line { class, points }
-}
 
 fn recorded_of(kept: Option<&Kept>) -> &[KeptPath] {
     kept.map_or(&[], |kept| kept.recorded.as_slice())
@@ -26,19 +22,9 @@ pub(super) fn from_above(
         return String::new();
     };
     let recorded = recorded_of(kept);
-    let mut lines: Vec<Line> = recorded
-        .iter()
-        .map(|path| line("real", path.xy_m.clone()))
-        .collect();
-    lines.push(line("sim", paths.xy_m[best].clone()));
-    let map = Chart {
-        alt: "Path of the chosen point over the recorded paths, seen from above".to_owned(),
-        x_label: "x [m]".to_owned(),
-        y_label: "y [m]".to_owned(),
-        axes: Axes::Map,
-        lines,
-        ..Chart::default()
-    };
+    let map = Chart::map("Path of the chosen point over the recorded paths, seen from above")
+        .lines("real", recorded.iter().map(|path| path.xy_m.clone()))
+        .line("sim", paths.xy_m[best].clone());
     let values = points.points[best].values.iter().zip(&points.names);
     let title = values
         .map(|(value, name)| format!("{name} = {}", number(*value)))
@@ -47,11 +33,9 @@ pub(super) fn from_above(
     let legend = if recorded.is_empty() {
         "<span>This folder keeps no recorded paths: run the command again, or see its trajectories.png.</span>".to_owned()
     } else {
-        format!(
-            "<span><i class=\"key real\"></i>{} ({})</span>",
-            html(kept.map_or("recorded", |kept| kept.reality.as_str())),
-            counted(recorded.len(), "run")
-        )
+        let runs = counted(recorded.len(), "run");
+        let reality = kept.map_or("recorded", |kept| kept.reality.as_str());
+        key("real", &format!("{reality} ({runs})"))
     };
     format!(
         "<figure><p id=\"chosen\" aria-live=\"polite\">{}: the best point.</p>{}<div class=\"legend\"><span><i class=\"key sim\"></i>simulated</span>{legend}<span id=\"legend-best\" hidden><i class=\"key faint\"></i>simulated, best point</span></div><figcaption>The tracked module's path as it is compared: from the origin, net displacement to the right; one scale for both axes.</figcaption></figure>",
@@ -74,41 +58,33 @@ pub(super) fn over_time(paths: Option<&Paths>, best: Option<usize>, kept: Option
             .map(|(k, place)| [duration_s * k as f64 / steps, place[0]])
             .collect()
     };
-    let mut lines: Vec<Line> = recorded
+    let over_time = |alt: &str, y_label: &str| {
+        let mut chart = Chart::over_time(alt, y_label);
+        if kept.is_none() {
+            chart.x_label = "share of the run".to_owned();
+        }
+        chart
+    };
+    let chart = over_time(
+        "How far along its direction the robot is, over time",
+        "x [m]",
+    );
+    let real = recorded
         .iter()
-        .map(|path| line("real", along(&path.xy_m, path.duration_s)))
-        .collect();
-    lines.push(line("sim", along(own, duration_s)));
-    let time = if kept.is_some() {
-        "time [s]"
-    } else {
-        "share of the run"
-    };
-    let along = Chart {
-        alt: "How far along its direction the robot is, over time".to_owned(),
-        x_label: time.to_owned(),
-        y_label: "x [m]".to_owned(),
-        lines,
-        ..Chart::default()
-    };
+        .map(|path| along(&path.xy_m, path.duration_s));
+    let chart = chart
+        .lines("real", real)
+        .line("sim", along(own, duration_s));
     let mut all = vec![figure(
         "Along the way",
-        &named(&along, "along"),
+        &named(&chart, "along"),
         "Parallel lines go equally fast; a different slope is what friction or gait would have to change.",
     )];
     if !recorded.is_empty() {
-        let lines = recorded
-            .iter()
-            .map(|path| line("sim", apart(own, duration_s, path)))
-            .collect();
-        let error = Chart {
-            alt: "Distance to each recorded run at equal times".to_owned(),
-            x_label: time.to_owned(),
-            y_label: "distance to recorded [m]".to_owned(),
-            from_zero: true,
-            lines,
-            ..Chart::default()
-        };
+        let alt = "Distance to each recorded run at equal times";
+        let lines = recorded.iter().map(|path| apart(own, duration_s, path));
+        let error = over_time(alt, "distance to recorded [m]").from_zero();
+        let error = error.lines("sim", lines);
         all.push(figure(
             "Distance to each recorded run",
             &named(&error, "error"),

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::block::Block;
 use super::heat::{Point, heat_map};
+use super::sheet::Sheet;
 use super::value::text_of;
 use realgap_core::error::{Error, Result};
 use realgap_store::{STORE_FILE, Store, Trial};
@@ -33,40 +34,33 @@ pub(super) struct Paths {
 
 impl Points {
     pub fn read(folder: &Path) -> Result<Self> {
-        let mut all = Self::default();
-        let path = folder.join("points.csv");
-        if !path.is_file() {
-            return Ok(all);
-        }
-        let fail =
-            |e: csv::Error| Error::invalid(format!("cannot read the table: {e}")).at_file(&path);
-        let mut reader = csv::Reader::from_path(&path).map_err(fail)?;
-        let header = reader.headers().map_err(fail)?.clone();
-        let Some(score) = header.iter().position(|name| name == "score") else {
-            return Ok(all);
+        let sheet = Sheet::read(folder, "points.csv")?;
+        let header = sheet.header();
+        let Some(score) = header.iter().position(|name| *name == "score") else {
+            return Ok(Self::default());
         };
-        let is_in = header.iter().position(|name| name == "indistinguishable");
-        all.names = header.iter().take(score).map(str::to_owned).collect();
-        for row in reader.records() {
-            let row = row.map_err(fail)?;
-            let values: Option<Vec<f64>> = row
-                .iter()
-                .take(score)
-                .map(|cell| cell.parse().ok())
-                .collect();
-            let Some(values) = values else {
-                let line = row.position().map_or(0, csv::Position::line) as usize;
-                return Err(Error::invalid("a value is not a number")
-                    .at_file(&path)
-                    .at_line(line, 1));
+        let is_in = header.iter().position(|name| *name == "indistinguishable");
+        let names = header[..score].iter().map(|name| (*name).to_owned());
+        let point = |(index, row): (usize, &Vec<String>)| {
+            let values = row[..score].iter().map(|cell| cell.parse().ok());
+            let values: Option<Vec<f64>> = values.collect();
+            let fail = || {
+                let error = Error::invalid("a value is not a number");
+                error
+                    .at_file(folder.join("points.csv"))
+                    .at_line(index + 2, 1)
             };
-            all.points.push(Point {
-                values,
-                score: row.get(score).and_then(|cell| cell.parse().ok()),
-                is_in: is_in.and_then(|column| row.get(column)) == Some("true"),
-            });
-        }
-        Ok(all)
+            Ok(Point {
+                values: values.ok_or_else(fail)?,
+                score: row[score].parse().ok(),
+                is_in: is_in.is_some_and(|column| row[column] == "true"),
+            })
+        };
+        let rows = sheet.rows().iter().enumerate();
+        Ok(Self {
+            names: names.collect(),
+            points: rows.map(point).collect::<Result<_>>()?,
+        })
     }
 
     /// The map of scores over two parameters.

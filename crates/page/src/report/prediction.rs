@@ -8,7 +8,7 @@ use super::ensemble::{answer, behaviour_table, charts, distances, noise};
 use super::page::html;
 use super::section::{Section, pictures};
 use super::story::Story;
-use super::value::{at, first_text, float, list, measured, percent, span, table, text_of};
+use super::value::{at, first_text, float, list, measured, percent, span, text_of, titled};
 use realgap_core::error::Result;
 
 pub(super) fn prediction(folder: &Path, report: &Value) -> Result<Story> {
@@ -90,10 +90,7 @@ fn model(model: &Value) -> String {
     let further = at(model, "further_run_m");
     format!(
         "{}<p class=\"note\">A further run, another engine included, goes {} with 90 %.</p>",
-        table(
-            &["other model", "from", "changes the displacement by"],
-            rows
-        ),
+        titled("other model | from | changes the displacement by", rows),
         span(float(further, "low"), float(further, "high"), "m")
     )
 }

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::block::Block;
-use super::chart::{Axes, Chart, Line};
+use super::chart::{Chart, key};
 use super::kept::KeptReplay;
 use super::motion::{STEPS, boxes, fixed_boxes, known_parts, moving_boxes, push_film};
 use super::page::{
@@ -158,11 +158,8 @@ impl Replay<'_> {
             })
         };
         let mut tracks = vec![track(self.run_name, self.run, false)];
-        tracks.extend(
-            ghosts
-                .iter()
-                .map(|ghost| track(ghost.name, &ghost.film, true)),
-        );
+        let recorded = ghosts.iter();
+        tracks.extend(recorded.map(|ghost| track(ghost.name, &ghost.film, true)));
         let mut all = self.robot.map(boxes).unwrap_or_default();
         all.extend(moving_boxes(self.scene, self.run));
         json!({
@@ -209,14 +206,9 @@ impl Replay<'_> {
             counted(ghosts.len(), "run"),
         );
         if !noise.is_empty() {
-            let low = noise
-                .iter()
-                .map(|[t, low, _]| [*t, *low])
-                .collect::<Vec<_>>();
-            let high = noise
-                .iter()
-                .map(|[t, _, high]| [*t, *high])
-                .collect::<Vec<_>>();
+            let (low, high): (Vec<_>, Vec<_>) = (noise.iter())
+                .map(|[t, low, high]| ([*t, *low], [*t, *high]))
+                .unzip();
             text += &format!(
                 "; each of those runs is {} to {} from the mean of the others",
                 length(mean(&low)),
@@ -237,15 +229,14 @@ impl Replay<'_> {
         let legend = if ghosts.is_empty() {
             String::new()
         } else {
-            format!(
-                "<span><i class=\"key real\"></i>{}</span>{}",
-                html(self.reality()),
-                if noise.is_empty() {
-                    ""
-                } else {
-                    "<span><i class=\"key band\"></i>its own spread: each run from the mean of the others</span>"
-                },
-            )
+            let spread = match noise.is_empty() {
+                true => String::new(),
+                false => key(
+                    "band",
+                    "its own spread: each run from the mean of the others",
+                ),
+            };
+            key("real", self.reality()) + &spread
         };
         let aligned = match (ghosts.is_empty(), self.align) {
             (true, _) => "",
@@ -284,61 +275,22 @@ impl Replay<'_> {
             let ends = positions.iter().step_by(every).chain(positions.last());
             ends.map(|p| [p.x, p.y]).collect::<Vec<_>>()
         };
-        let real = |points| Line {
-            class: "real",
-            points,
-        };
-        let sim = |points| Line {
-            class: "sim",
-            points,
-        };
-        let mut paths: Vec<Line> = ghosts
-            .iter()
-            .map(|ghost| real(xy(&ghost.film.track)))
-            .collect();
-        paths.push(sim(xy(&self.run.track)));
-        let map = Chart {
-            alt: "The paths seen from above".to_owned(),
-            x_label: "x [m]".to_owned(),
-            y_label: "y [m]".to_owned(),
-            axes: Axes::Map,
-            lines: paths,
-            ..Chart::default()
-        };
+        let ghost_paths = ghosts.iter().map(|ghost| xy(&ghost.film.track));
+        let map = Chart::map("The paths seen from above").lines("real", ghost_paths);
+        let map = map.line("sim", xy(&self.run.track));
         let over_time = if ghosts.is_empty() {
-            let start = self.run.track.positions_world_m()[0];
-            let first_s = self.run.track.times_s()[0];
-            let samples = self
-                .run
-                .track
-                .times_s()
-                .iter()
-                .zip(self.run.track.positions_world_m());
-            let points = samples.map(|(t, p)| [t - first_s, (p - start).xy().norm()]);
-            Chart {
-                alt: "Distance from the start over time".to_owned(),
-                y_label: "distance from the start [m]".to_owned(),
-                from_zero: true,
-                lines: vec![sim(points.collect())],
-                ..Chart::default()
-            }
+            let (times_s, places) = (self.run.track.times_s(), self.run.track.positions_world_m());
+            let samples = times_s.iter().zip(places);
+            let points = samples.map(|(t, p)| [t - times_s[0], (p - places[0]).xy().norm()]);
+            let alt = "Distance from the start over time";
+            let chart = Chart::over_time(alt, "distance from the start [m]");
+            chart.line("sim", points.collect())
         } else {
-            Chart {
-                alt: "Distance between the run and each recorded run over time".to_owned(),
-                y_label: "distance to recorded [m]".to_owned(),
-                bands: vec![noise.to_vec()],
-                from_zero: true,
-                lines: ghosts
-                    .iter()
-                    .map(|ghost| sim(ghost.apart.clone()))
-                    .collect(),
-                ..Chart::default()
-            }
+            let alt = "Distance between the run and each recorded run over time";
+            let chart = Chart::over_time(alt, "distance to recorded [m]").band(noise.to_vec());
+            chart.lines("sim", ghosts.iter().map(|ghost| ghost.apart.clone()))
         };
-        let over_time = Chart {
-            x_label: "time [s]".to_owned(),
-            ..over_time
-        };
+        let over_time = over_time.from_zero();
         let caption = if ghosts.is_empty() {
             "How far the tracked module is from where it started."
         } else {
@@ -422,10 +374,7 @@ pub(super) fn stage(scene: &Value) -> String {
     let legend = if recorded.is_empty() {
         String::new()
     } else {
-        format!(
-            "<span><i class=\"key real\"></i>recorded: {}</span>",
-            html(&recorded.join(", "))
-        )
+        key("real", &format!("recorded: {}", recorded.join(", ")))
     };
     stage_of(&run, &legend)
 }

@@ -4,14 +4,14 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::chart::{Axes, Chart, Line};
+use super::chart::{Chart, steps};
 use super::page::html;
-use super::section::{Section, figure, figures, pictures};
+use super::section::{Section, figures, pictures};
 use super::sheet::Sheet;
 use super::story::Story;
 use super::value::{
-    at, count, first_text, float, floats, is, list, measured, percent, proportion, read_json, span,
-    table, text_of,
+    at, count, first_text, float, floats, is, list, measured, noted, percent, proportion,
+    read_json, span, table, text_of, titled,
 };
 use realgap_core::error::Result;
 
@@ -132,17 +132,8 @@ fn finalists(report: &Value) -> String {
     };
     format!(
         "{}{from}<p class=\"note\">What was best in the search is partly luck; new draws show how much. A robot that walks otherwise at another timestep, with other substeps, joints or contacts is ranked last: build none of these.</p>",
-        table(
-            &[
-                "robot",
-                "modules",
-                "servos",
-                "in the search",
-                "new draws",
-                "net displacement, 90 %",
-                "energy",
-                "survives other numerics"
-            ],
+        titled(
+            "robot | modules | servos | in the search | new draws | net displacement, 90 % | energy | survives other numerics",
             rows
         )
     )
@@ -187,10 +178,7 @@ fn one_card(card: &Value) -> String {
             },
         ]
     });
-    let reruns = table(
-        &["under", "mean displacement", "changes by", "survives"],
-        reruns,
-    );
+    let reruns = titled("under | mean displacement | changes by | survives", reruns);
     let behaviours = list(at(card, "prediction.behaviours"), "list")
         .iter()
         .map(|behaviour| {
@@ -200,10 +188,8 @@ fn one_card(card: &Value) -> String {
                 measured(float(behaviour, "mean_displacement_m"), "m"),
             ]
         });
-    let behaviours = table(
-        &["behaviour", "probability (95 %)", "net displacement"],
-        behaviours,
-    );
+    let head = "behaviour | probability (95 %) | net displacement";
+    let behaviours = titled(head, behaviours);
     let success = at(card, "success");
     let success = if success.is_object() {
         format!(
@@ -226,42 +212,25 @@ fn progress(history: &Sheet, report: &Value) -> String {
     if fitness.iter().all(|f| f.is_nan()) {
         return String::new();
     }
-    let (mut steps, mut best) = (Vec::new(), f64::NEG_INFINITY);
-    let mut all = Vec::new();
-    for (index, value) in fitness.iter().enumerate() {
-        let x = index as f64;
-        if value.is_finite() {
-            all.push([x, *value]);
-            if *value > best {
-                if best.is_finite() {
-                    steps.push([x, best]);
-                }
-                best = *value;
-                steps.push([x, best]);
-            }
-        }
-    }
-    steps.push([fitness.len().saturating_sub(1) as f64, best]);
+    let finite = fitness.iter().enumerate().filter(|(_, f)| f.is_finite());
+    let all: Vec<[f64; 2]> = finite.map(|(index, f)| [index as f64, *f]).collect();
+    let mut best = f64::NEG_INFINITY;
+    let mut better = all.clone();
+    better.retain(|[_, value]| {
+        let is_better = *value > best;
+        best = best.max(*value);
+        is_better
+    });
+    let mut line = steps(better.into_iter());
+    line.push([fitness.len().saturating_sub(1) as f64, best]);
     // More marks than this are a grey area.
     let every = all.len().div_ceil(1500).max(1);
-    let chart = Chart {
-        alt: "Fitness of each robot in order, and the best so far".to_owned(),
-        x_label: "robot".to_owned(),
-        y_label: format!("fitness [{}]", text_of(report, "unit")),
-        axes: Axes::Plain,
-        lines: vec![Line {
-            class: "sim",
-            points: steps,
-        }],
-        dots: vec![Line {
-            class: "grey",
-            points: all.into_iter().step_by(every).collect(),
-        }],
-        ..Chart::default()
-    };
-    figures(&[figure(
+    let marks = all.into_iter().step_by(every).collect();
+    let alt = "Fitness of each robot in order, and the best so far";
+    let label = format!("fitness [{}]", text_of(report, "unit"));
+    let chart = Chart::plain(alt, "robot", label).line("sim", line);
+    figures(&[chart.dots("grey", marks).figure(
         text_of(report, "objective"),
-        &chart.svg(),
         "Line: the best so far. A line that still climbs at its end asks for a larger budget.",
     )])
 }
@@ -281,13 +250,7 @@ fn archive(folder: &Path) -> Result<String> {
 
 fn failures(report: &Value) -> String {
     let all = at(report, "failures").as_object();
-    let rows: Vec<Vec<String>> = all
-        .into_iter()
-        .flatten()
-        .map(|(reason, count)| vec![reason.clone(), count.to_string()])
-        .collect();
-    if rows.is_empty() {
-        return String::new();
-    }
-    table(&["why", "robots"], rows)
+    let rows = all.into_iter().flatten();
+    let rows = rows.map(|(reason, count)| vec![reason.clone(), count.to_string()]);
+    noted("why | robots", rows, "")
 }

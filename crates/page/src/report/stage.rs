@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use super::motion::{BoxKind, robot_boxes};
+use super::motion::robot_boxes;
 use realgap_engine::{Film, Floor, SceneBody, SceneMotion, part_name};
 use realgap_robot::morphology::Morphology;
 
@@ -48,16 +48,6 @@ impl Kind {
                 ((share + 0.055) / 1.055).powf(2.4)
             }
         })
-    }
-}
-
-impl From<BoxKind> for Kind {
-    fn from(kind: BoxKind) -> Self {
-        match kind {
-            BoxKind::Passive => Self::Passive,
-            BoxKind::Active => Self::Active,
-            BoxKind::Plate => Self::Plate,
-        }
     }
 }
 
@@ -110,6 +100,21 @@ pub(super) struct Stage {
     pub(super) every: usize,
 }
 
+impl Actor {
+    /// What its path looks like.
+    pub(super) fn kind(&self) -> Kind {
+        match self.is_recorded {
+            true => Kind::Recorded,
+            false => Kind::Run,
+        }
+    }
+
+    /// How much of its boxes hides what is behind: a recorded robot is seen through.
+    pub(super) fn alpha(&self) -> f64 {
+        if self.is_recorded { 0.4 } else { 1.0 }
+    }
+}
+
 impl Stage {
     /// The run and recorded ones by name, at most so many samples of each.
     pub(super) fn new<'a>(
@@ -126,6 +131,10 @@ impl Stage {
             largest = largest.max(every);
             let mut actor = actor(robot, film, scene, every);
             actor.is_recorded = !actors.is_empty();
+            let all = actor.movers.iter_mut().flat_map(|mover| &mut mover.solids);
+            for solid in all.filter(|_| !actors.is_empty()) {
+                solid.kind = Kind::Recorded;
+            }
             let is_taken = |name: &str| actors.iter().any(|other| other.name == name);
             let names = std::iter::once(name.to_owned());
             let mut names = names.chain((2..).map(|number| format!("{name} {number}")));
@@ -137,11 +146,7 @@ impl Stage {
             let SceneMotion::Fixed { world_from_body } = &body.motion else {
                 continue;
             };
-            fixed.extend(body.boxes.iter().map(|one| Solid {
-                half_m: 0.5 * one.sides_m,
-                pose: world_from_body * one.body_from_box,
-                kind: Kind::Other,
-            }));
+            fixed.extend(solids(body, *world_from_body));
         }
         Self {
             actors,
@@ -159,11 +164,7 @@ impl Stage {
 
 fn actor(robot: Option<&Morphology>, film: &Film, scene: &[SceneBody], every: usize) -> Actor {
     let track = &film.track;
-    let last = track.len() - 1;
-    let mut picks: Vec<usize> = (0..=last).step_by(every).collect();
-    if picks.last() != Some(&last) {
-        picks.push(last);
-    }
+    let picks = picks(track.len(), every);
     let pick = |poses: &[Isometry3<f64>]| picks.iter().map(|k| poses[*k]).collect();
     let boxes = robot.map(robot_boxes).unwrap_or_default();
     let mut movers = Vec::new();
@@ -176,7 +177,7 @@ fn actor(robot: Option<&Morphology>, film: &Film, scene: &[SceneBody], every: us
                 .map(|one| Solid {
                     half_m: one.half_m,
                     pose: one.part_from_box,
-                    kind: one.kind.into(),
+                    kind: one.kind,
                 })
                 .collect(),
             poses: pick(poses),
@@ -188,15 +189,7 @@ fn actor(robot: Option<&Morphology>, film: &Film, scene: &[SceneBody], every: us
         }
         movers.push(Mover {
             name: body.name.clone(),
-            solids: body
-                .boxes
-                .iter()
-                .map(|one| Solid {
-                    half_m: 0.5 * one.sides_m,
-                    pose: one.body_from_box,
-                    kind: Kind::Other,
-                })
-                .collect(),
+            solids: solids(body, Isometry3::identity()).collect(),
             poses: pick(poses),
         });
     }
@@ -210,6 +203,25 @@ fn actor(robot: Option<&Morphology>, film: &Film, scene: &[SceneBody], every: us
             .map(|turns| picks.iter().map(|k| turns[*k]).collect()),
         movers,
     }
+}
+
+/// The boxes of a body beside the robot, the body's pose before them.
+fn solids(body: &SceneBody, from_body: Isometry3<f64>) -> impl Iterator<Item = Solid> + '_ {
+    body.boxes.iter().map(move |one| Solid {
+        half_m: 0.5 * one.sides_m,
+        pose: from_body * one.body_from_box,
+        kind: Kind::Other,
+    })
+}
+
+/// Every so manyth of some samples, and the last.
+pub(super) fn picks(samples: usize, every: usize) -> Vec<usize> {
+    let last = samples - 1;
+    let mut picks: Vec<usize> = (0..=last).step_by(every).collect();
+    if picks.last() != Some(&last) {
+        picks.push(last);
+    }
+    picks
 }
 
 /// A piece of floor below all paths.

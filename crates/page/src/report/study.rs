@@ -5,16 +5,16 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::block::Block;
-use super::chart::{Axes, Chart, Line};
+use super::chart::{Chart, steps};
 use super::kept::Kept;
 use super::page::script_json;
 use super::path::{from_above, over_time};
 use super::points::{PATH_STEP_M, Points, push_path};
-use super::section::{Section, figure, figures, pictures};
+use super::section::{Section, figures, pictures};
 use super::sheet::Sheet;
 use super::story::Story;
 use super::value::{
-    at, count, first_text, float, floats, is, list, measured, percent, span, table, text_of,
+    at, count, first_text, float, floats, is, list, measured, percent, span, table, text_of, titled,
 };
 use realgap_core::error::Result;
 use realgap_core::unit::{counted, number};
@@ -272,7 +272,7 @@ fn verdicts(folder: &Path, report: &Value) -> Result<String> {
             text_of(verdict, "text").to_owned(),
         ]
     });
-    let table = table(&["parameter", "best", "90 % interval", "", "verdict"], rows);
+    let table = titled("parameter | best | 90 % interval | | verdict", rows);
     let profiles = profiles(folder, report)?;
     Ok(figures(&profiles) + &table)
 }
@@ -303,16 +303,9 @@ fn profiles(folder: &Path, report: &Value) -> Result<Vec<String>> {
     Ok(all
         .into_iter()
         .map(|(name, [points, alike])| {
-            let chart = Chart {
-                alt: format!("Lowest score over {name}"),
-                x_label: name.to_owned(),
-                y_label: score.clone(),
-                axes: Axes::Plain,
-                lines: vec![Line { class: "sim", points }],
-                dots: vec![Line { class: "in", points: alike }],
-                ..Chart::default()
-            };
-            figure(name, &chart.svg(), "Marked: cannot be told apart from the best. A steeper valley needs recordings that react more to this parameter.")
+            let alt = format!("Lowest score over {name}");
+            let chart = Chart::plain(alt, name, score.clone()).line("sim", points);
+            chart.dots("in", alike).figure(name, "Marked: cannot be told apart from the best. A steeper valley needs recordings that react more to this parameter.")
         })
         .collect())
 }
@@ -324,44 +317,24 @@ fn convergence(folder: &Path, report: &Value) -> Result<String> {
     if best.is_empty() {
         return Ok(String::new());
     }
-    let mut steps: Vec<[f64; 2]> = Vec::new();
-    for (index, value) in best
-        .iter()
-        .enumerate()
-        .filter(|(_, value)| value.is_finite())
-    {
-        if let Some([_, before]) = steps.last().copied() {
-            steps.push([index as f64, before]);
-        }
-        steps.push([index as f64, *value]);
-    }
-    let points = scores
-        .iter()
-        .enumerate()
-        .map(|(index, score)| [index as f64, *score]);
-    let chart = Chart {
-        alt: "Score of each point in order, and the best so far".to_owned(),
-        x_label: "point".to_owned(),
-        y_label: format!(
-            "{} [{}]",
-            text_of(report, "metric"),
-            text_of(report, "unit")
-        ),
-        axes: Axes::Plain,
-        from_zero: true,
-        lines: vec![Line {
-            class: "sim",
-            points: steps,
-        }],
-        dots: vec![Line {
-            class: "grey",
-            points: points.collect(),
-        }],
-        ..Chart::default()
+    let numbered = |values: &[f64]| -> Vec<[f64; 2]> {
+        let values = values.iter().enumerate();
+        values
+            .map(|(index, value)| [index as f64, *value])
+            .collect()
     };
-    Ok(figures(&[figure(
+    let best = numbered(&best).into_iter();
+    let best = steps(best.filter(|[_, value]| value.is_finite()));
+    let label = format!(
+        "{} [{}]",
+        text_of(report, "metric"),
+        text_of(report, "unit")
+    );
+    let alt = "Score of each point in order, and the best so far";
+    let chart = Chart::plain(alt, "point", label).from_zero();
+    let chart = chart.line("sim", best).dots("grey", numbered(&scores));
+    Ok(figures(&[chart.figure(
         "Score point by point",
-        &chart.svg(),
         "Line: the best so far. A line that still falls at its end asks for a larger budget.",
     )]))
 }
@@ -407,8 +380,8 @@ fn audit(report: &Value) -> String {
     });
     format!(
         "<p class=\"note\">The best point again under other settings of the engine that are as good or better, or coarser. What a finer setting changes is a floor below which no fit can be trusted.</p>{}",
-        table(
-            &["setting", "is", "score then", "change", "of the best score"],
+        titled(
+            "setting | is | score then | change | of the best score",
             cells
         )
     )

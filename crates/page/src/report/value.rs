@@ -110,6 +110,24 @@ pub(super) fn scalar(value: &Value) -> Option<String> {
 /// Cells longer than this are text, which may wrap.
 const WORDS: usize = 36;
 
+/// A table with what to say below it; nothing without rows.
+pub(super) fn noted(head: &str, rows: impl IntoIterator<Item = Vec<String>>, note: &str) -> String {
+    let rows: Vec<Vec<String>> = rows.into_iter().collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    let below = match note {
+        "" => String::new(),
+        note => format!("<p class=\"note\">{note}</p>"),
+    };
+    titled(head, rows) + &below
+}
+
+/// A table whose columns are `called | so`.
+pub(super) fn titled(head: &str, rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    table(&head.split('|').map(str::trim).collect::<Vec<_>>(), rows)
+}
+
 /// A table; the first column names its rows. Cells are texts, nothing in them is markup.
 pub(super) fn table(head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
     let rows: Vec<Vec<String>> = rows.into_iter().collect();

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::table::{number, write};
-use crate::plot::{AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
+use super::table::{names, number, write};
+use crate::plot::{AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, both, draw_lines};
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 use realgap_lab::calibration::{Answer, PointScore, Study, Tuned};
@@ -49,52 +49,40 @@ pub(super) fn draw(
     if trials.is_empty() {
         return Ok(());
     }
-    let highest = trials.iter().map(|(_, score)| *score).fold(0.0, f64::max);
-    let lowest = trials
-        .iter()
-        .map(|(_, score)| *score)
-        .fold(f64::INFINITY, f64::min);
+    let scores = || trials.iter().map(|(_, score)| *score);
+    let (lowest, highest) = (
+        scores().fold(f64::INFINITY, f64::min),
+        scores().fold(0.0, f64::max),
+    );
     let mut series = vec![
-        Series {
-            label: "each point".to_owned(),
-            points: trials,
-            kind: SeriesKind::Dots,
-            colour: 4,
-        },
-        Series {
-            label: "best so far".to_owned(),
-            points: numbered(best_so_far(points)),
-            kind: SeriesKind::Steps,
-            colour: 1,
-        },
+        Series::new("each point", SeriesKind::Dots, trials).colour(4),
+        Series::new(
+            "best so far",
+            SeriesKind::Steps,
+            numbered(best_so_far(points)),
+        )
+        .colour(1),
     ];
     if tuned.design > 0 {
         let x = tuned.design as f64 + 0.5;
-        series.push(Series {
-            label: "end of the space-filling first design".to_owned(),
-            points: vec![(x, lowest), (x, highest)],
-            kind: SeriesKind::Level,
-            colour: 0,
-        });
+        let label = "end of the space-filling first design";
+        let ends = vec![(x, lowest), (x, highest)];
+        series.push(Series::new(label, SeriesKind::Level, ends));
     }
+    let definition = study.definition();
+    let (name, found_by) = (&definition.name, tuned.optimizer);
+    let caption = format!("{name}: what {found_by} found, point by point");
+    let score = format!("{} discrepancy", definition.metric.name());
     let plot = LinePlot {
-        caption: Caption::new(
-            format!(
-                "{}: what {} found, point by point",
-                study.definition().name,
-                tuned.optimizer
-            ),
-            subtitle,
-        ),
-        x: AxisSpec::new("points evaluated", Unit::One),
-        y_label: format!("{} discrepancy", study.definition().metric.name()),
-        y_unit: answer.scores.unit,
         scale: ScoreScale::Auto,
-        y_range: None,
-        series,
+        ..LinePlot::new(
+            Caption::new(caption, subtitle),
+            AxisSpec::new("points evaluated", Unit::One),
+            (&score, answer.scores.unit),
+            series,
+        )
     };
-    draw_lines(&plot, folder.join("convergence.png"))?;
-    draw_lines(&plot, folder.join("convergence.svg"))
+    both(folder, "convergence", |path| draw_lines(&plot, path))
 }
 
 /// One row a trial in the order of evaluation.
@@ -104,24 +92,12 @@ pub(super) fn write_trials(
     answer: &Answer,
     tuned: &Tuned,
 ) -> Result<()> {
-    let names = study
-        .definition()
-        .grid
-        .ranges()
-        .iter()
-        .map(|range| range.parameter.name);
-    let header: Vec<&str> = ["trial", "phase"]
-        .into_iter()
-        .chain(names)
-        .chain(["score", "unit", "best_so_far"])
-        .collect();
+    let header = ["trial", "phase"].into_iter().chain(names(study));
+    let header: Vec<&str> = header.chain(["score", "unit", "best_so_far"]).collect();
     let points = chosen(answer, tuned);
     let rows = points.iter().zip(best_so_far(points)).map(|(point, best)| {
-        let phase = if point.index < tuned.design {
-            "design"
-        } else {
-            "search"
-        };
+        let is_design = point.index < tuned.design;
+        let phase = if is_design { "design" } else { "search" };
         let mut row = vec![point.index.to_string(), phase.to_owned()];
         row.extend(point.values.iter().map(f64::to_string));
         row.push(number(point.score));

@@ -6,11 +6,13 @@ use serde::Serialize;
 
 use super::draft::publish;
 use super::kind::Kind;
-use crate::plot::{Caption, EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
+use super::table::{number, write};
+use crate::plot::{Caption, EnsembleBand, EnsembleGroup, EnsemblePlot, both, draw_ensemble};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{versioned_json, write_atomic};
-use realgap_core::text::cell;
-use realgap_lab::prediction::ensemble::{Behaviours, Ensemble, Envelope, Forecast, LEVELS};
+use realgap_lab::prediction::ensemble::{
+    Behaviours, Ensemble, Envelope, Forecast, LEVELS, Motion, Repeat,
+};
 use realgap_lab::prediction::{Card, EnsembleReport};
 use realgap_path::trajectory::Source;
 
@@ -109,82 +111,50 @@ pub fn write_prediction(folder: &Path, card: &Card, repeats: &Ensemble) -> Resul
 /// # Errors
 /// A full disk or an unwritable folder.
 fn write_repeats(folder: &Path, cases: &[(&str, EnsembleResult<'_>)]) -> Result<()> {
-    let path = folder.join("repeats.csv");
-    let csv_error = |e: csv::Error| Error::invalid(format!("cannot write {}: {e}", path.display()));
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for (index, (name, case)) in cases.iter().enumerate() {
-        for repeat in &case.ensemble.repeats {
-            let row = row(name, case, repeat);
-            if index == 0 && Some(repeat.number) == case.ensemble.repeats.first().map(|r| r.number)
-            {
-                writer
-                    .write_record(row.iter().map(|(column, _)| column))
-                    .map_err(csv_error)?;
-            }
-            writer
-                .write_record(row.iter().map(|(_, value)| cell(value).into_owned()))
-                .map_err(csv_error)?;
-        }
-    }
-    let bytes = writer
-        .into_inner()
-        .map_err(|e| Error::invalid(format!("cannot write {}: {e}", path.display())))?;
-    write_atomic(&path, &bytes)
+    let all = cases.iter().flat_map(|(name, case)| {
+        let repeats = case.ensemble.repeats.iter();
+        repeats.map(move |repeat| row(name, case, repeat))
+    });
+    let mut all = all.peekable();
+    let columns = all.peek().cloned().unwrap_or_default();
+    let columns: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+    let rows = all.map(|row| row.into_iter().map(|(_, value)| value).collect());
+    write(&folder.join("repeats.csv"), &columns, rows)
 }
 
-fn row(
-    case_name: &str,
-    case: &EnsembleResult<'_>,
-    repeat: &realgap_lab::prediction::ensemble::Repeat,
-) -> Vec<(String, String)> {
-    let mut row = Vec::new();
-    let mut push = |column: String, value: String| row.push((column, value));
-    push("case".to_owned(), case_name.to_owned());
-    push("repeat".to_owned(), repeat.number.to_string());
-    push("seed".to_owned(), case.ensemble.seed.to_string());
-    let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
+fn row(case_name: &str, case: &EnsembleResult<'_>, repeat: &Repeat) -> Vec<(String, String)> {
     let motion = repeat.outcome.get();
     let status = match repeat.outcome.divergence() {
         None => "completed".to_owned(),
         Some(divergence) => format!("diverged {divergence}"),
     };
-    push("status".to_owned(), status);
-    push(
-        "behaviour".to_owned(),
-        behaviour(&case.summary.behaviours, repeat.number),
-    );
-    push(
-        "net_displacement_m".to_owned(),
-        number(motion.map(|m| m.net_displacement_m())),
-    );
-    push(
-        "path_length_m".to_owned(),
-        number(motion.map(|m| m.path.path_length_m())),
-    );
-    push(
-        "turned_rad".to_owned(),
-        number(motion.map(|m| m.turned_rad)),
-    );
+    let behaviour = behaviour(&case.summary.behaviours, repeat.number);
+    let [net_m, path_m, turned_rad] = [
+        motion.map(|m| m.net_displacement_m()),
+        motion.map(|m| m.path.path_length_m()),
+        motion.map(|m| m.turned_rad),
+    ]
+    .map(number);
+    let first = [
+        ("case", case_name.to_owned()),
+        ("repeat", repeat.number.to_string()),
+        ("seed", case.ensemble.seed.to_string()),
+        ("status", status),
+        ("behaviour", behaviour),
+        ("net_displacement_m", net_m),
+        ("path_length_m", path_m),
+        ("turned_rad", turned_rad),
+    ];
+    let mut row: Vec<_> = first.map(|(name, text)| (name.to_owned(), text)).into();
     let drawn = &repeat.perturbation;
-    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        push(
-            format!("shift_{name}_m"),
-            drawn.shift_world_m[axis].to_string(),
-        );
-    }
-    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        push(
-            format!("turn_{name}_rad"),
-            drawn.turn_world_rad[axis].to_string(),
-        );
-    }
     for (name, vector) in [
+        ("shift_{}_m", &drawn.shift_world_m),
+        ("turn_{}_rad", &drawn.turn_world_rad),
         ("velocity_{}_m_s", &drawn.velocity_world_m_s),
         ("spin_{}_rad_s", &drawn.spin_world_rad_s),
     ] {
-        for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
-            push(name.replace("{}", letter), vector[axis].to_string());
-        }
+        let along = ["x", "y", "z"].into_iter().zip(vector.iter());
+        row.extend(along.map(|(axis, value)| (name.replace("{}", axis), value.to_string())));
     }
     for (name, values) in [
         ("servo_zero_rad", &drawn.servo_zero_rad),
@@ -194,14 +164,11 @@ fn row(
         ("mass_factor", &drawn.mass_factor),
         ("friction_factor", &drawn.friction_factor),
     ] {
-        for (index, value) in values.iter().enumerate() {
-            push(format!("{name}_{index}"), value.to_string());
-        }
+        let each = values.iter().enumerate();
+        row.extend(each.map(|(index, value)| (format!("{name}_{index}"), value.to_string())));
     }
-    push(
-        "run_friction_factor".to_owned(),
-        drawn.run_friction_factor.to_string(),
-    );
+    let friction = drawn.run_friction_factor.to_string();
+    row.push(("run_friction_factor".to_owned(), friction));
     row
 }
 
@@ -230,48 +197,33 @@ pub(super) fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>)
     if summary.diverged.count > 0 {
         subtitle += &format!(", {} diverged", summary.diverged.count);
     }
-    let groups = summary
-        .behaviours
-        .list
-        .iter()
-        .map(|behaviour| EnsembleGroup {
-            label: format!(
-                "{}: {:.0} %",
-                behaviour.name,
-                100.0 * behaviour.probability.share
-            ),
-            paths_m: case
-                .ensemble
-                .motions()
-                .filter(|(repeat, _)| behaviour.repeats.contains(&repeat.number))
-                .take(PATHS_DRAWN)
-                .map(|(_, motion)| motion.path.xy_m().to_vec())
-                .collect(),
+    let path_m = |motion: &Motion| motion.path.xy_m().to_vec();
+    let behaviours = summary.behaviours.list.iter();
+    let groups = behaviours.map(|behaviour| {
+        let share = 100.0 * behaviour.probability.share;
+        let alike = case.ensemble.motions();
+        let alike = alike.filter(|(repeat, _)| behaviour.repeats.contains(&repeat.number));
+        EnsembleGroup {
+            label: format!("{}: {share:.0} %", behaviour.name),
+            paths_m: alike.take(PATHS_DRAWN).map(|(_, m)| path_m(m)).collect(),
             representative_m: behaviour
                 .representative
                 .map_or(Vec::new(), |_| behaviour.path_xy_m.clone()),
-        })
-        .collect();
+        }
+    });
     let widest = LEVELS.len() - 1;
     let bands = (0..=widest).rev().map(|level| extent(envelope, level));
     let plot = EnsemblePlot {
         caption: Caption::new(case.title.clone(), subtitle),
-        groups,
-        noise_free_m: case
-            .ensemble
-            .noise_free
-            .get()
-            .map_or(Vec::new(), |motion| motion.path.xy_m().to_vec()),
+        groups: groups.collect(),
+        noise_free_m: (case.ensemble.noise_free.get()).map_or(Vec::new(), path_m),
         real_m: case.real_paths_m.clone(),
         real_label: case.real_label.to_owned(),
         times_s: envelope.times_s.clone(),
         bands: bands.collect(),
         whole_paths: (summary.band.as_ref()).map(|band| extent(band, widest)),
     };
-    for extension in ["png", "svg"] {
-        draw_ensemble(&plot, folder.join(format!("{stem}.{extension}")))?;
-    }
-    Ok(())
+    both(folder, stem, |path| draw_ensemble(&plot, path))
 }
 
 /// How far the regions of a level reach along x and along y.

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::draft::publish;
 use super::ensemble::{make, write_report};
 use super::kind::Kind;
-use crate::plot::{AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
+use crate::plot::{AxisSpec, Caption, LinePlot, Series, SeriesKind, both, draw_lines};
 use realgap_core::error::Result;
 use realgap_core::unit::{Unit, counted};
 use realgap_lab::prediction::gap::{FloorReport, StudyGap};
@@ -15,15 +15,14 @@ use realgap_lab::prediction::gap::{FloorReport, StudyGap};
 /// # Errors
 /// A full disk or an unwritable folder.
 pub fn write_gap(folder: &Path, gap: &StudyGap) -> Result<()> {
-    let real_label = gap.source.reality_label();
     make(folder)?;
     publish(folder, Kind::Gap, |draft| {
         write_report(draft, "gap.json", gap)?;
-        if let Some(plot) = confidence(gap, real_label) {
-            draw(draft, "confidence", &plot)?;
-        }
-        if let Some(plot) = rmse(gap, real_label) {
-            draw(draft, "rmse", &plot)?;
+        let drawn = [("confidence", confidence(gap)), ("rmse", rmse(gap))];
+        for (stem, plot) in drawn {
+            if let Some(plot) = plot {
+                both(draft, stem, |path| draw_lines(&plot, path))?;
+            }
         }
         Ok(())
     })
@@ -40,109 +39,66 @@ pub fn write_floor(folder: &Path, floor: &FloorReport) -> Result<()> {
     })
 }
 
-fn draw(folder: &Path, stem: &str, plot: &LinePlot) -> Result<()> {
-    for extension in ["png", "svg"] {
-        draw_lines(plot, folder.join(format!("{stem}.{extension}")))?;
-    }
-    Ok(())
-}
-
-fn subtitle(gap: &StudyGap, real_label: &str) -> String {
+fn subtitle(gap: &StudyGap) -> String {
     let repeats = match gap.repeats {
         0 => "no ensemble".to_owned(),
         repeats => format!("{repeats} repeats under noise, seed {}", gap.seed),
     };
     format!(
-        "{}, {} ({real_label}); {repeats}",
+        "{}, {} ({}); {repeats}",
         gap.morphology,
-        counted(gap.recordings, "recording")
+        counted(gap.recordings, "recording"),
+        gap.source.reality_label()
     )
 }
 
-fn confidence(gap: &StudyGap, real_label: &str) -> Option<LinePlot> {
+fn confidence(gap: &StudyGap) -> Option<LinePlot> {
     let confidence = gap.confidence.as_ref()?;
     let [low, share, high] = confidence.curves();
     let over = |values: Vec<f64>| -> Vec<(f64, f64)> {
         confidence.times_s.iter().copied().zip(values).collect()
     };
     let level = |value: f64| over(vec![value; confidence.times_s.len()]);
+    let promise = 100.0 * confidence.level;
+    let promise = format!("what the region promises ({promise:.0} %), and 50 %");
     let dropped = confidence.drop_in_words();
+    let title = format!("{}: simulation confidence, {dropped}", gap.study);
+    let series = vec![
+        Series::new("95 % interval (Wilson)", SeriesKind::Band(high), over(low)),
+        Series::new(promise, SeriesKind::Level, level(confidence.level)),
+        Series::new("", SeriesKind::Level, level(0.5)),
+        Series::new("C(t)", SeriesKind::Line, over(share)),
+    ];
     Some(LinePlot {
-        caption: Caption::new(
-            format!("{}: simulation confidence, {dropped}", gap.study),
-            subtitle(gap, real_label),
-        ),
-        x: AxisSpec::new("time", Unit::Second),
-        y_label: "share of real runs inside".to_owned(),
-        y_unit: Unit::One,
-        scale: ScoreScale::Linear,
         y_range: Some((0.0, 1.0)),
-        series: vec![
-            Series {
-                label: "95 % interval (Wilson)".to_owned(),
-                points: over(low),
-                kind: SeriesKind::Band(high),
-                colour: 0,
-            },
-            Series {
-                label: format!(
-                    "what the region promises ({:.0} %), and 50 %",
-                    100.0 * confidence.level
-                ),
-                points: level(confidence.level),
-                kind: SeriesKind::Level,
-                colour: 0,
-            },
-            Series {
-                label: String::new(),
-                points: level(0.5),
-                kind: SeriesKind::Level,
-                colour: 0,
-            },
-            Series {
-                label: "C(t)".to_owned(),
-                points: over(share),
-                kind: SeriesKind::Line,
-                colour: 0,
-            },
-        ],
+        ..LinePlot::new(
+            Caption::new(title, subtitle(gap)),
+            AxisSpec::new("time", Unit::Second),
+            ("share of real runs inside", Unit::One),
+            series,
+        )
     })
 }
 
-fn rmse(gap: &StudyGap, real_label: &str) -> Option<LinePlot> {
+fn rmse(gap: &StudyGap) -> Option<LinePlot> {
     let over = &gap.over_time;
-    let series: Vec<Series> = [
+    let all = [
         ("run without noise", &over.ideal_m),
         ("mean of the repeats under noise", &over.simulated_mean_m),
         ("mean of the other recordings", &over.real_mean_m),
-    ]
-    .into_iter()
-    .enumerate()
-    .filter_map(|(colour, (label, values))| {
-        let values = values.as_ref()?;
-        Some(Series {
-            label: label.to_owned(),
-            points: over
-                .times_s
-                .iter()
-                .copied()
-                .zip(values.iter().copied())
-                .collect(),
-            kind: SeriesKind::Line,
-            colour,
-        })
-    })
-    .collect();
-    (!series.is_empty()).then(|| LinePlot {
-        caption: Caption::new(
-            format!("{}: error over time", gap.study),
-            subtitle(gap, real_label),
-        ),
-        x: AxisSpec::new("time", Unit::Second),
-        y_label: "RMS distance from the recordings".to_owned(),
-        y_unit: Unit::Metre,
-        scale: ScoreScale::Linear,
-        y_range: None,
-        series,
+    ];
+    let all = all.into_iter().enumerate();
+    let series = all.filter_map(|(colour, (label, values))| {
+        let points = over.times_s.iter().copied().zip(values.clone()?).collect();
+        Some(Series::new(label, SeriesKind::Line, points).colour(colour))
+    });
+    let series: Vec<Series> = series.collect();
+    (!series.is_empty()).then(|| {
+        LinePlot::new(
+            Caption::new(format!("{}: error over time", gap.study), subtitle(gap)),
+            AxisSpec::new("time", Unit::Second),
+            ("RMS distance from the recordings", Unit::Metre),
+            series,
+        )
     })
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::plot::{AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
+use crate::plot::{AxisSpec, Caption, LinePlot, Series, SeriesKind, draw_lines};
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 use realgap_lab::prediction::Odds;
@@ -16,45 +16,31 @@ pub fn draw_odds(odds: &Odds, name: &str, path: &Path) -> Result<()> {
         let bins = odds.reliability.iter();
         bins.map(move |bin| (bin.probability, value(&bin.observed)))
     };
-    let series = |label: &str, points: Vec<(f64, f64)>, kind: SeriesKind| Series {
-        label: label.to_owned(),
-        points,
-        kind,
-        colour: 0,
-    };
-    let high = along(|observed| observed.high)
-        .map(|point| point.1)
-        .collect();
+    let high = along(|observed| observed.high).map(|point| point.1);
+    let (ends, kind) = (
+        vec![(0.0, 0.0), (1.0, 1.0)],
+        SeriesKind::Band(high.collect()),
+    );
+    let low = along(|observed| observed.low).collect();
+    let happened = along(|observed| observed.share).collect();
     let plot = LinePlot {
-        caption: Caption::new(
-            format!("{name}: do odds keep what they promise?"),
-            format!(
-                "{} recordings, {} runs each; Brier score {:.3}; bands are 95 % intervals",
-                odds.recordings, odds.runs, odds.brier.mean
-            ),
-        ),
-        x: AxisSpec::new("probability given to a pose", Unit::One),
-        y_label: "share that ended in it".to_owned(),
-        y_unit: Unit::One,
-        scale: ScoreScale::Linear,
         y_range: Some((0.0, 1.0)),
-        series: vec![
-            series(
-                "95 % interval",
-                along(|observed| observed.low).collect(),
-                SeriesKind::Band(high),
+        ..LinePlot::new(
+            Caption::new(
+                format!("{name}: do odds keep what they promise?"),
+                format!(
+                    "{} recordings, {} runs each; Brier score {:.3}; bands are 95 % intervals",
+                    odds.recordings, odds.runs, odds.brier.mean
+                ),
             ),
-            series(
-                "as promised",
-                vec![(0.0, 0.0), (1.0, 1.0)],
-                SeriesKind::Level,
-            ),
-            series(
-                "happened",
-                along(|observed| observed.share).collect(),
-                SeriesKind::Dots,
-            ),
-        ],
+            AxisSpec::new("probability given to a pose", Unit::One),
+            ("share that ended in it", Unit::One),
+            vec![
+                Series::new("95 % interval", kind, low),
+                Series::new("as promised", SeriesKind::Level, ends),
+                Series::new("happened", SeriesKind::Dots, happened),
+            ],
+        )
     };
     draw_lines(&plot, path)
 }

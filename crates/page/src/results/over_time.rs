@@ -32,15 +32,12 @@ pub fn draw_over_time(all: &[Timed<'_>], subtitle: &str, path: impl AsRef<Path>)
             let values: Option<Vec<f64>> = (0..POINTS).map(|k| of(timed, k)).collect();
             let time_s = |k: usize| timed.duration_s * k as f64 / (POINTS - 1) as f64;
             let points = values?.into_iter().enumerate();
-            Some(Series {
-                label: timed.name.to_owned(),
-                points: points.map(|(k, value)| (time_s(k), value)).collect(),
-                kind: match first + index {
-                    0 => SeriesKind::Line,
-                    _ => SeriesKind::Thin,
-                },
-                colour: first + index,
-            })
+            let kind = match first + index {
+                0 => SeriesKind::Line,
+                _ => SeriesKind::Thin,
+            };
+            let points = points.map(|(k, value)| (time_s(k), value)).collect();
+            Some(Series::new(timed.name, kind, points).colour(first + index))
         });
         let series: Vec<Series> = series.collect();
         (!series.is_empty()).then(|| StackRow {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::plot::{
-    AxisSpec, Caption, Curve, HeatMap, Panel, PanelGrid, ScoreScale, Truth, draw_curve,
+    AxisSpec, Caption, Curve, HeatMap, Panel, PanelGrid, ScoreScale, Truth, both, draw_curve,
     draw_heat_map, draw_panels,
 };
 use realgap_core::error::Result;
@@ -32,18 +32,16 @@ pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer) -> Result<()> 
     match ranges {
         [x] => map.draw_curve(x, folder)?,
         [_, _] => {
-            draw_both(&map.slice(0, 1), &folder.join("heatmap"))?;
-            draw_both(&map.fitness(), &folder.join("heatmap_fitness"))?;
+            draw_map(folder, "heatmap", &map.slice(0, 1))?;
+            draw_map(folder, "heatmap_fitness", &map.fitness())?;
         }
         _ if map.cells.is_empty() => return map.draw_best_panels(&folder.join("trajectories.png")),
         ranges => {
             for first in 0..ranges.len() {
                 for second in first + 1..ranges.len() {
                     let pair = [first, second].map(|i| ranges[i].parameter.name.replace('.', "_"));
-                    draw_both(
-                        &map.slice(first, second),
-                        &folder.join(format!("heatmap_{}_{}", pair[0], pair[1])),
-                    )?;
+                    let stem = format!("heatmap_{}_{}", pair[0], pair[1]);
+                    draw_map(folder, &stem, &map.slice(first, second))?;
                 }
             }
         }
@@ -86,10 +84,7 @@ impl<'a> Map<'a> {
         Self {
             study,
             answer,
-            title: format!(
-                "{}: distance between simulation and recordings",
-                definition.name
-            ),
+            title: definition.name.clone() + ": distance between simulation and recordings",
             subtitle,
             score_label: format!("{} discrepancy", definition.metric.name()),
             cells,
@@ -163,43 +158,28 @@ impl<'a> Map<'a> {
         let mut subtitle = self.cell_subtitle();
         if let (Some(best), true) = (&best, ranges.len() > 2) {
             let others = (0..ranges.len()).filter(|i| *i != first && *i != second);
-            let fixed: Vec<String> = others
-                .map(|i| {
-                    format!(
-                        "{} = {}",
-                        ranges[i].parameter.name,
-                        short(ranges[i].value(best[i]))
-                    )
-                })
-                .collect();
+            let value = |i: usize| short(ranges[i].value(best[i]));
+            let fixed = others.map(|i| format!("{} = {}", ranges[i].parameter.name, value(i)));
+            let fixed: Vec<String> = fixed.collect();
             subtitle += &format!("; slice through the best point at {}", fixed.join(", "));
         }
         HeatMap {
-            missing: "diverged".to_owned(),
-            caption: Caption::new(self.title.clone(), subtitle),
-            x: axis(x),
-            y: axis(y),
-            x_values: x.values(),
-            y_values: y.values(),
-            scores,
-            score_label: self.score_label.clone(),
-            score_unit: self.answer.scores.unit,
-            scale: ScoreScale::Auto,
             best_at: self.chosen(|point| (point.values[first], point.values[second])),
             evaluated: match self.answer.method {
                 Method::Sweep => Vec::new(),
-                Method::Tune(_) => {
-                    let points = self.answer.scores.points.iter();
-                    points
-                        .map(|p| (p.values[first], p.values[second]))
-                        .collect()
-                }
+                Method::Tune(_) => (self.answer.scores.points.iter())
+                    .map(|p| (p.values[first], p.values[second]))
+                    .collect(),
             },
-            larger_is_better: false,
-            lines: Vec::new(),
             best: best.map(|best| (best[first], best[second])),
             indistinguishable,
             truth: self.truth(x, Some(y)),
+            ..HeatMap::new(
+                Caption::new(self.title.clone(), subtitle),
+                [(axis(x), x.values()), (axis(y), y.values())],
+                scores,
+                (&self.score_label, self.answer.scores.unit),
+            )
         }
     }
 
@@ -229,6 +209,32 @@ impl<'a> Map<'a> {
         }
     }
 
+    /// Values of a parameter, their scores, and whether they cannot be told from the best.
+    fn curve(
+        &self,
+        range: &Range,
+        points: impl Iterator<Item = (f64, Option<f64>, bool)>,
+    ) -> Curve {
+        let (mut x_values, mut scores, mut indistinguishable) = (vec![], vec![], vec![]);
+        for (value, score, is_in) in points {
+            x_values.push(value);
+            scores.push(score);
+            indistinguishable.push(is_in);
+        }
+        Curve {
+            caption: Caption::new(self.title.clone(), self.subtitle.clone()),
+            x: axis(range),
+            x_values,
+            scores,
+            score_label: self.score_label.clone(),
+            score_unit: self.answer.scores.unit,
+            scale: ScoreScale::Auto,
+            best: None,
+            indistinguishable,
+            truth: self.truth(range, None),
+        }
+    }
+
     /// The score at every point that was simulated.
     fn draw_curve(&self, x: &Range, folder: &Path) -> Result<()> {
         let points = &self.answer.scores.points;
@@ -240,20 +246,15 @@ impl<'a> Map<'a> {
             uncertainty.is_some_and(|u| u.indistinguishable[*position])
         };
         let best = self.answer.scores.best;
+        let drawn = order.iter();
         let curve = Curve {
-            caption: Caption::new(self.title.clone(), self.subtitle.clone()),
-            x: axis(x),
-            x_values: order.iter().map(|p| points[*p].values[0]).collect(),
-            scores: order.iter().map(|p| points[*p].score).collect(),
-            score_label: self.score_label.clone(),
-            score_unit: self.answer.scores.unit,
-            scale: ScoreScale::Auto,
             best: order.iter().position(|p| best == Some(*p)),
-            indistinguishable: order.iter().map(is_in).collect(),
-            truth: self.truth(x, None),
+            ..self.curve(
+                x,
+                drawn.map(|p| (points[*p].values[0], points[*p].score, is_in(p))),
+            )
         };
-        draw_curve(&curve, folder.join("curve.png"))?;
-        draw_curve(&curve, folder.join("curve.svg"))
+        both(folder, "curve", |path| draw_curve(&curve, path))
     }
 
     /// The best score that each value of a parameter allows, whatever the others.
@@ -270,34 +271,26 @@ impl<'a> Map<'a> {
                 let score = |index: &usize| profile.scores[*index].unwrap_or(f64::INFINITY);
                 score(a).total_cmp(&score(b))
             });
+            let (name, parameter) = (&self.study.definition().name, range.parameter.name);
+            let remark = "the others wherever that is; smooth through all runs";
+            let points = tried.iter().map(|index| {
+                let score = profile.scores[*index];
+                (
+                    profile.values[*index],
+                    score,
+                    profile.indistinguishable[*index],
+                )
+            });
             let curve = Curve {
                 caption: Caption::new(
-                    format!(
-                        "{}: lowest score at each {}",
-                        self.study.definition().name,
-                        range.parameter.name
-                    ),
-                    format!(
-                        "{}; the others wherever that is; smooth through all runs",
-                        self.subtitle
-                    ),
+                    format!("{name}: lowest score at each {parameter}"),
+                    format!("{}; {remark}", self.subtitle),
                 ),
-                x: axis(range),
-                x_values: tried.iter().map(|index| profile.values[*index]).collect(),
-                scores: tried.iter().map(|index| profile.scores[*index]).collect(),
-                score_label: self.score_label.clone(),
-                score_unit: self.answer.scores.unit,
-                scale: ScoreScale::Auto,
                 best: best.map(|(position, _)| position),
-                indistinguishable: tried
-                    .iter()
-                    .map(|index| profile.indistinguishable[*index])
-                    .collect(),
-                truth: self.truth(range, None),
+                ..self.curve(range, points)
             };
             let stem = format!("profile_{}", range.parameter.name.replace('.', "_"));
-            draw_curve(&curve, folder.join(format!("{stem}.png")))?;
-            draw_curve(&curve, folder.join(format!("{stem}.svg")))?;
+            both(folder, &stem, |path| draw_curve(&curve, path))?;
         }
         Ok(())
     }
@@ -326,16 +319,14 @@ impl<'a> Map<'a> {
         let best = self.best_coordinates();
         let mut coordinates = best.clone().unwrap_or_else(|| vec![0; ranges.len()]);
         let mut panels = Vec::new();
-        let rows = if ranges.len() > 1 {
-            picks(ranges[1].points, best.as_ref().map(|b| b[1]))
-        } else {
-            vec![0]
-        };
-        let columns = picks(ranges[0].points, best.as_ref().map(|b| b[0]));
+        let along = |axis: usize| picks(ranges[axis].points, best.as_ref().map(|b| b[axis]));
+        let is_plane = ranges.len() > 1;
+        let rows = if is_plane { along(1) } else { vec![0] };
+        let columns = along(0);
         for row in rows.iter().rev() {
             for column in &columns {
                 coordinates[0] = *column;
-                if ranges.len() > 1 {
+                if is_plane {
                     coordinates[1] = *row;
                 }
                 let index = self.grid().index(&coordinates);
@@ -345,12 +336,8 @@ impl<'a> Map<'a> {
                 panels.push(self.panel(point, best.as_deref() == Some(&coordinates[..])));
             }
         }
-        self.draw_panel_grid(
-            path,
-            "simulated paths across the grid",
-            columns.len(),
-            panels,
-        )
+        let what = "simulated paths across the grid";
+        self.draw_panel_grid(path, what, columns.len(), panels)
     }
 
     fn draw_panel_grid(
@@ -417,10 +404,8 @@ impl<'a> Map<'a> {
     }
 }
 
-/// As PNG and as SVG.
-fn draw_both(map: &HeatMap, stem: &Path) -> Result<()> {
-    draw_heat_map(map, stem.with_extension("png"))?;
-    draw_heat_map(map, stem.with_extension("svg"))
+fn draw_map(folder: &Path, stem: &str, map: &HeatMap) -> Result<()> {
+    both(folder, stem, |path| draw_heat_map(map, path))
 }
 
 fn axis(range: &Range) -> AxisSpec {

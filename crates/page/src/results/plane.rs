@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::ensemble::write_report;
-use crate::plot::{Caption, Cloud, draw_lines, plane};
+use crate::plot::{Caption, Cloud, both, draw_lines, plane};
 use realgap_core::error::Result;
 use realgap_lab::calibration::{Answer, PointScore, Study};
 use realgap_path::comparison::Basis;
@@ -75,6 +75,5 @@ pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer, subtitle: &str
             cloud(definition.source().reality_label(), 1, reality),
         ],
     );
-    draw_lines(&plot, folder.join("components.png"))?;
-    draw_lines(&plot, folder.join("components.svg"))
+    both(folder, "components", |path| draw_lines(&plot, path))
 }

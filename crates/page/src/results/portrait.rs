@@ -38,7 +38,7 @@ fn centre_m(solid: &Solid) -> Vector3<f64> {
 /// Half of its sides along the robot's axes.
 fn half_m(solid: &Solid) -> Vector3<f64> {
     let turn = solid.robot_from_solid.rotation.to_rotation_matrix();
-    turn.matrix().abs() * solid.half_extents_m
+    turn.matrix().abs() * solid.half_extents_m()
 }
 
 /// The names of its modules, if there are not too many.

@@ -18,31 +18,27 @@ fn middles(length_m: f64, cell_m: f64) -> Vec<f64> {
 }
 
 /// A map of an arena without values.
-fn blank(arena: &Arena, cell_m: f64, caption: Caption, score_label: String) -> HeatMap {
+fn blank(arena: &Arena, cell_m: f64, caption: Caption, score_label: &str) -> HeatMap {
     let [x, y] = arena.size_m;
     let closed = arena.objects.iter().map(|object| {
         let mut corners = object.outline_m();
         corners.extend(corners.first().copied());
         corners.into_iter().map(|[x, y]| (x, y)).collect()
     });
+    let axis = |name: &str, length_m: f64| {
+        let spec = AxisSpec::new(name, Unit::Metre);
+        (spec, middles(length_m, cell_m))
+    };
     HeatMap {
-        caption,
-        x: AxisSpec::new("x", Unit::Metre),
-        y: AxisSpec::new("y", Unit::Metre),
-        x_values: middles(x, cell_m),
-        y_values: middles(y, cell_m),
-        scores: Vec::new(),
         missing: "nothing heard here".to_owned(),
-        score_label,
-        score_unit: Unit::One,
         scale: ScoreScale::Linear,
-        best: None,
-        best_at: None,
-        indistinguishable: Vec::new(),
-        truth: None,
-        evaluated: Vec::new(),
-        larger_is_better: false,
         lines: closed.collect(),
+        ..HeatMap::new(
+            caption,
+            [axis("x", x), axis("y", y)],
+            Vec::new(),
+            (score_label, Unit::One),
+        )
     }
 }
 
@@ -61,12 +57,8 @@ pub fn draw_strength_map(
         format!("Strength of anchor {} in {}", anchor.name, arena.name),
         format!("{}; {}", model.propagation.formula(), model.description),
     );
-    let mut map = blank(
-        arena,
-        x.max(y) / CELLS as f64,
-        caption,
-        "strength (dBm)".to_owned(),
-    );
+    let cell_m = x.max(y) / CELLS as f64;
+    let mut map = blank(arena, cell_m, caption, "strength (dBm)");
     for y in &map.y_values {
         for x in &map.x_values {
             let link = Link::new(arena, model.robot_at([*x, *y]), anchor.position_m);
@@ -94,12 +86,7 @@ pub fn draw_error_map(found: &Evaluation, arena: &Arena, path: impl AsRef<Path>)
             found.propagation, found.rmse_db, found.readings
         ),
     );
-    let mut map = blank(
-        arena,
-        CELL_M,
-        caption,
-        "root mean square error (dB)".to_owned(),
-    );
+    let mut map = blank(arena, CELL_M, caption, "root mean square error (dB)");
     let columns = map.x_values.len();
     map.scores = vec![None; columns * map.y_values.len()];
     for (at_m, error_db) in &found.errors {

@@ -13,20 +13,6 @@ use realgap_sense::range::{Beam, Characterisation, RangeSensor, ReadingLog, Read
 /// Points of a drawn curve.
 const POINTS: usize = 300;
 
-fn series(
-    label: impl Into<String>,
-    kind: SeriesKind,
-    colour: usize,
-    points: Vec<(f64, f64)>,
-) -> Series {
-    Series {
-        label: label.into(),
-        points,
-        kind,
-        colour,
-    }
-}
-
 /// `reading (cm)`.
 fn reading_label(what: &str, unit: &ReadingUnit) -> String {
     match unit.symbol() {
@@ -64,40 +50,31 @@ pub fn draw_sensor(found: &Characterisation, path: impl AsRef<Path>) -> Result<(
     // Logarithmic like most such curves, unless the band goes below 0.
     let is_positive = along.iter().all(|d| mean(d) - 1.645 * sd(d) > 0.0);
     let upper = along.iter().map(|d| mean(d) + 1.645 * sd(d)).collect();
+    let lower = of(&|d| mean(d) - 1.645 * sd(d));
     let plot = LinePlot {
-        caption: Caption::new(
-            "Mean and spread of readings",
-            format!(
-                "{}; mean: {}, spread: {}",
-                model.description, found.mean_form, found.spread_form
-            ),
-        ),
-        x: distance_axis(model.distance_unit),
-        y_label: reading_label("reading", &model.reading_unit),
-        y_unit: Unit::One,
         scale: if is_positive {
             ScoreScale::Auto
         } else {
             ScoreScale::Linear
         },
-        y_range: None,
-        series: vec![
-            series(
-                "90 % of readings",
-                SeriesKind::Band(upper),
-                0,
-                of(&|d| mean(d) - 1.645 * sd(d)),
+        ..LinePlot::new(
+            Caption::new(
+                "Mean and spread of readings",
+                format!(
+                    "{}; mean: {}, spread: {}",
+                    model.description, found.mean_form, found.spread_form
+                ),
             ),
-            series("mean, model", SeriesKind::Line, 0, of(&mean)),
-            series("mean, read", SeriesKind::Dots, 0, read(|d| d.mean)),
-            series("standard deviation, model", SeriesKind::Line, 1, of(&sd)),
-            series(
-                "standard deviation, read",
-                SeriesKind::Dots,
-                1,
-                read(|d| d.sd),
-            ),
-        ],
+            distance_axis(model.distance_unit),
+            (&reading_label("reading", &model.reading_unit), Unit::One),
+            vec![
+                Series::new("90 % of readings", SeriesKind::Band(upper), lower),
+                Series::new("mean, model", SeriesKind::Line, of(&mean)),
+                Series::new("mean, read", SeriesKind::Dots, read(|d| d.mean)),
+                Series::new("standard deviation, model", SeriesKind::Line, of(&sd)).colour(1),
+                Series::new("standard deviation, read", SeriesKind::Dots, read(|d| d.sd)).colour(1),
+            ],
+        )
     };
     draw_lines(&plot, path)
 }
@@ -154,34 +131,23 @@ pub fn draw_histograms(
         let (mean, sd) = (model.mean(&beam), model.sd(&beam));
         let width = bin.unwrap_or(0.2 * sd);
         let (stairs, zeros) = stairs(&values, width, (mean - 8.0 * sd, mean + 8.0 * sd));
-        bars.push(series(
-            format!("{distance} {length}: {} readings", values.len()),
-            SeriesKind::Band(zeros),
-            colour,
-            stairs,
-        ));
+        let label = format!("{distance} {length}: {} readings", values.len());
+        bars.push(Series::new(label, SeriesKind::Band(zeros), stairs).colour(colour));
         let density = (0..=POINTS).map(|i| {
             let z = -4.0 + 8.0 * i as f64 / POINTS as f64;
             let reading = mean + z * sd;
             (reading, libm::exp(model.log_density(reading, &beam)))
         });
-        lines.push(series(
-            format!("{distance} {length}: model"),
-            SeriesKind::Line,
-            colour,
-            density.collect(),
-        ));
+        let label = format!("{distance} {length}: model");
+        lines.push(Series::new(label, SeriesKind::Line, density.collect()).colour(colour));
     }
     bars.extend(lines);
-    let plot = LinePlot {
-        caption: Caption::new("Readings at known distances", model.description.clone()),
-        x: AxisSpec::new(reading_label("reading", &model.reading_unit), Unit::One),
-        y_label: "density".to_owned(),
-        y_unit: Unit::One,
-        scale: ScoreScale::Linear,
-        y_range: None,
-        series: bars,
-    };
+    let plot = LinePlot::new(
+        Caption::new("Readings at known distances", model.description.clone()),
+        AxisSpec::new(reading_label("reading", &model.reading_unit), Unit::One),
+        ("density", Unit::One),
+        bars,
+    );
     draw_lines(&plot, path)
 }
 
@@ -234,21 +200,18 @@ pub fn draw_segment(
     };
     let actual = along(&|scan| log.median_m(scan, centre, width).unwrap_or(f64::NAN));
     let predicted = along(&|scan| model.range_m(scan.position_world_m, scan.heading_rad, segment));
-    let plot = LinePlot {
-        caption: Caption::new(
+    let plot = LinePlot::new(
+        Caption::new(
             format!("Range at {degrees:.0}° from straight ahead, along the way"),
             "medians of a segment of the scan; the model has not seen this log unless it was fitted to it",
         ),
-        x: AxisSpec::new("time", Unit::Second),
-        y_label: "range".to_owned(),
-        y_unit: Unit::Metre,
-        scale: ScoreScale::Linear,
-        y_range: None,
-        series: vec![
-            series("actual", SeriesKind::Dots, 1, actual),
-            series("predicted", SeriesKind::Line, 0, predicted),
+        AxisSpec::new("time", Unit::Second),
+        ("range", Unit::Metre),
+        vec![
+            Series::new("actual", SeriesKind::Dots, actual).colour(1),
+            Series::new("predicted", SeriesKind::Line, predicted),
         ],
-    };
+    );
     draw_lines(&plot, path)
 }
 
@@ -269,18 +232,11 @@ pub fn draw_belief(found: &BeliefReport, index: usize, path: impl AsRef<Path>) -
     };
     let mut all = Vec::new();
     let mut add = |name: &str, colour: usize, set: &TrialSet| {
-        all.push(series(
-            format!("{name}: 90 % of trials"),
-            SeriesKind::Band(set.q95.clone()),
-            colour,
-            along(&set.q05),
-        ));
-        all.push(series(
-            format!("{name}: mean belief"),
-            SeriesKind::Line,
-            colour,
-            along(&set.mean),
-        ));
+        let (label, upper) = (format!("{name}: 90 % of trials"), set.q95.clone());
+        let band = Series::new(label, SeriesKind::Band(upper), along(&set.q05));
+        let label = format!("{name}: mean belief");
+        let mean = Series::new(label, SeriesKind::Line, along(&set.mean));
+        all.extend([band.colour(colour), mean.colour(colour)]);
     };
     add("model", 0, &side.simulated);
     if let Some(real) = &side.real {
@@ -307,21 +263,18 @@ pub fn draw_belief(found: &BeliefReport, index: usize, path: impl AsRef<Path>) -
             one.points = one.points[*first..=*last].to_vec();
         }
     }
-    let plot = LinePlot {
-        caption: Caption::new(
+    let plot = LinePlot::new(
+        Caption::new(
             format!(
                 "Belief after {} readings at {:.4} {}",
                 found.readings, side.distance, found.unit
             ),
             format!("discrete Bayes filter, {} trials", side.simulated.trials),
         ),
-        x: AxisSpec::new(format!("distance ({})", found.unit), Unit::One),
-        y_label: "probability of a cell".to_owned(),
-        y_unit: Unit::One,
-        scale: ScoreScale::Linear,
-        y_range: None,
-        series: all,
-    };
+        AxisSpec::new(format!("distance ({})", found.unit), Unit::One),
+        ("probability of a cell", Unit::One),
+        all,
+    );
     draw_lines(&plot, path)
 }
 
@@ -335,49 +288,33 @@ pub fn draw_arena(arena: &Arena, path: impl AsRef<Path>) -> Result<()> {
         points.extend(points.first().copied());
         points.into_iter().map(|[x, y]| (x, y)).collect::<Vec<_>>()
     };
-    let edge = closed(vec![
-        [0.0, 0.0],
-        [width, 0.0],
-        [width, height],
-        [0.0, height],
-    ]);
-    let mut all = vec![series("the field", SeriesKind::Level, 0, edge)];
+    let corners = [[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]];
+    let edge = closed(corners.to_vec());
+    let mut all = vec![Series::new("the field", SeriesKind::Level, edge)];
     for (index, object) in arena.objects.iter().enumerate() {
         let label = if index == 0 { "walls and boxes" } else { "" };
-        all.push(series(
-            label,
-            SeriesKind::Line,
-            0,
-            closed(object.outline_m()),
-        ));
+        let outline = closed(object.outline_m());
+        all.push(Series::new(label, SeriesKind::Line, outline));
     }
     if let Some([x, y, heading]) = arena.start {
         let (sin, cos) = heading.sin_cos();
         let length = 0.06 * width.max(height);
-        all.push(series(
-            "start and heading",
-            SeriesKind::Dots,
-            1,
-            vec![(x, y)],
-        ));
-        all.push(series(
-            "",
-            SeriesKind::Line,
-            1,
-            vec![(x, y), (x + length * cos, y + length * sin)],
-        ));
+        let ray = vec![(x, y), (x + length * cos, y + length * sin)];
+        let start = Series::new("start and heading", SeriesKind::Dots, vec![(x, y)]);
+        let heading = Series::new("", SeriesKind::Line, ray);
+        all.extend([start.colour(1), heading.colour(1)]);
     }
     let plot = LinePlot {
-        caption: Caption::new(
-            format!("Arena: {}", arena.name),
-            format!("{width} x {height} m"),
-        ),
-        x: AxisSpec::new("x (m)", Unit::One),
-        y_label: "y (m)".to_owned(),
-        y_unit: Unit::One,
         scale: ScoreScale::LikeX,
-        y_range: None,
-        series: all,
+        ..LinePlot::new(
+            Caption::new(
+                format!("Arena: {}", arena.name),
+                format!("{width} x {height} m"),
+            ),
+            AxisSpec::new("x (m)", Unit::One),
+            ("y (m)", Unit::One),
+            all,
+        )
     };
     draw_lines(&plot, path)
 }

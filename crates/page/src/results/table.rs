@@ -10,38 +10,23 @@ use realgap_lab::calibration::{Answer, PointScore, Study};
 
 /// One row a point: parameters as columns, then score, unit, status and displacement error.
 pub(super) fn write_points(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
-    let names = names(study);
-    let header: Vec<&str> = names
-        .iter()
-        .copied()
-        .chain([
-            "score",
-            "unit",
-            "status",
-            "displacement_error_m",
-            "indistinguishable",
-            "runs",
-        ])
-        .collect();
+    let header: Vec<&str> = ["score", "unit", "status", "displacement_error_m"].to_vec();
+    let header = [names(study), header, vec!["indistinguishable", "runs"]].concat();
     let is_in = |position: usize| {
         let uncertainty = answer.uncertainty.as_ref();
         uncertainty.is_some_and(|u| u.indistinguishable[position])
     };
-    let rows = answer
-        .scores
-        .points
-        .iter()
-        .enumerate()
-        .map(|(position, point)| {
-            let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
-            row.push(number(point.score));
-            row.push(answer.scores.unit.label().to_owned());
-            row.push(status(point).to_owned());
-            row.push(number(point.displacement_error_m));
-            row.push(is_in(position).to_string());
-            row.push(point.runs.to_string());
-            row
-        });
+    let points = answer.scores.points.iter().enumerate();
+    let rows = points.map(|(position, point)| {
+        let mut row: Vec<String> = point.values.iter().map(f64::to_string).collect();
+        row.push(number(point.score));
+        row.push(answer.scores.unit.label().to_owned());
+        row.push(status(point).to_owned());
+        row.push(number(point.displacement_error_m));
+        row.push(is_in(position).to_string());
+        row.push(point.runs.to_string());
+        row
+    });
     write(&folder.join("points.csv"), &header, rows)
 }
 
@@ -93,12 +78,7 @@ pub(super) fn write_scores(folder: &Path, study: &Study, answer: &Answer) -> Res
     if recordings.len() < 2 {
         return Ok(());
     }
-    let names = names(study);
-    let header: Vec<&str> = names
-        .iter()
-        .copied()
-        .chain(["recording", "score", "unit"])
-        .collect();
+    let header = [names(study), vec!["recording", "score", "unit"]].concat();
     let rows = answer.scores.points.iter().flat_map(|point| {
         recordings
             .iter()
@@ -116,13 +96,8 @@ pub(super) fn write_scores(folder: &Path, study: &Study, answer: &Answer) -> Res
 
 /// One row a parameter and value: the lowest score that it allows.
 pub(super) fn write_profiles(folder: &Path, answer: &Answer) -> Result<()> {
-    let header = [
-        "parameter",
-        "value",
-        "lowest_score",
-        "unit",
-        "indistinguishable",
-    ];
+    let header = ["parameter", "value", "lowest_score", "unit"];
+    let header = [&header[..], &["indistinguishable"]].concat();
     let rows = answer.profiles.iter().flat_map(|profile| {
         profile.values.iter().enumerate().map(|(index, value)| {
             vec![
@@ -137,14 +112,10 @@ pub(super) fn write_profiles(folder: &Path, answer: &Answer) -> Result<()> {
     write(&folder.join("profiles.csv"), &header, rows)
 }
 
-fn names(study: &Study) -> Vec<&'static str> {
-    study
-        .definition()
-        .grid
-        .ranges()
-        .iter()
-        .map(|range| range.parameter.name)
-        .collect()
+/// Names of the parameters that are varied.
+pub(super) fn names(study: &Study) -> Vec<&'static str> {
+    let ranges = study.definition().grid.ranges().iter();
+    ranges.map(|range| range.parameter.name).collect()
 }
 
 fn status(point: &PointScore) -> &'static str {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::plot::{AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, draw_lines};
+use crate::plot::{AxisSpec, Caption, LinePlot, Series, SeriesKind, draw_lines};
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 use realgap_sense::task::{SideReport, TaskComparison};
@@ -15,22 +15,13 @@ const ASIDE: f64 = 0.12;
 /// # Errors
 /// A path that is no picture's, a full disk.
 pub fn draw_task_times(found: &TaskComparison, path: impl AsRef<Path>) -> Result<()> {
-    let names: Vec<String> = found
-        .conditions
-        .iter()
-        .enumerate()
-        .map(|(index, c)| format!("{}: {}", index + 1, c.condition))
-        .collect();
-    let mut subtitle = names.join("; ");
-    let never: Vec<String> = found
-        .conditions
-        .iter()
-        .zip(1..)
+    let numbered = || found.conditions.iter().zip(1..);
+    let names = numbered().map(|(c, number)| format!("{number}: {}", c.condition));
+    let mut subtitle = names.collect::<Vec<_>>().join("; ");
+    let never: Vec<String> = numbered()
         .flat_map(|(c, number)| {
-            [
-                (&c.real, number, "real"),
-                (&c.simulated, number, "simulated"),
-            ]
+            let sides = [(&c.real, "real"), (&c.simulated, "simulated")];
+            sides.map(|(side, world)| (side, number, world))
         })
         .filter(|(side, ..)| side.median_s.is_none())
         .map(|(_, number, world)| format!("{number} {world}"))
@@ -46,42 +37,26 @@ pub fn draw_task_times(found: &TaskComparison, path: impl AsRef<Path>) -> Result
             (1.0 + index as f64 + aside, side)
         });
         let sides: Vec<(f64, &SideReport)> = sides.collect();
-        series.push(Series {
-            label: format!("{label}: median, quartiles"),
-            points: sides
-                .iter()
-                .filter_map(|(x, side)| Some((*x, side.median_s?)))
-                .collect(),
-            kind: SeriesKind::Dots,
-            colour,
-        });
+        let medians = sides.iter();
+        let medians = medians.filter_map(|(x, side)| Some((*x, side.median_s?)));
+        let label = format!("{label}: median, quartiles");
+        series.push(Series::new(label, SeriesKind::Dots, medians.collect()).colour(colour));
         for (x, side) in &sides {
             if let (Some(low), Some(high)) = (side.quartile_low_s, side.quartile_high_s) {
-                series.push(Series {
-                    label: String::new(),
-                    points: vec![(*x, low), (*x, high)],
-                    kind: SeriesKind::Line,
-                    colour,
-                });
+                let ends = vec![(*x, low), (*x, high)];
+                series.push(Series::new("", SeriesKind::Line, ends).colour(colour));
             }
         }
     }
     // The axis of times begins at 0, and no condition stands on the frame.
-    series.push(Series {
-        label: String::new(),
-        points: vec![(0.5, 0.0), (found.conditions.len() as f64 + 0.5, 0.0)],
-        kind: SeriesKind::Level,
-        colour: 0,
-    });
-    let plot = LinePlot {
-        caption: Caption::new("Task times, real and simulated", subtitle),
-        x: AxisSpec::new("condition", Unit::One).whole(),
-        y_label: "time".to_owned(),
-        y_unit: Unit::Second,
-        scale: ScoreScale::Linear,
-        y_range: None,
+    let level = vec![(0.5, 0.0), (found.conditions.len() as f64 + 0.5, 0.0)];
+    series.push(Series::new("", SeriesKind::Level, level));
+    let plot = LinePlot::new(
+        Caption::new("Task times, real and simulated", subtitle),
+        AxisSpec::new("condition", Unit::One).whole(),
+        ("time", Unit::Second),
         series,
-    };
+    );
     draw_lines(&plot, path)
 }
 
@@ -108,11 +83,8 @@ pub fn draw_task_curves(found: &TaskComparison, path: impl AsRef<Path>) -> Resul
         points
     };
     let series = found.conditions.iter().enumerate().flat_map(|(colour, c)| {
-        let of = |side: &SideReport, world: &str, kind: SeriesKind| Series {
-            label: format!("{}, {world}", c.condition),
-            points: steps(side),
-            kind,
-            colour,
+        let of = |side: &SideReport, world: &str, kind: SeriesKind| {
+            Series::new(format!("{}, {world}", c.condition), kind, steps(side)).colour(colour)
         };
         [
             of(&c.real, "real", SeriesKind::Line),
@@ -120,16 +92,16 @@ pub fn draw_task_curves(found: &TaskComparison, path: impl AsRef<Path>) -> Resul
         ]
     });
     let plot = LinePlot {
-        caption: Caption::new(
-            "Share of trials that are not finished",
-            "Kaplan and Meier; simulated dashed",
-        ),
-        x: AxisSpec::new("time", Unit::Second),
-        y_label: "share not finished".to_owned(),
-        y_unit: Unit::One,
-        scale: ScoreScale::Linear,
         y_range: Some((0.0, 1.05)),
-        series: series.collect(),
+        ..LinePlot::new(
+            Caption::new(
+                "Share of trials that are not finished",
+                "Kaplan and Meier; simulated dashed",
+            ),
+            AxisSpec::new("time", Unit::Second),
+            ("share not finished", Unit::One),
+            series.collect(),
+        )
     };
     draw_lines(&plot, path)
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::plot::{Caption, ColumnChart, ColumnSeries, ScoreScale, draw_columns};
+use crate::plot::{Caption, ColumnChart, ColumnSeries, ScoreScale, both, draw_columns};
 use realgap_core::error::Result;
 use realgap_vision::{ExtractorReport, PictureSource, ViewRow, VisionReport};
 
@@ -86,10 +86,9 @@ pub fn draw_vision(report: &VisionReport, folder: impl AsRef<Path>) -> Result<Ve
         if chart.series.is_empty() {
             continue;
         }
-        let path = folder.as_ref().join(format!("{}.png", extractor.extractor));
-        draw_columns(&chart, &path)?;
-        draw_columns(&chart, path.with_extension("svg"))?;
-        drawn.push(path);
+        let stem = extractor.extractor.as_ref();
+        both(folder.as_ref(), stem, |path| draw_columns(&chart, path))?;
+        drawn.push(folder.as_ref().join(format!("{stem}.png")));
     }
     Ok(drawn)
 }

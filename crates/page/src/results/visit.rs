@@ -20,25 +20,19 @@ const BARS: usize = 24;
 /// A path that is no picture's, a full disk.
 pub fn draw_way(log: &ScanLog, path: impl AsRef<Path>) -> Result<()> {
     let points: Vec<(f64, f64)> = places(log).collect();
-    let series = |label: &str, kind, points, colour| Series {
-        label: label.to_owned(),
-        points,
-        kind,
-        colour,
-    };
     let first = points.first().copied().into_iter().collect();
     let plot = LinePlot {
-        caption: Caption::new("Where scans were taken", counted(points.len(), "scan")),
-        x: AxisSpec::new("x", Unit::Metre),
-        y_label: "y".to_owned(),
-        y_unit: Unit::Metre,
         scale: ScoreScale::LikeX,
-        y_range: None,
-        series: vec![
-            series("way", SeriesKind::Thin, points.clone(), 0),
-            series("scan", SeriesKind::Dots, points, 0),
-            series("start", SeriesKind::Dots, first, 1),
-        ],
+        ..LinePlot::new(
+            Caption::new("Where scans were taken", counted(points.len(), "scan")),
+            AxisSpec::new("x", Unit::Metre),
+            ("y", Unit::Metre),
+            vec![
+                Series::new("way", SeriesKind::Thin, points.clone()),
+                Series::new("scan", SeriesKind::Dots, points),
+                Series::new("start", SeriesKind::Dots, first).colour(1),
+            ],
+        )
     };
     draw_lines(&plot, path)
 }
@@ -59,12 +53,7 @@ pub fn draw_visits(log: &ScanLog, path: impl AsRef<Path>) -> Result<()> {
             x: Some(axis),
             y_label: "scans".to_owned(),
             y_unit: Unit::One,
-            series: vec![Series {
-                label: String::new(),
-                points,
-                kind: SeriesKind::Band(feet),
-                colour: 0,
-            }],
+            series: vec![Series::new("", SeriesKind::Band(feet), points)],
         }
     };
     let stack = Stack {

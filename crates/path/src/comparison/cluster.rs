@@ -2,6 +2,7 @@
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use realgap_core::error::Result;
+use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// Distance of the clouds' spreads, metres: ‖C_a^½ − C_b^½‖_F, C the 2×2 population covariance of the prepared
@@ -10,21 +11,14 @@ use realgap_core::unit::Unit;
 pub struct PcaCluster;
 
 impl Metric for PcaCluster {
-    fn name(&self) -> &'static str {
-        "pca-cluster"
+    stated! {
+        name: &'static str = "pca-cluster";
+        column: &'static str = "pca_cluster_m";
+        unit: Unit = Unit::Metre;
+        doc: &'static str = "difference of the principal spreads of the two point clouds";
+        needs: Needs = Needs::POINTS;
     }
-    fn column(&self) -> &'static str {
-        "pca_cluster_m"
-    }
-    fn unit(&self) -> Unit {
-        Unit::Metre
-    }
-    fn doc(&self) -> &'static str {
-        "difference of the principal spreads of the two point clouds"
-    }
-    fn needs(&self) -> Needs {
-        Needs::POINTS
-    }
+
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let a = root_covariance(pair.real_prepared.xy_m());
         let b = root_covariance(pair.simulated_prepared.xy_m());

@@ -7,6 +7,7 @@ use nalgebra::{Matrix3, Matrix4, Quaternion, SymmetricEigen, UnitQuaternion, Vec
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::Prepared;
 use realgap_core::error::Result;
+use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// Absolute pose error (RMSE) of the prepared trajectories, metres. In the plane it equals `rms`.
@@ -14,21 +15,14 @@ use realgap_core::unit::Unit;
 pub struct Ape;
 
 impl Metric for Ape {
-    fn name(&self) -> &'static str {
-        "ape"
+    stated! {
+        name: &'static str = "ape";
+        column: &'static str = "ape_rmse_m";
+        unit: Unit = Unit::Metre;
+        doc: &'static str = "evo's absolute pose error, translation part, RMSE (with height, where both have it)";
+        needs: Needs = Needs::POINTS;
     }
-    fn column(&self) -> &'static str {
-        "ape_rmse_m"
-    }
-    fn unit(&self) -> Unit {
-        Unit::Metre
-    }
-    fn doc(&self) -> &'static str {
-        "evo's absolute pose error, translation part, RMSE (with height, where both have it)"
-    }
-    fn needs(&self) -> Needs {
-        Needs::POINTS
-    }
+
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let (a, b) = positions_m(pair);
         Ok(root_mean_square(
@@ -46,21 +40,14 @@ impl Metric for Ape {
 pub struct UmeyamaApe;
 
 impl Metric for UmeyamaApe {
-    fn name(&self) -> &'static str {
-        "umeyama-ape"
+    stated! {
+        name: &'static str = "umeyama-ape";
+        column: &'static str = "umeyama_ape_rmse_m";
+        unit: Unit = Unit::Metre;
+        doc: &'static str = "evo's absolute pose error, translation part, RMSE after Umeyama SE(3) alignment";
+        needs: Needs = Needs::POINTS;
     }
-    fn column(&self) -> &'static str {
-        "umeyama_ape_rmse_m"
-    }
-    fn unit(&self) -> Unit {
-        Unit::Metre
-    }
-    fn doc(&self) -> &'static str {
-        "evo's absolute pose error, translation part, RMSE after Umeyama SE(3) alignment"
-    }
-    fn needs(&self) -> Needs {
-        Needs::POINTS
-    }
+
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let (a, b) = positions_m(pair);
         let n = a.len() as f64;
@@ -96,21 +83,14 @@ fn best_turn(s: &Matrix3<f64>) -> UnitQuaternion<f64> {
 pub struct Rpe;
 
 impl Metric for Rpe {
-    fn name(&self) -> &'static str {
-        "rpe"
+    stated! {
+        name: &'static str = "rpe";
+        column: &'static str = "rpe_rmse_m";
+        unit: Unit = Unit::Metre;
+        doc: &'static str = "evo's relative pose error, translation part, RMSE, delta 1 frame";
+        needs: Needs = Needs::POINTS;
     }
-    fn column(&self) -> &'static str {
-        "rpe_rmse_m"
-    }
-    fn unit(&self) -> Unit {
-        Unit::Metre
-    }
-    fn doc(&self) -> &'static str {
-        "evo's relative pose error, translation part, RMSE, delta 1 frame"
-    }
-    fn needs(&self) -> Needs {
-        Needs::POINTS
-    }
+
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let (a, b) = positions_m(pair);
         let steps_a = a

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::{Interpolator, JointTrack, Trajectory};
 use realgap_core::error::{Error, Result};
+use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// Mean absolute error of the angles of the joints that both trajectories have, over every recorded sample, radians.
@@ -15,27 +16,18 @@ use realgap_core::unit::Unit;
 pub struct Joints;
 
 impl Metric for Joints {
-    fn name(&self) -> &'static str {
-        "joints"
-    }
-    fn column(&self) -> &'static str {
-        "joints_rad"
-    }
-    fn unit(&self) -> Unit {
-        Unit::Radian
-    }
-    fn doc(&self) -> &'static str {
-        "mean absolute error of the joints' angles, by name, over every recorded sample"
-    }
-    fn needs(&self) -> Needs {
-        Needs {
+    stated! {
+        name: &'static str = "joints";
+        column: &'static str = "joints_rad";
+        unit: Unit = Unit::Radian;
+        doc: &'static str = "mean absolute error of the joints' angles, by name, over every recorded sample";
+        needs: Needs = Needs {
             joints: true,
             ..Needs::default()
-        }
+        };
+        is_symmetric: bool = false;
     }
-    fn is_symmetric(&self) -> bool {
-        false
-    }
+
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let (mean_rad, samples) = joint_error_rad(pair.real, pair.simulated)?;
         Ok(Measurement::new(mean_rad, samples))

@@ -3,6 +3,7 @@
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::POINTS;
 use realgap_core::error::{Error, Result};
+use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// ‖c_real − c_sim‖₂ / √N, metres, with the coefficients of [`Context::basis`] (paper 003, section 2.2, step 4).
@@ -10,24 +11,17 @@ use realgap_core::unit::Unit;
 pub struct Pca;
 
 impl Metric for Pca {
-    fn name(&self) -> &'static str {
-        "pca"
-    }
-    fn column(&self) -> &'static str {
-        "pca_coefficients_m"
-    }
-    fn unit(&self) -> Unit {
-        Unit::Metre
-    }
-    fn doc(&self) -> &'static str {
-        "distance of the principal component coefficients of all trajectories compared"
-    }
-    fn needs(&self) -> Needs {
-        Needs {
+    stated! {
+        name: &'static str = "pca";
+        column: &'static str = "pca_coefficients_m";
+        unit: Unit = Unit::Metre;
+        doc: &'static str = "distance of the principal component coefficients of all trajectories compared";
+        needs: Needs = Needs {
             basis: true,
             ..Needs::POINTS
-        }
+        };
     }
+
     fn measure(&self, pair: &Pair<'_>, context: &Context<'_>) -> Result<Measurement> {
         let Some(basis) = context.basis else {
             return Err(Error::invalid("the metric `pca` needs a basis"));

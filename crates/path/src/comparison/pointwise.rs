@@ -2,6 +2,7 @@
 
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use realgap_core::error::Result;
+use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// Difference of the net displacements, metres: the error of the distance travelled (paper 003's fitness).
@@ -9,21 +10,14 @@ use realgap_core::unit::Unit;
 pub struct Displacement;
 
 impl Metric for Displacement {
-    fn name(&self) -> &'static str {
-        "displacement"
+    stated! {
+        name: &'static str = "displacement";
+        column: &'static str = "displacement_error_m";
+        unit: Unit = Unit::Metre;
+        doc: &'static str = "absolute difference of the net displacements";
+        needs: Needs = Needs::POINTS;
     }
-    fn column(&self) -> &'static str {
-        "displacement_error_m"
-    }
-    fn unit(&self) -> Unit {
-        Unit::Metre
-    }
-    fn doc(&self) -> &'static str {
-        "absolute difference of the net displacements"
-    }
-    fn needs(&self) -> Needs {
-        Needs::POINTS
-    }
+
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let real_m = pair.real_prepared.net_displacement_m();
         let simulated_m = pair.simulated_prepared.net_displacement_m();
@@ -36,21 +30,14 @@ impl Metric for Displacement {
 pub struct Rms;
 
 impl Metric for Rms {
-    fn name(&self) -> &'static str {
-        "rms"
+    stated! {
+        name: &'static str = "rms";
+        column: &'static str = "rms_m";
+        unit: Unit = Unit::Metre;
+        doc: &'static str = "root mean square distance of corresponding points";
+        needs: Needs = Needs::POINTS;
     }
-    fn column(&self) -> &'static str {
-        "rms_m"
-    }
-    fn unit(&self) -> Unit {
-        Unit::Metre
-    }
-    fn doc(&self) -> &'static str {
-        "root mean square distance of corresponding points"
-    }
-    fn needs(&self) -> Needs {
-        Needs::POINTS
-    }
+
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let a = pair.real_prepared.xy_m();
         let b = pair.simulated_prepared.xy_m();

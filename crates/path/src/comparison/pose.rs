@@ -6,6 +6,7 @@ use super::joint;
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::{Interpolator, Trajectory};
 use realgap_core::error::{Error, Result};
+use realgap_core::stated;
 use realgap_core::unit::Unit;
 use realgap_core::warning::{Code, Warning};
 
@@ -14,24 +15,17 @@ use realgap_core::warning::{Code, Warning};
 pub struct Rotation;
 
 impl Metric for Rotation {
-    fn name(&self) -> &'static str {
-        "rotation"
-    }
-    fn column(&self) -> &'static str {
-        "rotation_deg"
-    }
-    fn unit(&self) -> Unit {
-        Unit::Degree
-    }
-    fn doc(&self) -> &'static str {
-        "mean angle between the orientations, after aligning start and heading"
-    }
-    fn needs(&self) -> Needs {
-        Needs {
+    stated! {
+        name: &'static str = "rotation";
+        column: &'static str = "rotation_deg";
+        unit: Unit = Unit::Degree;
+        doc: &'static str = "mean angle between the orientations, after aligning start and heading";
+        needs: Needs = Needs {
             orientation: true,
             ..Needs::POINTS
-        }
+        };
     }
+
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let (a, b) = (pair.real_prepared, pair.simulated_prepared);
         let (Some(a), Some(b)) = (a.orientations(), b.orientations()) else {
@@ -55,34 +49,23 @@ impl Metric for Rotation {
 pub struct Pose;
 
 impl Metric for Pose {
-    fn name(&self) -> &'static str {
-        "pose"
-    }
-    fn column(&self) -> &'static str {
-        "pose"
-    }
-    fn unit(&self) -> Unit {
-        Unit::One
-    }
-    fn doc(&self) -> &'static str {
-        "mean position error / body length + mean errors of rotation and of joints (where both have them) in radians, over every recorded sample"
-    }
-    fn needs(&self) -> Needs {
-        Needs {
+    stated! {
+        name: &'static str = "pose";
+        column: &'static str = "pose";
+        unit: Unit = Unit::One;
+        doc: &'static str = "mean position error / body length + mean errors of rotation and of joints (where both have them) in radians, over every recorded sample";
+        needs: Needs = Needs {
             preparation: false,
             basis: false,
             spread: false,
             orientation: true,
             body_length: true,
             joints: false,
-        }
+        };
+        is_symmetric: bool = false;
+        is_pose: bool = true;
     }
-    fn is_symmetric(&self) -> bool {
-        false
-    }
-    fn is_pose(&self) -> bool {
-        true
-    }
+
     fn measure(&self, pair: &Pair<'_>, context: &Context<'_>) -> Result<Measurement> {
         let body_length_m = context.body_length_m.unwrap_or(f64::NAN);
         let errors = pose_errors(pair.real, pair.simulated, body_length_m)?;

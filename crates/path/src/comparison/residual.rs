@@ -3,6 +3,7 @@
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::{POINTS, Prepared};
 use realgap_core::error::Result;
+use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// Root mean square distance, metres, of what remains of each path when the straight, uniform walk from its first to its last
@@ -12,21 +13,14 @@ use realgap_core::unit::Unit;
 pub struct Shape;
 
 impl Metric for Shape {
-    fn name(&self) -> &'static str {
-        "shape"
+    stated! {
+        name: &'static str = "shape";
+        column: &'static str = "shape_m";
+        unit: Unit = Unit::Metre;
+        doc: &'static str = "distance of what remains of each path without its straight walk from start to end";
+        needs: Needs = Needs::POINTS;
     }
-    fn column(&self) -> &'static str {
-        "shape_m"
-    }
-    fn unit(&self) -> Unit {
-        Unit::Metre
-    }
-    fn doc(&self) -> &'static str {
-        "distance of what remains of each path without its straight walk from start to end"
-    }
-    fn needs(&self) -> Needs {
-        Needs::POINTS
-    }
+
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let (a, b) = (
             remainder(pair.real_prepared),

@@ -3,6 +3,7 @@
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use super::pointwise::squared;
 use realgap_core::error::Result;
+use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// Symmetric Hausdorff distance of the prepared points, metres: the farthest that any point of one path is from
@@ -11,21 +12,14 @@ use realgap_core::unit::Unit;
 pub struct Hausdorff;
 
 impl Metric for Hausdorff {
-    fn name(&self) -> &'static str {
-        "hausdorff"
+    stated! {
+        name: &'static str = "hausdorff";
+        column: &'static str = "hausdorff_m";
+        unit: Unit = Unit::Metre;
+        doc: &'static str = "farthest that any point of one path is from the other path";
+        needs: Needs = Needs::POINTS;
     }
-    fn column(&self) -> &'static str {
-        "hausdorff_m"
-    }
-    fn unit(&self) -> Unit {
-        Unit::Metre
-    }
-    fn doc(&self) -> &'static str {
-        "farthest that any point of one path is from the other path"
-    }
-    fn needs(&self) -> Needs {
-        Needs::POINTS
-    }
+
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let (a, b) = points(pair);
         // One pass fills both directions: the row minimum for a, the column minima for b.
@@ -51,21 +45,14 @@ impl Metric for Hausdorff {
 pub struct Frechet;
 
 impl Metric for Frechet {
-    fn name(&self) -> &'static str {
-        "frechet"
+    stated! {
+        name: &'static str = "frechet";
+        column: &'static str = "discrete_frechet_m";
+        unit: Unit = Unit::Metre;
+        doc: &'static str = "shortest leash with which both paths can be walked without going back (discrete)";
+        needs: Needs = Needs::POINTS;
     }
-    fn column(&self) -> &'static str {
-        "discrete_frechet_m"
-    }
-    fn unit(&self) -> Unit {
-        Unit::Metre
-    }
-    fn doc(&self) -> &'static str {
-        "shortest leash with which both paths can be walked without going back (discrete)"
-    }
-    fn needs(&self) -> Needs {
-        Needs::POINTS
-    }
+
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let (a, b) = points(pair);
         let squared_m2 = warp(
@@ -84,21 +71,14 @@ impl Metric for Frechet {
 pub struct Dtw;
 
 impl Metric for Dtw {
-    fn name(&self) -> &'static str {
-        "dtw"
+    stated! {
+        name: &'static str = "dtw";
+        column: &'static str = "dtw_sum_m";
+        unit: Unit = Unit::Metre;
+        doc: &'static str = "dynamic time warping: sum of distances along the best matching";
+        needs: Needs = Needs::POINTS;
     }
-    fn column(&self) -> &'static str {
-        "dtw_sum_m"
-    }
-    fn unit(&self) -> Unit {
-        Unit::Metre
-    }
-    fn doc(&self) -> &'static str {
-        "dynamic time warping: sum of distances along the best matching"
-    }
-    fn needs(&self) -> Needs {
-        Needs::POINTS
-    }
+
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let (a, b) = points(pair);
         let sum_m = warp(

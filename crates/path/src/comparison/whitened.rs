@@ -3,6 +3,7 @@
 use super::metric::{Context, Measurement, Metric, Needs, Pair};
 use crate::trajectory::POINTS;
 use realgap_core::error::{Error, Result};
+use realgap_core::stated;
 use realgap_core::unit::Unit;
 
 /// Mahalanobis distance in the covariance of the recordings, 1 for two recordings ([`Spread`](super::Spread)): a centimetre
@@ -11,24 +12,17 @@ use realgap_core::unit::Unit;
 pub struct PcaWhitened;
 
 impl Metric for PcaWhitened {
-    fn name(&self) -> &'static str {
-        "pca-whitened"
-    }
-    fn column(&self) -> &'static str {
-        "pca_whitened_1"
-    }
-    fn unit(&self) -> Unit {
-        Unit::One
-    }
-    fn doc(&self) -> &'static str {
-        "distance in units of how far two recordings are apart, direction by direction"
-    }
-    fn needs(&self) -> Needs {
-        Needs {
+    stated! {
+        name: &'static str = "pca-whitened";
+        column: &'static str = "pca_whitened_1";
+        unit: Unit = Unit::One;
+        doc: &'static str = "distance in units of how far two recordings are apart, direction by direction";
+        needs: Needs = Needs {
             spread: true,
             ..Needs::POINTS
-        }
+        };
     }
+
     fn measure(&self, pair: &Pair<'_>, context: &Context<'_>) -> Result<Measurement> {
         let Some(spread) = context.spread else {
             return Err(Error::invalid(

@@ -5,6 +5,7 @@ use super::csv::Csv;
 use super::format::{Format, Parsed, Rendered};
 use super::reading::{QuaternionOrder, Reading};
 use realgap_core::error::{Error, Result};
+use realgap_core::stated;
 
 /// Tables that pandas, Polars, DuckDB and loggers write (<https://parquet.apache.org>).
 ///
@@ -26,16 +27,10 @@ fn table(_bytes: Vec<u8>) -> Result<String> {
 }
 
 impl Format for Parquet {
-    fn name(&self) -> &'static str {
-        "parquet"
-    }
-
-    fn doc(&self) -> &'static str {
-        "Parquet: columns by name, as in a CSV file (feature `parquet`)"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["parquet"]
+    stated! {
+        name: &'static str = "parquet";
+        doc: &'static str = "Parquet: columns by name, as in a CSV file (feature `parquet`)";
+        extensions: &'static [&'static str] = &["parquet"];
     }
 
     fn decode(&self, bytes: Vec<u8>, _reading: &Reading) -> Result<String> {

@@ -12,6 +12,7 @@ use super::sample::{Layout, Samples};
 use super::several::{explain, several};
 use super::text::{Cell, Separator, cut, excerpt, push_number};
 use realgap_core::error::{Error, Result};
+use realgap_core::stated;
 use realgap_core::warning::Warning;
 
 const QUATERNION: [&str; 4] = ["qw", "qx", "qy", "qz"];
@@ -29,16 +30,10 @@ const ANGULAR: [&str; 3] = ["wx_rad_s", "wy_rad_s", "wz_rad_s"];
 pub struct Csv;
 
 impl Format for Csv {
-    fn name(&self) -> &'static str {
-        "csv"
-    }
-
-    fn doc(&self) -> &'static str {
-        "comma-separated values with a header that names columns and units"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["csv"]
+    stated! {
+        name: &'static str = "csv";
+        doc: &'static str = "comma-separated values with a header that names columns and units";
+        extensions: &'static [&'static str] = &["csv"];
     }
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {

@@ -9,6 +9,7 @@ use super::format::{Format, Parsed, Rendered, beyond_poses, not_written};
 use super::reading::{QuaternionOrder, Reading};
 use super::text::{first_line, push_number};
 use realgap_core::error::Result;
+use realgap_core::stated;
 
 /// The CSV files of the EuRoC micro aerial vehicle data, of ASL's other data sets and of programs that are compared on them.
 ///
@@ -62,16 +63,10 @@ impl Euroc {
 }
 
 impl Format for Euroc {
-    fn name(&self) -> &'static str {
-        "euroc"
-    }
-
-    fn doc(&self) -> &'static str {
-        "EuRoC ground truth: CSV with #timestamp [ns], p_RS_R_x [m], ..., quaternions real part first"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["euroc", "csv"]
+    stated! {
+        name: &'static str = "euroc";
+        doc: &'static str = "EuRoC ground truth: CSV with #timestamp [ns], p_RS_R_x [m], ..., quaternions real part first";
+        extensions: &'static [&'static str] = &["euroc", "csv"];
     }
 
     fn recognises(&self, bytes: &[u8]) -> bool {

@@ -8,6 +8,7 @@ use super::format::{Format, Parsed, Rendered, beyond_poses, not_written};
 use super::reading::Reading;
 use super::text::{Cell, Separator, check_rows, cut, first_line, push_number};
 use realgap_core::error::{Advice, Error, Result};
+use realgap_core::stated;
 use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
 
@@ -75,16 +76,10 @@ fn pose(cells: &[Cell<'_>], line: usize) -> Result<Pose> {
 }
 
 impl Format for Kitti {
-    fn name(&self) -> &'static str {
-        "kitti"
-    }
-
-    fn doc(&self) -> &'static str {
-        "KITTI poses: the 12 numbers of a 3x4 matrix a line, no times"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["kitti", "txt"]
+    stated! {
+        name: &'static str = "kitti";
+        doc: &'static str = "KITTI poses: the 12 numbers of a 3x4 matrix a line, no times";
+        extensions: &'static [&'static str] = &["kitti", "txt"];
     }
 
     fn recognises(&self, bytes: &[u8]) -> bool {

@@ -9,6 +9,7 @@ use super::reading::{QuaternionOrder, Reading};
 use super::sample::{Layout, Samples};
 use super::text::{Separator, cut, push_number};
 use realgap_core::error::Result;
+use realgap_core::stated;
 
 /// The text format of the TUM RGB-D benchmark, which evo and many SLAM programs read.
 ///
@@ -19,16 +20,10 @@ use realgap_core::error::Result;
 pub struct Tum;
 
 impl Format for Tum {
-    fn name(&self) -> &'static str {
-        "tum"
-    }
-
-    fn doc(&self) -> &'static str {
-        "TUM text: timestamp tx ty tz qx qy qz qw, separated by spaces, # comments"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["tum", "txt"]
+    stated! {
+        name: &'static str = "tum";
+        doc: &'static str = "TUM text: timestamp tx ty tz qx qy qz qw, separated by spaces, # comments";
+        extensions: &'static [&'static str] = &["tum", "txt"];
     }
 
     fn order(&self, _text: &str, reading: &Reading) -> QuaternionOrder {

@@ -1,11 +1,12 @@
 //! From modules and glue to rigid parts and hinges.
 
-use nalgebra::{Isometry3, Unit, Vector3};
+use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
 
 use super::Morphology;
-use super::assembly::{Assembly, Bearing, Hinge, Part, Role, Solid};
+use super::assembly::{Assembly, Bearing, Freedom, Hinge, Part, Role, Solid};
 use super::layout::{Placement, plate_box};
 use super::module::{Drive, DriveAxis, Module};
+use super::shape::Shape;
 use super::tree::{Edge, is_glued};
 
 /// Parts in the making: where the cube and the driven face of every module went.
@@ -32,8 +33,12 @@ pub(super) fn assemble(morphology: &Morphology) -> Assembly {
         module_names: modules.iter().map(|module| module.name.clone()).collect(),
         parts: workshop.parts,
         hinges: workshop.hinges,
+        is_modular: true,
         apart: morphology.never_touch.clone(),
-        mount_world_m: morphology.mount_world_m,
+        world_from_mount: morphology
+            .mount_world_m
+            .map(|mount_m| Isometry3::from_parts(mount_m.into(), UnitQuaternion::identity())),
+        marks: Vec::new(),
         track_part: workshop.cube_part[track],
         robot_from_track: morphology.placements[track].pose_of(Vector3::zeros()),
         body_length_m: modules[track].sides_m.max(),
@@ -101,6 +106,7 @@ impl Workshop<'_> {
             child_part,
             anchor_robot_m: placement.point(normal * half_side_m),
             axis_robot: Unit::new_unchecked(placement.robot_from_module.apply(axis_module * sign)),
+            freedom: Freedom::Turn,
             actuator: Some(drive.actuator),
             bearing: Bearing::default(),
             is_stated: false,
@@ -126,6 +132,7 @@ impl Workshop<'_> {
                     .robot_from_module
                     .apply(pivot.axis_parent.into_inner()),
             ),
+            freedom: Freedom::Turn,
             actuator: pivot.actuator,
             bearing: pivot.bearing,
             is_stated: true,
@@ -151,7 +158,7 @@ fn boxes(index: usize, module: &Module, placement: &Placement) -> impl Iterator<
             module: index,
             role: Role::Cube,
             number,
-            half_extents_m: part.sides_m / 2.0,
+            shape: Shape::cuboid(part.sides_m / 2.0),
             robot_from_solid: placement.pose_of(part.centre_m),
             mass_kg,
             centre_of_mass_solid_m: centre_m - part.centre_m,
@@ -175,7 +182,7 @@ fn plate_solid(
         module,
         role: Role::Plate,
         number: 0,
-        half_extents_m,
+        shape: Shape::cuboid(half_extents_m),
         robot_from_solid,
         mass_kg,
         centre_of_mass_solid_m: Vector3::zeros(),

@@ -1,32 +1,34 @@
-//! What a morphology becomes when its glue has set: rigid parts joined by hinges.
+//! What is simulated: rigid parts of any shape, joined by hinges and slides.
 //!
-//! Everything is given in the robot frame: the frame of the root module at zero servo angles,
-//! origin at the root module's centre, x, y, z along its faces.
+//! Everything is given in the robot frame at zero joint coordinates: of cubes the frame of the root module (origin at its centre,
+//! x, y, z along its faces), of bodies the frame of the root body.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 
 use super::motor::Motor;
+use super::shape::Shape;
 
 /// What a solid stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// A box of a module: mostly its one cube.
+    /// What a module or body itself consists of: mostly its one cube.
     Cube,
     /// The face plate of an active module: it moves with the driven face.
     Plate,
 }
 
-/// One box of uniform density (unless the module says otherwise), part of a rigid cluster.
+/// One shape of uniform density (unless its module or body says otherwise), part of a rigid cluster. A body with a stated mass
+/// has a solid without a surface that carries it, and shapes that weigh nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solid {
-    /// Index of the module it belongs to.
+    /// Index of the module or body it belongs to.
     pub module: usize,
     /// Cube or plate.
     pub role: Role,
-    /// Which box of its module, from 0.
+    /// Which shape of its module or body, from 0.
     pub number: usize,
-    /// Half extents along the solid's own axes, metres.
-    pub half_extents_m: Vector3<f64>,
+    /// Its surface, in its own frame.
+    pub shape: Shape,
     /// Pose in the robot frame at zero servo angles, metres.
     pub robot_from_solid: Isometry3<f64>,
     /// Mass, kg.
@@ -35,14 +37,26 @@ pub struct Solid {
     pub centre_of_mass_solid_m: Vector3<f64>,
     /// Inertia about the solid's own centre of mass, along its own axes, kg m².
     pub inertia_kg_m2: Matrix3<f64>,
-    /// False where the box has mass but must not touch anything (a plate with a module glued on it).
+    /// False where it has mass but must not touch anything (a plate with a module glued on it).
     pub collides: bool,
+}
+
+impl Solid {
+    /// Half extents of the box around it, along its own axes, metres.
+    pub fn half_extents_m(&self) -> Vector3<f64> {
+        self.shape.half_extents_m()
+    }
+
+    /// Whether anything can touch it.
+    pub fn has_surface(&self) -> bool {
+        self.collides && self.shape != Shape::Nothing
+    }
 }
 
 /// A rigid cluster of solids: one body of the simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// The boxes glued together, at least one.
+    /// What is glued together, at least one. The part's own frame is at the first one's origin, along the robot's axes.
     pub solids: Vec<Solid>,
 }
 
@@ -70,7 +84,11 @@ impl Part {
             .iter()
             .map(|solid| centre_of(solid) * solid.mass_kg)
             .sum();
-        let centre_m = moment / mass_kg;
+        // A link between two joints of one body weighs nothing.
+        let centre_m = match self.solids.first() {
+            Some(first) if mass_kg == 0.0 => centre_of(first),
+            _ => moment / mass_kg,
+        };
         let mut inertia_kg_m2 = Matrix3::zeros();
         for solid in &self.solids {
             let turn = pose(solid).rotation.to_rotation_matrix();
@@ -161,7 +179,7 @@ pub struct Actuator {
     pub gait: Gait,
 }
 
-/// What a hinge does by itself, with or without a servo.
+/// What a hinge does by itself, with or without a servo. Of a slide read metres for radians and newtons for newton metres.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bearing {
     /// Torque against the motion per speed, N m s/rad.
@@ -170,6 +188,29 @@ pub struct Bearing {
     pub dry_nm: f64,
     /// Smallest and largest angle, radians; `None` where the hinge turns all round.
     pub limits_rad: Option<(f64, f64)>,
+    /// Inertia that only this joint's motion feels, e.g. of a geared rotor, kg m². That of a [`Motor`] comes on top.
+    pub armature_kg_m2: f64,
+    /// A spring beside whatever drives the joint.
+    pub spring: Option<Spring>,
+}
+
+/// A spring at a joint: torque `stiffness · (rest − angle)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spring {
+    /// Torque per angle, N m/rad.
+    pub stiffness_nm_rad: f64,
+    /// Where it is slack, radians.
+    pub rest_rad: f64,
+}
+
+/// What a joint lets its child do. What is fixed is one part and needs no joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Freedom {
+    /// Turn about the axis, with or without limits.
+    #[default]
+    Turn,
+    /// Slide along the axis. Every angle of such a joint is a distance in metres, every torque a force in newtons.
+    Slide,
 }
 
 impl Bearing {
@@ -179,7 +220,7 @@ impl Bearing {
     }
 }
 
-/// A joint between two parts; the child turns by +angle about the axis relative to the parent (right-handed).
+/// A joint between two parts; the child turns by +angle about the axis relative to the parent (right-handed), or slides along it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hinge {
     /// Name: that of the active module, or the hinge's own.
@@ -195,6 +236,8 @@ pub struct Hinge {
     pub anchor_robot_m: Vector3<f64>,
     /// The axis, robot frame at zero angles.
     pub axis_robot: Unit<Vector3<f64>>,
+    /// Whether it turns or slides.
+    pub freedom: Freedom,
     /// What moves it; `None` for a passive hinge.
     pub actuator: Option<Actuator>,
     /// Friction and limits.
@@ -203,20 +246,35 @@ pub struct Hinge {
     pub is_stated: bool,
 }
 
+/// A frame that is fixed to a part, by name: what is tracked, or carries a sensor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// Its name.
+    pub name: String,
+    /// The part that carries it.
+    pub part: usize,
+    /// Its pose in the robot frame at zero angles.
+    pub robot_from_mark: Isometry3<f64>,
+}
+
 /// Rigid parts and hinges of one robot. Part 0 contains the root module; hinges form a tree in which
 /// every parent part comes before its children.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assembly {
-    /// Names of the modules, by module index.
+    /// Names of the modules or bodies, by index.
     pub module_names: Vec<String>,
     /// Rigid clusters.
     pub parts: Vec<Part>,
     /// Joints, exactly one per part other than part 0.
     pub hinges: Vec<Hinge>,
-    /// Pairs of modules that never touch each other.
+    /// Whether it is built of modules; else of bodies that its file states.
+    pub is_modular: bool,
+    /// Pairs of modules or bodies that never touch each other.
     pub apart: Vec<(usize, usize)>,
-    /// Where the root module is held, world frame, metres, upright; `None` for a robot that moves freely.
-    pub mount_world_m: Option<Vector3<f64>>,
+    /// Where the robot frame is held in the world; `None` for a robot that moves freely.
+    pub world_from_mount: Option<Isometry3<f64>>,
+    /// Named frames.
+    pub marks: Vec<Mark>,
     /// The part whose motion is recorded.
     pub track_part: usize,
     /// Robot-frame pose of the tracked module at zero angles: its centre is the tracked point, its axes the body frame.
@@ -232,8 +290,10 @@ impl Assembly {
             module_names: Vec::new(),
             parts: Vec::new(),
             hinges: Vec::new(),
+            is_modular: true,
             apart: Vec::new(),
-            mount_world_m: None,
+            world_from_mount: None,
+            marks: Vec::new(),
             track_part: 0,
             robot_from_track: Isometry3::identity(),
             body_length_m: 1.0,

@@ -279,6 +279,7 @@ impl MorphologyFile {
                     viscous_nm_s_rad: hinge.viscous_nm_s_rad,
                     dry_nm: hinge.dry_nm,
                     limits_rad: hinge.limits_rad,
+                    ..Bearing::default()
                 },
                 actuator: match (hinge.servo, hinge.gait) {
                     (None, None) => None,

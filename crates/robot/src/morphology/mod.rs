@@ -120,6 +120,7 @@ mod motor;
 mod pivot;
 mod plausibility;
 mod servo_file;
+mod shape;
 mod summary;
 mod sweep;
 mod tree;
@@ -130,13 +131,15 @@ use std::path::Path;
 use nalgebra::Vector3;
 
 pub use assembly::{
-    Actuator, Assembly, Bearing, ClusterMass, Gait, Hinge, Part, Role, Servo, ServoLaw, Solid,
+    Actuator, Assembly, Bearing, ClusterMass, Freedom, Gait, Hinge, Mark, Part, Role, Servo,
+    ServoLaw, Solid, Spring,
 };
 pub use face::Face;
 pub use glue::Glue;
 pub use module::{Drive, DriveAxis, Module, ModuleBox, Plate};
 pub use motor::{GearFriction, MOST_LOAD, Motor};
 pub use pivot::Pivot;
+pub use shape::Shape;
 pub use summary::Summary;
 
 pub use file::MorphologyFile;

@@ -54,6 +54,7 @@ impl Pivot {
             viscous_nm_s_rad,
             dry_nm,
             limits_rad,
+            ..
         } = self.bearing;
         Range::within(0.0, 1e4, "N m s/rad")
             .check(viscous_nm_s_rad, &format!("{at}.viscous_nm_s_rad"))?;

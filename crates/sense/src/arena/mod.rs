@@ -11,14 +11,14 @@
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 
+mod arena_file;
 mod cast;
-mod file;
 
 use realgap_core::error::{Error, Result};
 
-pub use cast::{Crossing, Hit};
 #[cfg(feature = "schema")]
-pub use file::ArenaFile;
+pub use arena_file::ArenaFile;
+pub use cast::{Crossing, Hit};
 
 /// What ends the field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
@@ -59,11 +59,13 @@ pub struct Object {
 }
 
 /// A sender or receiver of radio waves that stays where it is.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
 pub struct Anchor {
     /// Its name, as in the columns of logs.
     pub name: String,
-    /// Where it is, metres; the third is its height above the floor.
+    /// Its place: x, y and height above the floor, metres.
     pub position_m: [f64; 3],
 }
 

@@ -1,5 +1,7 @@
 //! Many trials of a few readings at a distance: what is believed, for a simulated sensor and for a real log (paper 000, section 5.1).
 
+use std::fmt;
+
 use rand::RngExt;
 use serde::Serialize;
 
@@ -7,7 +9,10 @@ use super::Belief;
 use crate::range::{Beam, RangeModel, RangeSensor, ReadingLog};
 use realgap_core::error::{Error, Result};
 use realgap_core::random::{Numbered, Once};
+use realgap_core::range::Range;
 use realgap_core::statistics::{mean, quantile};
+use realgap_core::table::Side::{Left, Right};
+use realgap_core::table::TextTable;
 use realgap_core::warning::{Code, Warning};
 
 /// What is tried.
@@ -68,7 +73,7 @@ pub struct TrialSet {
 /// Simulated and real beliefs at one distance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Side {
+pub struct DistanceBelief {
     /// True distance at the end of a trial, in the model's unit.
     pub distance: f64,
     /// The cells, in the model's unit.
@@ -95,7 +100,7 @@ pub struct BeliefReport {
     /// Readings of a trial.
     pub readings: usize,
     /// Distance by distance.
-    pub distances: Vec<Side>,
+    pub distances: Vec<DistanceBelief>,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
 }
@@ -143,7 +148,7 @@ impl BeliefReport {
                     .map(|(a, b)| a.min(*b))
                     .sum()
             });
-            distances.push(Side {
+            distances.push(DistanceBelief {
                 distance,
                 cells: grid(model, options)
                     .distances_m()
@@ -162,7 +167,7 @@ impl BeliefReport {
             .map(|s| s.simulated.restarts + s.real.as_ref().map_or(0, |r| r.restarts))
             .sum();
         let cell = (model.range.1 - model.range.0) / (options.cells - 1) as f64;
-        let narrow = |side: &Side| side.simulated.belief_sd < NARROW * cell;
+        let narrow = |side: &DistanceBelief| side.simulated.belief_sd < NARROW * cell;
         if let Some(side) = distances.iter().find(|side| narrow(side)) {
             warnings.push(Warning::new(
                 Code::CoarseGrid,
@@ -189,51 +194,22 @@ impl BeliefReport {
 }
 
 fn check(model: &RangeModel, log: Option<&ReadingLog>, options: &BeliefOptions) -> Result<()> {
-    let wrong = |field: &str, found: String, allowed: &str| {
-        Err(Error::invalid("out of range")
-            .field(field)
-            .found(found)
-            .allowed(allowed))
-    };
-    if options.distances.is_empty() || options.distances.len() > 100 {
-        return wrong(
-            "distances",
-            options.distances.len().to_string(),
-            "1 to 100 distances",
-        );
+    let counts = Range::within(1.0, 100.0, "");
+    counts.check(options.distances.len() as f64, "distances")?;
+    let way = options.approach * (options.readings.max(1) - 1) as f64;
+    for distance in &options.distances {
+        let range = Range::above(way.max(0.0), 1e9, model.distance_unit.symbol());
+        range.check(*distance, "distances")?;
     }
-    let last = |start: f64| start - options.approach * (options.readings.max(1) - 1) as f64;
-    if let Some(d) = options
-        .distances
-        .iter()
-        .find(|d| !(d.is_finite() && **d > 0.0 && last(**d) > 0.0))
-    {
-        return wrong(
-            "distances",
-            d.to_string(),
-            "above 0, also after the approach",
-        );
-    }
-    for (field, found, most) in [
-        ("trials", options.trials, 1_000_000),
-        ("readings", options.readings, 100_000),
-        ("cells", options.cells, 100_000),
+    for (field, found, least, most) in [
+        ("trials", options.trials, 1.0, 1e6),
+        ("readings", options.readings, 1.0, 1e5),
+        ("cells", options.cells, 2.0, 1e5),
     ] {
-        if !(1..=most).contains(&found) || (field == "cells" && found < 2) {
-            return wrong(
-                field,
-                found.to_string(),
-                &format!("1 to {most}, 2 cells or more"),
-            );
-        }
+        Range::within(least, most, "").check(found as f64, field)?;
     }
-    if !(options.approach_sd >= 0.0 && options.approach.is_finite()) {
-        return wrong(
-            "approach",
-            options.approach.to_string(),
-            "finite, its deviation 0 or more",
-        );
-    }
+    Range::within(-1e9, 1e9, "").check(options.approach, "approach")?;
+    Range::within(0.0, 1e9, "").check(options.approach_sd, "approach_sd")?;
     let Some(log) = log else {
         return Ok(());
     };
@@ -376,4 +352,56 @@ fn kalman_sd(model: &RangeModel, distance: f64, options: &BeliefOptions) -> Opti
         variance *= 1.0 - variance / (variance + noise);
     }
     Some(variance.sqrt())
+}
+
+impl fmt::Display for BeliefReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "beliefs after {} readings, in {}",
+            self.readings, self.unit
+        )?;
+        let rows: Vec<(&DistanceBelief, &str, &TrialSet)> = self
+            .distances
+            .iter()
+            .flat_map(|d| {
+                let log = d.real.as_ref().map(|set| (d, "log", set));
+                std::iter::once((d, "model", &d.simulated)).chain(log)
+            })
+            .collect();
+        let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+        let only = |value: Option<f64>, is_wanted: bool, words: &dyn Fn(f64) -> String| {
+            value.filter(|_| is_wanted).map_or(String::new(), words)
+        };
+        let table = TextTable::of(
+            &rows,
+            &[
+                ("  distance", Right, &|(d, ..)| {
+                    let digits = format!("{:.4}", d.distance);
+                    digits
+                        .trim_end_matches('0')
+                        .trim_end_matches('.')
+                        .to_owned()
+                }),
+                ("readings of", Left, &|(_, whose, _)| whose.to_string()),
+                ("trials", Right, &|(.., set)| set.trials.to_string()),
+                ("sd of the belief", Right, &|(.., set)| {
+                    format!("{:.3}", set.belief_sd)
+                }),
+                ("mean - distance", Right, &|(.., set)| {
+                    format!("{:+.3}", set.bias)
+                }),
+                ("90 % interval holds it", Right, &|(.., set)| {
+                    percent(set.held)
+                }),
+                ("overlap", Right, &|(d, whose, _)| {
+                    only(d.overlap, *whose == "log", &percent)
+                }),
+                ("sd of a Kalman filter", Right, &|(d, whose, _)| {
+                    only(d.kalman_sd, *whose == "model", &|sd| format!("{sd:.3}"))
+                }),
+            ],
+        );
+        f.write_str(table.render(false).trim_end())
+    }
 }

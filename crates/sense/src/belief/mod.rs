@@ -1,11 +1,10 @@
 //! Discrete Bayes filter over the distance (paper 000, algorithm 1), in logarithms.
 
 mod experiment;
-mod words;
 
 use super::range::{Beam, RangeSensor};
 
-pub use experiment::{BeliefOptions, BeliefReport, Side, TrialSet};
+pub use experiment::{BeliefOptions, BeliefReport, DistanceBelief, TrialSet};
 
 /// Probabilities of distances on a grid.
 ///

@@ -1,5 +1,7 @@
 //! A sensorgraph against a log that it has not seen (paper 001, sections 3.2.1 and 3.2.2).
 
+use std::fmt;
+
 use rand::RngExt;
 use serde::Serialize;
 
@@ -12,6 +14,9 @@ use realgap_core::statistics::{
     autocorrelation_time, independent_pairs, mann_whitney, mean, spearman, spearman_worth,
     standard_deviation,
 };
+use realgap_core::table::Side::{Left, Right};
+use realgap_core::table::TextTable;
+use realgap_core::unit::number;
 use realgap_core::warning::{Code, Warning};
 
 /// One segment of the scan.
@@ -347,4 +352,69 @@ fn samples(model: &Sensorgraph, log: &ScanLog, arena: Option<&Arena>, seed: u64)
         }
     }
     samples
+}
+
+impl fmt::Display for Evaluation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let metres = |v: Option<f64>| v.map_or("–".to_owned(), |v| format!("{v:.3} m"));
+        writeln!(f, "{} scans, {} segments\n", self.scans, self.samples)?;
+        let cast = self
+            .baseline_ray_casting_m
+            .map(|m| ("  ideal beams in the arena", Some(m)));
+        let rows = [
+            ("  the model", Some(self.mean_absolute_error_m)),
+            ("  each segment's mean", Some(self.baseline_constant_m)),
+            ("  the nearest logged pose", self.baseline_nearest_m),
+            (
+                "  the nearest logged place, turned to the heading",
+                self.baseline_nearest_turned_m,
+            ),
+            ("  at random", Some(self.baseline_random_m)),
+        ];
+        let table = TextTable::of(
+            rows.iter().chain(&cast),
+            &[
+                ("  guess", Left, &|row| row.0.to_owned()),
+                ("mean absolute error", Right, &|row| metres(row.1)),
+            ],
+        );
+        f.write_str(&table.render(false))?;
+        writeln!(
+            f,
+            "standard error of the model's, by parts of the way: {:.3} m",
+            self.standard_error_m
+        )?;
+        if let (Some(rank), Some(p)) = (self.spearman, self.p) {
+            writeln!(
+                f,
+                "rank correlation of predicted and actual ranges: {rank:.3} (p = {})",
+                number(p)
+            )?;
+        }
+        writeln!(
+            f,
+            "other errors than at random, by one of {} scans: p = {}\n",
+            self.every,
+            number(self.mann_whitney_p)
+        )?;
+        let table = TextTable::of(
+            &self.segments,
+            &[
+                ("  segment", Right, &|s| format!("{:.0}°", s.segment_deg)),
+                ("scans", Right, &|s| s.samples.to_string()),
+                ("model", Right, &|s| metres(Some(s.mean_absolute_error_m))),
+                ("± standard error", Left, &|s| {
+                    metres(Some(s.standard_error_m))
+                }),
+                ("mean", Right, &|s| metres(Some(s.baseline_constant_m))),
+                ("nearest", Right, &|s| metres(s.baseline_nearest_m)),
+                ("rank correlation", Right, &|s| {
+                    s.spearman.map_or("–".to_owned(), |r| format!("{r:.3}"))
+                }),
+                ("p", Right, &|s| s.p.map_or("–".to_owned(), number)),
+                ("against random p", Right, &|s| number(s.mann_whitney_p)),
+            ],
+        );
+        f.write_str(table.render(false).trim_end())
+    }
 }

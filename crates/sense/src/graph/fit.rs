@@ -1,5 +1,7 @@
 //! From a log of scans to a sensorgraph.
 
+use std::fmt;
+
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -9,6 +11,7 @@ use super::regression::{Stop, monomials};
 use super::sample::{frame_of_log, logged, samples};
 use super::scan::ScanLog;
 use realgap_core::error::{Error, Result};
+use realgap_core::range::Range;
 use realgap_core::statistics::mean;
 use realgap_core::warning::{Code, Warning};
 
@@ -140,21 +143,15 @@ pub fn fit(log: &ScanLog, options: &GraphOptions) -> Result<FittedGraph> {
 }
 
 fn check(options: &GraphOptions) -> Result<()> {
-    let range = |field: &str, found: f64, low: f64, high: f64| {
-        if (low..=high).contains(&found) {
-            return Ok(());
-        }
-        Err(Error::invalid("out of range")
-            .field(field)
-            .found(found)
-            .allowed(format!("{low} to {high}")))
+    let range = |field: &str, found: f64, low: f64, high: f64, unit: &'static str| {
+        Range::within(low, high, unit).check(found, field)
     };
-    range("degree", f64::from(options.degree), 0.0, 8.0)?;
-    range("headings", options.headings as f64, 1.0, 360.0)?;
-    range("width", options.width_deg, 1.0, 180.0)?;
+    range("degree", f64::from(options.degree), 0.0, 8.0, "")?;
+    range("headings", options.headings as f64, 1.0, 360.0, "")?;
+    range("width", options.width_deg, 1.0, 180.0, "degrees")?;
     match options.stop {
-        Stop::Err(share) => range("error reduction ratio", share, 0.0, 1.0),
-        Stop::Terms(terms) => range("terms", terms as f64, 1.0, 100.0),
+        Stop::Err(share) => range("error reduction ratio", share, 0.0, 1.0, ""),
+        Stop::Terms(terms) => range("terms", terms as f64, 1.0, 100.0, ""),
         _ => Ok(()),
     }
 }
@@ -212,5 +209,26 @@ fn left_out_error_m(log: &ScanLog, graph: &Sensorgraph, options: &GraphOptions) 
         f64::INFINITY
     } else {
         sum / f64::from(count)
+    }
+}
+
+impl fmt::Display for FittedGraph {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{} scans, {} polynomials with {} terms",
+            self.scans, self.polynomials, self.terms
+        )?;
+        if let (Some(robot), Some(world)) = (self.robot_frame_error_m, self.world_frame_error_m) {
+            writeln!(
+                f,
+                "parts of the way left out: {robot:.3} m off with a polynomial for every heading and segment, {world:.3} m with one for every direction of the world"
+            )?;
+        }
+        let taken = match self.frame {
+            Frame::Robot => "one polynomial for every heading and segment",
+            Frame::World => "one polynomial for every direction of the world",
+        };
+        write!(f, "taken: {taken}")
     }
 }

@@ -7,6 +7,7 @@ use crate::arena::Arena;
 use crate::range::{Beam, RangeModel, RangeSensor, ReadingUnit};
 use realgap_core::error::{Error, Result};
 use realgap_core::random::{Generator, Numbered, Once};
+use realgap_core::range::Range;
 
 /// A robot with a scanner; defaults are those of paper 001 where it gives them, but for the time between scans.
 ///
@@ -198,30 +199,26 @@ impl Logger {
     /// # Errors
     /// Numbers out of range, a sensor whose readings are no lengths.
     pub fn check(&self, sensor: &RangeModel, scans: usize) -> Result<()> {
-        let ranges = [
-            ("beams", self.beams as f64, 2.0, 100_000.0),
-            ("view", self.view_deg, 1.0, 360.0),
-            ("interval", self.interval_s, 0.001, 1e3),
-            ("speed", self.speed_m_s, 1e-3, 100.0),
-            ("turn rate", self.turn_rate_rad_s, 1e-3, 1e3),
-            ("radius", self.radius_m, 0.0, 100.0),
-            ("avoid", self.avoid_m, 0.0, 1e3),
-            ("turn every", self.turn_every_s, 0.001, 1e6),
-            ("samples", scans as f64, 1.0, MOST_SCANS as f64),
+        let (scans, beams) = (scans as f64, self.beams as f64);
+        for (field, found, low, high, unit) in [
+            ("beams", beams, 2.0, 100_000.0, ""),
+            ("view", self.view_deg, 1.0, 360.0, "degrees"),
+            ("interval", self.interval_s, 0.001, 1e3, "s"),
+            ("speed", self.speed_m_s, 1e-3, 100.0, "m/s"),
+            ("turn rate", self.turn_rate_rad_s, 1e-3, 1e3, "rad/s"),
+            ("radius", self.radius_m, 0.0, 100.0, "m"),
+            ("avoid", self.avoid_m, 0.0, 1e3, "m"),
+            ("turn every", self.turn_every_s, 0.001, 1e6, "s"),
+            ("samples", scans, 1.0, MOST_SCANS as f64, ""),
             (
                 "samples x beams",
-                (scans * self.beams) as f64,
+                scans * beams,
                 1.0,
                 MOST_READINGS as f64,
+                "",
             ),
-        ];
-        for (field, found, low, high) in ranges {
-            if !(low..=high).contains(&found) {
-                return Err(Error::invalid("out of range")
-                    .field(field)
-                    .found(found)
-                    .allowed(format!("{low} to {high}")));
-            }
+        ] {
+            Range::within(low, high, unit).check(found, field)?;
         }
         match sensor.reading_unit {
             ReadingUnit::Length(_) => Ok(()),

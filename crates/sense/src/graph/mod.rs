@@ -13,7 +13,6 @@ mod polynomial;
 pub mod regression;
 mod sample;
 mod scan;
-mod words;
 
 pub use evaluation::{Evaluation, SegmentReport};
 pub use export::{Language, functions};

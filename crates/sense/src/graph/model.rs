@@ -1,5 +1,6 @@
 //! A sensorgraph: what a scanner reads at a place, as polynomials (paper 001).
 
+use std::fmt;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -230,5 +231,50 @@ impl Sensorgraph {
         let steps = direction.rem_euclid(std::f64::consts::TAU) / self.step_rad();
         let before = steps.floor();
         (before as usize % self.headings, steps - before)
+    }
+}
+
+impl fmt::Display for Polynomial {
+    /// `+2.237 +1.47 u -0.68 u v^2`, metres.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, term) in self.terms.iter().enumerate() {
+            let gap = if index == 0 { "" } else { " " };
+            write!(f, "{gap}{:+.4}", term.value)?;
+            for (name, power) in ["u", "v"].iter().zip(term.powers) {
+                match power {
+                    0 => {}
+                    1 => write!(f, " {name}")?,
+                    power => write!(f, " {name}^{power}")?,
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Sensorgraph {
+    /// Every polynomial in a line.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "u = (x - {:.4} m) / {:.4} m, v = (y - {:.4} m) / {:.4} m; ranges in metres",
+            self.centre_m.0, self.scale_m, self.centre_m.1, self.scale_m
+        )?;
+        let segments = self.segments_deg.len();
+        let step = 360.0 / self.headings as f64;
+        for (index, polynomial) in self.polynomials.iter().enumerate() {
+            match self.frame {
+                Frame::Robot => write!(
+                    f,
+                    "heading {:.0} to {:.0} deg, segment {:.0} deg:",
+                    step * (index / segments) as f64,
+                    step * (index / segments + 1) as f64,
+                    self.segments_deg[index % segments]
+                )?,
+                Frame::World => write!(f, "direction {:.0} deg:", step * index as f64)?,
+            }
+            writeln!(f, " {polynomial}  ({} samples)", polynomial.samples)?;
+        }
+        Ok(())
     }
 }

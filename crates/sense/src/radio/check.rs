@@ -4,6 +4,7 @@ use super::fit::RadioOptions;
 use super::log::RadioLog;
 use crate::arena::{Anchor, Arena};
 use realgap_core::error::{Error, Result};
+use realgap_core::range::Range;
 use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
 
@@ -12,12 +13,8 @@ pub(super) fn check_options(options: &RadioOptions) -> Result<()> {
         ("reference distance", options.reference_distance_m, 1e-3),
         ("robot height", options.robot_height_m, 0.0),
     ] {
-        if !(value >= least && value <= 1e3) {
-            return Err(Error::usage("not a length of a radio model")
-                .field(field)
-                .found(value)
-                .allowed(format!("{least} to 1000 m")));
-        }
+        let range = Range::within(least, 1e3, "m");
+        range.check(value, field).map_err(Error::into_usage)?;
     }
     Ok(())
 }

@@ -1,5 +1,7 @@
 //! A radio model against a log that it has not seen.
 
+use std::fmt;
+
 use serde::Serialize;
 
 use super::fingerprint::Fingerprints;
@@ -11,6 +13,9 @@ use super::place::places;
 use crate::arena::{Anchor, Arena};
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{mean, percentile_interval, resamples};
+use realgap_core::table::Side::{Left, Right};
+use realgap_core::table::TextTable;
+use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
 
 /// One anchor of the log.
@@ -165,7 +170,10 @@ fn guesses(
     let mut guesses: Vec<Guess> = model
         .others
         .iter()
-        .map(|other| guess(other.propagation.name().to_owned(), &errors_of(other)))
+        .map(|other| {
+            let errors = errors_of(&model.with(other));
+            guess(other.propagation.name().to_owned(), &errors)
+        })
         .collect();
     let off = |said: f64, reading: &super::PlaceReading| reading.strength_dbm - said;
     let constant: Vec<f64> = log
@@ -224,4 +232,42 @@ fn map(log: &RadioLog, errors: &[f64]) -> Vec<([f64; 2], f64)> {
             )
         })
         .collect()
+}
+
+impl fmt::Display for Evaluation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{}: {:.2} dB off ({:.2} to {:.2}), {:+.2} dB on average; {:.1} % of {} within {:.1} dB\n",
+            self.propagation,
+            self.rmse_db,
+            self.rmse_low_db,
+            self.rmse_high_db,
+            self.bias_db,
+            100.0 * self.coverage_90,
+            counted(self.readings, "strength"),
+            self.interval_90_db
+        )?;
+        let table = TextTable::of(
+            &self.anchors,
+            &[
+                ("anchor", Left, &|a| a.anchor.clone()),
+                ("strengths", Right, &|a| a.readings.to_string()),
+                ("error", Right, &|a| format!("{:.2} dB", a.rmse_db)),
+                ("on average", Right, &|a| format!("{:+.2} dB", a.bias_db)),
+                ("in the 90 % interval", Right, &|a| {
+                    format!("{:.1} %", 100.0 * a.coverage_90)
+                }),
+            ],
+        );
+        writeln!(f, "{}", table.render(false))?;
+        let others = TextTable::of(
+            &self.guesses,
+            &[
+                ("other guesses", Left, &|g| g.name.clone()),
+                ("error", Right, &|g| format!("{:.2} dB", g.rmse_db)),
+            ],
+        );
+        f.write_str(others.render(false).trim_end())
+    }
 }

@@ -1,13 +1,12 @@
 //! From a log of strengths to a radio model: every propagation model, chosen by places that were left out.
 
-use serde::Serialize;
-
 use super::check::{check_options, check_places};
 use super::covariance::covariance;
+use super::fitted::{Candidate, FittedParameter, FittedRadio};
 use super::interval::grouped_quantile;
 use super::link::Link;
 use super::log::RadioLog;
-use super::model::{LogBase, RadioModel, SENSITIVITY_DBM};
+use super::model::{LogBase, OtherFit, RadioModel, SENSITIVITY_DBM};
 use super::place::{ByPlace, PLACE_M, places};
 use super::propagation::{PROPAGATIONS, Propagation};
 use super::shadow::{self, Spread};
@@ -39,84 +38,6 @@ impl Default for RadioOptions {
             robot_height_m: 0.3,
         }
     }
-}
-
-/// A fitted parameter.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct FittedParameter {
-    /// Its name.
-    pub name: String,
-    /// Its unit, empty for none.
-    pub unit: &'static str,
-    /// Its value,
-    pub value: f64,
-    /// from here, 90 %,
-    pub low: f64,
-    /// to here.
-    pub high: f64,
-    /// Whether the log says what it is: an interval narrower than the value (a loss, an exponent) or than 10 dB (a strength), and
-    /// without 0.
-    pub determined: bool,
-    /// Why not.
-    pub why: Option<String>,
-}
-
-/// A model that was tried.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Candidate {
-    /// Its name.
-    pub propagation: &'static str,
-    /// Walls that count at most; `None` for models without walls.
-    pub cap: Option<usize>,
-    /// Root mean square error at places that were left out, dB.
-    pub left_out_rmse_db: f64,
-    /// Whether it cannot be told from the best: places' mean squares differ by less than two standard errors.
-    pub as_good: bool,
-}
-
-/// A log as a radio model.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct FittedRadio {
-    /// The model.
-    #[serde(skip)]
-    pub model: RadioModel,
-    /// Its name,
-    pub propagation: &'static str,
-    /// its formula,
-    pub formula: &'static str,
-    /// base of the logarithm in it, `10` or `e`,
-    pub log_base: &'static str,
-    /// distance at which its first parameter holds, metres,
-    pub reference_distance_m: f64,
-    /// and its parameters.
-    pub parameters: Vec<FittedParameter>,
-    /// C; `None` for models without walls.
-    pub cap: Option<usize>,
-    /// Everything that was tried, best first.
-    pub candidates: Vec<Candidate>,
-    /// Root mean square error at places that were left out, dB,
-    pub left_out_rmse_db: f64,
-    /// and on the log itself.
-    pub rmse_db: f64,
-    /// Standard deviation of what a place adds, dB,
-    pub shadowing_sd_db: f64,
-    /// distance at which places share 1/e of it, metres,
-    pub shadowing_distance_m: f64,
-    /// and standard deviation of what a reading adds, dB.
-    pub fading_sd_db: f64,
-    /// Half width of the interval for 90 % of strengths at new places, dB.
-    pub interval_90_db: f64,
-    /// Strengths,
-    pub readings: usize,
-    /// those that are missing,
-    pub missing: usize,
-    /// and places (squares of one metre) of the log.
-    pub places: usize,
-    /// What the reader should know.
-    pub warnings: Vec<Warning>,
 }
 
 /// Fewest places of a log.
@@ -352,18 +273,27 @@ fn describe(
         .iter()
         .map(|r| r.strength_dbm)
         .collect();
-    let model_of = |fitted: &Fitted, others: Vec<RadioModel>| RadioModel {
-        description: String::new(),
+    let fit_of = |fitted: &Fitted| OtherFit {
         propagation: fitted.propagation,
         values: fitted.values.clone(),
+        cap: fitted.cap,
+        materials: match fitted.propagation.name() {
+            "materials" => fitted.materials.clone(),
+            _ => Vec::new(),
+        },
+    };
+    // Of every other model the best cap.
+    let mut others: Vec<OtherFit> = Vec::new();
+    for other in all {
+        let is_known = |fit: &OtherFit| fit.propagation == other.propagation;
+        if other.propagation != best.propagation && !others.iter().any(is_known) {
+            others.push(fit_of(other));
+        }
+    }
+    let model = RadioModel {
+        description: String::new(),
         reference_distance_m: options.reference_distance_m,
         log_base: options.log_base,
-        cap: fitted.cap,
-        materials: if fitted.propagation.name() == "materials" {
-            fitted.materials.clone()
-        } else {
-            Vec::new()
-        },
         robot_height_m: options.robot_height_m,
         shadowing_sd_db: spread.shadowing_sd_db,
         shadowing_distance_m: spread.shadowing_distance_m,
@@ -372,17 +302,8 @@ fn describe(
         mean_dbm: mean(&strengths),
         sensitivity_dbm: SENSITIVITY_DBM,
         others,
+        ..RadioModel::paper002().with(&fit_of(best))
     };
-    // Of every other model the best cap.
-    let mut others: Vec<RadioModel> = Vec::new();
-    for other in all {
-        let name = other.propagation.name();
-        let is_known = |m: &RadioModel| m.propagation.name() == name;
-        if name != best.propagation.name() && !others.iter().any(is_known) {
-            others.push(model_of(other, Vec::new()));
-        }
-    }
-    let model = model_of(best, others);
     FittedRadio {
         propagation: best.propagation.name(),
         formula: best.propagation.formula(),

@@ -30,9 +30,9 @@
 mod check;
 mod covariance;
 mod evaluation;
-mod file;
 mod fingerprint;
 mod fit;
+mod fitted;
 mod interval;
 mod link;
 mod log;
@@ -42,16 +42,14 @@ mod place;
 pub mod propagation;
 mod service;
 mod shadow;
-mod words;
 
 pub use evaluation::{AnchorReport, CELL_M, Evaluation, Guess};
-#[cfg(feature = "schema")]
-pub use file::RadioFile;
 pub use fingerprint::Fingerprints;
-pub use fit::{Candidate, FittedParameter, FittedRadio, RadioOptions, fit};
+pub use fit::{RadioOptions, fit};
+pub use fitted::{Candidate, FittedParameter, FittedRadio};
 pub use link::Link;
 pub use log::{PlaceReading, RadioLog, RadioLogOptions, read_anchors};
-pub use model::{LogBase, RadioModel};
+pub use model::{LogBase, OtherFit, RadioModel};
 pub use pair::MOST_PAIRS;
 pub use service::{Delivery, Message, Service, ServiceOptions, ServiceReport};
 pub use shadow::ShadowField;

@@ -1,10 +1,14 @@
 //! A radio model: a propagation model with its numbers, and how far strengths lie about it.
 
+use std::path::Path;
+
 use serde::{Deserialize, Serialize};
 
 use super::link::Link;
 use super::propagation::{Parameter, Propagation, Terms, Walls};
 use realgap_core::error::{Error, Result};
+use realgap_core::file::{Source, parse_ron, write_ron};
+use realgap_core::range::Range;
 
 /// Base of the logarithm of distances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -35,57 +39,129 @@ impl LogBase {
     }
 }
 
-/// How strong a signal arrives.
-#[derive(Debug, Clone)]
+/// How strong a signal arrives. Its file has the same fields.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Radio")]
 pub struct RadioModel {
     /// Where its numbers come from.
+    #[serde(default)]
     pub description: String,
-    /// How strength falls.
+    /// How strength falls, by name; `realgap radio fit --help` lists the models.
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub propagation: &'static dyn Propagation,
-    /// Its parameters, in the order of [`Propagation::parameters`].
+    /// Its parameters, in the order in which the fit prints them.
     pub values: Vec<f64>,
-    /// d₀, metres.
+    /// Distance d0 of P(d0), metres.
+    #[serde(default = "one")]
     pub reference_distance_m: f64,
     /// Base of the logarithm.
+    #[serde(default)]
     pub log_base: LogBase,
     /// C: walls beyond so many do not count.
+    #[serde(default = "unlimited")]
     pub cap: usize,
-    /// Materials that have a loss of their own; empty for models that do not ask.
+    /// Materials that have a loss of their own; none for models that do not ask.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<String>,
     /// Height of a robot's antenna above the floor, metres.
+    #[serde(default)]
     pub robot_height_m: f64,
     /// Standard deviation of what a place adds, dB: the same for all readings there.
+    #[serde(default)]
     pub shadowing_sd_db: f64,
     /// Distance at which two places share 1/e of it, metres.
+    #[serde(default = "one")]
     pub shadowing_distance_m: f64,
     /// Standard deviation of what one reading adds, dB.
+    #[serde(default)]
     pub fading_sd_db: f64,
     /// Half width of the interval that holds 90 % of the strengths at new places, dB.
+    #[serde(default)]
     pub interval_90_db: f64,
     /// Mean of all strengths of the log, dBm: the guess that knows nothing.
+    #[serde(default)]
     pub mean_dbm: f64,
     /// The weakest signal that is received, dBm.
+    #[serde(default = "sensitivity")]
     pub sensitivity_dbm: f64,
     /// Fits of the other models to the same log.
-    pub others: Vec<RadioModel>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub others: Vec<OtherFit>,
 }
 
-impl PartialEq for RadioModel {
-    fn eq(&self, other: &Self) -> bool {
-        self.propagation.name() == other.propagation.name()
-            && self.description == other.description
-            && self.values == other.values
-            && self.log_base == other.log_base
-            && (self.cap, &self.materials) == (other.cap, &other.materials)
-            && self.others == other.others
-            && self.numbers() == other.numbers()
-    }
+/// A fit of another model to the same log.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct OtherFit {
+    /// How strength falls, by name.
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
+    pub propagation: &'static dyn Propagation,
+    /// Its parameters.
+    pub values: Vec<f64>,
+    /// C: walls beyond so many do not count.
+    #[serde(default = "unlimited")]
+    pub cap: usize,
+    /// Materials that have a loss of their own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub materials: Vec<String>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn unlimited() -> usize {
+    1000
+}
+
+fn sensitivity() -> f64 {
+    SENSITIVITY_DBM
 }
 
 /// Weakest signal of commercial receivers, dBm (paper 002, section IV).
 pub(super) const SENSITIVITY_DBM: f64 = -92.0;
 
 impl RadioModel {
+    /// Reads a model's file.
+    ///
+    /// # Errors
+    /// A missing file, anything that is not a radio model, and as [`RadioModel::check`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        Self::parse(&Source::read(path, "radio model")?)
+    }
+
+    /// The model in a text.
+    ///
+    /// # Errors
+    /// As [`RadioModel::read`].
+    pub fn parse(source: &Source) -> Result<Self> {
+        let model: Self = parse_ron(source)?;
+        model.check().map_err(|e| source.at_field(e))?;
+        Ok(model)
+    }
+
+    /// The model as a file's text.
+    ///
+    /// # Errors
+    /// None for a model of ours.
+    pub fn to_ron(&self) -> Result<String> {
+        write_ron(self)
+    }
+
+    /// The model of another fit to the same log.
+    pub(super) fn with(&self, other: &OtherFit) -> Self {
+        Self {
+            propagation: other.propagation,
+            values: other.values.clone(),
+            cap: other.cap,
+            materials: other.materials.clone(),
+            others: Vec::new(),
+            ..self.clone()
+        }
+    }
+
     /// Table I of paper 002: WAF 7 dB, C 4, n 1, −50 dBm at 2 m; logarithm to base e, with which its table II has distances of 8.5
     /// to 11.5 m (with base 10 they would be 55 to 100 m). The paper states no spread: 0.
     pub fn paper002() -> Self {
@@ -149,19 +225,6 @@ impl RadioModel {
         [x_m, y_m, self.robot_height_m]
     }
 
-    fn numbers(&self) -> [(&'static str, f64); 8] {
-        [
-            ("reference_distance_m", self.reference_distance_m),
-            ("robot_height_m", self.robot_height_m),
-            ("shadowing_sd_db", self.shadowing_sd_db),
-            ("shadowing_distance_m", self.shadowing_distance_m),
-            ("fading_sd_db", self.fading_sd_db),
-            ("interval_90_db", self.interval_90_db),
-            ("mean_dbm", self.mean_dbm),
-            ("sensitivity_dbm", self.sensitivity_dbm),
-        ]
-    }
-
     /// Checks what no single number says.
     ///
     /// # Errors
@@ -183,21 +246,20 @@ impl RadioModel {
                 .field("values")
                 .found(value));
         }
-        for (field, value) in self.numbers() {
-            let (is_sound, allowed) = match field {
-                "mean_dbm" | "sensitivity_dbm" => (value.is_finite(), "a finite number"),
-                "reference_distance_m" | "shadowing_distance_m" => {
-                    (value > 0.0 && value.is_finite(), "above 0")
-                }
-                _ => (value >= 0.0 && value.is_finite(), "0 or above"),
-            };
-            if !is_sound {
-                return Err(Error::invalid("not a number of a radio model")
-                    .field(field)
-                    .found(value)
-                    .allowed(allowed));
-            }
+        let of = |low: f64, unit: &'static str| Range::within(low, 1e9, unit);
+        let length = Range::above(0.0, 1e9, "m");
+        for (field, value, range) in [
+            ("reference_distance_m", self.reference_distance_m, length),
+            ("robot_height_m", self.robot_height_m, of(0.0, "m")),
+            ("shadowing_sd_db", self.shadowing_sd_db, of(0.0, "dB")),
+            ("shadowing_distance_m", self.shadowing_distance_m, length),
+            ("fading_sd_db", self.fading_sd_db, of(0.0, "dB")),
+            ("interval_90_db", self.interval_90_db, of(0.0, "dB")),
+            ("mean_dbm", self.mean_dbm, of(-1e9, "dBm")),
+            ("sensitivity_dbm", self.sensitivity_dbm, of(-1e9, "dBm")),
+        ] {
+            range.check(value, field)?;
         }
-        self.others.iter().try_for_each(Self::check)
+        self.others.iter().try_for_each(|o| self.with(o).check())
     }
 }

@@ -1,5 +1,7 @@
 //! Messages between robots: delivered, too weak, or lost (paper 002, section IV: the server).
 
+use std::fmt;
+
 use rand::RngExt;
 use rand_distr::StandardNormal;
 use serde::Serialize;
@@ -11,7 +13,9 @@ use super::shadow::ShadowField;
 use crate::arena::Arena;
 use realgap_core::error::{Error, Result};
 use realgap_core::random::Numbered;
+use realgap_core::range::Range;
 use realgap_core::statistics::{mean, quantile};
+use realgap_core::unit::counted;
 
 /// How messages travel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,18 +103,14 @@ impl<'a> Service<'a> {
     /// # Errors
     /// Negative widths or times, anything not finite.
     pub fn new(model: &'a RadioModel, arena: &'a Arena, options: ServiceOptions) -> Result<Self> {
-        for (field, value, least) in [
-            ("loss_half_db", options.loss_half_db, f64::MIN),
-            ("loss_width_db", options.loss_width_db, 0.0),
-            ("latency_s", options.latency_s, 0.0),
-            ("latency_sd_s", options.latency_sd_s, 0.0),
+        for (field, value, least, unit) in [
+            ("loss_half_db", options.loss_half_db, -1e9, "dB"),
+            ("loss_width_db", options.loss_width_db, 0.0, "dB"),
+            ("latency_s", options.latency_s, 0.0, "s"),
+            ("latency_sd_s", options.latency_sd_s, 0.0, "s"),
         ] {
-            if !(value.is_finite() && value >= least) {
-                return Err(Error::usage("not an option of a message service")
-                    .field(field)
-                    .found(value)
-                    .allowed("0 or above"));
-            }
+            let range = Range::within(least, 1e9, unit);
+            range.check(value, field).map_err(Error::into_usage)?;
         }
         Ok(Self {
             model,
@@ -228,5 +228,27 @@ impl ServiceReport {
             median_latency_s: of(0.5),
             latency_95_s: of(0.95),
         }
+    }
+}
+
+impl fmt::Display for ServiceReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} of {} delivered ({:.1} %), {} too weak, {} lost; {:.1} dBm on average",
+            self.delivered,
+            counted(self.sent, "message"),
+            100.0 * self.delivered as f64 / self.sent as f64,
+            self.too_weak,
+            self.lost,
+            self.mean_strength_dbm
+        )?;
+        if let (Some(median_s), Some(most_s)) = (self.median_latency_s, self.latency_95_s) {
+            write!(
+                f,
+                "; {median_s:.4} s from sending to arriving, 95 % within {most_s:.4} s"
+            )?;
+        }
+        Ok(())
     }
 }

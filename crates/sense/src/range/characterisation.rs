@@ -1,5 +1,7 @@
 //! From a log to a model, with what speaks for it and against it.
 
+mod text;
+
 use serde::{Serialize, Serializer};
 use statrs::function::gamma::gamma_ur;
 

@@ -11,13 +11,10 @@ pub mod form;
 mod log;
 mod model;
 mod sample_size;
-mod words;
 
 pub use characterisation::{Characterisation, DistanceReport, LEVEL, Normality, Options, Value};
 pub use choice::Candidate;
 pub use log::{LogOptions, Reading, ReadingLog};
-#[cfg(feature = "schema")]
-pub use model::ModelFile;
 pub use model::{
     Beam, Outliers, RangeModel, RangeSensor, ReadingUnit, find_sensor, sensor_by_name,
     shipped_sensors,

@@ -6,9 +6,10 @@ use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
 
-use super::form::{Curve, form_by_name};
+use super::form::Curve;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, look_up, parse_ron, write_ron};
+use realgap_core::range::Range;
 use realgap_core::unit::LengthUnit;
 use realgap_core::warning::{Code, Warning};
 
@@ -103,95 +104,42 @@ pub struct Outliers {
     pub high: f64,
 }
 
-/// A sensor as its log says it is: mean and spread over the distance, terms in the angles, dropouts and outliers.
+/// A sensor as its log says it is: mean and spread over the distance, terms in the angles, dropouts and outliers. Its file has the same
+/// fields.
 ///
 /// Numbers are in the units of its log; [`RangeSensor`] takes metres and radians.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "RangeSensor")]
 pub struct RangeModel {
     /// Which sensor, and where the numbers come from.
+    #[serde(default)]
     pub description: String,
-    /// Unit of d in both curves.
+    /// Unit of distances in both curves.
     pub distance_unit: LengthUnit,
     /// Unit of readings.
     pub reading_unit: ReadingUnit,
     /// Shortest and longest distance of the log, in its unit.
     pub range: (f64, f64),
     /// Time from one reading to the next, seconds, where known.
+    #[serde(default)]
     pub sampling_time_s: Option<f64>,
     /// Mean reading over the distance.
     pub mean: Curve,
     /// Standard deviation over the distance.
     pub spread: Curve,
     /// Change of the mean per degree of incidence.
+    #[serde(default)]
     pub incidence_per_deg: f64,
     /// Change of the mean per degree of offset.
+    #[serde(default)]
     pub offset_per_deg: f64,
     /// Probability that no reading comes.
+    #[serde(default)]
     pub dropout: f64,
     /// Readings that have nothing to do with the distance.
+    #[serde(default)]
     pub outliers: Outliers,
-}
-
-/// The RON form.
-#[derive(Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "RangeSensor")]
-pub struct ModelFile {
-    /// Which sensor, and where the numbers come from.
-    #[serde(default)]
-    description: String,
-    /// Unit of distances in both curves.
-    distance_unit: LengthUnit,
-    /// Unit of readings.
-    reading_unit: ReadingUnit,
-    /// Shortest and longest distance of the log, in its unit.
-    range: (f64, f64),
-    /// Time from one reading to the next, seconds, where known.
-    #[serde(default)]
-    sampling_time_s: Option<f64>,
-    /// Mean reading over the distance.
-    mean: CurveFile,
-    /// Standard deviation over the distance.
-    spread: CurveFile,
-    /// Change of the mean per degree of incidence.
-    #[serde(default)]
-    incidence_per_deg: f64,
-    /// Change of the mean per degree of offset.
-    #[serde(default)]
-    offset_per_deg: f64,
-    /// Probability that no reading comes.
-    #[serde(default)]
-    dropout: f64,
-    /// Readings that have nothing to do with the distance.
-    #[serde(default)]
-    outliers: Outliers,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-struct CurveFile {
-    /// Form of the curve, by name; `realgap characterise --help` lists them.
-    form: String,
-    /// Distances between which its pieces lie, for forms made of pieces.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    knots: Vec<f64>,
-    /// Its parameters.
-    values: Vec<f64>,
-}
-
-impl CurveFile {
-    fn of(curve: &Curve) -> Self {
-        Self {
-            form: curve.form.name().to_owned(),
-            knots: curve.knots.clone(),
-            values: curve.values.clone(),
-        }
-    }
-
-    fn curve(self) -> Result<Curve> {
-        Curve::new(form_by_name(&self.form)?, self.knots, self.values)
-    }
 }
 
 /// Where a spread that must be positive is looked at, between the ends of the range.
@@ -211,24 +159,8 @@ impl RangeModel {
     /// # Errors
     /// As [`RangeModel::read`].
     pub fn parse(source: &Source) -> Result<Self> {
-        let file: ModelFile = parse_ron(source)?;
-        let model = Self {
-            description: file.description,
-            distance_unit: file.distance_unit,
-            reading_unit: file.reading_unit,
-            range: file.range,
-            sampling_time_s: file.sampling_time_s,
-            mean: file.mean.curve().map_err(|e| source.at("mean", e))?,
-            spread: file.spread.curve().map_err(|e| source.at("spread", e))?,
-            incidence_per_deg: file.incidence_per_deg,
-            offset_per_deg: file.offset_per_deg,
-            dropout: file.dropout,
-            outliers: file.outliers,
-        };
-        model.check().map_err(|e| {
-            let field = e.field_name().unwrap_or_default().to_owned();
-            source.at(&field, e)
-        })?;
+        let model: Self = parse_ron(source)?;
+        model.check().map_err(|e| source.at_field(e))?;
         Ok(model)
     }
 
@@ -237,19 +169,7 @@ impl RangeModel {
     /// # Errors
     /// None for a model of ours.
     pub fn to_ron(&self) -> Result<String> {
-        write_ron(&ModelFile {
-            description: self.description.clone(),
-            distance_unit: self.distance_unit,
-            reading_unit: self.reading_unit.clone(),
-            range: self.range,
-            sampling_time_s: self.sampling_time_s,
-            mean: CurveFile::of(&self.mean),
-            spread: CurveFile::of(&self.spread),
-            incidence_per_deg: self.incidence_per_deg,
-            offset_per_deg: self.offset_per_deg,
-            dropout: self.dropout,
-            outliers: self.outliers,
-        })
+        write_ron(self)
     }
 
     /// Checks what no single number says.
@@ -258,6 +178,9 @@ impl RangeModel {
     /// A range that is empty or not positive, probabilities outside 0 to 1, a mean that is not finite or a spread that is not
     /// positive somewhere in the range.
     pub fn check(&self) -> Result<()> {
+        for (field, curve) in [("mean", &self.mean), ("spread", &self.spread)] {
+            curve.check().map_err(|e| e.within(field))?;
+        }
         let (low, high) = self.range;
         if !(low > 0.0 && high > low && high.is_finite()) {
             return Err(Error::invalid("not a range of distances")
@@ -283,13 +206,8 @@ impl RangeModel {
                     .found(format!("{} to {}", outliers.low, outliers.high)),
             );
         }
-        if let Some(time_s) = self.sampling_time_s
-            && !(time_s.is_finite() && time_s > 0.0)
-        {
-            return Err(Error::invalid("not a time between readings")
-                .field("sampling_time_s")
-                .found(time_s)
-                .allowed("more than 0 s"));
+        if let Some(time_s) = self.sampling_time_s {
+            Range::above(0.0, 1e9, "s").check(time_s, "sampling_time_s")?;
         }
         for index in 0..=CHECKED {
             let d = low + (high - low) * index as f64 / CHECKED as f64;

@@ -1,5 +1,7 @@
 //! Real against simulated task times, condition by condition and in their order.
 
+use std::fmt;
+
 use serde::Serialize;
 
 use super::log::TaskLog;
@@ -8,6 +10,8 @@ use realgap_core::statistics::{
     Duration, KaplanMeier, SampleTest, log_rank, mann_whitney, percentile_interval, resamples,
     spearman,
 };
+use realgap_core::table::Side::{Left, Right};
+use realgap_core::table::TextTable;
 use realgap_core::warning::{Code, Warning};
 
 /// Trials of one condition in one of the two worlds.
@@ -20,9 +24,9 @@ pub struct SideReport {
     pub finished: usize,
     /// When half was finished, seconds (Kaplan and Meier); `None` where it never was.
     pub median_s: Option<f64>,
-    /// Its 90 % interval; `None` where the trials do not bound it.
+    /// The lower end of its 90 % interval; `None` where the trials do not bound it.
     pub median_low_s: Option<f64>,
-    /// See there.
+    /// The upper end of that interval.
     pub median_high_s: Option<f64>,
     /// When a quarter was finished,
     pub quartile_low_s: Option<f64>,
@@ -379,4 +383,74 @@ fn factor(name: &str, real: &TaskLog, simulated: &TaskLog, seed: u64) -> Option<
         real,
         simulated,
     })
+}
+
+fn seconds(value: Option<f64>) -> String {
+    value.map_or("?".to_owned(), |v| format!("{v:.1}"))
+}
+
+impl SideReport {
+    /// `12.3 s (10.1 to 15.0)`.
+    fn median(&self) -> String {
+        match self.median_s {
+            Some(median) => format!(
+                "{median:.1} s ({} to {})",
+                seconds(self.median_low_s),
+                seconds(self.median_high_s)
+            ),
+            None => "not half finished".to_owned(),
+        }
+    }
+}
+
+impl fmt::Display for TaskComparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let finished = |side: &SideReport| format!("{} of {}", side.finished, side.trials);
+        let table = TextTable::of(
+            &self.conditions,
+            &[
+                ("condition", Left, &|c| c.condition.clone()),
+                ("finished", Right, &|c| finished(&c.real)),
+                ("real median", Right, &|c| c.real.median()),
+                ("finished", Right, &|c| finished(&c.simulated)),
+                ("simulated median", Right, &|c| c.simulated.median()),
+                ("ratio", Right, &|c| {
+                    c.median_ratio.map_or(String::new(), |r| format!("{r:.2}"))
+                }),
+                ("effect", Right, &|c| {
+                    format!(
+                        "{:+.2} ({:+.2} to {:+.2})",
+                        c.effect, c.effect_low, c.effect_high
+                    )
+                }),
+                ("p", Right, &|c| {
+                    c.p.map_or("?".to_owned(), |p| format!("{p:.3}"))
+                }),
+                ("test", Left, &|c| c.test.to_owned()),
+            ],
+        );
+        write!(f, "{}", table.render(false))?;
+        for factor in &self.factors {
+            let order = if factor.same_order {
+                "the same order"
+            } else {
+                "another order"
+            };
+            write!(
+                f,
+                "\n{}: real {}, simulated {}: {order} ({:.0} % of resamples agree)",
+                factor.factor,
+                factor.real.join(" < "),
+                factor.simulated.join(" < "),
+                100.0 * factor.same_order_share
+            )?;
+        }
+        if let (Some(rho), Some(p)) = (self.spearman, self.spearman_p) {
+            write!(
+                f,
+                "\nranks of the conditions' medians: {rho:+.2} (Spearman, p = {p:.3})"
+            )?;
+        }
+        Ok(())
+    }
 }

@@ -19,7 +19,6 @@
 mod comparison;
 mod log;
 mod reach;
-mod words;
 
 pub use comparison::{ConditionReport, FactorReport, SideReport, TaskComparison};
 pub use log::{TaskLog, Trial};

@@ -3,7 +3,8 @@
 use super::scene::{Block, Vector};
 
 /// What the faces of a box show.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Faces {
     /// Nothing.
     #[default]

@@ -9,32 +9,32 @@
 //! (Lambert). There are no mirrors and no light off other surfaces; ambient light stands for that.
 
 mod body;
+mod camera_file;
 mod cast;
 mod exposure;
 mod face;
-mod file;
-mod form;
 mod lens;
 mod poster;
 mod render;
 mod ride;
 mod scene;
+mod scene_file;
 mod smear;
 mod truth;
 mod watch;
 
 pub use body::{Body, BodyBox};
+#[cfg(feature = "schema")]
+pub use camera_file::CameraFile;
 pub use exposure::Sensor;
 pub use face::Faces;
-#[cfg(feature = "schema")]
-pub use file::SceneFile;
-#[cfg(feature = "schema")]
-pub use form::CameraFile;
 pub use lens::{Lens, Pose};
 pub use poster::Motif;
 pub use render::focused;
 pub use render::{expose, luminance, met_m, take};
 pub use ride::Ride;
 pub use scene::{Block, Camera, Lamp, Light, Mount, Poster, Scene, View};
+#[cfg(feature = "schema")]
+pub use scene_file::SceneFile;
 pub use truth::{ALPHABET_TEXT, alphabet_picture, known};
 pub use watch::Watch;

@@ -7,7 +7,8 @@ use super::super::picture::Grey;
 use realgap_core::error::{Error, Result};
 
 /// The picture of a poster.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Motif {
     /// A logo: three bars, a ring and a corner; looks like nothing else, not even like itself turned.
     Logo,

@@ -155,7 +155,9 @@ impl Poster {
 }
 
 /// A lamp that shines alike in all directions.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
 pub struct Lamp {
     /// Where it hangs, metres.
     pub place_m: [f64; 3],

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::placing::{Before, Placed, numbers, place, with};
+use super::extrinsics::{Extrinsics, Prior, numbers, resect, with};
 use super::shot::Shot;
 use super::{LEVEL, TunedSetting, known};
 use crate::camera::Lens;
@@ -27,16 +27,16 @@ pub(super) fn corrected(lens: &Lens, off: &[(f64, f64); 3]) -> Lens {
 }
 
 /// How far off the numbers may be, by how they change when one view is left out (jackknife).
-fn by_views(lens: &Lens, shots: &[&Shot], placed: &[Placed], before: &Before) -> [f64; 3] {
+fn by_views(lens: &Lens, shots: &[&Shot], extrinsics: &[Extrinsics], prior: &Prior) -> [f64; 3] {
     let mut views: Vec<usize> = shots.iter().map(|shot| shot.view).collect();
     views.dedup();
     let without: Vec<[f64; 3]> = views
         .par_iter()
         .map(|view| {
-            let others = shots.iter().zip(placed);
+            let others = shots.iter().zip(extrinsics);
             let others = others.filter(|(shot, _)| shot.view != *view);
-            let mut others: Vec<Placed> = others.map(|(_, its)| its.clone()).collect();
-            in_degrees(&place(lens, &mut others, before))
+            let mut others: Vec<Extrinsics> = others.map(|(_, its)| its.clone()).collect();
+            in_degrees(&resect(lens, &mut others, prior))
         })
         .collect();
     let t = student_quantile(0.5 + 0.5 * LEVEL, views.len() as f64 - 1.0);
@@ -50,11 +50,11 @@ fn by_views(lens: &Lens, shots: &[&Shot], placed: &[Placed], before: &Before) ->
 pub(super) fn lens_settings(
     start: &Lens,
     found: &Lens,
-    (shots, placed): (&[&Shot], &[Placed]),
-    before: &Before,
+    (shots, extrinsics): (&[&Shot], &[Extrinsics]),
+    prior: &Prior,
     off: &[(f64, f64); 3],
 ) -> Vec<TunedSetting> {
-    let views = by_views(found, shots, placed, before);
+    let views = by_views(found, shots, extrinsics, prior);
     let (first, values) = (in_degrees(start), in_degrees(&corrected(found, off)));
     let field = FIELD_RAD.to_degrees();
     let distortion = (-DISTORTION, DISTORTION);

@@ -3,7 +3,7 @@
 use crate::{Grey, Picture, gauss, steepness};
 use realgap_core::error::Result;
 
-use super::sighting::toned;
+use super::correspondence::toned;
 
 /// Groups of pixels by how bright they should be.
 const GROUPS: usize = 4;

@@ -3,17 +3,17 @@
 //! First where each picture was really taken and through which lens, from corners of the scene found in it; then the sensor, from what
 //! pictures look like where they were taken. Views that were left out judge the result.
 
+mod bias;
 mod compression;
-mod double;
+mod correspondence;
+mod extrinsics;
 mod lens;
 mod look;
-mod placing;
 mod sensor;
 mod shot;
-mod sighting;
-mod words;
 
 use std::cell::Cell;
+use std::fmt;
 use std::path::Path;
 
 use serde::Serialize;
@@ -22,15 +22,18 @@ use crate::camera::{Camera, Light, Scene};
 use crate::{PictureSource, Shots};
 use realgap_core::error::Result;
 use realgap_core::statistics::{mean, student_quantile};
+use realgap_core::table::Side::{Left, Right};
+use realgap_core::table::TextTable;
+use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
 use realgap_optimize::Progress;
 
+use bias::lens_bias;
 use compression::compression;
-use double::lens_off;
+use extrinsics::{Prior, reprojection_error_px};
 use lens::{corrected, lens_settings};
-use placing::{Before, miss_px};
 use sensor::{Search, apart, draws, mismatch, settings};
-use shot::{Shot, placed_of, read, reals_of, split};
+use shot::{Room, Shot, extrinsics_of, read, reals_of, split};
 
 /// How a camera is tuned.
 #[derive(Debug, Clone)]
@@ -79,13 +82,13 @@ pub struct TunedSetting {
     pub name: &'static str,
     /// Its unit, empty for none.
     pub unit: &'static str,
-    /// What it was before,
+    /// What it was before.
     pub start: f64,
-    /// what it is now,
+    /// What it is now.
     pub value: f64,
-    /// from here, 90 %,
+    /// Where its 90 % interval begins.
     pub low: f64,
-    /// to here.
+    /// Where that interval ends.
     pub high: f64,
     /// What was searched.
     pub searched: (f64, f64),
@@ -97,13 +100,14 @@ pub struct TunedSetting {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Mismatch {
-    /// What pictures look like: 1 is as far as views differ from each other after the fit.
+    /// What pictures look like before: 1 is as far as views differ from each other after the fit.
     pub look_start: f64,
-    /// After.
+    /// What pictures look like after.
     pub look_tuned: f64,
-    /// Where corners of the scene are seen, root mean square without outliers, pixels.
+    /// Reprojection error before: how far corners of the scene are from where they should be seen, root mean square without
+    /// outliers, pixels.
     pub corners_start_px: f64,
-    /// After.
+    /// Reprojection error after, pixels.
     pub corners_tuned_px: f64,
 }
 
@@ -120,17 +124,17 @@ pub struct TunedCamera {
     pub real: PictureSource,
     /// The settings.
     pub settings: Vec<TunedSetting>,
-    /// Views that it was fitted to,
+    /// Views that it was fitted to.
     pub fitted_views: Vec<String>,
-    /// how far they are,
+    /// How far these are.
     pub fitted: Mismatch,
-    /// views that only judged,
+    /// Views that only judged.
     pub held_out_views: Vec<String>,
-    /// and how far those are.
+    /// How far those are.
     pub held_out: Option<Mismatch>,
-    /// How far cameras stood from where they should, mean, metres,
+    /// How far cameras stood from where they should, mean, metres.
     pub misplaced_m: f64,
-    /// and how far they were turned, mean, radians.
+    /// How far they were turned, mean, radians.
     pub turned_rad: f64,
     /// What a reader should know.
     pub warnings: Vec<Warning>,
@@ -176,15 +180,15 @@ pub fn tune_camera(
     };
     let (fitted, held) = (of(&fitted_views), of(&held_views));
 
-    let before = Before {
+    let room = Room { scene, light };
+    let prior = Prior {
         place_sd_m: options.place_sd_m,
         angle_sd_rad: ANGLE_SD_RAD,
         distortion_sd: DISTORTION_SD,
         lens: true,
         sensor: false,
     };
-    let (mut camera, placed) = placed_of(scene, &start, light, &fitted, &before)?;
-
+    let (mut camera, extrinsics) = extrinsics_of(room, &start, &fitted, &prior)?;
     let (compression, quality) = compression(&start, &fitted)?;
     camera.sensor.jpeg_quality = quality;
     if compression.known == Known::Undetermined {
@@ -197,11 +201,10 @@ pub fn tune_camera(
             format!("exposure, gain and read noise are found as if pictures {as_if}"),
         ));
     }
-    let reals = reals_of(scene, &camera, light, &fitted, &placed)?;
     let search = Search {
         settings: settings(&start),
-        camera: camera.clone(),
-        pictures: &reals,
+        pictures: &reals_of(room, &camera, &fitted, &extrinsics)?,
+        camera,
         seed: options.seed,
         budget: options.budget,
         tried: Cell::new(0),
@@ -209,28 +212,23 @@ pub fn tune_camera(
     };
     let found = search.run()?;
     // Now that brightness and blur are known, corners are found better, and then brightness and blur.
-    let known = Before {
+    let known = Prior {
         sensor: true,
-        ..before
+        ..prior
     };
-    let sighted = search.camera_at(&found.shares);
-    let (sighted, placed) = placed_of(scene, &sighted, light, &fitted, &known)?;
-    let reals = reals_of(scene, &sighted, light, &fitted, &placed)?;
+    let tuned = search.camera_at(&found.shares);
+    let (tuned, extrinsics) = extrinsics_of(room, &tuned, &fitted, &known)?;
     let search = Search {
-        camera: sighted,
-        pictures: &reals,
+        pictures: &reals_of(room, &tuned, &fitted, &extrinsics)?,
+        camera: tuned,
         ..search
     };
     let found = search.again(&found)?;
-    let sighted = search.camera_at(&found.shares);
+    let tuned = search.camera_at(&found.shares);
     if !found.is_ended {
-        warnings.push(Warning::new(
-            Code::Incomplete,
-            format!(
-                "the search had more to try when its budget of {} was spent",
-                options.budget
-            ),
-        ));
+        let budget = options.budget;
+        let what = format!("the search had more to try when its budget of {budget} was spent");
+        warnings.push(Warning::new(Code::Incomplete, what));
     }
     if let Some(progress) = progress {
         progress(Progress {
@@ -240,74 +238,79 @@ pub fn tune_camera(
             finishing: Some("looking for what is wrong of the lens"),
         });
     }
-    let pictures = (&fitted[..], &placed[..]);
-    let method = (options.seed, LEVEL);
-    let off = lens_off(scene, &sighted, light, pictures, &known, method)?;
+    let pictures = (&fitted[..], &extrinsics[..]);
+    let bias = lens_bias(room, &tuned, pictures, &known, (options.seed, LEVEL))?;
     let camera = Camera {
         name: "tuned".to_owned(),
         is_stand_in: false,
-        lens: corrected(&sighted.lens, &off),
-        ..sighted.clone()
+        lens: corrected(&tuned.lens, &bias),
+        ..tuned.clone()
     };
-    let mut all = lens_settings(&start.lens, &sighted.lens, pictures, &known, &off);
+    let mut all = lens_settings(&start.lens, &tuned.lens, pictures, &known, &bias);
     all.extend(sensor_settings(&search, &found, fitted_views.len()));
     all.push(compression);
-    let judge = |own: &[&Shot]| -> Result<Mismatch> {
-        let of = |camera: &Camera, sensor: bool| -> Result<(f64, f64)> {
-            let fixed = Before {
-                lens: false,
-                sensor,
-                ..before
-            };
-            let (camera, placed) = placed_of(scene, camera, light, own, &fixed)?;
-            let reals = reals_of(scene, &camera, light, own, &placed)?;
-            let rows = apart(&camera, &reals, options.seed, draws(&reals))?;
-            Ok((
-                mismatch(&rows, &found.scale),
-                miss_px(&camera.lens, &placed),
-            ))
-        };
-        let ((look_start, corners_start_px), (look_tuned, corners_tuned_px)) =
-            (of(&start, false)?, of(&camera, true)?);
-        Ok(Mismatch {
-            look_start,
-            look_tuned,
-            corners_start_px,
-            corners_tuned_px,
-        })
-    };
-    let named = |views: &[usize]| views.iter().map(|v| names[*v].to_owned()).collect();
     if shots.source == PictureSource::StandIn {
         warnings.push(Warning::new(
             Code::StandIn,
             "a simulated camera with other settings took the place of the real one",
         ));
     }
+    let judge =
+        |own: &[&Shot]| judged(room, [&start, &camera], own, &prior, (&found, options.seed));
+    let named = |views: &[usize]| views.iter().map(|v| names[*v].to_owned()).collect();
     let length = |off: &[f64]| off.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let offs = |from: usize| {
-        mean(
-            &placed
-                .iter()
-                .map(|p| length(&p.off[from..from + 3]))
-                .collect::<Vec<_>>(),
-        )
+    let offs = |from: usize| -> f64 {
+        let own = extrinsics.iter().map(|p| length(&p.off[from..from + 3]));
+        mean(&own.collect::<Vec<_>>())
     };
     Ok(TunedCamera {
         start: start.name.clone(),
         real: shots.source,
         settings: all,
         fitted: judge(&fitted)?,
-        held_out: if held.is_empty() {
-            None
-        } else {
-            Some(judge(&held)?)
+        held_out: match held.is_empty() {
+            true => None,
+            false => Some(judge(&held)?),
         },
         fitted_views: named(&fitted_views),
         held_out_views: named(&held_views),
         misplaced_m: offs(0),
         turned_rad: offs(3),
         warnings,
-        camera,
+        camera: camera.clone(),
+    })
+}
+
+/// How far simulated pictures are from some real ones, with the camera of before and with the tuned one; both look for where these
+/// pictures were taken.
+fn judged(
+    room: Room<'_>,
+    cameras: [&Camera; 2],
+    shots: &[&Shot],
+    prior: &Prior,
+    (found, seed): (&sensor::Found, u64),
+) -> Result<Mismatch> {
+    let of = |camera: &Camera, sensor: bool| -> Result<(f64, f64)> {
+        let fixed = Prior {
+            lens: false,
+            sensor,
+            ..*prior
+        };
+        let (camera, extrinsics) = extrinsics_of(room, camera, shots, &fixed)?;
+        let reals = reals_of(room, &camera, shots, &extrinsics)?;
+        let rows = apart(&camera, &reals, seed, draws(&reals))?;
+        Ok((
+            mismatch(&rows, &found.scale),
+            reprojection_error_px(&camera.lens, &extrinsics),
+        ))
+    };
+    let (look_start, corners_start_px) = of(cameras[0], false)?;
+    let (look_tuned, corners_tuned_px) = of(cameras[1], true)?;
+    Ok(Mismatch {
+        look_start,
+        look_tuned,
+        corners_start_px,
+        corners_tuned_px,
     })
 }
 
@@ -340,4 +343,78 @@ fn sensor_settings(search: &Search<'_>, found: &sensor::Found, views: usize) -> 
         }
     };
     search.settings.iter().enumerate().map(of).collect()
+}
+
+fn shown(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        size if size < 0.01 => format!("{value:.5}"),
+        size if size < 1.0 => format!("{value:.4}"),
+        size if size < 100.0 => format!("{value:.2}"),
+        _ => format!("{value:.0}"),
+    }
+}
+
+impl fmt::Display for Mismatch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "look {:.2}, now {:.2} (1: as views differ from each other); corners {:.2} px, now {:.2} px",
+            self.look_start, self.look_tuned, self.corners_start_px, self.corners_tuned_px
+        )
+    }
+}
+
+impl fmt::Display for TunedCamera {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let real = match self.real {
+            PictureSource::StandIn => "stand-ins in place of real pictures",
+            _ => "real pictures",
+        };
+        writeln!(
+            f,
+            "camera {} tuned to {real} of {}; 90 % intervals\n",
+            self.start,
+            counted(self.fitted_views.len(), "view")
+        )?;
+        let table = TextTable::of(
+            &self.settings,
+            &[
+                ("setting", Left, &|s| {
+                    format!("{} {}", s.name, s.unit).trim_end().to_owned()
+                }),
+                ("before", Right, &|s| shown(s.start)),
+                ("now", Right, &|s| shown(s.value)),
+                ("from", Right, &|s| shown(s.low)),
+                ("to", Right, &|s| shown(s.high)),
+                ("", Left, &|s| {
+                    match s.known {
+                        Known::Determined => "determined",
+                        Known::AtMost => "at most; less is not excluded",
+                        Known::AtLeast => "at least; more is not excluded",
+                        Known::Undetermined => "not determined by these pictures",
+                    }
+                    .to_owned()
+                }),
+            ],
+        );
+        writeln!(f, "{}", table.render(false))?;
+        writeln!(f, "fitted views: {}", self.fitted)?;
+        match &self.held_out {
+            Some(held_out) => {
+                writeln!(
+                    f,
+                    "held out ({}): {held_out}",
+                    self.held_out_views.join(", ")
+                )?;
+            }
+            None => writeln!(f, "held out: none")?,
+        }
+        write!(
+            f,
+            "cameras stood {:.1} mm and looked {:.2} degrees from where they should, on average",
+            1e3 * self.misplaced_m,
+            self.turned_rad.to_degrees()
+        )
+    }
 }

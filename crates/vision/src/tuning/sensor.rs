@@ -139,7 +139,7 @@ pub(super) struct Found {
     pub is_ended: bool,
 }
 
-/// Before anything is seen a setting is as likely as within this share of its range about the start (one standard deviation).
+/// Prior anything is seen a setting is as likely as within this share of its range about the start (one standard deviation).
 const BEFORE: f64 = 0.5;
 /// No number is known better than this, however alike all views are.
 const LEAST: f64 = 0.01;

@@ -5,15 +5,22 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 
 use super::CameraOptions;
+use super::correspondence::correspondences;
+use super::extrinsics::{Extrinsics, Prior, resect};
 use super::look::{Parts, look};
-use super::placing::{Before, Placed, place};
 use super::sensor::Real;
-use super::sighting::sightings;
 use crate::camera::{Camera, Light, Scene, luminance};
 use crate::{Grey, Picture, Shots};
 use realgap_core::error::{Error, Result};
 use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
+
+/// The room of the pictures, and how it was lit.
+#[derive(Clone, Copy)]
+pub(super) struct Room<'a> {
+    pub scene: &'a Scene,
+    pub light: &'a Light,
+}
 
 /// A real picture.
 pub(super) struct Shot {
@@ -121,20 +128,19 @@ pub(super) fn split(
 }
 
 /// Where pictures were taken, and with what lens, if that is asked for: from small pictures to large ones.
-pub(super) fn placed_of(
-    scene: &Scene,
+pub(super) fn extrinsics_of(
+    room: Room<'_>,
     start: &Camera,
-    light: &Light,
     shots: &[&Shot],
-    before: &Before,
-) -> Result<(Camera, Vec<Placed>)> {
+    prior: &Prior,
+) -> Result<(Camera, Vec<Extrinsics>)> {
     let mut camera = start.clone();
-    let mut placed: Vec<Placed> = shots
+    let mut extrinsics: Vec<Extrinsics> = shots
         .iter()
-        .map(|shot| Placed {
-            meant: scene.views[shot.view].pose,
+        .map(|shot| Extrinsics {
+            meant: room.scene.views[shot.view].pose,
             off: [0.0; 6],
-            sightings: Vec::new(),
+            correspondences: Vec::new(),
         })
         .collect();
     for (factor, reach) in SEARCHES {
@@ -143,22 +149,19 @@ pub(super) fn placed_of(
         }
         let seen: Vec<_> = shots
             .par_iter()
-            .zip(&placed)
+            .zip(&extrinsics)
             .map(|(shot, its)| {
-                let pose = its.pose();
-                let known = before.sensor;
-                sightings(
-                    scene,
-                    &camera,
-                    known,
-                    &pose,
-                    light,
+                let sensor = prior.sensor;
+                correspondences(
+                    room,
+                    (&camera, sensor),
+                    &its.pose(),
                     &shot.grey,
                     (factor, reach),
                 )
             })
             .collect::<Result<_>>()?;
-        for ((its, seen), shot) in placed.iter_mut().zip(seen).zip(shots) {
+        for ((its, seen), shot) in extrinsics.iter_mut().zip(seen).zip(shots) {
             if seen.len() < FEWEST_CORNERS {
                 return Err(Error::invalid("the scene is not found in the picture")
                     .at_file(&shot.path)
@@ -166,26 +169,25 @@ pub(super) fn placed_of(
                     .allowed(format!("{FEWEST_CORNERS} or more that look as in the scene"))
                     .hint("the view's place, the light and the scene have to be about right; `realgap picture` shows them"));
             }
-            its.sightings = seen;
+            its.correspondences = seen;
         }
-        camera.lens = place(&camera.lens, &mut placed, before);
+        camera.lens = resect(&camera.lens, &mut extrinsics, prior);
     }
-    Ok((camera, placed))
+    Ok((camera, extrinsics))
 }
 
 pub(super) fn reals_of(
-    scene: &Scene,
+    room: Room<'_>,
     camera: &Camera,
-    light: &Light,
     shots: &[&Shot],
-    placed: &[Placed],
+    extrinsics: &[Extrinsics],
 ) -> Result<Vec<Real>> {
     shots
         .par_iter()
-        .zip(placed)
+        .zip(extrinsics)
         .enumerate()
         .map(|(index, (shot, its))| {
-            let light = luminance(scene, camera, &its.pose(), light);
+            let light = luminance(room.scene, camera, &its.pose(), room.light);
             let parts = Parts::new(&light)?;
             Ok(Real {
                 found: look(&shot.picture, &parts),

@@ -64,8 +64,9 @@ pub fn read_mcap(bytes: &[u8], each: &mut dyn FnMut(&Message<'_>) -> Result<()>)
         };
         match kind {
             opcode::CHUNK => reader.chunk(content, at)?,
-            // What follows repeats what was said before.
-            opcode::DATA_END | opcode::FOOTER => return Ok(()),
+            // What stands before it repeats what was said; behind it comes the signature again, and nothing else.
+            opcode::FOOTER if octets.rest() == MAGIC => return Ok(()),
+            opcode::FOOTER => return Err(cut_off(at)),
             _ => reader.record(kind, content, at)?,
         }
     }
@@ -210,4 +211,37 @@ fn unpack(stream: impl Read, size: u64) -> Option<Vec<u8>> {
     let mut all = Vec::new();
     stream.take(size + 1).read_to_end(&mut all).ok()?;
     (all.len() as u64 == size).then_some(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::RngExt;
+
+    use super::read_mcap;
+    use crate::file::{McapWriter, Topic};
+    use crate::random::Once;
+
+    /// Seed of the places where the file is cut.
+    const SEED: u64 = 30;
+
+    #[test]
+    fn no_cut_of_a_file_reads_as_a_file() {
+        let mut writer = McapWriter::new(vec![Topic::Pose("/robot".to_owned())]);
+        for k in 0..200 {
+            writer.message(0, k, &serde_json::json!({ "message": k.to_string() }));
+        }
+        let bytes = writer.finish();
+        let mut count = 0;
+        let mut each = |_: &super::Message<'_>| {
+            count += 1;
+            Ok(())
+        };
+        read_mcap(&bytes, &mut each).unwrap();
+        assert_eq!(count, 200);
+        let mut rng = Once::Subset.generator(SEED);
+        let cuts = (0..200).map(|_| rng.random_range(0..bytes.len()));
+        for length in cuts.chain(bytes.len() - 20..bytes.len()) {
+            assert!(read_mcap(&bytes[..length], &mut |_| Ok(())).is_err());
+        }
+    }
 }

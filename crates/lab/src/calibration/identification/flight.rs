@@ -176,7 +176,7 @@ impl Body {
 /// The eight corners of a box in the tracked frame.
 fn corners(solid: &Solid, track_from_robot: &Isometry3<f64>) -> Vec<Vector3<f64>> {
     let pose = track_from_robot * solid.robot_from_solid;
-    let h = solid.half_extents_m;
+    let h = solid.half_extents_m();
     (0..8)
         .map(|corner| {
             let sign = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };

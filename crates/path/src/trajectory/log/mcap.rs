@@ -9,6 +9,7 @@ use crate::trajectory::format::{Format, Parsed, Rendered, beyond_poses, not_writ
 use crate::trajectory::{Reading, Trajectory};
 use realgap_core::error::Result;
 use realgap_core::file::{McapWriter, Topic, read_mcap, stamp};
+use realgap_core::stated;
 use realgap_core::warning::Warning;
 
 /// The files that ROS 2 and Foxglove record (<https://mcap.dev>).
@@ -42,16 +43,10 @@ pub(super) fn applied(reading: &Reading) -> Reading {
 }
 
 impl Format for Mcap {
-    fn name(&self) -> &'static str {
-        "mcap"
-    }
-
-    fn doc(&self) -> &'static str {
-        "MCAP: poses, odometry, transforms or a path among the messages of ROS 2 or Foxglove"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["mcap"]
+    stated! {
+        name: &'static str = "mcap";
+        doc: &'static str = "MCAP: poses, odometry, transforms or a path among the messages of ROS 2 or Foxglove";
+        extensions: &'static [&'static str] = &["mcap"];
     }
 
     fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<String> {

@@ -6,6 +6,7 @@ use crate::trajectory::csv::Csv;
 use crate::trajectory::format::{Format, Parsed, Rendered};
 use crate::trajectory::{Reading, Trajectory};
 use realgap_core::error::{Error, Result};
+use realgap_core::stated;
 use realgap_store::read_bag;
 
 /// The files that `ros2 bag record` writes with its storage `sqlite3`.
@@ -15,16 +16,10 @@ use realgap_store::read_bag;
 pub struct Rosbag;
 
 impl Format for Rosbag {
-    fn name(&self) -> &'static str {
-        "rosbag"
-    }
-
-    fn doc(&self) -> &'static str {
-        "a bag of ROS 2 in SQLite: poses, odometry, transforms or a path among its messages"
-    }
-
-    fn extensions(&self) -> &'static [&'static str] {
-        &["db3"]
+    stated! {
+        name: &'static str = "rosbag";
+        doc: &'static str = "a bag of ROS 2 in SQLite: poses, odometry, transforms or a path among its messages";
+        extensions: &'static [&'static str] = &["db3"];
     }
 
     fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<String> {

@@ -1,17 +1,15 @@
 //! Free space: a square law.
 
 use super::{Link, Parameter, Propagation, Terms};
+use realgap_core::stated;
 
 /// P(d₀) − 20 log₁₀(d/d₀): power falls with the square of the distance (Friis 1946).
 pub struct FreeSpace;
 
 impl Propagation for FreeSpace {
-    fn name(&self) -> &'static str {
-        "free-space"
-    }
-
-    fn formula(&self) -> &'static str {
-        "P(d0) - 20 log10(d/d0)"
+    stated! {
+        name: &'static str = "free-space";
+        formula: &'static str = "P(d0) - 20 log10(d/d0)";
     }
 
     fn parameters(&self, _materials: &[String]) -> Vec<Parameter> {

@@ -1,17 +1,15 @@
 //! Log-distance: a power law with an exponent of its own.
 
 use super::{Link, Parameter, Propagation, Terms};
+use realgap_core::stated;
 
 /// P(d₀) − 10 n log(d/d₀): equation 2 of paper 002 without walls.
 pub struct LogDistance;
 
 impl Propagation for LogDistance {
-    fn name(&self) -> &'static str {
-        "log-distance"
-    }
-
-    fn formula(&self) -> &'static str {
-        "P(d0) - 10 n log(d/d0)"
+    stated! {
+        name: &'static str = "log-distance";
+        formula: &'static str = "P(d0) - 10 n log(d/d0)";
     }
 
     fn parameters(&self, _materials: &[String]) -> Vec<Parameter> {

@@ -1,17 +1,15 @@
 //! Materials: a loss for each class of wall.
 
 use super::{Link, LogDistance, Parameter, Propagation, Terms};
+use realgap_core::stated;
 
 /// P(d₀) − 10 n log(d/d₀) − Σ WAF of the material of each of the first C walls.
 pub struct Materials;
 
 impl Propagation for Materials {
-    fn name(&self) -> &'static str {
-        "materials"
-    }
-
-    fn formula(&self) -> &'static str {
-        "P(d0) - 10 n log(d/d0) - sum of WAF[material] over the first C walls"
+    stated! {
+        name: &'static str = "materials";
+        formula: &'static str = "P(d0) - 10 n log(d/d0) - sum of WAF[material] over the first C walls";
     }
 
     fn parameters(&self, materials: &[String]) -> Vec<Parameter> {

@@ -12,8 +12,10 @@ pub use material::Materials;
 pub use thickness::Thickness;
 pub use wall::Walls;
 
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
 use super::link::Link;
-use realgap_core::error::Result;
+use realgap_core::error::{Error, Result};
 use realgap_core::file::look_up;
 
 /// Every model that a log is fitted with, simplest first.
@@ -88,6 +90,24 @@ pub trait Propagation: Sync {
     /// Whether it says something of walls.
     fn has_walls(&self) -> bool {
         false
+    }
+}
+
+impl PartialEq for dyn Propagation {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl Serialize for dyn Propagation {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for &'static dyn Propagation {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        propagation_by_name(&String::deserialize(deserializer)?).map_err(Error::through_serde)
     }
 }
 

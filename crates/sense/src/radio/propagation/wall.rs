@@ -1,17 +1,15 @@
 //! Walls: the same loss for each, up to a number.
 
 use super::{Link, LogDistance, Parameter, Propagation, Terms, counted_walls};
+use realgap_core::stated;
 
 /// P(d₀) − 10 n log(d/d₀) − min(nW, C) WAF: equation 2 of paper 002 (the RADAR model).
 pub struct Walls;
 
 impl Propagation for Walls {
-    fn name(&self) -> &'static str {
-        "walls"
-    }
-
-    fn formula(&self) -> &'static str {
-        "P(d0) - 10 n log(d/d0) - min(nW, C) WAF"
+    stated! {
+        name: &'static str = "walls";
+        formula: &'static str = "P(d0) - 10 n log(d/d0) - min(nW, C) WAF";
     }
 
     fn parameters(&self, materials: &[String]) -> Vec<Parameter> {

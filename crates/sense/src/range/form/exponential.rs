@@ -1,17 +1,15 @@
 //! An exponential of the distance.
 
 use super::{Form, Point, log_points, weighted_line};
+use realgap_core::stated;
 
 /// `factor · exp(rate · d)`.
 pub struct Exponential;
 
 impl Form for Exponential {
-    fn name(&self) -> &'static str {
-        "exponential"
-    }
-
-    fn formula(&self) -> &'static str {
-        "factor exp(rate d)"
+    stated! {
+        name: &'static str = "exponential";
+        formula: &'static str = "factor exp(rate d)";
     }
 
     fn parameters(&self, _: &[f64]) -> Vec<String> {

@@ -1,17 +1,15 @@
 //! A straight line.
 
 use super::{Form, Point, weighted_line};
+use realgap_core::stated;
 
 /// `intercept + slope · d`.
 pub struct Linear;
 
 impl Form for Linear {
-    fn name(&self) -> &'static str {
-        "linear"
-    }
-
-    fn formula(&self) -> &'static str {
-        "intercept + slope d"
+    stated! {
+        name: &'static str = "linear";
+        formula: &'static str = "intercept + slope d";
     }
 
     fn parameters(&self, _: &[f64]) -> Vec<String> {

@@ -6,6 +6,7 @@ mod power;
 mod table;
 
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use exponential::Exponential;
 pub use linear::Linear;
@@ -74,12 +75,34 @@ impl std::fmt::Debug for dyn Form {
     }
 }
 
+impl PartialEq for dyn Form {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl Serialize for dyn Form {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for &'static dyn Form {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        form_by_name(&String::deserialize(deserializer)?).map_err(Error::through_serde)
+    }
+}
+
 /// A form with its parameters.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
 pub struct Curve {
-    /// The form.
+    /// Form of the curve, by name; `realgap characterise --help` lists them.
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub form: &'static dyn Form,
-    /// Its knots; empty for a formula.
+    /// Distances between which its pieces lie, for forms made of pieces.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub knots: Vec<f64>,
     /// Its parameters.
     pub values: Vec<f64>,
@@ -91,7 +114,22 @@ impl Curve {
     /// # Errors
     /// Another number of parameters than the form has, values that are not finite, knots that do not increase.
     pub fn new(form: &'static dyn Form, knots: Vec<f64>, values: Vec<f64>) -> Result<Self> {
-        let names = form.parameters(&knots);
+        let curve = Self {
+            form,
+            knots,
+            values,
+        };
+        curve.check().map(|()| curve)
+    }
+
+    /// Checks that the parameters are those of the form, as [`Curve::new`] does.
+    pub(super) fn check(&self) -> Result<()> {
+        let Self {
+            form,
+            knots,
+            values,
+        } = self;
+        let names = form.parameters(knots);
         if names.len() != values.len() || names.is_empty() {
             return Err(
                 Error::invalid(format!("a {} form needs other values", form.name()))
@@ -103,7 +141,7 @@ impl Curve {
                     }),
             );
         }
-        if let Some(value) = values.iter().chain(&knots).find(|v| !v.is_finite()) {
+        if let Some(value) = values.iter().chain(knots).find(|v| !v.is_finite()) {
             return Err(Error::invalid("not a finite number")
                 .field("values")
                 .found(value));
@@ -111,11 +149,7 @@ impl Curve {
         if knots.windows(2).any(|pair| pair[0] >= pair[1]) {
             return Err(Error::invalid("the knots of a table must increase").field("knots"));
         }
-        Ok(Self {
-            form,
-            knots,
-            values,
-        })
+        Ok(())
     }
 
     /// The value at distance `d`, in the model's unit of length.
@@ -126,14 +160,6 @@ impl Curve {
     /// Its derivatives by the parameters.
     pub fn gradient(&self, d: f64) -> Vec<f64> {
         self.form.gradient(&self.knots, &self.values, d)
-    }
-}
-
-impl PartialEq for Curve {
-    fn eq(&self, other: &Self) -> bool {
-        self.form.name() == other.form.name()
-            && self.knots == other.knots
-            && self.values == other.values
     }
 }
 

@@ -1,17 +1,15 @@
 //! A power of the distance.
 
 use super::{Form, Point, log_points, weighted_line};
+use realgap_core::stated;
 
 /// `factor · d^exponent`: infrared sensors, whose light spreads.
 pub struct Power;
 
 impl Form for Power {
-    fn name(&self) -> &'static str {
-        "power"
-    }
-
-    fn formula(&self) -> &'static str {
-        "factor d^exponent"
+    stated! {
+        name: &'static str = "power";
+        formula: &'static str = "factor d^exponent";
     }
 
     fn parameters(&self, _: &[f64]) -> Vec<String> {

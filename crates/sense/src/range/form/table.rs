@@ -1,6 +1,7 @@
 //! Values at given distances, straight between them.
 
 use super::{Form, Point, least_squares};
+use realgap_core::stated;
 
 /// Values at knots, linear between two, constant beyond the ends: what fits where no formula does.
 pub struct Table;
@@ -25,12 +26,9 @@ impl Table {
 }
 
 impl Form for Table {
-    fn name(&self) -> &'static str {
-        "table"
-    }
-
-    fn formula(&self) -> &'static str {
-        "values at knots, linear between them"
+    stated! {
+        name: &'static str = "table";
+        formula: &'static str = "values at knots, linear between them";
     }
 
     fn knots(&self, distances: &[f64]) -> Vec<f64> {

@@ -1,0 +1,16 @@
+//! From an experiment to a run.
+
+mod arena;
+mod bodies;
+mod change;
+#[path = "../../../tests/common/shared.rs"]
+mod common;
+mod energy;
+mod export;
+mod noise_contract;
+mod parameter_contract;
+mod rest;
+mod scene;
+mod servo;
+mod simulation;
+mod vehicle;

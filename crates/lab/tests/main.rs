@@ -1,0 +1,19 @@
+//! Calibration, prediction and search, without the command line.
+
+mod basis;
+#[path = "../../../tests/common/shared.rs"]
+mod common;
+mod confidence;
+mod coverage;
+mod elbow;
+mod ensemble;
+mod gap;
+mod in_sample;
+mod jointed;
+mod model_error;
+mod noise;
+mod odds;
+mod recovery;
+mod servo;
+mod strategy_contract;
+mod toss;

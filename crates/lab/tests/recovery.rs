@@ -1,0 +1,65 @@
+//! The shipped stand-in was made from known floor values: the sweep must find them, and say what it cannot find.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use crate::common;
+
+use realgap_lab::calibration::{Definition, INTERVAL_LEVEL, Overrides, Study};
+use realgap_optimize::RunOptions;
+
+const FRICTION: f64 = 0.43;
+const RESTITUTION: f64 = 0.36;
+
+#[test]
+fn the_hidden_floor_lies_in_the_indistinguishable_set() {
+    // Every second point of the shipped grid; the hidden values are among them.
+    let overrides = Overrides {
+        points: Some(11),
+        ..Overrides::default()
+    };
+    let definition =
+        Definition::read(common::project().join("sweeps/tripod_self.ron"), &overrides).unwrap();
+    assert_eq!(definition.truth.value("floor.friction"), Some(FRICTION));
+    assert_eq!(
+        definition.truth.value("floor.restitution"),
+        Some(RESTITUTION)
+    );
+    let study = Study::new(definition).unwrap();
+    let result = study.sweep(&RunOptions::default()).unwrap();
+    let uncertainty = result.uncertainty.as_ref().unwrap();
+    let truth = result
+        .scores
+        .points
+        .iter()
+        .position(|point| point.values == [FRICTION, RESTITUTION])
+        .expect("the hidden values are points of the grid");
+    let best = &result.scores.points[result.scores.best.unwrap()];
+    assert!(
+        uncertainty.indistinguishable[truth],
+        "hidden values score {:?}, best {:?} at {:?}",
+        result.scores.points[truth].score, best.score, best.values
+    );
+    // The set says something: it is not simply everything.
+    let size = uncertainty
+        .indistinguishable
+        .iter()
+        .filter(|is_in| **is_in)
+        .count();
+    assert!(size < 25, "{size} of 121");
+    // Friction is found to within a step of this coarse grid, by an interval that holds it and is a third of the range at
+    // most; restitution is honestly not determined.
+    assert!(
+        (best.values[0] - FRICTION).abs() <= 0.095 + 1e-12,
+        "{:?}",
+        best.values
+    );
+    let draws = result.draws.as_ref().unwrap();
+    let (low, high) = draws.interval(0, INTERVAL_LEVEL);
+    assert!(
+        low <= FRICTION && FRICTION <= high && high - low < 0.32,
+        "{low} to {high}"
+    );
+    let verdicts = &result.report.verdicts;
+    assert!(verdicts[0].identified, "{}", verdicts[0].text);
+    assert!(!verdicts[1].identified, "{}", verdicts[1].text);
+    assert!(verdicts[1].text.contains("not determined"));
+}

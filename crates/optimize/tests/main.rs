@@ -1,0 +1,3 @@
+//! What every optimizer must do.
+
+mod contract;

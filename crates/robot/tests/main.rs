@@ -1,0 +1,7 @@
+//! Robots: bodies, genomes, import.
+
+#[path = "../../../tests/common/shared.rs"]
+mod common;
+mod genome;
+mod import;
+mod morphology;

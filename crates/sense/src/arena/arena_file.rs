@@ -1,0 +1,294 @@
+//! The RON form of an arena.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::{Anchor, Arena, Boundary, Object, Shape};
+use realgap_core::error::{Error, Result};
+use realgap_core::file::{Source, parse_ron};
+
+/// An arena as its file states it.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Arena")]
+pub struct ArenaFile {
+    /// Its name.
+    name: String,
+    /// Width and depth of the field, from (0, 0), metres.
+    size_m: [f64; 2],
+    /// Whether there are walls around the field.
+    boundary: Boundary,
+    /// Corners of a closed wall around rooms, the last the first again.
+    #[serde(default)]
+    outline_m: Vec<[f64; 2]>,
+    /// Thickness of that wall, metres.
+    #[serde(default = "thin")]
+    outline_thickness_m: f64,
+    /// Straight walls.
+    #[serde(default)]
+    walls: Vec<WallFile>,
+    /// Boxes.
+    #[serde(default)]
+    boxes: Vec<BoxFile>,
+    /// Round things.
+    #[serde(default)]
+    circles: Vec<CircleFile>,
+    /// Radio stations.
+    #[serde(default)]
+    anchors: Vec<Anchor>,
+    /// Where robots start; else nowhere in particular.
+    start: Option<StartFile>,
+}
+
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Wall")]
+struct WallFile {
+    /// One end, metres.
+    from_m: [f64; 2],
+    /// The other end, metres.
+    to_m: [f64; 2],
+    /// Thickness, metres.
+    #[serde(default = "thin")]
+    thickness_m: f64,
+    /// What it is made of; radio models may have a loss for each material.
+    #[serde(default)]
+    material: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Box")]
+struct BoxFile {
+    /// Centre, metres.
+    centre_m: [f64; 2],
+    /// Half of its sides, metres.
+    half_m: [f64; 2],
+    /// Turn to the left, degrees.
+    #[serde(default)]
+    turn_deg: f64,
+    /// What it is made of.
+    #[serde(default)]
+    material: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Circle")]
+struct CircleFile {
+    /// Centre, metres.
+    centre_m: [f64; 2],
+    /// Radius, metres.
+    radius_m: f64,
+    /// What it is made of.
+    #[serde(default)]
+    material: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Start")]
+struct StartFile {
+    /// Place to the right, metres.
+    x_m: f64,
+    /// Place up, metres.
+    y_m: f64,
+    /// Heading from the x axis to the left, degrees.
+    #[serde(default)]
+    heading_deg: f64,
+}
+
+fn thin() -> f64 {
+    0.01
+}
+
+/// Largest field, metres, and most objects.
+const LARGEST_M: f64 = 1e4;
+const MOST: usize = 10_000;
+/// An outline is closed where it ends this near to where it began, metres.
+const CLOSED_M: f64 = 1e-6;
+
+impl Arena {
+    /// Reads an arena.
+    ///
+    /// # Errors
+    /// A missing file, anything that is not an arena, sizes that are not positive, walls that do not close, a start in a wall.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        Self::parse(&Source::read(path, "arena")?)
+    }
+
+    /// The arena in a text.
+    ///
+    /// # Errors
+    /// As [`Arena::read`].
+    pub fn parse(source: &Source) -> Result<Self> {
+        let file: ArenaFile = parse_ron(source)?;
+        let arena = Self {
+            objects: file.objects().map_err(|e| source.at_field(e))?,
+            name: file.name,
+            size_m: file.size_m,
+            boundary: file.boundary,
+            anchors: file.anchors,
+            start: file
+                .start
+                .map(|s| [s.x_m, s.y_m, s.heading_deg.to_radians()]),
+        };
+        for (index, anchor) in arena.anchors.iter().enumerate() {
+            anchor
+                .check(&arena.anchors[..index])
+                .map_err(|e| source.at(&format!("anchors[{index}]"), e))?;
+        }
+        if let Some([x, y, heading]) = arena.start {
+            if !heading.is_finite() {
+                let error = wrong("start", "not a heading", heading, "a finite number");
+                return Err(source.at_field(error));
+            }
+            arena
+                .check_place([x, y], 0.0)
+                .map_err(|e| source.at("start", e))?;
+        }
+        Ok(arena)
+    }
+}
+
+fn wrong(field: &str, message: &str, found: impl std::fmt::Display, allowed: &str) -> Error {
+    Error::invalid(message)
+        .field(field)
+        .found(found)
+        .allowed(allowed)
+}
+
+impl ArenaFile {
+    /// Everything that stands in it.
+    fn objects(&self) -> Result<Vec<Object>> {
+        if !self.size_m.iter().all(|s| *s > 0.0 && *s <= LARGEST_M) {
+            return Err(wrong(
+                "size_m",
+                "not a size of a field",
+                format!("{:?}", self.size_m),
+                "above 0 m, at most 10 km",
+            ));
+        }
+        let mut objects = Vec::new();
+        if self.boundary == Boundary::Solid {
+            objects.extend(around(self.size_m));
+        }
+        for (index, pair) in self.outline_m.windows(2).enumerate() {
+            let wall = wall(pair[0], pair[1], self.outline_thickness_m, "");
+            objects.push(wall.ok_or_else(|| {
+                wrong(
+                    &format!("outline_m[{index}]"),
+                    "not a wall",
+                    format!("{:?} to {:?}", pair[0], pair[1]),
+                    "two different corners and a thickness above 0",
+                )
+            })?);
+        }
+        if let (Some(first), Some(last)) = (self.outline_m.first(), self.outline_m.last())
+            && (self.outline_m.len() < 4
+                || (first[0] - last[0]).hypot(first[1] - last[1]) > CLOSED_M)
+        {
+            return Err(wrong(
+                "outline_m",
+                "the walls do not close",
+                format!("from {first:?} to {last:?}"),
+                "three or more corners, the last entry the first again",
+            ));
+        }
+        for (index, w) in self.walls.iter().enumerate() {
+            let built = wall(w.from_m, w.to_m, w.thickness_m, &w.material);
+            objects.push(built.ok_or_else(|| {
+                wrong(
+                    &format!("walls[{index}]"),
+                    "not a wall",
+                    format!("{:?} to {:?}", w.from_m, w.to_m),
+                    "two different ends and a thickness above 0",
+                )
+            })?);
+        }
+        for (index, b) in self.boxes.iter().enumerate() {
+            let (sin, cos) = b.turn_deg.to_radians().sin_cos();
+            let shape = Shape::Box {
+                half_m: b.half_m,
+                turn: [cos, sin],
+            };
+            objects.push(solid(b.centre_m, shape, &b.material).ok_or_else(|| {
+                wrong(
+                    &format!("boxes[{index}]"),
+                    "not a box",
+                    format!("half {:?} m at {:?} m", b.half_m, b.centre_m),
+                    "halves above 0 m at a finite place",
+                )
+            })?);
+        }
+        for (index, c) in self.circles.iter().enumerate() {
+            let shape = Shape::Circle {
+                radius_m: c.radius_m,
+            };
+            objects.push(solid(c.centre_m, shape, &c.material).ok_or_else(|| {
+                wrong(
+                    &format!("circles[{index}]"),
+                    "not a circle",
+                    format!("radius {} m at {:?} m", c.radius_m, c.centre_m),
+                    "a radius above 0 m at a finite place",
+                )
+            })?);
+        }
+        if objects.len() > MOST {
+            let allowed = format!("at most {MOST}");
+            let error = Error::invalid("too many objects").found(objects.len());
+            return Err(error.allowed(allowed));
+        }
+        Ok(objects)
+    }
+}
+
+/// An object of a size above 0 at a finite place.
+fn solid(centre_m: [f64; 2], shape: Shape, material: &str) -> Option<Object> {
+    let is_size = |size: f64| size > 0.0 && size.is_finite();
+    let is_sound = match shape {
+        Shape::Box {
+            half_m: [x, y],
+            turn,
+        } => is_size(x) && is_size(y) && turn[0].is_finite(),
+        Shape::Circle { radius_m } => is_size(radius_m),
+    };
+    (is_sound && centre_m.iter().all(|v| v.is_finite())).then(|| Object {
+        centre_m,
+        shape,
+        material: material.to_owned(),
+    })
+}
+
+/// A straight wall as a turned box.
+fn wall(from: [f64; 2], to: [f64; 2], thickness_m: f64, material: &str) -> Option<Object> {
+    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+    let length = dx.hypot(dy);
+    let shape = Shape::Box {
+        half_m: [0.5 * length, 0.5 * thickness_m],
+        turn: [dx / length, dy / length],
+    };
+    let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];
+    solid(middle, shape, material)
+}
+
+/// Four walls just outside of the field.
+fn around([x, y]: [f64; 2]) -> impl Iterator<Item = Object> {
+    let t = thin();
+    [
+        ([0.5 * x, -0.5 * t], [0.5 * x + t, 0.5 * t]),
+        ([0.5 * x, y + 0.5 * t], [0.5 * x + t, 0.5 * t]),
+        ([-0.5 * t, 0.5 * y], [0.5 * t, 0.5 * y + t]),
+        ([x + 0.5 * t, 0.5 * y], [0.5 * t, 0.5 * y + t]),
+    ]
+    .into_iter()
+    .map(|(centre_m, half_m)| Object {
+        centre_m,
+        shape: Shape::Box {
+            half_m,
+            turn: [1.0, 0.0],
+        },
+        material: String::new(),
+    })
+}

@@ -1,0 +1,187 @@
+//! A characterisation in words.
+
+use std::fmt;
+
+use super::super::form::form_by_name;
+use super::{Candidate, Characterisation, DistanceReport, Value};
+use realgap_core::statistics::Proportion;
+use realgap_core::table::Side::{Left, Right};
+use realgap_core::table::{Column, TextTable};
+use realgap_core::unit::number;
+
+/// Most rows of the table of distances; a log of thousands of different distances has its own file.
+const MOST_ROWS: usize = 60;
+
+/// Five significant digits.
+fn digits(value: f64) -> String {
+    if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
+        return format!("{value:.4e}");
+    }
+    let before = if value == 0.0 {
+        0
+    } else {
+        value.abs().log10().floor() as i32
+    };
+    format!("{value:.*}", (4 - before).clamp(0, 8) as usize)
+}
+
+fn values(f: &mut fmt::Formatter<'_>, what: &str, form: &str, values: &[Value]) -> fmt::Result {
+    let formula = form_by_name(form).map_or("", |form| form.formula());
+    writeln!(f, "{what}: {form}, {formula}")?;
+    let table = TextTable::of(
+        values,
+        &[
+            ("  parameter", Left, &|v| format!("  {}", v.name)),
+            ("value", Right, &|v| digits(v.value)),
+            ("95 % interval", Left, &|v| {
+                format!("{} to {}", digits(v.low), digits(v.high))
+            }),
+            ("standard error", Right, &|v| number(v.standard_error)),
+        ],
+    );
+    f.write_str(&table.render(false))
+}
+
+fn share(p: &Proportion) -> String {
+    format!(
+        "{} of {} ({:.2} %, 95 % interval {:.2} to {:.2} %)",
+        p.count,
+        p.trials,
+        100.0 * p.share,
+        100.0 * p.low,
+        100.0 * p.high
+    )
+}
+
+impl fmt::Display for Characterisation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let length = self.model.distance_unit.symbol();
+        let reading = match self.model.reading_unit.symbol() {
+            "" => "the sensor's own unit".to_owned(),
+            symbol => symbol.to_owned(),
+        };
+        writeln!(
+            f,
+            "{} readings at {} to {} {length}, in {reading}",
+            self.dropouts.trials, self.model.range.0, self.model.range.1
+        )?;
+        writeln!(f)?;
+        values(f, "mean", self.mean_form, &self.mean)?;
+        values(f, "spread", self.spread_form, &self.spread)?;
+        writeln!(f, "never came: {}", share(&self.dropouts))?;
+        writeln!(f, "nonsense:   {}", share(&self.outliers))?;
+        match self.lack_of_fit_p {
+            Some(p) => writeln!(
+                f,
+                "misses the mean readings by chance alone with p = {p:.3}"
+            )?,
+            None => writeln!(f, "too few readings a distance to test the form")?,
+        }
+        if self.normality.tested > 0 {
+            writeln!(
+                f,
+                "normal: rejected at {} of {} distances at 5 % (smallest p, adjusted: {:.3})",
+                self.normality.rejected, self.normality.tested, self.normality.adjusted_p
+            )?;
+        }
+        self.write_candidates(f)?;
+        self.write_sample_size(f)?;
+        writeln!(f)?;
+        self.write_distances(f)
+    }
+}
+
+impl Characterisation {
+    fn write_candidates(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.candidates.is_empty() {
+            return Ok(());
+        }
+        writeln!(
+            f,
+            "\nforms, by the log density of readings at distances that were left out"
+        )?;
+        let behind = |c: &Candidate| c.behind.unwrap_or(f64::INFINITY);
+        let mut order = self.candidates.clone();
+        order.sort_by(|a, b| behind(a).total_cmp(&behind(b)));
+        let of = |v: Option<f64>| v.map_or("cannot be".to_owned(), |v| format!("{v:.4}"));
+        let table = TextTable::of(
+            &order,
+            &[
+                ("  mean", Left, &|c| format!("  {}", c.mean)),
+                ("spread", Left, &|c| c.spread.to_owned()),
+                ("parameters", Right, &|c| c.parameters.to_string()),
+                ("a reading", Right, &|c| of(c.log_score)),
+                ("behind", Right, &|c| of(c.behind)),
+                ("± standard error", Left, &|c| {
+                    of(c.behind_error) + if c.is_chosen { "  chosen" } else { "" }
+                }),
+            ],
+        );
+        f.write_str(&table.render(false))
+    }
+
+    fn write_sample_size(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(size) = &self.sample_size else {
+            return Ok(());
+        };
+        writeln!(
+            f,
+            "\nhow many readings are enough ({} at {}, bins of {}): the histogram changes by less than {:.1} % from {} readings on, which know the spread to {:.1} %",
+            size.readings,
+            size.distance,
+            number(size.bin),
+            100.0 * size.tolerance,
+            size.enough,
+            100.0 * size.spread_error
+        )?;
+        let table = TextTable::of(
+            &size.steps,
+            &[
+                ("  readings", Right, &|s| s.readings.to_string()),
+                ("in another bin", Right, &|s| {
+                    format!("{:.1} %", 100.0 * s.change)
+                }),
+            ],
+        );
+        f.write_str(&table.render(false))
+    }
+
+    fn write_distances(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let has_angles = self
+            .distances
+            .iter()
+            .any(|d| d.incidence_deg != 0.0 || d.offset_deg != 0.0);
+        let none = || "–".to_owned();
+        let angles: [Column<'_, DistanceReport>; 2] = [
+            ("incidence", Right, &|d| d.incidence_deg.to_string()),
+            ("offset", Right, &|d| d.offset_deg.to_string()),
+        ];
+        let mut columns: Vec<Column<'_, DistanceReport>> =
+            vec![("  distance", Right, &|d| d.distance.to_string())];
+        columns.extend(angles.into_iter().filter(|_| has_angles));
+        let numbers: [Column<'_, DistanceReport>; 8] = [
+            ("readings", Right, &|d| d.readings.to_string()),
+            ("mean", Right, &|d| d.mean.map_or_else(none, digits)),
+            ("off the model", Right, &|d| {
+                d.residual.map_or_else(none, |r| format!("{r:+.3e}"))
+            }),
+            ("sd", Right, &|d| d.sd.map_or_else(none, digits)),
+            ("sd / model", Right, &|d| {
+                d.sd_ratio.map_or_else(none, |r| format!("{r:.3}"))
+            }),
+            ("normal p", Right, &|d| {
+                d.normality_p.map_or_else(none, |p| format!("{p:.3}"))
+            }),
+            ("nonsense", Right, &|d| d.outliers.to_string()),
+            ("never came", Right, &|d| d.dropouts.to_string()),
+        ];
+        columns.extend(numbers);
+        let table = TextTable::of(self.distances.iter().take(MOST_ROWS), &columns);
+        let text = table.render(false);
+        f.write_str(text.trim_end())?;
+        if self.distances.len() > MOST_ROWS {
+            write!(f, "\n  and {} more", self.distances.len() - MOST_ROWS)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,4 @@
+//! What is kept, and what damages it.
+
+mod damage;
+mod finished;

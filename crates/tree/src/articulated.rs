@@ -1,0 +1,163 @@
+//! The articulated-body algorithm on the level of velocities and impulses (Featherstone 2008, chapter 7).
+//!
+//! Instead of a mass matrix every body has its articulated inertia and its response J M⁻¹ Jᵀ, six by six: together they say all
+//! that contacts need, in a time proportional to the number of bodies.
+
+use parry3d_f64::math::Vec3;
+
+use crate::forest::{Body, Forest, Freedom, Tree};
+use crate::kinematics::Node;
+use crate::spatial::{Spatial, Symmetric};
+
+/// Articulated inertias from the leaves inwards (equations 7.33 to 7.43), then responses from the root outwards.
+///
+/// `stiff` is what a joint adds to the inertia about its axis: rotor, and what resists implicitly (dampers, springs, servos).
+/// False where a joint or a root has no inertia.
+pub(crate) fn factor(forest: &Forest, nodes: &mut [Node], stiff: &[f64]) -> bool {
+    for (body, node) in forest.bodies.iter().zip(nodes.iter_mut()) {
+        node.articulated = Symmetric::rigid(body.mass_kg, node.arm_m, &node.inertia_world);
+    }
+    let mut sound = true;
+    for index in (0..nodes.len()).rev() {
+        let body = &forest.bodies[index];
+        let (above, below) = nodes.split_at_mut(index);
+        let node = &mut below[0];
+        match body.freedom {
+            Freedom::Mounted => node.response = Symmetric::ZERO,
+            Freedom::Free => {
+                let inverse = node.articulated.inverse();
+                sound &= inverse.is_some();
+                node.response = inverse.unwrap_or(Symmetric::ZERO);
+            }
+            Freedom::Turning | Freedom::Sliding => {
+                let u = node.articulated.times(&node.axis);
+                let d = node.axis.dot(&u) + stiff[index];
+                sound &= d > 0.0;
+                node.inverse_d = 1.0 / d;
+                node.lean = u * node.inverse_d;
+                let parent = &mut above[body.parent];
+                parent.articulated.add(&node.articulated);
+                parent.articulated.add_outer(&u, &-node.lean);
+            }
+        }
+    }
+    for index in 0..nodes.len() {
+        let body = &forest.bodies[index];
+        if body.is_root() {
+            continue;
+        }
+        let (above, below) = nodes.split_at_mut(index);
+        let (parent, node) = (&above[body.parent], &mut below[0]);
+        respond(parent, node);
+    }
+    sound
+}
+
+/// Λ = Lᵀ Λ_parent L + S Sᵀ / D, where L = 1 − (U / D) Sᵀ is what a parent feels of an impulse on its child.
+fn respond(parent: &Node, node: &mut Node) {
+    node.recoil = parent.response.times(&node.lean);
+    node.give = node.inverse_d + node.lean.dot(&node.recoil);
+    let (axis, half) = (node.axis, node.axis * (0.5 * node.give) - node.recoil);
+    node.response = parent.response;
+    node.response.add_outer(&axis, &half);
+    node.response.add_outer(&half, &axis);
+}
+
+/// Velocities after a step of `time_s` in which only what stands in `impulse` and `effort` acts besides gravity.
+///
+/// Velocity products are taken in the middle of the step, at the mean of the velocities before and after (a predictor and a
+/// corrector): taken at its beginning they let a pendulum's energy grow in proportion to the step.
+pub(crate) fn free_velocities(
+    tree: &Tree,
+    forest: &Forest,
+    nodes: &mut [Node],
+    time_s: f64,
+    given: &[Spatial],
+) {
+    let bodies = &forest.bodies[tree.root..tree.end];
+    for half in [0.0, 0.5] {
+        velocity_products(tree, bodies, nodes, time_s, half, given);
+        gather(tree, bodies, nodes);
+        spread(tree, bodies, nodes);
+    }
+    for (index, body) in (tree.root..tree.end).zip(bodies) {
+        let (above, below) = nodes.split_at_mut(index);
+        let node = &mut below[0];
+        if body.is_root() {
+            node.velocity += node.change;
+        } else {
+            node.speed += node.speed_change;
+            node.velocity = above[body.parent].velocity;
+            node.velocity.add_scaled(&node.axis, node.speed);
+        }
+    }
+}
+
+/// Impulse on every body: what is given, minus velocity products v ×* I v (equation 7.29), and the drift of its axis.
+///
+/// Seen from a frame that moves along with the root: neither knows of the speed at which all fly together.
+fn velocity_products(
+    tree: &Tree,
+    bodies: &[Body],
+    nodes: &mut [Node],
+    time_s: f64,
+    half: f64,
+    given: &[Spatial],
+) {
+    for (index, body) in (tree.root..tree.end).zip(bodies) {
+        let (above, below) = nodes.split_at_mut(index);
+        let node = &mut below[0];
+        if body.is_root() {
+            let turning = node.velocity.angular() + node.change.angular() * half;
+            node.relative = Spatial::new(turning, Vec3::ZERO);
+            node.drift = Spatial::ZERO;
+        } else {
+            let own = node.axis * (node.speed + node.speed_change * half);
+            node.relative = above[body.parent].relative + own;
+            node.drift = node.relative.cross_motion(&own) * time_s;
+        }
+        let (w, v) = (node.relative.angular(), node.relative.linear());
+        let momentum = (v + w.cross(node.arm_m)) * body.mass_kg;
+        let angular = node.inertia_world * w + node.arm_m.cross(momentum);
+        let products = Spatial::new(w.cross(angular) + v.cross(momentum), w.cross(momentum));
+        node.impulse = given[index];
+        node.impulse.add_scaled(&products, -time_s);
+    }
+}
+
+/// Impulses and efforts from the leaves inwards; leaves in `speed_change` what is left for the joint.
+fn gather(tree: &Tree, bodies: &[Body], nodes: &mut [Node]) {
+    for (index, body) in (tree.root..tree.end).zip(bodies).rev() {
+        if body.is_root() {
+            continue;
+        }
+        let (above, below) = nodes.split_at_mut(index);
+        let node = &mut below[0];
+        let left = node.effort + node.axis.dot(&node.impulse);
+        let dragged = node.articulated.times(&node.drift);
+        node.speed_change = left;
+        let mut passed = node.impulse - dragged;
+        passed.add_scaled(&node.lean, node.axis.dot(&dragged) - left);
+        above[body.parent].impulse += passed;
+    }
+}
+
+/// Changes of velocity from the root outwards.
+fn spread(tree: &Tree, bodies: &[Body], nodes: &mut [Node]) {
+    for (index, body) in (tree.root..tree.end).zip(bodies) {
+        let (above, below) = nodes.split_at_mut(index);
+        let node = &mut below[0];
+        if body.is_root() {
+            node.change = node.response.times(&node.impulse);
+            continue;
+        }
+        node.change = above[body.parent].change + node.drift;
+        node.speed_change = node.speed_change * node.inverse_d - node.lean.dot(&node.change);
+        node.change.add_scaled(&node.axis, node.speed_change);
+    }
+}
+
+/// Acceleration of gravity as an impulse over a time.
+pub(crate) fn weight(body: &Body, node: &Node, gravity_world_m_s2: Vec3, time_s: f64) -> Spatial {
+    Spatial::at(node.arm_m, gravity_world_m_s2 * (body.mass_kg * time_s))
+}

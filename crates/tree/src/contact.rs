@@ -1,0 +1,282 @@
+//! Contact rows: a soft normal with restitution, and friction within Coulomb's cone, opposite to slip.
+
+use parry3d_f64::math::Vec3;
+
+use crate::collision::{Memory, Touch};
+use crate::forest::{Forest, NONE};
+use crate::kinematics::Node;
+use crate::model::Settings;
+use crate::spatial::Spatial;
+
+/// Spring and damper as an implicit step sees them (Catto 2011, "Soft constraints").
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Softness {
+    /// Speed that undoes a depth, 1/s.
+    recovery_1_s: f64,
+    /// How much the row gives, as a share of its inverse mass.
+    pub slack: f64,
+    time_s: f64,
+}
+
+impl Softness {
+    pub fn new(settings: &Settings, time_s: f64) -> Self {
+        let omega = std::f64::consts::TAU * settings.contact_frequency_hz;
+        let implicit = time_s * omega + 2.0 * settings.contact_damping_ratio;
+        Self {
+            recovery_1_s: omega / implicit,
+            slack: 1.0 / (time_s * omega * implicit),
+            time_s,
+        }
+    }
+
+    /// Least speed apart at this distance: above the surface, what just touches it at the end of the step.
+    pub fn wanted_speed(&self, distance: f64) -> f64 {
+        if distance > 0.0 {
+            -distance / self.time_s
+        } else {
+            -distance * self.recovery_1_s
+        }
+    }
+}
+
+/// The rows of a contact as one body sees them: along the normal and two tangents.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Side {
+    /// Reads the velocity of the point.
+    pub reads: [Spatial; 3],
+    /// Change of the body's velocity per impulse of the pair.
+    pub gives: [Spatial; 3],
+}
+
+/// A contact point.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Point {
+    pub a: Side,
+    /// Index of the other body's side; [`NONE`] against a fixture.
+    pub b: usize,
+    pub basis: [Vec3; 3],
+    pub arm_b: Vec3,
+    /// Velocity of the fixture, in the basis.
+    led: [f64; 3],
+    /// Inverse masses: normal, and the block of the tangents.
+    normal_k: f64,
+    tangent_k: [f64; 3],
+    wanted: f64,
+    slack: f64,
+    friction: f64,
+    pub impulse: [f64; 3],
+    pub memory: Memory,
+    pub touch: usize,
+}
+
+/// Contacts between the same two bodies, solved one after the other.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Group {
+    pub a: usize,
+    pub b: usize,
+    /// Where their paths meet; [`NONE`] for different trees.
+    pub meeting: usize,
+    pub first: usize,
+    pub end: usize,
+    /// The next group of the same meeting; [`NONE`] after the last.
+    pub next: usize,
+}
+
+/// What a row needs to know about the step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Step {
+    pub time_s: f64,
+    pub gravity_world_m_s2: Vec3,
+    pub softness: Softness,
+}
+
+/// Two tangents of a normal (Duff et al. 2017).
+fn basis(normal: Vec3) -> [Vec3; 3] {
+    let n = normal;
+    let sign = 1.0_f64.copysign(n.z);
+    let a = -1.0 / (sign + n.z);
+    let b = n.x * n.y * a;
+    [
+        n,
+        Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
+        Vec3::new(b, sign + n.y * n.y * a, -n.y),
+    ]
+}
+
+impl Point {
+    /// Rows without what bodies give; returns whether it is an impact.
+    pub fn new(touch: &Touch, index: usize, forest: &Forest, nodes: &[Node], step: &Step) -> (Self, bool) {
+        let basis = basis(touch.normal_world);
+        let node = &nodes[touch.a];
+        let arm_a = touch.point_world_m - node.reference_world_m;
+        let mut point = Self {
+            a: Side::default(),
+            b: NONE,
+            basis,
+            arm_b: Vec3::ZERO,
+            led: basis.map(|axis| touch.led_world_m_s.dot(axis)),
+            normal_k: 0.0,
+            tangent_k: [0.0; 3],
+            wanted: step.softness.wanted_speed(touch.distance_m),
+            slack: step.softness.slack,
+            friction: touch.friction,
+            impulse: basis.map(|axis| touch.impulse_world_n_s.dot(axis)),
+            memory: touch.memory,
+            touch: index,
+        };
+        point.impulse[0] = point.impulse[0].max(0.0);
+        point.a.reads = basis.map(|axis| Spatial::at(arm_a, axis));
+        let mut approach = point.led[0] - point.a.reads[0].dot(&node.velocity);
+        let mut pull = -basis[0].dot(step.gravity_world_m_s2);
+        if touch.b != NONE {
+            let other = &nodes[touch.b];
+            point.arm_b = touch.point_world_m - other.reference_world_m;
+            approach += other.velocity.velocity_at(point.arm_b).dot(basis[0]);
+            if forest.bodies[forest.bodies[touch.b].root].freedom != crate::forest::Freedom::Mounted {
+                pull = 0.0;
+            }
+        }
+        let impact = point.bounce(touch, approach, pull, step);
+        (point, impact)
+    }
+
+    /// Restitution (Newton's), where the surfaces meet within the step faster than gravity makes them in four.
+    ///
+    /// The rows turn the velocity round at a distance above the surface. So they aim at the speed that a body has there which has
+    /// fallen on, bounced and risen again; velocities belong to the middle of a step.
+    fn bounce(&mut self, touch: &Touch, approach: f64, pull: f64, step: &Step) -> bool {
+        let h = step.time_s;
+        let threshold = (4.0 * h * step.gravity_world_m_s2.length()).max(1e-6);
+        let now = approach + 0.5 * h * pull;
+        if now < threshold || touch.distance_m > h * (approach + h * pull) {
+            return false;
+        }
+        if touch.restitution > 0.0 {
+            let gained = 2.0 * pull * touch.distance_m;
+            let leaves = touch.restitution.powi(2) * (now * now + gained) - gained;
+            if leaves > 0.0 {
+                self.wanted = leaves.sqrt() - 0.5 * h * pull;
+            }
+        }
+        // An impact is hard.
+        self.slack = 0.0;
+        true
+    }
+
+    /// Completes the rows once it is known what both bodies give.
+    pub fn weigh(&mut self, other: Option<&Side>) {
+        let mut k = [[0.0; 3]; 3];
+        for (i, row) in k.iter_mut().enumerate() {
+            for (j, value) in row.iter_mut().enumerate().take(i + 1) {
+                *value = self.a.reads[i].dot(&self.a.gives[j]);
+                if let Some(b) = other {
+                    *value += b.reads[i].dot(&b.gives[j]);
+                }
+            }
+        }
+        self.normal_k = k[0][0];
+        self.tangent_k = [k[1][1], k[2][1], k[2][2]];
+        self.slack *= self.normal_k;
+    }
+
+    /// The impulse on the first body.
+    pub fn impulse_world(&self) -> Vec3 {
+        let [n, t, s] = self.basis;
+        n * self.impulse[0] + t * self.impulse[1] + s * self.impulse[2]
+    }
+
+    /// One visit of a sweep; changes the velocities and returns the change of the impulse.
+    #[inline]
+    pub fn solve(&mut self, a: &mut Spatial, mut b: Option<(&Side, &mut Spatial)>) -> [f64; 3] {
+        let reads = |point: &Self, i: usize, a: &Spatial, b: &Option<(&Side, &mut Spatial)>| {
+            let mut speed = point.a.reads[i].dot(a) - point.led[i];
+            if let Some((side, velocity)) = b {
+                speed += side.reads[i].dot(velocity);
+            }
+            speed
+        };
+        let residual = reads(self, 0, a, &b) - self.wanted + self.slack * self.impulse[0];
+        let normal = (self.impulse[0] - residual / (self.normal_k + self.slack)).max(0.0);
+        let mut more = [normal - self.impulse[0], 0.0, 0.0];
+        self.impulse[0] = normal;
+        if more[0] != 0.0 {
+            a.add_scaled(&self.a.gives[0], more[0]);
+            if let Some((side, velocity)) = &mut b {
+                velocity.add_scaled(&side.gives[0], more[0]);
+            }
+        }
+        let most = self.friction * normal;
+        let before = [self.impulse[1], self.impulse[2]];
+        if most == 0.0 && before == [0.0; 2] {
+            return more;
+        }
+        let slip = [reads(self, 1, a, &b), reads(self, 2, a, &b)];
+        let now = friction(&self.tangent_k, before, slip, most);
+        for k in 0..2 {
+            let change = now[k] - before[k];
+            more[k + 1] = change;
+            self.impulse[k + 1] = now[k];
+            a.add_scaled(&self.a.gives[k + 1], change);
+            if let Some((side, velocity)) = &mut b {
+                velocity.add_scaled(&side.gives[k + 1], change);
+            }
+        }
+        more
+    }
+
+    /// How fast a change of impulse moves the point, m/s.
+    pub fn speed_of(&self, change: &[f64; 3]) -> f64 {
+        (change[0] * self.normal_k).abs()
+            + (change[1] * self.tangent_k[0]).abs()
+            + (change[2] * self.tangent_k[2]).abs()
+    }
+}
+
+/// Friction within Coulomb's cone: what stops the slip, or else an impulse of length `most` that is opposite to the slip left.
+///
+/// Left slip = slip + K (new − before) = −s · new has the solution new = (K + s)⁻¹ (K before − slip); s by Newton's method on the
+/// secular equation 1 / |new| = 1 / most (Moré and Sorensen 1983), which converges from either side in a few rounds.
+pub(crate) fn friction(k: &[f64; 3], before: [f64; 2], slip: [f64; 2], most: f64) -> [f64; 2] {
+    let [kxx, kxy, kyy] = *k;
+    let b = [
+        kxx * before[0] + kxy * before[1] - slip[0],
+        kxy * before[0] + kyy * before[1] - slip[1],
+    ];
+    let at = |s: f64, v: [f64; 2]| {
+        let (xx, yy) = (kxx + s, kyy + s);
+        let scale = 1.0 / (xx * yy - kxy * kxy);
+        [
+            (yy * v[0] - kxy * v[1]) * scale,
+            (xx * v[1] - kxy * v[0]) * scale,
+        ]
+    };
+    let mut now = at(0.0, b);
+    let mut length = length_of(now);
+    if length <= most {
+        return now;
+    }
+    if most <= 0.0 {
+        return [0.0; 2];
+    }
+    // The largest that K stretches anything: from there s grows to the solution without passing it.
+    let half = 0.5 * (kxx - kyy);
+    let largest = 0.5 * (kxx + kyy) + length_of([half, kxy]);
+    let mut s = (length_of(b) / most - largest).max(0.0);
+    for _ in 0..8 {
+        now = at(s, b);
+        length = length_of(now);
+        if length <= most * (1.0 + 1e-9) {
+            break;
+        }
+        let slope = at(s, now);
+        let projected = now[0] * slope[0] + now[1] * slope[1];
+        s += (length / most - 1.0) * length * length / projected;
+    }
+    let scale = most / length;
+    [now[0] * scale, now[1] * scale]
+}
+
+#[inline]
+fn length_of(v: [f64; 2]) -> f64 {
+    (v[0] * v[0] + v[1] * v[1]).sqrt()
+}

@@ -1,0 +1,167 @@
+//! Where bodies are and how they move, from positions and speeds of joints (Featherstone 2008, section 4.1).
+
+use parry3d_f64::math::{Mat3, Pose, Rot3, Vec3};
+
+use crate::forest::{Body, Forest, Freedom, NONE};
+use crate::spatial::{Spatial, Symmetric};
+
+/// What changes about a body and the joint to its parent.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Node {
+    /// Position of the joint, rad or m.
+    pub position: f64,
+    /// Speed of the joint, rad/s or m/s.
+    pub speed: f64,
+    pub rotation: Rot3,
+    pub origin_world_m: Vec3,
+    /// The point that the tree's spatial vectors are about.
+    pub reference_world_m: Vec3,
+    /// Centre of mass, from the reference.
+    pub arm_m: Vec3,
+    /// Inertia about the centre of mass, world axes.
+    pub inertia_world: Mat3,
+    /// Motion per speed of the joint: Featherstone's S.
+    pub axis: Spatial,
+    /// Reads the joint's speed off the difference of two velocities.
+    pub reader: Spatial,
+    pub velocity: Spatial,
+    /// Velocity that velocity products are taken at, relative to the root's translation.
+    pub relative: Spatial,
+    /// Change of velocity by the axis' own motion over the step.
+    pub drift: Spatial,
+    /// Change of velocity over the step without contacts.
+    pub change: Spatial,
+    pub speed_change: f64,
+    /// Impulse on the body during the step; gathers that of its subtree.
+    pub impulse: Spatial,
+    /// What a joint gives besides: generalised impulse.
+    pub effort: f64,
+    /// Articulated inertia Iᴬ, what is free of it about the axis, U / D and 1 / D.
+    pub articulated: Symmetric,
+    pub lean: Spatial,
+    pub inverse_d: f64,
+    /// Change of the body's velocity per impulse on it, the whole tree following: J M⁻¹ Jᵀ.
+    pub response: Symmetric,
+    /// The parent's motion, backwards, and the joint's speed per generalised impulse of the joint.
+    pub recoil: Spatial,
+    pub give: f64,
+    /// The parent's velocity when this body last heard of it.
+    pub heard: Spatial,
+    /// Impulses in this subtree of which the parent has not heard.
+    pub pending: Spatial,
+}
+
+impl Node {
+    pub fn centre_world_m(&self) -> Vec3 {
+        self.reference_world_m + self.arm_m
+    }
+
+    pub fn world_from_body(&self) -> Pose {
+        Pose::from_parts(self.origin_world_m, self.rotation)
+    }
+}
+
+/// Puts every root where it starts and every joint at its start.
+pub(crate) fn start(forest: &Forest) -> Vec<Node> {
+    let mut nodes: Vec<Node> = Vec::with_capacity(forest.bodies.len());
+    for body in &forest.bodies {
+        nodes.push(Node {
+            position: body.start_position,
+            rotation: body.start.rotation.normalize(),
+            origin_world_m: body.start.translation,
+            ..Node::default()
+        });
+    }
+    update(forest, &mut nodes);
+    nodes
+}
+
+/// Poses, axes and velocities of all bodies, from roots outwards.
+pub(crate) fn update(forest: &Forest, nodes: &mut [Node]) {
+    for (index, body) in forest.bodies.iter().enumerate() {
+        let (above, below) = nodes.split_at_mut(index);
+        let node = &mut below[0];
+        if body.parent == NONE {
+            place_root(body, node);
+        } else {
+            place_child(body, &above[body.parent], node);
+        }
+        let turn = Mat3::from_quat(node.rotation);
+        node.inertia_world = turn * body.inertia_body * turn.transpose();
+    }
+}
+
+/// A free tree's reference is its root's centre of mass: what moves freely then turns about the right point.
+fn place_root(body: &Body, node: &mut Node) {
+    let centre_m = node.rotation * body.centre_body_m;
+    if body.freedom == Freedom::Free {
+        node.reference_world_m = node.origin_world_m + centre_m;
+        node.arm_m = Vec3::ZERO;
+    } else {
+        node.reference_world_m = node.origin_world_m;
+        node.arm_m = centre_m;
+        node.velocity = Spatial::ZERO;
+    }
+}
+
+fn place_child(body: &Body, parent: &Node, node: &mut Node) {
+    let at_zero = parent.rotation * body.parent_from_body;
+    let anchor_m = parent.origin_world_m + parent.rotation * body.anchor_parent_m;
+    node.reference_world_m = parent.reference_world_m;
+    if body.freedom == Freedom::Turning {
+        let turned = at_zero * Rot3::from_axis_angle(body.axis_body, node.position);
+        node.rotation = turned.normalize();
+        node.origin_world_m = anchor_m - node.rotation * body.anchor_body_m;
+        let axis = node.rotation * body.axis_body;
+        node.axis = Spatial::new(axis, (anchor_m - node.reference_world_m).cross(axis));
+        node.reader = Spatial::new(axis, Vec3::ZERO);
+    } else {
+        node.rotation = at_zero.normalize();
+        let axis = node.rotation * body.axis_body;
+        let slid_m = anchor_m + axis * node.position;
+        node.origin_world_m = slid_m - node.rotation * body.anchor_body_m;
+        node.axis = Spatial::new(Vec3::ZERO, axis);
+        node.reader = node.axis;
+    }
+    let centre_world_m = node.origin_world_m + node.rotation * body.centre_body_m;
+    node.arm_m = centre_world_m - node.reference_world_m;
+    node.velocity = parent.velocity;
+    node.velocity.add_scaled(&node.axis, node.speed);
+}
+
+/// Moves everything on for a time at the present speeds (a turn about a fixed axis is exact).
+pub(crate) fn advance(forest: &Forest, nodes: &mut [Node], time_s: f64) {
+    for (body, node) in forest.bodies.iter().zip(nodes.iter_mut()) {
+        match body.freedom {
+            Freedom::Mounted => {}
+            Freedom::Free => {
+                let centre_m = node.reference_world_m + node.velocity.linear() * time_s;
+                let turn = Rot3::from_scaled_axis(node.velocity.angular() * time_s);
+                node.rotation = (turn * node.rotation).normalize();
+                node.origin_world_m = centre_m - node.rotation * body.centre_body_m;
+            }
+            Freedom::Turning | Freedom::Sliding => node.position += node.speed * time_s,
+        }
+    }
+    update(forest, nodes);
+}
+
+/// Fastest turn of any body relative to the world or its parent, rad/s.
+pub(crate) fn fastest_turn(forest: &Forest, nodes: &[Node]) -> f64 {
+    let mut fastest = 0.0_f64;
+    for (body, node) in forest.bodies.iter().zip(nodes) {
+        fastest = fastest.max(node.velocity.angular().length_squared());
+        if body.freedom == Freedom::Turning {
+            fastest = fastest.max(node.speed * node.speed);
+        }
+    }
+    fastest.sqrt()
+}
+
+/// Kinetic energy of bodies and rotors, J.
+pub(crate) fn kinetic_energy(body: &Body, node: &Node, armature: f64) -> f64 {
+    let w = node.velocity.angular();
+    let v = node.velocity.velocity_at(node.arm_m);
+    let rotor = armature * node.speed * node.speed;
+    0.5 * (body.mass_kg * v.length_squared() + w.dot(node.inertia_world * w) + rotor)
+}

@@ -1,0 +1,280 @@
+//! What a world is built from: links, joints, shapes and fixtures, in SI units and the frames of whoever describes them.
+
+use std::fmt;
+
+use parry3d_f64::math::{Mat3, Pose, Vec3};
+use parry3d_f64::shape::SharedShape;
+
+/// Everything that a [`World`](crate::World) is built from.
+#[derive(Clone, Default)]
+pub struct Model {
+    /// Acceleration of free fall, world frame, m/s².
+    pub gravity_world_m_s2: Vec3,
+    /// Links of all robots and free bodies; a parent stands before its children.
+    pub links: Vec<Link>,
+    /// What nothing moves, or what is driven.
+    pub fixtures: Vec<Fixture>,
+    /// Pairs of links that never touch each other. Links joined directly never do.
+    pub apart: Vec<(usize, usize)>,
+    /// How time passes and how contacts give.
+    pub settings: Settings,
+}
+
+/// A rigid body.
+#[derive(Clone)]
+pub struct Link {
+    /// What holds it.
+    pub attachment: Attachment,
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass in the link's frame.
+    pub centre_link_m: Vec3,
+    /// Inertia about the centre of mass, along the link's axes, kg m².
+    pub inertia_link_kg_m2: Mat3,
+    /// Where it touches others.
+    pub colliders: Vec<Collider>,
+}
+
+/// What holds a link.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Attachment {
+    /// Nothing: the root of a tree that moves freely, starting here.
+    Free {
+        /// Pose at the start.
+        world_from_link: Pose,
+    },
+    /// The world: the root of a tree that is mounted.
+    Mounted {
+        /// Pose for good.
+        world_from_link: Pose,
+    },
+    /// A joint to another link.
+    Joint(Joint),
+}
+
+/// A joint between a link and its parent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Index of the parent, smaller than the link's own.
+    pub parent: usize,
+    /// Which motions it allows.
+    pub kind: JointKind,
+    /// The joint's frame, in the parent's.
+    pub parent_from_joint: Pose,
+    /// The joint's frame, in the link's. At position 0 both coincide.
+    pub link_from_joint: Pose,
+    /// Axis of turning or sliding, in the joint's frame.
+    pub axis_joint: Vec3,
+    /// Least and greatest position, rad or m; a continuous joint has none.
+    pub limits: Option<(f64, f64)>,
+    /// Position at the start, rad or m.
+    pub start: f64,
+    /// Torque against the motion per speed, N m s/rad or N s/m.
+    pub viscous_friction: f64,
+    /// Most that dry (Coulomb) friction holds, N m or N.
+    pub dry_friction: f64,
+    /// Inertia of a rotor at the output, kg m² or kg.
+    pub armature: f64,
+    /// Spring towards [`Self::rest`], N m/rad or N/m.
+    pub stiffness: f64,
+    /// Where the spring is slack, rad or m.
+    pub rest: f64,
+}
+
+impl Joint {
+    /// A joint without friction, spring, limits and rotor.
+    pub fn new(parent: usize, kind: JointKind, axis_joint: Vec3) -> Self {
+        Self {
+            parent,
+            kind,
+            parent_from_joint: Pose::identity(),
+            link_from_joint: Pose::identity(),
+            axis_joint,
+            limits: None,
+            start: 0.0,
+            viscous_friction: 0.0,
+            dry_friction: 0.0,
+            armature: 0.0,
+            stiffness: 0.0,
+            rest: 0.0,
+        }
+    }
+}
+
+/// Which motions a joint allows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JointKind {
+    /// None: both links are one body.
+    Fixed,
+    /// Turning about the axis, within limits where there are any.
+    Revolute,
+    /// Turning about the axis without end.
+    Continuous,
+    /// Sliding along the axis.
+    Prismatic,
+}
+
+/// A shape that touches others.
+#[derive(Clone)]
+pub struct Collider {
+    /// The shape.
+    pub shape: SharedShape,
+    /// The shape's frame in its owner's (link or fixture).
+    pub owner_from_shape: Pose,
+    /// Friction; that of a pair is the product of both.
+    pub friction: f64,
+    /// Restitution; that of a pair is the product of both.
+    pub restitution: f64,
+    /// Shapes of the same group never touch each other; 0 is no group.
+    pub group: u32,
+    /// Whatever the caller wants to find again in a [`Contact`](crate::Contact).
+    pub mark: u64,
+}
+
+impl Collider {
+    /// A shape at its owner's origin with this friction, without restitution.
+    pub fn new(shape: SharedShape, friction: f64) -> Self {
+        Self {
+            shape,
+            owner_from_shape: Pose::identity(),
+            friction,
+            restitution: 0.0,
+            group: 0,
+            mark: 0,
+        }
+    }
+}
+
+/// A shape that no contact moves: floor, wall, or something led along a path.
+#[derive(Clone)]
+pub struct Fixture {
+    /// Shape and surface.
+    pub collider: Collider,
+    /// Pose at the start.
+    pub world_from_fixture: Pose,
+    /// Velocity of its origin, world frame, m/s; it moves along unless the caller sets another pose.
+    pub velocity_world_m_s: Vec3,
+    /// Angular velocity, world frame, rad/s.
+    pub angular_velocity_world_rad_s: Vec3,
+}
+
+impl Fixture {
+    /// A shape at rest.
+    pub fn at_rest(collider: Collider, world_from_fixture: Pose) -> Self {
+        Self {
+            collider,
+            world_from_fixture,
+            velocity_world_m_s: Vec3::ZERO,
+            angular_velocity_world_rad_s: Vec3::ZERO,
+        }
+    }
+}
+
+/// How time passes and how contacts give.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Length of a step, s.
+    pub timestep_s: f64,
+    /// Most sweeps over all rows in a step.
+    pub sweeps: usize,
+    /// Most sweeps in a step with an impact.
+    pub impact_sweeps: usize,
+    /// A sweep that changes no velocity by more than this is the last, m/s.
+    pub tolerance_m_s: f64,
+    /// A contact is a spring of k = m ω² and a damper of 2 ζ m ω, with m the mass that the contact feels: ω / 2 π, Hz.
+    pub contact_frequency_hz: f64,
+    /// ζ of the same.
+    pub contact_damping_ratio: f64,
+    /// Surfaces that come closer than this are watched, m; fast ones are from further away.
+    pub prediction_m: f64,
+    /// A step in which a link would turn further is taken in parts, rad.
+    pub max_turn_rad: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            timestep_s: 1.0 / 960.0,
+            sweeps: 4,
+            impact_sweeps: 50,
+            tolerance_m_s: 1e-7,
+            contact_frequency_hz: 300.0,
+            contact_damping_ratio: 3.0,
+            prediction_m: 0.002,
+            max_turn_rad: 0.25,
+        }
+    }
+}
+
+/// Why no world can be built from a model.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ModelError {
+    /// Where, what was found, what is allowed.
+    pub message: String,
+}
+
+impl fmt::Display for ModelError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for ModelError {}
+
+impl Model {
+    /// Checks what a world relies on.
+    pub(crate) fn check(&self) -> Result<(), ModelError> {
+        let fail = |message: String| Err(ModelError { message });
+        for (index, link) in self.links.iter().enumerate() {
+            if !(link.mass_kg >= 0.0 && link.mass_kg.is_finite()) {
+                return fail(format!(
+                    "link {index}: mass {} kg; it has to be finite and not negative",
+                    link.mass_kg
+                ));
+            }
+            let Attachment::Joint(joint) = &link.attachment else {
+                continue;
+            };
+            if joint.parent >= index {
+                return fail(format!(
+                    "link {index}: its parent is {}; a parent has to stand before its children",
+                    joint.parent
+                ));
+            }
+            if joint.kind != JointKind::Fixed && (joint.axis_joint.length() - 1.0).abs() > 1e-6 {
+                return fail(format!(
+                    "link {index}: its axis has length {}; it has to be 1",
+                    joint.axis_joint.length()
+                ));
+            }
+            if joint.limits.is_some_and(|(low, high)| low > high) {
+                return fail(format!(
+                    "link {index}: its limits are the wrong way around"
+                ));
+            }
+            let least = [
+                joint.viscous_friction,
+                joint.dry_friction,
+                joint.armature,
+                joint.stiffness,
+            ];
+            if least.iter().any(|value| !(*value >= 0.0)) {
+                return fail(format!(
+                    "link {index}: friction, armature and stiffness must not be negative"
+                ));
+            }
+        }
+        let many = self.links.len();
+        if self.apart.iter().any(|&(a, b)| a >= many || b >= many) {
+            return fail(format!("apart: names a link beyond {many}"));
+        }
+        let s = &self.settings;
+        let positive = [s.timestep_s, s.contact_frequency_hz, s.max_turn_rad];
+        if positive.iter().any(|value| !(*value > 0.0)) || s.sweeps == 0 {
+            return fail(
+                "settings: timestep, contact frequency, turn and sweeps have to be positive".into(),
+            );
+        }
+        Ok(())
+    }
+}

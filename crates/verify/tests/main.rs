@@ -1,0 +1,3 @@
+//! Closed forms.
+
+mod verification;

@@ -1,0 +1,141 @@
+//! What the tests of every crate share: where things are, and what is said of what is not there.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![allow(dead_code, reason = "every test binary uses its own part")]
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The project's folder, above the crate whose tests these are.
+pub fn project() -> &'static Path {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut above = here.ancestors();
+    above
+        .find(|folder| folder.join("sweeps").is_dir())
+        .unwrap_or(here)
+}
+
+/// Output as text.
+pub fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// The real recordings, which are not part of the repository; says so where they are absent.
+///
+/// # Panics
+/// Where they are absent and `REALGAP_REQUIRE_DATA` is set: who has them must not pass without having used them.
+pub fn shared_data(folder: &str) -> Option<PathBuf> {
+    let path = project().join("../shared/data").join(folder);
+    if path.is_dir() {
+        return Some(path);
+    }
+    let is_required = std::env::var_os("REALGAP_REQUIRE_DATA").is_some_and(|v| !v.is_empty());
+    assert!(
+        !is_required,
+        "{} is not here, and REALGAP_REQUIRE_DATA is set",
+        path.display()
+    );
+    skipped(&format!("{} is not here", path.display()));
+    None
+}
+
+/// A study file in `folder` with this body inside `Study( … )`.
+pub fn study(folder: &Path, body: &str) -> PathBuf {
+    let path = folder.join("study.ron");
+    std::fs::write(&path, format!("Study(\n{body}\n)\n")).unwrap();
+    path
+}
+
+/// The contacts and joints that the tripod's own stand-ins were recorded with (as sweeps/tripod_self.ron), for a study
+/// file: like is fitted with like, at a quarter of the cost of the defaults.
+pub const STANDIN_NUMERICS: &str = "timestep_s: 0.004166666666666667,
+    substeps: 8,
+    joint: Impulse,
+    set: {
+        \"contact.natural_frequency_hz\": 60,
+        \"contact.damping_ratio\": 10,
+        \"solver.sweeps\": 1,
+    },";
+
+/// A quick study: the tripod for one second on a small grid, against shipped stand-ins.
+pub fn quick_study(folder: &Path, points: usize) -> PathBuf {
+    let root = project().display();
+    study(
+        folder,
+        &format!(
+            "morphology: \"{root}/morphologies/tripod.ron\",
+    recordings: [\"{root}/real_trajectories/tripod_standin/*.csv\"],
+    start: Settled,
+    duration_s: 1.0,
+    parameters: [
+        (name: \"floor.friction\", from: 0.1, to: 0.9, points: {points}),
+        (name: \"floor.restitution\", from: 0.0, to: 0.8, points: {points}),
+    ],"
+        ),
+    )
+}
+
+/// A Python that can import this package and numpy (`REALGAP_PYTHON`, else `python3`); says so where there is none.
+pub fn python_with(package: &str) -> Option<String> {
+    let python = std::env::var("REALGAP_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let importable = std::process::Command::new(&python)
+        .args(["-c", &format!("import {package}, numpy")])
+        .output()
+        .is_ok_and(|done| done.status.success());
+    if !importable {
+        skipped(&format!(
+            "{python} cannot import {package} and numpy (tools/requirements-*.txt, REALGAP_PYTHON)"
+        ));
+    }
+    importable.then_some(python)
+}
+
+/// Says that a test did nothing, also where it passes.
+pub fn skipped(reason: &str) {
+    use std::io::Write as _;
+    // Not `eprintln!`, which the test harness hides where a test passes.
+    let _ = writeln!(std::io::stderr(), "SKIPPED: {reason}");
+}
+
+/// Every file below a folder but `timing.json`, which alone may differ between equal runs.
+pub fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(some) = folders.pop() {
+        for entry in std::fs::read_dir(&some).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.file_name().is_some_and(|name| name != "timing.json") {
+                let name = path.strip_prefix(folder).unwrap().to_path_buf();
+                all.insert(name, std::fs::read(path).unwrap());
+            }
+        }
+    }
+    all
+}
+
+/// The folders hold the same files, byte for byte.
+///
+/// # Panics
+/// Where they do not.
+pub fn must_be_equal(whole: &Path, other: &Path) {
+    let (whole, other) = (files(whole), files(other));
+    assert_eq!(
+        whole.keys().collect::<Vec<_>>(),
+        other.keys().collect::<Vec<_>>()
+    );
+    for (name, bytes) in &whole {
+        assert!(other[name] == *bytes, "{} differs", name.display());
+    }
+}
+
+/// Values of other programs that the tests of this crate are held to.
+pub fn golden() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden")
+}
+
+/// A text file of a results folder.
+pub fn read(folder: &Path, file: &str) -> String {
+    std::fs::read_to_string(folder.join(file))
+        .unwrap_or_else(|e| panic!("{}: {e}", folder.join(file).display()))
+}

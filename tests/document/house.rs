@@ -1,0 +1,114 @@
+//! Rules of the house that no `Cargo.toml` can say.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use std::path::{Path, PathBuf};
+
+use crate::common;
+
+/// Crates that only these may name in their `[dependencies]`, so that another engine, another store or another way of
+/// drawing is work in one place. The facade is called `realgap`.
+const OWNED: &[(&str, &[&str])] = &[
+    ("rapier3d", &["engine"]),
+    ("rapier3d-f64", &["engine"]),
+    ("plotters", &["page"]),
+    ("rusqlite", &["store"]),
+    // The facade's is for tests alone, and a dependency of tests cannot be optional.
+    ("parquet", &["store", "realgap"]),
+    ("ruzstd", &["core"]),
+    ("lz4_flex", &["core"]),
+    ("crc32fast", &["core"]),
+    ("comfy-table", &["core"]),
+    ("ab_glyph", &["core"]),
+    ("roxmltree", &["robot"]),
+    ("rustfft", &["vision"]),
+    ("zune-jpeg", &["vision"]),
+    ("jpeg-encoder", &["vision"]),
+    ("kodama", &["lab"]),
+    ("clap", &["realgap"]),
+    ("clap_complete", &["realgap"]),
+    ("indicatif", &["realgap"]),
+];
+
+/// Names in the tables of dependencies of a manifest, those of tests left out.
+fn dependencies(manifest: &str) -> Vec<&str> {
+    let mut is_inside = false;
+    let mut names = Vec::new();
+    for line in manifest.lines() {
+        if line.starts_with('[') {
+            let is_target = line.starts_with("[target.") && line.ends_with(".dependencies]");
+            is_inside = line == "[dependencies]" || is_target;
+        } else if is_inside {
+            let end = line.find(['.', ' ', '=']).unwrap_or(0);
+            names.push(line[..end].trim_matches('"'));
+        }
+    }
+    names
+}
+
+#[test]
+fn a_crate_with_an_owner_is_named_by_its_owner_alone() {
+    let mut manifests = vec![("realgap".to_owned(), common::project().join("Cargo.toml"))];
+    for entry in std::fs::read_dir(common::project().join("crates")).unwrap() {
+        let folder = entry.unwrap().path();
+        let name = folder.file_name().unwrap().to_string_lossy().into_owned();
+        manifests.push((name, folder.join("Cargo.toml")));
+    }
+    let mut owned = 0;
+    for (name, path) in manifests {
+        let text = std::fs::read_to_string(path).unwrap();
+        for dependency in dependencies(&text) {
+            if let Some((_, owners)) = OWNED.iter().find(|(crate_, _)| *crate_ == dependency) {
+                assert!(
+                    owners.contains(&name.as_str()),
+                    "`{name}` names `{dependency}`, which belongs to {owners:?}"
+                );
+                owned += 1;
+            }
+        }
+    }
+    assert!(owned > 15, "only {owned} crates with an owner were found");
+}
+
+/// Files of the library: of all crates, and the facade without its command line.
+fn library(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if path.is_dir() && !["cli", "tests"].contains(&name.as_str()) {
+            library(&path, files);
+        } else if name.ends_with(".rs") && name != "tests.rs" && name != "main.rs" {
+            files.push(path);
+        }
+    }
+}
+
+/// The command line's options are its own: an error says what can be done ([`realgap::Advice`]), the command line how.
+#[test]
+fn the_library_names_no_option_of_the_command_line() {
+    let is_option = |line: &str| {
+        line.match_indices("--").any(|(position, _)| {
+            let rest = &line[position + 2..];
+            rest.starts_with(|c: char| c.is_ascii_lowercase())
+        })
+    };
+    assert!(is_option("hint(\"go on with --resume\")"));
+    let mut files = Vec::new();
+    library(&common::project().join("src"), &mut files);
+    library(&common::project().join("crates"), &mut files);
+    assert!(files.len() > 200, "only {} files were found", files.len());
+    // Cargo's own options are for who builds the library; these words are said to another program.
+    let of_others = ["features", "\"--version\"", "\"--psm\""];
+    let mut offences = Vec::new();
+    for file in files {
+        let text = std::fs::read_to_string(&file).unwrap();
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        for line in code.lines() {
+            let is_comment = line.trim_start().starts_with("//");
+            let is_of_others = of_others.iter().any(|word| line.contains(word));
+            if !is_comment && !is_of_others && is_option(line) {
+                offences.push(format!("{}: {}", file.display(), line.trim()));
+            }
+        }
+    }
+    assert!(offences.is_empty(), "{}", offences.join("\n"));
+}

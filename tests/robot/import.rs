@@ -1,0 +1,70 @@
+//! What `export` writes, `import` reads.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use std::path::Path;
+
+use crate::common::{self, realgap, text};
+use realgap::robot::morphology::Morphology;
+
+#[test]
+fn what_is_exported_comes_back_with_the_same_masses_moments_and_places() {
+    for name in ["elbow", "tripod", "chain3"] {
+        let folder = tempfile::tempdir().unwrap();
+        let urdf = folder.path().join("robot.urdf");
+        let shipped = format!("morphologies/{name}.ron");
+        realgap()
+            .args(["export", &shipped, "--format", "urdf", "-o"])
+            .arg(&urdf)
+            .assert()
+            .success();
+        let ron = folder.path().join("robot.ron");
+        realgap()
+            .arg("import")
+            .arg(&urdf)
+            .arg("-o")
+            .arg(&ron)
+            .assert()
+            .success();
+        let before = Morphology::read(common::project().join(&shipped))
+            .unwrap()
+            .assemble();
+        let after = Morphology::read(&ron).unwrap().assemble();
+        assert_eq!(before.parts.len(), after.parts.len(), "{name}");
+        assert_eq!(before.hinges.len(), after.hinges.len(), "{name}");
+        // The robot's frame is its root module's, and that is another one here.
+        let masses = |assembly: &realgap::robot::morphology::Assembly| {
+            let parts = assembly.parts.iter();
+            let mut all: Vec<_> = parts
+                .map(|part| part.mass(&nalgebra::Isometry3::identity()))
+                .collect();
+            all.sort_by(|a, b| a.mass_kg.total_cmp(&b.mass_kg));
+            all
+        };
+        let total = |assembly| masses(assembly).iter().map(|m| m.mass_kg).sum::<f64>();
+        assert!((total(&before) - total(&after)).abs() < 1e-9, "{name}");
+        for (one, other) in masses(&before).iter().zip(masses(&after)) {
+            assert!((one.mass_kg - other.mass_kg).abs() < 1e-9);
+            let difference = one.inertia_kg_m2.diagonal() - other.inertia_kg_m2.diagonal();
+            let scale = one.inertia_kg_m2.diagonal().amax();
+            assert!(difference.amax() < 1e-6 * scale, "{name}: {difference}");
+        }
+        let spans = |assembly: &realgap::robot::morphology::Assembly| {
+            let hinges = assembly.hinges.iter();
+            let at: Vec<_> = hinges.map(|hinge| hinge.anchor_robot_m).collect();
+            at.iter()
+                .map(|one| (one - at[0]).norm())
+                .collect::<Vec<_>>()
+        };
+        for (one, other) in spans(&before).iter().zip(spans(&after)) {
+            assert!((one - other).abs() < 1e-9, "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_file_that_is_not_there_is_named_and_not_made() {
+    let said = realgap().args(["import", "no_such.urdf"]).output().unwrap();
+    assert_eq!(said.status.code(), Some(1));
+    assert!(text(&said.stderr).contains("no_such.urdf"));
+    assert!(!Path::new("no_such.urdf").exists());
+}

@@ -1,0 +1,30 @@
+//! An extractor whose program is not installed.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+#[test]
+#[cfg(feature = "tesseract")]
+fn where_the_program_is_not_installed_that_is_said_before_any_picture_is_read() {
+    for args in [
+        [
+            "extract",
+            "nowhere.png",
+            "--extractor",
+            "tesseract",
+            "--view=a",
+        ],
+        [
+            "compare",
+            "nowhere",
+            "elsewhere",
+            "--extractor",
+            "tesseract",
+        ],
+    ] {
+        let mut command = common::realgap();
+        let done = command.arg("vision").args(args).env("PATH", "").output();
+        let said = common::text(&done.unwrap().stderr);
+        for word in ["tesseract is not installed", "apt install", "leave out"] {
+            assert!(said.contains(word), "{word} is missing in {said}");
+        }
+    }
+}

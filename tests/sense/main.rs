@@ -1,0 +1,20 @@
+//! Sensing in the commands.
+
+#[path = "../../crates/vision/tests/album.rs"]
+mod album;
+mod arena;
+#[path = "../common/mod.rs"]
+mod common;
+mod comparison;
+mod contract;
+#[path = "../../crates/vision/tests/drawing.rs"]
+mod drawing;
+mod graph;
+mod radio_command;
+mod range;
+mod ride;
+#[path = "../../crates/sense/tests/room.rs"]
+mod room;
+mod task;
+mod walk;
+mod watching;

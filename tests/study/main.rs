@@ -1,0 +1,23 @@
+//! Studies: sweeps, tuning, ensembles, gaps, predictions.
+
+mod basis;
+#[path = "../../crates/engine/tests/change.rs"]
+mod change;
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../../crates/lab/tests/elbow.rs"]
+mod elbow;
+mod forecast;
+mod gap_command;
+mod in_sample;
+mod jointed;
+mod library;
+mod model_error;
+mod noise_floor;
+mod servo;
+#[path = "../../crates/lab/tests/toss/standin.rs"]
+mod standin;
+mod sweep;
+mod toss;
+mod tune;
+mod vehicle;

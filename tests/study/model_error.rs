@@ -1,0 +1,41 @@
+//! The error of the model in the commands.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use crate::common::{realgap, text};
+
+#[test]
+fn the_command_line_switches_it_off_and_takes_the_indistinguishable_set() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = folder.path().join("indistinguishable.csv");
+    std::fs::write(&set, "floor.friction\n0.2\n0.6\n").unwrap();
+    let folder = folder.path().display().to_string();
+    let predict = |more: &[&str]| {
+        let mut command = realgap();
+        command.args([
+            "predict",
+            "morphologies/two_module.ron",
+            "--duration",
+            "0.5",
+        ]);
+        let output = command
+            .args(["--repeats", "4"])
+            .args(more)
+            .output()
+            .unwrap();
+        (
+            output.status.code(),
+            text(&output.stdout),
+            text(&output.stderr),
+        )
+    };
+    let (code, said, _) = predict(&["--model-error", "off"]);
+    assert!(code == Some(0) && !said.contains("model error"), "{said}");
+    let (code, said, _) = predict(&["--indistinguishable", &folder]);
+    assert_eq!(code, Some(0));
+    assert!(said.contains("model error       8 other models"), "{said}");
+    assert!(said.contains("indistinguishable set"), "{said}");
+    let (code, _, error) = predict(&["--model-error", "off", "--indistinguishable", &folder]);
+    assert_eq!(code, Some(2), "{error}");
+    let (code, _, error) = predict(&["--indistinguishable", "nowhere"]);
+    assert!(code == Some(1) && error.contains("nowhere"), "{error}");
+}
