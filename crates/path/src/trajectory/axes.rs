@@ -11,7 +11,7 @@ use realgap_core::error::{Error, Result};
 /// Axes of the world and of the body in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axes {
-    /// As here: z up.
+    /// The axes are as everywhere here: z points up.
     World,
     /// Those of a camera, in KITTI's own files and many of visual odometry: x to the right, y down, z forward; both of the body
     /// and of the world, which is where the first camera was.
