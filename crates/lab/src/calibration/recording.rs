@@ -274,11 +274,11 @@ const OF_ONE_RECORDING: [Code; 6] = [
     Code::UnlikelyTime,
 ];
 
-/// A robot goes no farther than this, in its own lengths,
+/// A robot goes no farther than this, in its own lengths.
 const FAR: f64 = 100.0;
-/// at more than this, in its own lengths a second.
+/// A robot goes no faster than this, in its own lengths a second.
 const FAST_1_S: f64 = 5.0;
-/// And who measures in another unit than metres sees it go farther than this.
+/// A robot that is measured in another unit than metres goes farther than this, in its own lengths.
 const NEAR: f64 = 0.05;
 
 /// Recordings whose lengths, in another unit, would fit the robot better.

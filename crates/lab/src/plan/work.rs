@@ -28,9 +28,9 @@ pub enum Work {
     Gap(Box<Study>, GapOptions),
 }
 
-/// Runs are measured until they have taken so long together,
+/// Runs are measured until they have taken so long together, seconds.
 const MEASURED_S: f64 = 2.0;
-/// or are so many.
+/// No more runs than these are measured.
 const MOST_MEASURED: usize = 12;
 
 impl Work {
