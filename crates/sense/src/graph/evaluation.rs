@@ -43,7 +43,8 @@ pub struct SegmentReport {
     pub spearman: Option<f64>,
     /// Its p value for as many independent pairs as the way is worth; `None` where these are fewer than three.
     pub p: Option<f64>,
-    /// p value of Mann and Whitney's test of the errors against those of a random guess, of as many scans as are nearly independent.
+    /// This is the p value of Mann and Whitney's test of the errors against those of a random guess, of as many scans as are nearly
+    /// independent.
     pub mann_whitney_p: f64,
 }
 
@@ -69,13 +70,13 @@ pub struct Evaluation {
     pub spearman: Option<f64>,
     /// Its p value for as many independent pairs as the way is worth in its best segment: segments of one scan count once.
     pub p: Option<f64>,
-    /// p value of Mann and Whitney's test of the errors against those of the random guess, of one scan in `every`.
+    /// This is the p value of Mann and Whitney's test of the errors against those of the random guess, of one scan in `every`.
     pub mann_whitney_p: f64,
     /// From so many scans to as many later the errors of every segment are nearly independent.
     pub every: usize,
-    /// Scans of the log,
+    /// This is the number of scans of the log.
     pub scans: usize,
-    /// and segments in which something came back.
+    /// This is the number of segments in which something came back.
     pub samples: usize,
     /// Share of scans at places outside of the rectangle that the fit has seen.
     pub outside: f64,

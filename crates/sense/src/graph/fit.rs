@@ -54,13 +54,13 @@ pub struct FittedGraph {
     /// Mean absolute error over parts of the way that were left out, metres, with polynomials of headings and segments; `None` where it
     /// was not tried.
     pub robot_frame_error_m: Option<f64>,
-    /// And with polynomials of directions of the world.
+    /// This is the same error with polynomials of directions of the world.
     pub world_frame_error_m: Option<f64>,
     /// Which was taken.
     pub frame: Frame,
-    /// Number of polynomials,
+    /// This is the number of polynomials.
     pub polynomials: usize,
-    /// and of all their terms.
+    /// This is the number of all their terms.
     pub terms: usize,
     /// What the reader should know.
     pub warnings: Vec<Warning>,

@@ -26,9 +26,9 @@ pub struct Logger {
     pub turn_rate_rad_s: f64,
     /// Radius of the robot, metres.
     pub radius_m: f64,
-    /// A random walk turns where something ahead is nearer than this, metres,
+    /// A random walk turns where something ahead is nearer than this, metres.
     pub avoid_m: f64,
-    /// and by a random angle after so many seconds.
+    /// A random walk turns by a random angle after so many seconds.
     pub turn_every_s: f64,
 }
 

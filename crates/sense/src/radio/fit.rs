@@ -21,7 +21,7 @@ use realgap_core::warning::{Code, Warning};
 pub struct RadioOptions {
     /// The model; `None` for the one that foretells places that were left out best.
     pub propagation: Option<&'static dyn Propagation>,
-    /// d₀, metres.
+    /// This is the distance d₀, metres.
     pub reference_distance_m: f64,
     /// Base of the logarithm.
     pub log_base: LogBase,

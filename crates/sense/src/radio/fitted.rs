@@ -18,16 +18,16 @@ pub struct FittedParameter {
     pub name: String,
     /// Its unit, empty for none.
     pub unit: &'static str,
-    /// Its value,
+    /// This is its value.
     pub value: f64,
-    /// from here, 90 %,
+    /// This is the lower end of its 90 % interval.
     pub low: f64,
-    /// to here.
+    /// This is the upper end of its 90 % interval.
     pub high: f64,
     /// Whether the log says what it is: an interval narrower than the value (a loss, an exponent) or than 10 dB (a strength), and
     /// without 0.
     pub determined: bool,
-    /// Why not.
+    /// This says why it is not determined.
     pub why: Option<String>,
 }
 
@@ -52,37 +52,37 @@ pub struct FittedRadio {
     /// The model.
     #[serde(skip)]
     pub model: RadioModel,
-    /// Its name,
+    /// This is the name of the model.
     pub propagation: &'static str,
-    /// its formula,
+    /// This is its formula.
     pub formula: &'static str,
-    /// base of the logarithm in it, `10` or `e`,
+    /// This is the base of the logarithm in the formula, `10` or `e`.
     pub log_base: &'static str,
-    /// distance at which its first parameter holds, metres,
+    /// This is the distance at which its first parameter holds, metres.
     pub reference_distance_m: f64,
-    /// and its parameters.
+    /// These are its parameters.
     pub parameters: Vec<FittedParameter>,
     /// C; `None` for models without walls.
     pub cap: Option<usize>,
     /// Everything that was tried, best first.
     pub candidates: Vec<Candidate>,
-    /// Root mean square error at places that were left out, dB,
+    /// This is the root mean square error at places that were left out, dB.
     pub left_out_rmse_db: f64,
-    /// and on the log itself.
+    /// This is the root mean square error on the log itself, dB.
     pub rmse_db: f64,
-    /// Standard deviation of what a place adds, dB,
+    /// This is the standard deviation of what a place adds, dB.
     pub shadowing_sd_db: f64,
-    /// distance at which places share 1/e of it, metres,
+    /// This is the distance at which places share 1/e of what a place adds, metres.
     pub shadowing_distance_m: f64,
-    /// and standard deviation of what a reading adds, dB.
+    /// This is the standard deviation of what a reading adds, dB.
     pub fading_sd_db: f64,
     /// Half width of the interval for 90 % of strengths at new places, dB.
     pub interval_90_db: f64,
-    /// Strengths,
+    /// This is the number of strengths.
     pub readings: usize,
-    /// those that are missing,
+    /// This is the number of strengths that are missing.
     pub missing: usize,
-    /// and places (squares of one metre) of the log.
+    /// This is the number of places (squares of one metre) of the log.
     pub places: usize,
     /// What the reader should know.
     pub warnings: Vec<Warning>,

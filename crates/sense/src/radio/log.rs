@@ -28,9 +28,9 @@ pub struct RadioLog {
     pub anchors: Vec<String>,
     /// What was heard.
     pub readings: Vec<PlaceReading>,
-    /// Poses of the log,
+    /// This is the number of poses of the log.
     pub poses: usize,
-    /// and how many strengths are missing.
+    /// This is the number of strengths that are missing.
     pub missing: usize,
     /// What the reader should know.
     pub warnings: Vec<Warning>,

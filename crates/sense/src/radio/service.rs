@@ -28,9 +28,9 @@ pub struct ServiceOptions {
     pub loss_half_db: f64,
     /// Decibels over which the loss falls from 73 % to 27 %; 0 for a sharp edge, as in the paper.
     pub loss_width_db: f64,
-    /// Mean time from sending to arriving, seconds,
+    /// This is the mean time from sending to arriving, seconds.
     pub latency_s: f64,
-    /// and its standard deviation.
+    /// This is the standard deviation of that time, seconds.
     pub latency_sd_s: f64,
 }
 
@@ -186,13 +186,13 @@ impl<'a> Service<'a> {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ServiceReport {
-    /// Messages,
+    /// This is the number of messages.
     pub sent: usize,
-    /// those that arrived,
+    /// This is the number of messages that arrived.
     pub delivered: usize,
-    /// those below the sensitivity,
+    /// This is the number of messages below the sensitivity.
     pub too_weak: usize,
-    /// and those lost above it.
+    /// This is the number of messages that were lost above the sensitivity.
     pub lost: usize,
     /// Mean strength of all, dBm.
     pub mean_strength_dbm: f64,

@@ -13,9 +13,9 @@ use super::form::{Curve, Form, Point};
 pub(super) struct Plan {
     pub mean: &'static dyn Form,
     pub spread: &'static dyn Form,
-    /// Whether the mean has a term in the angle of incidence,
+    /// This says whether the mean has a term in the angle of incidence.
     pub incidence: bool,
-    /// and in that of offset.
+    /// This says whether the mean has a term in the angle of offset.
     pub offset: bool,
     /// Spreads are at least this: the rounding of readings.
     pub least_spread: f64,

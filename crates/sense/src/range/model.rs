@@ -98,9 +98,9 @@ impl ReadingUnit {
 pub struct Outliers {
     /// Their share of the readings that come.
     pub share: f64,
-    /// They lie evenly from here, in the reading's unit,
+    /// They lie evenly from here on, in the reading's unit.
     pub low: f64,
-    /// to here.
+    /// They lie evenly up to here, in the reading's unit.
     pub high: f64,
 }
 

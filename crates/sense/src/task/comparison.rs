@@ -18,9 +18,9 @@ use realgap_core::warning::{Code, Warning};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SideReport {
-    /// Trials,
+    /// This is the number of trials.
     pub trials: usize,
-    /// and those that were finished.
+    /// This is the number of trials that were finished.
     pub finished: usize,
     /// When half was finished, seconds (Kaplan and Meier); `None` where it never was.
     pub median_s: Option<f64>,
@@ -28,9 +28,9 @@ pub struct SideReport {
     pub median_low_s: Option<f64>,
     /// The upper end of that interval.
     pub median_high_s: Option<f64>,
-    /// When a quarter was finished,
+    /// This is when a quarter was finished, seconds.
     pub quartile_low_s: Option<f64>,
-    /// and three quarters.
+    /// This is when three quarters were finished, seconds.
     pub quartile_high_s: Option<f64>,
     /// The share that was not finished, over time.
     #[serde(skip)]
@@ -56,9 +56,9 @@ pub struct ConditionReport {
     /// Cliff's δ: how much likelier a simulated trial takes longer than a real one than the reverse, −1 to 1; pairs of which nobody
     /// knows are neither (Gehan).
     pub effect: f64,
-    /// Its 90 % interval over resampled trials,
+    /// This is the lower end of its 90 % interval over resampled trials.
     pub effect_low: f64,
-    /// to here.
+    /// This is the upper end of that interval.
     pub effect_high: f64,
 }
 
@@ -70,7 +70,7 @@ pub struct FactorReport {
     pub factor: String,
     /// Levels by their real median, fastest first.
     pub real: Vec<String>,
-    /// By their simulated median.
+    /// They are ordered by their simulated median.
     pub simulated: Vec<String>,
     /// Whether they are the same.
     pub same_order: bool,
