@@ -30,9 +30,9 @@ pub(super) struct Real {
 pub(super) struct Setting {
     pub name: &'static str,
     pub unit: &'static str,
-    /// Between these,
+    /// This is the range that is searched.
     pub range: (f64, f64),
-    /// by factors instead of differences.
+    /// This says whether it is searched by factors instead of differences.
     pub by_factor: bool,
     set: fn(&mut Camera, f64),
 }
