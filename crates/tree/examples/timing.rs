@@ -170,13 +170,7 @@ fn spider() -> Robot {
             0.1,
             Some((k, JointKind::Continuous, at, axis)),
         );
-        robot.drive(
-            arm,
-            0.0,
-            0.7,
-            1.0,
-            0.5 * std::f64::consts::PI * k as f64,
-        );
+        robot.drive(arm, 0.0, 0.7, 1.0, 0.5 * std::f64::consts::PI * k as f64);
     }
     robot
 }
@@ -221,12 +215,7 @@ fn tripod() -> Robot {
 
 fn walker() -> Robot {
     let mut robot = Robot::new("walker", Law::Speed);
-    robot.part(
-        Vec3::new(0.0, 0.0, 0.0295),
-        Vec3::splat(0.058),
-        0.068,
-        None,
-    );
+    robot.part(Vec3::new(0.0, 0.0, 0.0295), Vec3::splat(0.058), 0.068, None);
     let link = plate(&mut robot, 0, -Vec3::Y, 0.058, 0.006, 0.058);
     robot.drive(link, 0.745, 0.989, 0.674, 5.322);
     robot
@@ -354,11 +343,19 @@ fn main() {
 }
 pub fn debug() {
     let robot = tripod();
-    let s = Settings { ..Settings::default() };
+    let s = Settings {
+        ..Settings::default()
+    };
     let mut world = World::new(&model(&robot, s)).unwrap();
     for step in 0..12 {
         robot.command(&mut world, step as f64 * s.timestep_s);
         world.step();
-        for l in [4,5,6] { println!("{step} {l} {:?} {:?}", world.joint(l), world.joint_impulse(l).motor); }
+        for l in [4, 5, 6] {
+            println!(
+                "{step} {l} {:?} {:?}",
+                world.joint(l),
+                world.joint_impulse(l).motor
+            );
+        }
     }
 }

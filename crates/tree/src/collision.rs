@@ -226,9 +226,7 @@ impl Collision {
 
     fn meet_body(&mut self, a: usize, b: usize, model: &Model, forest: &Forest) {
         let joined = forest.bodies[b].parent == a || forest.bodies[a].parent == b;
-        let mounted = |body: usize| {
-            forest.bodies[body].freedom == crate::forest::Freedom::Mounted
-        };
+        let mounted = |body: usize| forest.bodies[body].freedom == crate::forest::Freedom::Mounted;
         if joined || (mounted(a) && mounted(b)) {
             return;
         }
@@ -281,7 +279,9 @@ impl Collision {
             let placed = &self.fixtures[b];
             let led = placed.velocity_at(self.centres[a]).length()
                 + placed.fixture.angular_velocity_world_rad_s.length() * self.radii[a];
-            let reach = self.prediction_m.max(self.reaches[a] + AHEAD * time_s * led);
+            let reach = self
+                .prediction_m
+                .max(self.reaches[a] + AHEAD * time_s * led);
             if placed.distance(self.centres[a]) < self.radii[a] + reach {
                 for pair in first..end {
                     self.touch_fixture(pair, nodes, reach, touches);

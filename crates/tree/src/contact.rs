@@ -105,7 +105,13 @@ fn basis(normal: Vec3) -> [Vec3; 3] {
 
 impl Point {
     /// Rows without what bodies give; returns whether it is an impact.
-    pub fn new(touch: &Touch, index: usize, forest: &Forest, nodes: &[Node], step: &Step) -> (Self, bool) {
+    pub fn new(
+        touch: &Touch,
+        index: usize,
+        forest: &Forest,
+        nodes: &[Node],
+        step: &Step,
+    ) -> (Self, bool) {
         let basis = basis(touch.normal_world);
         let node = &nodes[touch.a];
         let arm_a = touch.point_world_m - node.reference_world_m;
@@ -132,7 +138,8 @@ impl Point {
             let other = &nodes[touch.b];
             point.arm_b = touch.point_world_m - other.reference_world_m;
             approach += other.velocity.velocity_at(point.arm_b).dot(basis[0]);
-            if forest.bodies[forest.bodies[touch.b].root].freedom != crate::forest::Freedom::Mounted {
+            if forest.bodies[forest.bodies[touch.b].root].freedom != crate::forest::Freedom::Mounted
+            {
                 pull = 0.0;
             }
         }

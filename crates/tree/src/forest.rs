@@ -102,7 +102,8 @@ impl Forest {
             let place = match &link.attachment {
                 Attachment::Joint(joint) if joint.kind == JointKind::Fixed => {
                     let parent = places[joint.parent];
-                    let parent_from_link = joint.parent_from_joint * joint.link_from_joint.inverse();
+                    let parent_from_link =
+                        joint.parent_from_joint * joint.link_from_joint.inverse();
                     Place {
                         body: parent.body,
                         body_from_link: parent.body_from_link * parent_from_link,
@@ -280,9 +281,7 @@ fn hang(body: &mut Body, joint: &Joint, parent: &Place) {
     body.axis_body = joint.link_from_joint.rotation * joint.axis_joint;
     body.anchor_parent_m = parent_from_joint.translation;
     body.anchor_body_m = joint.link_from_joint.translation;
-    body.limits = joint
-        .limits
-        .filter(|_| joint.kind != JointKind::Continuous);
+    body.limits = joint.limits.filter(|_| joint.kind != JointKind::Continuous);
     body.viscous = joint.viscous_friction;
     body.dry = joint.dry_friction;
     body.armature = joint.armature;

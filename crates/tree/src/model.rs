@@ -248,9 +248,7 @@ impl Model {
                 ));
             }
             if joint.limits.is_some_and(|(low, high)| low > high) {
-                return fail(format!(
-                    "link {index}: its limits are the wrong way around"
-                ));
+                return fail(format!("link {index}: its limits are the wrong way around"));
             }
             let least = [
                 joint.viscous_friction,

@@ -96,7 +96,8 @@ impl World {
         let actors: Vec<Actor> = forest.bodies.iter().map(Actor::new).collect();
         let stiff: Vec<f64> = actors.iter().map(|actor| actor.armature).collect();
         if !factor(&forest, &mut nodes, &stiff) {
-            let message = "a joint or a root without inertia; give its link a mass that has an extent";
+            let message =
+                "a joint or a root without inertia; give its link a mass that has an extent";
             return Err(ModelError {
                 message: message.into(),
             });
@@ -145,8 +146,7 @@ impl World {
 
     fn part(&mut self, time_s: f64) {
         self.touches.clear();
-        self.collision
-            .find(&self.nodes, time_s, &mut self.touches);
+        self.collision.find(&self.nodes, time_s, &mut self.touches);
         self.before.clear();
         let state = self.nodes.iter().map(|node| (node.velocity, node.speed));
         self.before.extend(state);
@@ -233,11 +233,13 @@ impl World {
             touch.impulse_world_n_s *= ratio;
             let (mut point, hits) = Point::new(touch, index, forest, &self.nodes, step);
             impact |= hits;
-            let same = rows.groups.last().is_some_and(|group| {
-                group.a == touch.a && group.b == touch.b && touch.b != NONE
-            }) || rows.groups.last().is_some_and(|group| {
-                group.b == NONE && touch.b == NONE && group.a == touch.a
-            });
+            let same =
+                rows.groups.last().is_some_and(|group| {
+                    group.a == touch.a && group.b == touch.b && touch.b != NONE
+                }) || rows
+                    .groups
+                    .last()
+                    .is_some_and(|group| group.b == NONE && touch.b == NONE && group.a == touch.a);
             if !same {
                 rows.groups.push(Group {
                     a: touch.a,
@@ -395,8 +397,7 @@ impl World {
     pub fn push(&mut self, link: usize, force_n: Vec3, point_world_m: Vec3, torque_nm: Vec3) {
         let body = self.forest.places[link].body;
         let arm_m = point_world_m - self.nodes[body].reference_world_m;
-        self.wrenches[body] +=
-            Spatial::at(arm_m, force_n) + Spatial::new(torque_nm, Vec3::ZERO);
+        self.wrenches[body] += Spatial::at(arm_m, force_n) + Spatial::new(torque_nm, Vec3::ZERO);
     }
 
     /// Puts the root of a tree elsewhere; the velocity is that of its centre of mass. Contacts start anew.
@@ -473,10 +474,8 @@ impl World {
     /// Energy in gravity's field, J, 0 at the world's origin.
     pub fn potential_energy_j(&self) -> f64 {
         let each = self.forest.bodies.iter().zip(&self.nodes);
-        each.map(|(body, node)| {
-            -body.mass_kg * self.gravity_world_m_s2.dot(node.centre_world_m())
-        })
-        .sum()
+        each.map(|(body, node)| -body.mass_kg * self.gravity_world_m_s2.dot(node.centre_world_m()))
+            .sum()
     }
 
     /// Energy in the springs of joints, J.
