@@ -1,7 +1,7 @@
 //! Fits the contact of a tossed robot on part of its recordings and checks it on the others.
 //!
 //! ```sh
-//! cargo run --release --example fit_toss -- sweeps/cube_toss_fit.ron '../shared/data/cube_tosses/*.csv' best.ron
+//! cargo run --release --example fit_toss -- sweeps/cube_toss_fit.ron 'real_trajectories/cube_tosses/*.csv' best.ron
 //! ```
 //!
 //! Two folds, even and odd recordings in order of their paths. For each: identify the centre of mass and the length

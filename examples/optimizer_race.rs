@@ -2,7 +2,7 @@
 //!
 //! ```sh
 //! cargo run --release --example optimizer_race -- sweeps/tripod_floor.ron 5
-//! cargo run --release --example optimizer_race -- sweeps/cube_toss.ron 3 '../shared/data/cube_tosses/*.csv' 100
+//! cargo run --release --example optimizer_race -- sweeps/cube_toss.ron 3 'real_trajectories/cube_tosses/*.csv' 40
 //! ```
 //!
 //! Arguments: study, seeds, glob of recordings ("" for the study's own), number of recordings, names of optimizers (all

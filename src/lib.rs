@@ -195,9 +195,9 @@ pub mod guide {
     // A page is a word in this table; `tests/documentation.rs` holds it to the folder.
     pages! {
         pictures: compare confidence convergence curves ensemble fitness gallery heatmap histograms map paths profile ride
-            robot seen sensitivity sensor steps template time times trajectories visits watched;
+            robot seen sensitivity sensor steps template time times tosses trajectories visits watched;
         pages: tutorial cli conventions files python recordings scale glossary gallery pages design compare limits
-            bibliography;
+            questions bibliography;
         #[doc = links!()]
         #[doc = include_str!("../docs/fidelity.md")]
         fidelity: verification contact settings precision joints tosses energy hardware servo engines stand_ins tuning

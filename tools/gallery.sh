@@ -31,6 +31,7 @@ keep() {
 best=(--parameters "$work/sweep/best.ron")
 recordings=(real_trajectories/tripod_mujoco/run_0[0-4].csv)
 
+once tosses/heatmap.png "$realgap" sweep sweeps/cube_toss.ron -o "$work/tosses"
 once sweep/heatmap.png "$realgap" sweep sweeps/tripod_floor.ron -o "$work/sweep"
 once tune/convergence.png "$realgap" tune sweeps/tripod_floor.ron --budget 100 -o "$work/tune"
 once sensitivity.png "$realgap" sensitivity sweeps/tripod_floor.ron "${best[@]}" \
@@ -68,7 +69,7 @@ once watched/side_t_005.000.png "$realgap" picture scenes/pen.ron --watch snake 
 once seen/t_006.800.png "$realgap" picture scenes/pen.ron --ride snake \
     --run "$work/parts.csv" --robot morphologies/chain5.ron --every 3.4 -o "$work/seen"
 
-# The fit of docs/fidelity/radio.md; its recordings are not part of this repository.
+# The fit of docs/fidelity/radio.md, whose whole recordings are not part of this repository.
 cat > "$work/radio.ron" <<'RON'
 (
     description: "docs/fidelity/radio.md", propagation: "thickness",
@@ -112,6 +113,7 @@ keep seen/t_006.800.png seen.png 6
 keep map.png map.png
 keep times.png times.png
 keep curves.png curves.png
+keep tosses/heatmap.png tosses.png
 keep sweep/heatmap.png heatmap.png
 keep sweep/trajectories.png trajectories.png
 keep sweep/profile_floor_friction.png profile.png

@@ -37,7 +37,7 @@ pub enum SceneMotion {
         /// Where it is.
         world_from_body: Isometry3<f64>,
     },
-    /// As forces make it, from rest.
+    /// It moves as forces make it, from rest.
     Free {
         /// Where it starts.
         world_from_body: Isometry3<f64>,

@@ -11,7 +11,7 @@ use realgap_core::unit::Unit;
 pub enum Tolerance {
     /// As a share of the expected value.
     Relative(f64),
-    /// In the unit of the check.
+    /// The tolerance is in the unit of the check.
     Absolute(f64),
 }
 

@@ -88,9 +88,9 @@ pub struct ViewRow {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Answer {
-    /// It is.
+    /// The simulated picture is nearer.
     Nearer,
-    /// It is farther away.
+    /// The simulated picture is farther away.
     Farther,
     /// These views do not tell.
     Open,
@@ -100,7 +100,7 @@ pub enum Answer {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verdict {
-    /// In a word.
+    /// This is the answer in a word.
     pub answer: Answer,
     /// Views in which the simulated picture is nearer.
     pub nearer: usize,

@@ -9,7 +9,7 @@ use statrs::function::erf::erfc_inv;
 pub struct Proportion {
     /// How often it happened.
     pub count: usize,
-    /// Of how many.
+    /// This is how many trials there were.
     pub trials: usize,
     /// `count / trials`; 0 without trials.
     pub share: f64,

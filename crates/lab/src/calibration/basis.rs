@@ -18,7 +18,7 @@ pub enum BasisRule {
     Saved {
         /// The basis.
         basis: Box<Basis>,
-        /// Of its file.
+        /// This is the check sum of its file.
         sha256: String,
     },
 }

@@ -118,7 +118,7 @@ pub struct Definition {
 pub enum StartUsed {
     /// At rest on the floor.
     Settled,
-    /// From each recording.
+    /// Every run starts as its recording does.
     FromRecording(StartState),
 }
 

@@ -91,7 +91,7 @@ pub struct Best {
 pub struct Correlation {
     /// One parameter.
     pub first: &'static str,
-    /// The other.
+    /// This is the other parameter of the pair.
     pub second: &'static str,
     /// Pearson's coefficient.
     pub value: f64,

@@ -22,11 +22,11 @@ use realgap_robot::morphology::Face;
 pub struct FaceOdds {
     /// Name of the face in the tracked module's frame.
     pub face: &'static str,
-    /// In reality.
+    /// This is how many really ended so.
     pub real: usize,
-    /// In simulation.
+    /// This is how many ended so in simulation.
     pub simulated: usize,
-    /// In both, of the same recording.
+    /// This is how many recordings ended so both really and in simulation.
     pub both: usize,
 }
 

@@ -119,7 +119,7 @@ pub struct Rerun {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Finals {
-    /// From 1; survivors first.
+    /// Ranks begin at 1, and survivors come first.
     pub rank: usize,
     /// Whether every rerun is within the tolerance.
     pub survives: bool,

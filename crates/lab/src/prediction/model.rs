@@ -136,7 +136,7 @@ pub struct ModelError {
     pub behaviours: Vec<Range>,
     /// Net displacement of half of the further runs, metres, the models and another engine included.
     pub half_of_runs_m: Range,
-    /// That of 90 % of them.
+    /// This is the range that holds 90 % of further runs, metres.
     pub further_run_m: Range,
 }
 
@@ -144,7 +144,7 @@ pub struct ModelError {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SuccessRange {
-    /// Over the models.
+    /// This is the range over the models.
     pub models: Range,
     /// 90 % of what another engine would say, the models included.
     pub other_engine: Range,

@@ -35,7 +35,7 @@ const RERUNS: [(&str, Change); 6] = [
 /// One of the best robots.
 #[derive(Debug, Clone)]
 pub struct Finalist {
-    /// As the search saw it.
+    /// This is the robot as the search saw it.
     pub evaluated: EvaluatedRobot,
     /// The robot.
     pub robot: Morphology,

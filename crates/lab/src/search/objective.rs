@@ -30,7 +30,7 @@ pub enum Measure {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Aggregate {
-    /// Their mean.
+    /// The mean of the repeats counts.
     Mean,
     /// A quantile, level from 0 to 1; low ones prefer robots that rarely fail.
     LowerQuantile(f64),
@@ -43,9 +43,9 @@ pub enum Aggregate {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Objective {
-    /// Of each repeat.
+    /// This is measured of each repeat.
     pub measure: Measure,
-    /// Of all of them.
+    /// This is what becomes of the measures of all repeats.
     pub aggregate: Aggregate,
     /// Seconds of each run that do not count: whoever falls over does so at once, and gets somewhere by that.
     pub from_s: f64,

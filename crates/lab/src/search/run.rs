@@ -11,7 +11,7 @@ use realgap_store::{Memory, Mode, Part, Place, RobotRow, Storage, Store};
 /// The robots of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchResults {
-    /// In the strategy's order.
+    /// The robots stand in the strategy's order.
     pub robots: Vec<EvaluatedRobot>,
     /// How many robots the strategy proposed at once: sizes of its batches, in order. Of an interrupted search the last may not
     /// be complete.

@@ -151,7 +151,7 @@ pub struct Reading {
     /// Which part of every recording.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crop: Option<Crop>,
-    /// Whose rows.
+    /// This says whose rows are read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub only: Option<Only>,
     /// Whether samples are sorted by time first; of several at one time the first is kept.

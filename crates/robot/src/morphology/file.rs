@@ -68,7 +68,7 @@ struct DefaultsFile {
 struct ModuleFile {
     /// Unique name: letters, digits, `_` and `-`.
     name: String,
-    /// With or without a servo.
+    /// It is with or without a servo.
     kind: KindFile,
 }
 
@@ -77,7 +77,7 @@ struct ModuleFile {
 #[serde(deny_unknown_fields, rename = "kind")]
 #[allow(clippy::large_enum_variant, reason = "read once, then gone")]
 enum KindFile {
-    /// Without a servo.
+    /// It has no servo.
     Passive {
         /// Edge of a cube, metres; else that of `defaults`.
         #[serde(default, skip_serializing_if = "Option::is_none")]

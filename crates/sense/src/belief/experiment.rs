@@ -56,7 +56,7 @@ pub struct TrialSet {
     pub trials: usize,
     /// Probability of each cell, mean over the trials.
     pub mean: Vec<f64>,
-    /// Its 5 % and
+    /// This is the 5 % quantile over the trials.
     pub q05: Vec<f64>,
     /// 95 % quantile over the trials: a 90 % band.
     pub q95: Vec<f64>,
@@ -78,7 +78,7 @@ pub struct DistanceBelief {
     pub distance: f64,
     /// The cells, in the model's unit.
     pub cells: Vec<f64>,
-    /// Of the simulated sensor.
+    /// These are the trials of the simulated sensor.
     pub simulated: TrialSet,
     /// Of the real log, where there is one.
     pub real: Option<TrialSet>,

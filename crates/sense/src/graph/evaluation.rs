@@ -43,7 +43,8 @@ pub struct SegmentReport {
     pub spearman: Option<f64>,
     /// Its p value for as many independent pairs as the way is worth; `None` where these are fewer than three.
     pub p: Option<f64>,
-    /// p value of Mann and Whitney's test of the errors against those of a random guess, of as many scans as are nearly independent.
+    /// This is the p value of Mann and Whitney's test of the errors against those of a random guess, of as many scans as are nearly
+    /// independent.
     pub mann_whitney_p: f64,
 }
 
@@ -69,7 +70,7 @@ pub struct Evaluation {
     pub spearman: Option<f64>,
     /// Its p value for as many independent pairs as the way is worth in its best segment: segments of one scan count once.
     pub p: Option<f64>,
-    /// p value of Mann and Whitney's test of the errors against those of the random guess, of one scan in `every`.
+    /// This is the p value of Mann and Whitney's test of the errors against those of the random guess, of one scan in `every`.
     pub mann_whitney_p: f64,
     /// From so many scans to as many later the errors of every segment are nearly independent.
     pub every: usize,

@@ -66,7 +66,7 @@ impl Polynomial {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LoggedPose {
-    /// x and y in the world, metres, and heading, radians.
+    /// The pose is x and y in the world, metres, and the heading, radians.
     pub pose: (f64, f64, f64),
     /// Median of each segment, metres; −1 where nothing came back.
     pub segments_m: Vec<f64>,
@@ -87,7 +87,7 @@ pub struct Sensorgraph {
     pub width_deg: f64,
     /// Number of ranges of headings, or of directions of the world.
     pub headings: usize,
-    /// u = (x − this) / scale, metres.
+    /// This is what is taken off x and y, metres: u = (x − this) / scale.
     pub centre_m: (f64, f64),
     /// Metres of x and y per unit of u and v.
     pub scale_m: f64,

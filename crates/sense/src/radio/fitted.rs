@@ -27,7 +27,7 @@ pub struct FittedParameter {
     /// Whether the log says what it is: an interval narrower than the value (a loss, an exponent) or than 10 dB (a strength), and
     /// without 0.
     pub determined: bool,
-    /// Why not.
+    /// This says why it is not determined.
     pub why: Option<String>,
 }
 

@@ -14,7 +14,7 @@ pub enum LogBase {
     /// 10, as usual.
     #[default]
     Ten,
-    /// e, which the numbers of paper 002 need.
+    /// The base is e, which the numbers of paper 002 need.
     E,
 }
 

@@ -87,13 +87,13 @@ pub struct DistanceReport {
     pub dropouts: usize,
     /// Mean of the readings.
     pub mean: Option<f64>,
-    /// Their standard deviation.
+    /// This is the standard deviation of the readings.
     pub sd: Option<f64>,
     /// Mean less the model's.
     pub residual: Option<f64>,
     /// Standard deviation over the model's.
     pub sd_ratio: Option<f64>,
-    /// p value of the Anderson–Darling test of normality, where there are enough readings.
+    /// This is the p value of the Anderson–Darling test of normality, where there are enough readings.
     pub normality_p: Option<f64>,
 }
 

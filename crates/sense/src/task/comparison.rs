@@ -70,7 +70,7 @@ pub struct FactorReport {
     pub factor: String,
     /// Levels by their real median, fastest first.
     pub real: Vec<String>,
-    /// By their simulated median.
+    /// They are ordered by their simulated median.
     pub simulated: Vec<String>,
     /// Whether they are the same.
     pub same_order: bool,

@@ -38,7 +38,7 @@ const TAIL: f64 = 0.025;
 pub struct JointVerdict {
     /// Name of the parameter.
     pub parameter: &'static str,
-    /// As the robot's file says.
+    /// This is what the robot's file says.
     pub stated: f64,
     /// Estimate with its 95 % interval (bootstrap over recordings); the stated value where flights do not determine it.
     pub estimate: Interval,

@@ -163,7 +163,7 @@ fn spin(
 /// How a start state came about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refined {
-    /// As the rule says.
+    /// It begins as the rule says.
     AsAsked,
     /// No flight to fit: corrected by half a sample instead.
     NoFlight,

@@ -14,7 +14,7 @@ use realgap_optimize::Ending;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BestRobot {
-    /// From 1; survivors first.
+    /// Ranks begin at 1, and survivors come first.
     pub rank: usize,
     /// Position in the search's order.
     pub index: usize,
@@ -24,9 +24,9 @@ pub struct BestRobot {
     pub modules: usize,
     /// Number of servos.
     pub servos: usize,
-    /// With the draws of the search.
+    /// This is the fitness with the draws of the search.
     pub search_fitness: Option<f64>,
-    /// With new draws.
+    /// This is the fitness with new draws.
     pub fitness: Option<f64>,
     /// Median net displacement with new draws, metres.
     pub median_displacement_m: Option<f64>,

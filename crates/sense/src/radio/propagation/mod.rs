@@ -58,7 +58,7 @@ impl Parameter {
 pub struct Terms<'a> {
     /// Logarithm of distance over reference distance, in the model's base.
     pub log_distance: f64,
-    /// The same in base 10.
+    /// This is the same logarithm in base 10.
     pub log10_distance: f64,
     /// C: walls beyond so many do not count.
     pub cap: usize,
