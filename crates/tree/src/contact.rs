@@ -126,17 +126,26 @@ impl Point {
         };
         point.impulse[0] = point.impulse[0].max(0.0);
         point.a.reads = basis.map(|axis| Spatial::at(arm_a, axis));
+        let mut swing = node.swing_at(arm_a, &nodes[forest.bodies[touch.a].root]);
         let mut approach = point.led[0] - point.a.reads[0].dot(&node.velocity);
         let mut pull = -basis[0].dot(step.gravity_world_m_s2);
         if touch.b != NONE {
             let other = &nodes[touch.b];
             point.arm_b = touch.point_world_m - other.reference_world_m;
+            swing -= other.swing_at(point.arm_b, &nodes[forest.bodies[touch.b].root]);
             approach += other.velocity.velocity_at(point.arm_b).dot(basis[0]);
             if forest.bodies[forest.bodies[touch.b].root].freedom != crate::forest::Freedom::Mounted {
                 pull = 0.0;
             }
         }
         let impact = point.bounce(touch, approach, pull, step);
+        // Over the step a point travels by its velocity and by half of what velocity products do to it.
+        for (k, axis) in basis.iter().enumerate() {
+            let same_point = k > 0 || (matches!(touch.memory, Memory::Corner { .. }) && !impact);
+            if same_point {
+                point.led[k] -= 0.5 * step.time_s * swing.dot(*axis);
+            }
+        }
         (point, impact)
     }
 
