@@ -11,8 +11,8 @@ use crate::spatial::Spatial;
 /// Share of its limit below which a servo that has been there is part of the inertia again.
 const NEAR: f64 = 0.9;
 
-/// A joint that moves no faster than this into its limit leans on it, rad/s or m/s.
-const LEANING: f64 = 1e-3;
+/// A joint that moves slower than this into its limit leans on it, rad/s or m/s.
+const LEANING: f64 = 0.05;
 
 /// What a joint's motor is asked to do from now on.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -177,8 +177,8 @@ impl Actor {
         }
         self.side = if distance > reach { 0.0 } else { side };
         self.wanted = softness.wanted_speed(distance);
-        // Hitting it is hard, leaning on it soft: there it moves no faster than the spring would.
-        let leans = distance <= 0.0 && -side * node.speed <= self.wanted.max(LEANING);
+        // Hitting it is hard, leaning on it soft.
+        let leans = distance <= 0.0 && -side * node.speed < LEANING;
         self.slack = if leans { softness.slack * node.give } else { 0.0 };
     }
 
