@@ -439,7 +439,11 @@ for path in sys.argv[1:]:
         let [mounted, hinges, mass_kg] = seen[..] else {
             panic!("{line}")
         };
-        assert_eq!(mounted == 1.0, assembly.world_from_mount.is_some(), "{line}");
+        assert_eq!(
+            mounted == 1.0,
+            assembly.world_from_mount.is_some(),
+            "{line}"
+        );
         assert_eq!(hinges as usize, assembly.hinges.len(), "{line}");
         assert!((mass_kg - morphology.summary().mass_kg).abs() < 1e-6);
     }

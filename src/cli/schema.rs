@@ -54,7 +54,7 @@ shipped! {
     files: "robot" "study" "noise" "search" "meta" "reading" "genome" "parameters" "arena" "vehicle" "sensor" "sensorgraph"
         "radio" "scene" "camera" "views" "basis" "plan";
     answers: "belief" "characterise" "check" "compare" "compare-metric" "develop" "ensemble" "evaluate" "evaluate-joints"
-        "floor" "gap" "genome" "identify" "identify-joints" "parameters" "predict" "radio-evaluate" "radio-fit" "radio-send"
+        "floor" "gap" "genome" "identify" "identify-joints" "import" "parameters" "predict" "radio-evaluate" "radio-fit" "radio-send"
         "record" "results" "search" "sensitivity" "sensorgraph-evaluate" "sensorgraph-fit" "simulate" "status" "sweep" "tasks"
         "verify" "vision-compare" "vision-tune"
 }

@@ -156,6 +156,7 @@ fn custom(robot: &Robot<'_>) -> Element {
             law,
             max_torque_nm,
             max_speed_rad_s,
+            ..
         } = *servo;
         let (law, data) = match law {
             ServoLaw::Velocity { gain_1_s } => {
@@ -181,6 +182,7 @@ fn custom(robot: &Robot<'_>) -> Element {
                     max_torque_nm.min(motor.stall_nm()),
                 ],
             ),
+            ServoLaw::Direct => ("direct", [0.0, 0.0, max_torque_nm]),
         };
         custom.push(text(&format!("law_{name}"), law));
         custom.push(numeric(format!("servo_{name}"), numbers(data)));
@@ -365,5 +367,6 @@ fn motor(name: &str, servo: &Servo) -> Element {
         } => spring(motor, stiffness_nm_rad, damping_nm_s_rad),
         // The duty's limit is lost, but for the torque at standstill.
         ServoLaw::Motor(law) => spring(motor, law.stiffness_nm_rad(), law.damping_nm_s_rad()),
+        ServoLaw::Direct => motor.with("gainprm", "1").with("biasprm", "0 0 0"),
     }
 }
