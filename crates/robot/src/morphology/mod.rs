@@ -300,11 +300,16 @@ impl Morphology {
         self.built.as_deref().map(|built| &built.structure)
     }
 
-    /// The gait of every module, in their order: of its servo, or of the joint that moves it; `None` for what nothing drives.
+    /// The gait of every module, in their order: of its servo, or of the joint that moves it; `None` for what nothing
+    /// drives, or follows another joint.
     pub fn gaits(&self) -> Vec<Option<Gait>> {
         let mut gaits = vec![None; self.modules.len()];
         for hinge in self.assemble().hinges {
-            if let Some(actuator) = hinge.actuator {
+            let follows = self.structure().is_some_and(|structure| {
+                let mut drivers = structure.actuators.iter();
+                drivers.any(|driver| driver.joint == hinge.name && driver.follows.is_some())
+            });
+            if let Some(actuator) = hinge.actuator.filter(|_| !follows) {
                 gaits[hinge.module].get_or_insert(actuator.gait);
             }
         }

@@ -98,6 +98,25 @@ pub fn solid_surface(shape: &Shape, pose: &Isometry3<f64>) -> Option<(Placed, Sh
     Some((placed, surface))
 }
 
+/// The triangles of a convex hull, corners in the order that turns outwards; none of points that lie in one plane.
+pub fn hull_triangles(points_m: &[Vector3<f64>]) -> Vec<[Vector3<f64>; 3]> {
+    let points: Vec<Vector> = points_m
+        .iter()
+        .map(|p| Vector::new(p.x, p.y, p.z))
+        .collect();
+    let Ok((corners, triangles)) = parry3d_f64::transformation::try_convex_hull(&points) else {
+        return Vec::new();
+    };
+    let corner = |index: u32| {
+        let corner = corners[index as usize];
+        Vector3::new(corner.x, corner.y, corner.z)
+    };
+    triangles
+        .into_iter()
+        .map(|triangle| triangle.map(corner))
+        .collect()
+}
+
 /// Points on an ellipsoid.
 pub(super) fn ellipsoid(radii_m: &Vector3<f64>) -> Vec<Vector3<f64>> {
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];

@@ -43,7 +43,7 @@ use super::module::Module;
 use super::servo_file::{GaitFile, ServoFile};
 use realgap_core::file::Source;
 
-pub use hull::{MOST_CORNERS, simplified, solid_surface};
+pub use hull::{MOST_CORNERS, hull_triangles, simplified, solid_surface};
 pub use mass::{UniformMass, uniform};
 
 /// Three numbers along x, y and z.
