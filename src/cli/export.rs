@@ -43,8 +43,19 @@ impl Export {
         for warning in &exported.warnings {
             terminal::note(format!("{} does not carry: {}", format.name(), warning));
         }
+        if self.output.is_none() && !exported.files.is_empty() {
+            terminal::note(format!(
+                "{} meshes belong beside this file: -o FILE writes them",
+                exported.files.len()
+            ));
+        }
         match &self.output {
-            Some(path) => output::write(path, exported.text.as_bytes())?,
+            Some(path) => {
+                for (name, bytes) in &exported.files {
+                    output::write(&path.with_file_name(name), bytes)?;
+                }
+                output::write(path, exported.text.as_bytes())?;
+            }
             None => terminal::print(exported.text.trim_end()),
         }
         Ok(())

@@ -21,6 +21,7 @@ use super::develop::DevelopReport;
 use super::evaluate::Evaluated;
 use super::genome::GenomeReport;
 use super::identify::Identified;
+use super::import::Report as ImportReport;
 use super::parameters::ParameterRow;
 use super::results::TrialRow;
 use super::simulate::SimulateReport;
@@ -77,6 +78,7 @@ forms! {
     "genome" one GenomeReport, "a drawn genome: `realgap genome random`";
     "identify" one Identified<'_>, "parameters read from motion without a fit: `realgap identify`";
     "identify-joints" one JointIdentification, "the same of bodies with joints";
+    "import" one ImportReport, "a robot of another program, and what there is to say about it: `realgap import`";
     "parameters" rows ParameterRow, "every parameter: `realgap parameters`";
     "predict" one Card, "a prediction card, prediction.json, and those of a search: `realgap predict`";
     "radio-evaluate" one RadioEvaluation, "a radio model against a log: `realgap radio evaluate`";

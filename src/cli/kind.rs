@@ -34,6 +34,7 @@ impl Kind {
             ("strategy", Self::Search),
             ("genes", Self::Genome),
             ("modules", Self::Morphology),
+            ("bodies", Self::Morphology),
             ("morphology", Self::Study),
             ("vehicle", Self::Study),
             ("boundary", Self::Arena),

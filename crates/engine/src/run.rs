@@ -19,7 +19,7 @@ use super::world::{Motion, World};
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::{State, Trajectory};
-use realgap_robot::morphology::{Actuator, Assembly};
+use realgap_robot::morphology::{Actuator, Assembly, Hinge, ServoLaw};
 
 /// Result of one simulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -143,6 +143,23 @@ struct Rollout<'a> {
     warnings: Vec<Warning>,
 }
 
+/// Where a joint starts that nobody says: at its servo's first command, without one at 0, and never beyond its limits.
+fn start_rad(experiment: &Experiment, hinge: &Hinge) -> f64 {
+    let is_torque = hinge
+        .actuator
+        .is_some_and(|actuator| actuator.servo.law == ServoLaw::Direct);
+    let asked_rad = match is_torque {
+        true => 0.0,
+        false => Orders::new(experiment, hinge).angle_rad(0.0),
+    };
+    match hinge.bearing.limits_rad {
+        Some((low_rad, high_rad)) if !experiment.assembly.is_modular => {
+            asked_rad.clamp(low_rad, high_rad)
+        }
+        _ => asked_rad,
+    }
+}
+
 impl<'a> Rollout<'a> {
     fn new(experiment: &'a Experiment, assembly: &'a Assembly) -> Self {
         let joints: Vec<JointState> = assembly
@@ -152,7 +169,7 @@ impl<'a> Rollout<'a> {
             .map(|(index, hinge)| match experiment.start_joints.get(index) {
                 Some(joint) => *joint,
                 None => JointState {
-                    angle_rad: Orders::new(experiment, hinge).angle_rad(0.0),
+                    angle_rad: start_rad(experiment, hinge),
                     speed_rad_s: 0.0,
                 },
             })
@@ -226,7 +243,9 @@ impl<'a> Rollout<'a> {
             timestep_s: experiment.solver.timestep_s,
             latency_s: (0..assembly.hinges.len())
                 .map(|hinge| {
-                    experiment.adjustment.servo_latency_s + perturbation.latency_s_of(hinge)
+                    let actuator = &assembly.hinges[hinge].actuator;
+                    let own_s = actuator.map_or(0.0, |actuator| actuator.servo.delay_s);
+                    experiment.adjustment.servo_latency_s + perturbation.latency_s_of(hinge) + own_s
                 })
                 .collect(),
             backlash_rad: experiment.adjustment.servo_backlash_rad,
@@ -249,7 +268,9 @@ impl<'a> Rollout<'a> {
                 continue;
             };
             let orders = &mut self.orders[index];
-            self.squared_error_rad2 += (orders.angle_rad(t_s) - angle_rad).powi(2);
+            if servo.law != ServoLaw::Direct {
+                self.squared_error_rad2 += (orders.angle_rad(t_s) - angle_rad).powi(2);
+            }
             // Before the first command arrives, the servo holds where it started.
             let target_rad = orders.angle_rad((t_s - self.latency_s[index]).max(0.0));
             let is_on = orders.is_on(t_s);
