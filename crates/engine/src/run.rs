@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::command::Orders;
 use super::energy::{EnergyBalance, Meter};
+use super::engine::{Motion, Setup, World};
 use super::experiment::{Experiment, JointState, Start};
 use super::kinematics::{lowest_m, part_from_track, robot_from_parts};
 use super::motor::{Effort, duty, effort};
@@ -15,7 +16,6 @@ use super::scene::{Guide, SceneMotion};
 use super::servo::{NOTHING, command, error_beyond_play};
 use super::vehicle;
 use super::watch::{Push, Snapshot};
-use super::world::{Motion, World};
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::{State, Trajectory};
@@ -68,7 +68,7 @@ pub fn run(experiment: &Experiment) -> Result<Run> {
         return Ok(run);
     }
     let assembly = experiment.adjusted_assembly();
-    let mut rollout = Rollout::new(experiment, &assembly);
+    let mut rollout = Rollout::new(experiment, &assembly)?;
     let mut run = rollout.run(experiment, None)?;
     run.cpu = thread_cpu_time().saturating_sub(started);
     Ok(run)
@@ -93,7 +93,7 @@ pub fn watch(
     for push in pushes {
         push.check(&assembly)?;
     }
-    let mut rollout = Rollout::new(experiment, &assembly);
+    let mut rollout = Rollout::new(experiment, &assembly)?;
     for push in pushes {
         rollout.world.push(push.part, &push.velocity_world_m_s);
     }
@@ -122,7 +122,7 @@ fn thread_cpu_time() -> Duration {
 /// A world in motion, with the servos' memory.
 struct Rollout<'a> {
     assembly: &'a Assembly,
-    world: World,
+    world: Box<dyn World>,
     part_from_track: Isometry3<f64>,
     /// Driven bodies of the scene, by index.
     guides: Vec<(usize, Guide<'a>)>,
@@ -161,7 +161,7 @@ fn start_rad(experiment: &Experiment, hinge: &Hinge) -> f64 {
 }
 
 impl<'a> Rollout<'a> {
-    fn new(experiment: &'a Experiment, assembly: &'a Assembly) -> Self {
+    fn new(experiment: &'a Experiment, assembly: &'a Assembly) -> Result<Self> {
         let joints: Vec<JointState> = assembly
             .hinges
             .iter()
@@ -212,7 +212,22 @@ impl<'a> Rollout<'a> {
             .iter()
             .map(|pose| world_from_robot * pose)
             .collect();
-        let mut world = World::new(experiment, assembly, &poses, &joints, &motion);
+        let mut warnings = experiment.warnings();
+        let (engine, refusal) = experiment.solver.engine.able(experiment);
+        if let Some(why) = refusal {
+            let chosen = experiment.solver.engine;
+            warnings.push(Warning::new(
+                Code::EngineFallback,
+                format!("{} simulates in place of {chosen:?}: {why}", engine.name()),
+            ));
+        }
+        let mut world = engine.build(&Setup {
+            experiment,
+            assembly,
+            world_from_parts: &poses,
+            joints: &joints,
+            motion,
+        })?;
         let mut guides = Vec::new();
         for (index, body) in experiment.scene.iter().enumerate() {
             if let SceneMotion::Driven { track } = &body.motion {
@@ -222,7 +237,7 @@ impl<'a> Rollout<'a> {
                 guides.push((index, guide));
             }
         }
-        Self {
+        Ok(Self {
             assembly,
             world,
             part_from_track,
@@ -251,8 +266,8 @@ impl<'a> Rollout<'a> {
             backlash_rad: experiment.adjustment.servo_backlash_rad,
             steps: 0,
             settle_steps: 0,
-            warnings: experiment.warnings(),
-        }
+            warnings,
+        })
     }
 
     /// Drives every servo towards its command at `t_s` (or what it knows of it by then), leads every driven body to where it is
@@ -438,10 +453,10 @@ impl<'a> Rollout<'a> {
             path.joint_names = hinges.map(|hinge| hinge.name.clone()).collect();
         }
         if let Some(observer) = &mut observer {
-            observer(&Snapshot::take(0.0, self.assembly, &self.world));
+            observer(&Snapshot::take(0.0, self.assembly, self.world.as_ref()));
         }
         if let Some(meter) = &mut self.meter {
-            meter.start(self.assembly, &self.world);
+            meter.start(self.assembly, self.world.as_ref());
         }
         let mut before = self.sample();
         let mut next = 0;
@@ -460,10 +475,10 @@ impl<'a> Rollout<'a> {
                 return Ok(Outcome::Diverged(Divergence { at_s: to_s, why }));
             }
             if let Some(meter) = &mut self.meter {
-                meter.read(self.assembly, &self.world, from_s, &self.efforts);
+                meter.read(self.assembly, self.world.as_ref(), from_s, &self.efforts);
             }
             if let Some(observer) = &mut observer {
-                observer(&Snapshot::take(to_s, self.assembly, &self.world));
+                observer(&Snapshot::take(to_s, self.assembly, self.world.as_ref()));
             }
             if next < times_s.len() && times_s[next] <= to_s + 1e-9 * timestep_s.max(1e-3) {
                 let after = self.sample();

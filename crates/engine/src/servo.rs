@@ -4,7 +4,7 @@ use realgap_robot::morphology::{Servo, ServoLaw};
 
 /// What a joint motor is asked to do during one step, within its torque limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Command {
+pub enum Command {
     /// Follow a joint velocity: torque = damping · (target − velocity).
     Velocity {
         /// Joint velocity, rad/s.
