@@ -10,7 +10,6 @@ use super::table::{number, write};
 use crate::plot::{Caption, EnsembleBand, EnsembleGroup, EnsemblePlot, both, draw_ensemble};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{versioned_json, write_atomic};
-use realgap_core::unit;
 use realgap_lab::prediction::ensemble::{
     Behaviours, Ensemble, Envelope, Forecast, LEVELS, Motion, Repeat,
 };
@@ -190,13 +189,12 @@ pub(super) fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>)
         return Ok(());
     };
     let summary = case.summary;
+    // Sums of steps have digits that nobody set.
+    let duration_s = (1e3 * summary.duration_s).round() / 1e3;
     let incomplete = if summary.complete { "" } else { "INCOMPLETE: " };
     let mut subtitle = format!(
         "{incomplete}{} of {} repeats of {} s, seed {}",
-        summary.repeats,
-        summary.repeats_asked,
-        unit::number(summary.duration_s),
-        summary.seed
+        summary.repeats, summary.repeats_asked, duration_s, summary.seed
     );
     if summary.diverged.count > 0 {
         subtitle += &format!(", {} diverged", summary.diverged.count);
