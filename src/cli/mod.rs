@@ -5,6 +5,7 @@ macro_rules! commands {
     ($(#[$about:meta])* $name:ident: $($(#[$meta:meta])* $variant:ident($options:ty),)*) => {
         $(#[$about])*
         #[derive(Debug, clap::Subcommand)]
+        #[allow(clippy::large_enum_variant, reason = "there is one, as long as the program runs")]
         pub enum $name {
             $($(#[$meta])* $variant($options),)*
         }

@@ -90,8 +90,11 @@ const FRAMES: &[Choice<FrameChoice>] = &[
     ),
 ];
 
-/// When no more terms are taken, with the options `--ratio` and `--terms`.
-const STOPS: &[Choice<fn(f64, usize) -> Stop>] = &[
+/// A rule that the options `--ratio` and `--terms` complete.
+type StopChoice = fn(f64, usize) -> Stop;
+
+/// When no more terms are taken.
+const STOPS: &[Choice<StopChoice>] = &[
     (
         "validation",
         |_, _| Stop::Validation,
@@ -185,7 +188,7 @@ pub struct Fit {
     width: f64,
     /// When no more terms are taken
     #[arg(long, value_parser = choice(STOPS), default_value = "validation")]
-    stop: fn(f64, usize) -> Stop,
+    stop: StopChoice,
     /// With `--stop err`: share of the squares
     #[arg(long, value_name = "SHARE", default_value_t = 0.99)]
     ratio: f64,

@@ -71,6 +71,7 @@ fn folder() -> Result<&'static Path> {
     let folder = FOLDER.get_or_init(|| {
         std::env::temp_dir().join(format!("realgap-streams-{}", std::process::id()))
     });
+    terminal::leave_out(folder);
     std::fs::create_dir_all(folder)
         .map_err(|e| Error::io("make a folder for streams", folder, &e))?;
     Ok(folder)

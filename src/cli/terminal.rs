@@ -1,6 +1,9 @@
 //! Printing: colours only on a terminal that wants them, broken pipes are no error.
 
+use std::borrow::Cow;
 use std::io::{IsTerminal, Write};
+use std::path::Path;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use realgap::file::versioned_json;
@@ -38,6 +41,21 @@ pub fn leave_stdout() {
     IS_TAKEN.store(true, Ordering::Relaxed);
 }
 
+/// The folder that streams are kept in: nobody has named it, so nobody reads of it.
+static UNNAMED: OnceLock<String> = OnceLock::new();
+
+/// Leaves this folder out of what is printed.
+pub fn leave_out(folder: &Path) {
+    let _first = UNNAMED.set(format!("{}/", folder.display()));
+}
+
+fn without_unnamed(text: &str) -> Cow<'_, str> {
+    match UNNAMED.get() {
+        Some(folder) => text.replace(folder, "").into(),
+        None => text.into(),
+    }
+}
+
 /// Set when standard output refused something, e.g. on a full disk.
 static OUTPUT_LOST: AtomicBool = AtomicBool::new(false);
 
@@ -52,7 +70,7 @@ pub fn print(text: impl AsRef<str>) {
     } else {
         &[]
     };
-    let text = harmless(text.as_ref(), bold);
+    let text = harmless(&without_unnamed(text.as_ref()), bold);
     let mut stdout = std::io::stdout();
     let written = writeln!(stdout, "{text}").and_then(|()| stdout.flush());
     if let Err(error) = written
@@ -97,7 +115,8 @@ pub fn note(text: impl AsRef<str>) {
 
 /// Writes a label of our own and a text to standard error.
 fn labelled(label: &str, text: &str) {
-    let _ = writeln!(std::io::stderr(), "{label}{}", escaped_lines(text));
+    let text = without_unnamed(text);
+    let _ = writeln!(std::io::stderr(), "{label}{}", escaped_lines(&text));
 }
 
 /// Prints an error to standard error.
