@@ -82,6 +82,27 @@ pub(super) fn face_at_end(motion: &Trajectory, experiment: &Experiment) -> Optio
 }
 
 impl Definition {
+    /// Indices of the recordings that end at rest.
+    ///
+    /// # Errors
+    /// Runs that do not start from recordings, or no recording that ends at rest.
+    pub(crate) fn at_rest(&self) -> Result<Vec<usize>> {
+        if self.start == StartRule::Settled {
+            return Err(self.at_file(
+                Error::invalid("a settled start says nothing about how tosses come to rest")
+                    .field("start")
+                    .hint("use `start: FromRecording`"),
+            ));
+        }
+        let all = self.recordings.iter().enumerate();
+        let resting = all.filter(|(_, recording)| is_at_rest(&recording.trajectory));
+        let resting: Vec<usize> = resting.map(|(index, _)| index).collect();
+        if resting.is_empty() {
+            return Err(self.at_file(Error::invalid("no recording ends at rest")));
+        }
+        Ok(resting)
+    }
+
     /// Simulates every recording that ends at rest once, from its start to its end, with the study's fixed values and then
     /// `identified`.
     ///
@@ -93,13 +114,7 @@ impl Definition {
         identified: &ParameterSet,
         run: &RunOptions<'_>,
     ) -> Result<RestingOdds> {
-        if self.start == StartRule::Settled {
-            return Err(self.at_file(
-                Error::invalid("a settled start says nothing about how tosses come to rest")
-                    .field("start")
-                    .hint("use `start: FromRecording`"),
-            ));
-        }
+        self.at_rest()?;
         // As the real counts: over whole recordings, whatever part of them the study compares.
         self.duration_s = None;
         let (recordings, sha256) = std::mem::take(&mut self.recordings)
@@ -108,9 +123,6 @@ impl Definition {
             .filter(|(recording, _)| is_at_rest(&recording.trajectory))
             .unzip();
         (self.recordings, self.recordings_sha256) = (recordings, sha256);
-        if self.recordings.is_empty() {
-            return Err(self.at_file(Error::invalid("no recording ends at rest")));
-        }
         let fixed = self.set.clone().with_all(identified);
         let study = Study::new(self)?;
         let ends = run.each(study.cases().len(), |case| ends_of(&study, case, &fixed))?;
