@@ -135,7 +135,7 @@ impl LogTable {
         if !rows.is_empty() {
             return Ok((rows, said));
         }
-        let error = Error::invalid("the log has no rows").at_file(&self.path);
+        let error = Error::invalid("the log has no readings: no rows").at_file(&self.path);
         Err(match wanted {
             Some(wanted) => error.field(name).found(wanted).allowed(said.join(", ")),
             None => error,
