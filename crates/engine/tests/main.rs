@@ -10,6 +10,7 @@ mod export;
 mod noise_contract;
 mod parameter_contract;
 mod rest;
+mod rolling;
 mod scene;
 mod servo;
 mod simulation;

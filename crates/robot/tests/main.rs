@@ -2,6 +2,7 @@
 
 #[path = "../../../tests/common/shared.rs"]
 mod common;
+mod foreign;
 mod genome;
 mod morphology;
 mod urdf;

@@ -59,6 +59,8 @@ pub struct Imported {
     pub structure: Structure,
     /// What was left out, changed, assumed or looks wrong, by line.
     pub notes: Vec<Note>,
+    /// Lines of the first bodies, in their order; none where nobody knows them.
+    pub lines: Vec<usize>,
 }
 
 /// Whether a file's name says that it is a robot of another program.
@@ -77,8 +79,9 @@ pub fn import(source: &Source, options: &Options) -> Result<Imported> {
     let text = readable(source, &mut notes)?;
     let document = Document::parse(&text).map_err(|error| not_xml(source, &error))?;
     let root = document.root_element();
+    let mut lines = Vec::new();
     let mut structure = match root.tag_name().name() {
-        "robot" => urdf::read(source, root, options, &mut notes)?,
+        "robot" => urdf::read(source, root, options, &mut notes, &mut lines)?,
         "mujoco" => mjcf::read(source, root, options, &mut notes)?,
         other => {
             let place = element::Place { source };
@@ -93,6 +96,7 @@ pub fn import(source: &Source, options: &Options) -> Result<Imported> {
     Ok(Imported {
         structure,
         notes: notes.sorted(),
+        lines,
     })
 }
 
@@ -109,6 +113,14 @@ fn readable(source: &Source, notes: &mut Notes) -> Result<String> {
             "the XML declaration does not stand first",
             "move it to the first line",
         );
+    }
+    const END: &str = "</robot>";
+    if let Some(end) = text.rfind(END).map(|at| at + END.len())
+        && !text[end..].trim().is_empty()
+        && !text[end..].contains("<!--")
+    {
+        text.truncate(end);
+        notes.changed(None, "what stands behind </robot> is no XML", "remove it");
     }
     // Each round mends one prefix that nobody declares.
     for _ in 0..32 {

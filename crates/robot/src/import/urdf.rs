@@ -27,6 +27,7 @@ pub(super) fn read(
     root: Node<'_, '_>,
     options: &Options,
     notes: &mut Notes,
+    lines: &mut Vec<usize>,
 ) -> Result<Structure> {
     let place = Place { source };
     let name = match root.attribute("name") {
@@ -74,6 +75,8 @@ pub(super) fn read(
     robot.joints(root, notes)?;
     robot.roots(root, notes)?;
     robot.others(root, notes);
+    let bodies = robot.structure.bodies.iter();
+    lines.extend(bodies.map_while(|body| robot.lines.get(&body.name)));
     Ok(robot.structure)
 }
 

@@ -103,17 +103,26 @@ impl Reader<'_> {
             return Ok(());
         }
         let moments = SymmetricEigen::new(own).eigenvalues;
-        if moments.min() <= 1e-12 * moments.amax() {
+        if moments.min() < -1e-9 * moments.amax() {
             let error = Error::invalid(format!("no body has the inertia of link `{}`", body.name))
                 .found(format!(
                     "principal moments {:.6e}, {:.6e}, {:.6e} kg m^2",
                     moments.x, moments.y, moments.z
                 ))
-                .allowed("moments above 0")
+                .allowed("moments of 0 or more")
                 .hint("correct <inertia>, or remove it for that of a uniform shape");
             return Err(place.at(inertia, error));
         }
-        if 2.0 * moments.max() > moments.sum() * (1.0 + 1e-6) {
+        if moments.min() <= 1e-9 * moments.amax() {
+            notes.doubt(
+                place.line(inertia),
+                format!(
+                    "link `{}` has a principal moment of 0: kept, for it is fixed to others",
+                    body.name
+                ),
+                "compute its inertia again",
+            );
+        } else if 2.0 * moments.max() > moments.sum() * (1.0 + 1e-6) {
             notes.doubt(
                 place.line(inertia),
                 format!("link `{}` has a moment of inertia larger than the two others together, which no body has: kept", body.name),

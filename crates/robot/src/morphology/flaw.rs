@@ -37,6 +37,12 @@ impl Flaw {
         }
     }
 
+    /// The index of the list entry that it is in: 2 for `bodies[2].mass_kg` of `bodies`.
+    pub(super) fn index_in(&self, list: &str) -> Option<usize> {
+        let rest = self.path.strip_prefix(list)?.strip_prefix('[')?;
+        rest.split_once(']')?.0.parse().ok()
+    }
+
     /// For blueprints that came from no file.
     pub(super) fn without_file(self) -> Error {
         self.error.field(self.path)

@@ -256,10 +256,16 @@ impl Morphology {
     /// As [`import`], and of what is no robot here.
     pub fn import(source: &Source, options: &Options) -> Result<(Self, Vec<Note>)> {
         let imported = import(source, options)?;
-        let robot = Self::of_bodies(imported.structure).map_err(|error| {
-            error
-                .at_file(source.path())
-                .or_hint("this is said of the robot as it was read: `bodies[0]` is its first link")
+        let robot = Self::check_structure(imported.structure).map_err(|flaw| {
+            let line = flaw
+                .index_in("bodies")
+                .and_then(|body| imported.lines.get(body));
+            let error = flaw.without_file().at_file(source.path());
+            let error = match line {
+                Some(line) => error.at_line(*line, 1),
+                None => error,
+            };
+            error.or_hint("this is said of the robot as it was read: bodies[0] is its first link")
         })?;
         Ok((robot, imported.notes))
     }

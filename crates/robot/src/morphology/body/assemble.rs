@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, SymmetricEigen, Unit, Vector3};
 
 use super::super::assembly::{
     Actuator, Assembly, Bearing, Freedom, Gait, Hinge, Mark, Part, Role, Solid, Spring,
@@ -12,7 +12,7 @@ use super::super::flaw::{Checked, Flaw};
 use super::super::module::{check_actuator, check_name};
 use super::super::servo_file::GaitFile;
 use super::super::shape::Shape;
-use super::check::{check_body, check_joint, check_pose};
+use super::check::{SINGULAR, check_body, check_joint, check_pose};
 use super::hull::ellipsoid;
 use super::mass::{UniformMass, uniform};
 use super::{Body, Form, JointKind, Structure, vector};
@@ -368,6 +368,26 @@ impl Workshop<'_> {
                     Error::invalid("nothing behind this joint has a mass")
                         .found(format!("`{}`", hinge.name))
                         .hint("give the body a mass, or make the joint Fixed"),
+                ));
+            }
+        }
+        for part in &self.parts {
+            let mass = part.mass(&Isometry3::identity());
+            let moments = SymmetricEigen::new(mass.inertia_kg_m2).eigenvalues;
+            if mass.mass_kg > 0.0 && moments.min() <= SINGULAR * moments.max() {
+                let body = part.solids[0].module;
+                return Err(Flaw::new(
+                    format!("bodies[{body}].inertia_kg_m2"),
+                    Error::invalid(format!(
+                        "`{}`, with all that is fixed to it, has a moment of inertia of 0 or less",
+                        self.structure.bodies[body].name
+                    ))
+                    .found(format!(
+                        "principal moments {:.3e}, {:.3e}, {:.3e} kg m^2",
+                        moments.x, moments.y, moments.z
+                    ))
+                    .allowed("moments above 0")
+                    .hint("correct the inertia, or leave it out for that of uniform shapes"),
                 ));
             }
         }

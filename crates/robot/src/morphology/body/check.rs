@@ -7,6 +7,8 @@ use super::super::module::{Range, check_name};
 use super::{Body, Form, Joint, JointKind, Pose, Triple};
 use realgap_core::Error;
 
+/// A moment below this share of the largest is none.
+pub(super) const SINGULAR: f64 = 1e-12;
 /// Largest length in a robot, metres.
 const MOST_M: f64 = 1000.0;
 
@@ -66,12 +68,12 @@ pub(super) fn check_body(body: &Body, at: &str) -> Checked<()> {
             f64::NAN
         };
         let largest = matrix.amax();
-        if !is_finite || (body.mass_kg > 0.0 && least <= 1e-12 * largest) || largest > 1e9 {
+        if !is_finite || least < -SINGULAR * largest || largest > 1e9 {
             return Err(Flaw::new(
                 path,
                 Error::invalid("no body has such an inertia")
                     .found(format!("a smallest principal moment of {least:e} kg m^2"))
-                    .allowed("principal moments above 0, at most 1e9 kg m^2")
+                    .allowed("no moment below 0, at most 1e9 kg m^2")
                     .hint("leave inertia_kg_m2 out for that of uniform shapes"),
             ));
         }
