@@ -68,3 +68,47 @@ fn a_file_that_is_not_there_is_named_and_not_made() {
     assert!(text(&said.stderr).contains("no_such.urdf"));
     assert!(!Path::new("no_such.urdf").exists());
 }
+
+const LINK: &str = r#"<inertial><mass value="0.2"/><inertia ixx="1e-4" iyy="2e-4" izz="3e-4"/></inertial>
+    <collision><geometry><box size="0.1 0.06 0.04"/></geometry></collision>"#;
+
+#[test]
+fn what_realgap_did_not_write_is_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let (urdf, ron) = (folder.path().join("r.urdf"), folder.path().join("r.ron"));
+    std::fs::write(
+        &urdf,
+        format!(r#"<robot name="r"><link name="a">{LINK}</link></robot>"#),
+    )
+    .unwrap();
+    std::fs::write(&ron, "// mine").unwrap();
+    let import = |more: &[&str]| {
+        let said = realgap()
+            .arg("import")
+            .arg(&urdf)
+            .arg("-o")
+            .arg(&ron)
+            .args(more)
+            .output()
+            .unwrap();
+        (
+            said.status.code(),
+            text(&said.stdout).to_owned() + &text(&said.stderr),
+        )
+    };
+    let (code, said) = import(&[]);
+    assert!(code != Some(0) && said.contains("--force"), "{said}");
+    assert_eq!(std::fs::read_to_string(&ron).unwrap(), "// mine");
+    let (code, said) = import(&["--force"]);
+    assert_eq!(code, Some(0), "{said}");
+    // It ends with the commands that come next.
+    for next in ["realgap check", "realgap simulate", "realgap replay"] {
+        assert!(said.contains(next), "{said}");
+    }
+    // What it wrote itself it replaces, and the report is JSON where that is asked for.
+    let (code, said) = import(&["--format", "json"]);
+    assert!(code == Some(0) && said.contains("\"notes\""), "{said}");
+    let missing = realgap().args(["import", "no_such.urdf"]).output().unwrap();
+    assert_eq!(missing.status.code(), Some(1));
+    assert!(text(&missing.stderr).contains("no_such.urdf") && !Path::new("no_such.urdf").exists());
+}
