@@ -63,10 +63,11 @@ fn respond(parent: &Node, node: &mut Node) {
     node.response.add_outer(&half, &axis);
 }
 
-/// Velocities after a step of `time_s` in which only what stands in `impulse` and `effort` acts besides gravity.
+/// Velocities after a step of `time_s` in which only what is given acts, and what rows did in the step before (`warm`).
 ///
 /// Velocity products are taken in the middle of the step, at the mean of the velocities before and after (a predictor and a
-/// corrector): taken at its beginning they let a pendulum's energy grow in proportion to the step.
+/// corrector): taken at its beginning they let a pendulum's energy grow in proportion to the step. The predictor knows nothing of
+/// rows, which may still be far off.
 pub(crate) fn free_velocities(
     tree: &Tree,
     forest: &Forest,
@@ -77,7 +78,7 @@ pub(crate) fn free_velocities(
     let bodies = &forest.bodies[tree.root..tree.end];
     for half in [0.0, 0.5] {
         velocity_products(tree, bodies, nodes, time_s, half, given);
-        gather(tree, bodies, nodes);
+        gather(tree, bodies, nodes, half > 0.0);
         spread(tree, bodies, nodes);
     }
     for (index, body) in (tree.root..tree.end).zip(bodies) {
@@ -121,19 +122,23 @@ fn velocity_products(
         let angular = node.inertia_world * w + node.arm_m.cross(momentum);
         let products = Spatial::new(w.cross(angular) + v.cross(momentum), w.cross(momentum));
         node.impulse = given[index];
+        if half > 0.0 {
+            node.impulse += node.warm;
+        }
         node.impulse.add_scaled(&products, -time_s);
     }
 }
 
 /// Impulses and efforts from the leaves inwards; leaves in `speed_change` what is left for the joint.
-fn gather(tree: &Tree, bodies: &[Body], nodes: &mut [Node]) {
+fn gather(tree: &Tree, bodies: &[Body], nodes: &mut [Node], warm: bool) {
     for (index, body) in (tree.root..tree.end).zip(bodies).rev() {
         if body.is_root() {
             continue;
         }
         let (above, below) = nodes.split_at_mut(index);
         let node = &mut below[0];
-        let left = node.effort + node.axis.dot(&node.impulse);
+        let effort = node.effort + if warm { node.warm_effort } else { 0.0 };
+        let left = effort + node.axis.dot(&node.impulse);
         let dragged = node.articulated.times(&node.drift);
         node.speed_change = left;
         let mut passed = node.impulse - dragged;

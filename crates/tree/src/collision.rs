@@ -512,8 +512,10 @@ impl Pair {
             let (world_from_1, world_from_2) = (*mine.0 * part_1, *other.0 * part_2);
             // Parry's normal leaves the first shape.
             let normal = -(world_from_1.rotation * manifold.local_n1);
+            // Shapes in the same place have no direction.
+            let upright = (normal.length_squared() - 1.0).abs() < 1e-6 && normal.is_finite();
             for (point_number, point) in manifold.points.iter().enumerate() {
-                if point.dist > reach {
+                if point.dist > reach || !upright {
                     continue;
                 }
                 let one = world_from_1 * point.local_p1;

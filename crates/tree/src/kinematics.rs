@@ -38,6 +38,9 @@ pub(crate) struct Node {
     pub impulse: Spatial,
     /// What a joint gives besides: generalised impulse.
     pub effort: f64,
+    /// What rows of contacts and of the joint did in the step before.
+    pub warm: Spatial,
+    pub warm_effort: f64,
     /// Articulated inertia Iᴬ, what is free of it about the axis, U / D and 1 / D.
     pub articulated: Symmetric,
     pub lean: Spatial,

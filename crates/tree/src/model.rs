@@ -185,6 +185,8 @@ pub struct Settings {
     pub contact_frequency_hz: f64,
     /// ζ of the same.
     pub contact_damping_ratio: f64,
+    /// Overlap is undone no faster than this, m/s.
+    pub most_recovery_m_s: f64,
     /// Surfaces that come closer than this are watched, m; fast ones are from further away.
     pub prediction_m: f64,
     /// A step in which a link would turn further is taken in parts, rad.
@@ -200,6 +202,7 @@ impl Default for Settings {
             tolerance_m_s: 1e-7,
             contact_frequency_hz: 300.0,
             contact_damping_ratio: 3.0,
+            most_recovery_m_s: 3.0,
             prediction_m: 0.002,
             max_turn_rad: 0.25,
         }

@@ -14,6 +14,9 @@ use crate::sweep::{Rows, close, open, respond, tops};
 
 /// Most times that a step is solved because a servo turned out to be at its limit.
 const MOST_ATTEMPTS: usize = 4;
+/// Work of contacts that counts as a failure: this share of the kinetic energy and what lifts everything by this much, m.
+const EXCESS: f64 = 0.02;
+const EXCESS_M: f64 = 1e-3;
 /// Most parts that one step is taken in.
 const MOST_PARTS: usize = 64;
 
@@ -38,6 +41,8 @@ pub struct World {
     fresh: bool,
     last_time_s: f64,
     sweeps_done: usize,
+    gentle_steps: usize,
+    weight_n: f64,
 }
 
 /// Where a link is and how it moves.
@@ -117,6 +122,9 @@ impl World {
             fresh: true,
             last_time_s: model.settings.timestep_s,
             sweeps_done: 0,
+            gentle_steps: 0,
+            weight_n: model.gravity_world_m_s2.length()
+                * model.links.iter().map(|link| link.mass_kg).sum::<f64>(),
             forest,
             nodes,
         })
@@ -150,24 +158,16 @@ impl World {
         self.before.clear();
         let state = self.nodes.iter().map(|node| (node.velocity, node.speed));
         self.before.extend(state);
-        let mut ratio = time_s / self.last_time_s;
-        // A servo that turns out to be at its limit becomes a row, and the step is solved again: rare, as most stay what they are.
-        for attempt in 0..MOST_ATTEMPTS {
-            self.solve(time_s, ratio);
-            let mut again = false;
-            for (actor, node) in self.actors.iter_mut().zip(&self.nodes) {
-                again |= actor.exceeds(node.speed);
+        let ratio = time_s / self.last_time_s;
+        self.solve_with_servos(time_s, ratio);
+        if self.contacts_make_energy() {
+            // Coulomb friction may leave no bounded answer; without it every sweep takes energy, from any start.
+            self.gentle_steps += 1;
+            self.restore();
+            for touch in &mut self.touches {
+                (touch.impulse_world_n_s, touch.friction) = (Vec3::ZERO, 0.0);
             }
-            if !again {
-                break;
-            }
-            if attempt + 2 == MOST_ATTEMPTS {
-                self.actors.iter_mut().for_each(Actor::unfold);
-            }
-            for (node, (velocity, speed)) in self.nodes.iter_mut().zip(&self.before) {
-                (node.velocity, node.speed) = (*velocity, *speed);
-            }
-            ratio = 1.0;
+            self.solve_with_servos(time_s, 1.0);
         }
         for point in &self.rows.points {
             self.collision.remember(point.memory, point.impulse_world());
@@ -184,6 +184,45 @@ impl World {
         self.fresh = false;
     }
 
+    /// A servo that turns out to be at its limit becomes a row, and the step is solved again: rare, as most stay what they are.
+    fn solve_with_servos(&mut self, time_s: f64, ratio: f64) {
+        self.solve(time_s, ratio);
+        for attempt in 2..=MOST_ATTEMPTS {
+            let mut again = false;
+            for (actor, node) in self.actors.iter_mut().zip(&self.nodes) {
+                again |= actor.exceeds(node.speed);
+            }
+            if !again {
+                break;
+            }
+            if attempt == MOST_ATTEMPTS {
+                self.actors.iter_mut().for_each(Actor::unfold);
+            }
+            self.restore();
+            self.solve(time_s, 1.0);
+        }
+    }
+
+    /// Back to the velocities before the step.
+    fn restore(&mut self) {
+        for (node, (velocity, speed)) in self.nodes.iter_mut().zip(&self.before) {
+            (node.velocity, node.speed) = (*velocity, *speed);
+        }
+    }
+
+    /// Whether contacts did more work than undoing depth takes: an impulse does it at the mean of the speeds before and after.
+    fn contacts_make_energy(&self) -> bool {
+        let mut work = 0.0;
+        for point in &self.rows.points {
+            let touch = &self.touches[point.touch];
+            let mean = |body: usize| (self.nodes[body].velocity + self.before[body].0) * 0.5;
+            let other = (touch.b != NONE).then(|| (&self.rows.sides[point.b], mean(touch.b)));
+            work += point.work(&mean(touch.a), other);
+        }
+        let moving = || self.kinetic_energy_j();
+        work > EXCESS_M * self.weight_n && work > EXCESS_M * self.weight_n + EXCESS * moving()
+    }
+
     /// Velocities at the end of a step, from those at its beginning.
     fn solve(&mut self, time_s: f64, ratio: f64) {
         let bodies = &self.forest.bodies;
@@ -198,7 +237,8 @@ impl World {
         // What acts steadily over the first step has had half of it when velocities are those of its middle (leapfrog).
         let kick_s = if self.fresh { 0.5 * time_s } else { time_s };
         for (index, body) in bodies.iter().enumerate() {
-            let node = &self.nodes[index];
+            let node = &mut self.nodes[index];
+            node.warm = Spatial::ZERO;
             self.given[index] = weight(body, node, self.gravity_world_m_s2, kick_s);
             self.given[index].add_scaled(&self.wrenches[index], kick_s);
         }
@@ -213,7 +253,7 @@ impl World {
             if !body.is_root() {
                 let reach = limit_reach(body, node, time_s);
                 actor.approach(body, node, &step.softness, reach);
-                node.effort = actor.effort(body, node, time_s);
+                (node.effort, node.warm_effort) = actor.effort(body, node, time_s);
             }
         }
         for tree in &self.forest.trees {
@@ -265,12 +305,12 @@ impl World {
                 point.weigh(Some(&mut side));
                 point.b = rows.sides.len();
                 for (read, impulse) in side.reads.iter().zip(point.impulse) {
-                    self.given[touch.b].add_scaled(read, impulse);
+                    self.nodes[touch.b].warm.add_scaled(read, impulse);
                 }
                 rows.sides.push(side);
             }
             for (read, impulse) in point.a.reads.iter().zip(point.impulse) {
-                self.given[touch.a].add_scaled(read, impulse);
+                self.nodes[touch.a].warm.add_scaled(read, impulse);
             }
             rows.points.push(point);
         }
@@ -504,6 +544,11 @@ impl World {
     /// Sweeps since the beginning: what the solver had to do.
     pub fn sweeps_done(&self) -> usize {
         self.sweeps_done
+    }
+
+    /// Steps in which contacts were solved without friction, as with it they would have made energy: none where all is well.
+    pub fn gentle_steps(&self) -> usize {
+        self.gentle_steps
     }
 
     /// How time passes and how contacts give.
