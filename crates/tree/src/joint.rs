@@ -149,7 +149,7 @@ impl Actor {
     }
 
     /// The generalised impulse of all that needs no row, and of rows as they were in the step before.
-    pub fn effort(&mut self, body: &Body, node: &Node, time_s: f64) -> (f64, f64) {
+    pub fn effort(&mut self, body: &Body, node: &Node, time_s: f64) -> f64 {
         self.dry_now = self.dry_now.clamp(-self.dry_most, self.dry_most);
         let passive = self.spring_push - self.passive(body, time_s) * node.speed;
         let motor = if self.folded {
@@ -158,7 +158,7 @@ impl Actor {
             self.motor = self.motor.clamp(-self.most, self.most);
             self.motor
         };
-        (passive + motor, self.dry_now + self.limit_now)
+        passive + motor + self.dry_now + self.limit_now
     }
 
     /// Sets up the row of a limit that the joint may reach.

@@ -14,6 +14,8 @@ use crate::sweep::{Rows, close, open, respond, tops};
 
 /// Most times that a step is solved because a servo turned out to be at its limit.
 const MOST_ATTEMPTS: usize = 4;
+/// A step is solved again where velocity products would change a velocity by more than this otherwise, m/s.
+const SURPRISE_M_S: f64 = 1e-4;
 /// Work of contacts that counts as a failure: this share of the kinetic energy and what lifts everything by this much, m.
 const EXCESS: f64 = 0.02;
 const EXCESS_M: f64 = 1e-3;
@@ -159,7 +161,7 @@ impl World {
         let state = self.nodes.iter().map(|node| (node.velocity, node.speed));
         self.before.extend(state);
         let ratio = time_s / self.last_time_s;
-        self.solve_with_servos(time_s, ratio);
+        self.solve_until_foreseen(time_s, ratio);
         if self.contacts_make_energy() {
             // Coulomb friction may leave no bounded answer; without it every sweep takes energy, from any start.
             self.gentle_steps += 1;
@@ -167,7 +169,7 @@ impl World {
             for touch in &mut self.touches {
                 (touch.impulse_world_n_s, touch.friction) = (Vec3::ZERO, 0.0);
             }
-            self.solve_with_servos(time_s, 1.0);
+            self.solve_until_foreseen(time_s, 1.0);
         }
         for point in &self.rows.points {
             self.collision.remember(point.memory, point.impulse_world());
@@ -184,28 +186,48 @@ impl World {
         self.fresh = false;
     }
 
-    /// A servo that turns out to be at its limit becomes a row, and the step is solved again: rare, as most stay what they are.
-    fn solve_with_servos(&mut self, time_s: f64, ratio: f64) {
-        self.solve(time_s, ratio);
+    /// Solves again where a servo turned out to be at its limit, which makes it a row, or where velocities came out other than
+    /// foreseen, as in impacts: rare, as most stays what it was.
+    fn solve_until_foreseen(&mut self, time_s: f64, ratio: f64) {
+        self.solve(time_s, ratio, false);
         for attempt in 2..=MOST_ATTEMPTS {
             let mut again = false;
             for (actor, node) in self.actors.iter_mut().zip(&self.nodes) {
                 again |= actor.exceeds(node.speed);
             }
-            if !again {
+            if !again && (attempt > 2 || self.surprise() * time_s < SURPRISE_M_S) {
                 break;
             }
             if attempt == MOST_ATTEMPTS {
                 self.actors.iter_mut().for_each(Actor::unfold);
             }
+            for index in 0..self.rows.points.len() {
+                let point = &self.rows.points[index];
+                self.touches[point.touch].impulse_world_n_s = point.impulse_world();
+            }
             self.restore();
-            self.solve(time_s, 1.0);
+            self.solve(time_s, 1.0, true);
         }
     }
 
-    /// Back to the velocities before the step.
+    /// How far velocities are from those at which velocity products were taken, as an acceleration, m/s².
+    fn surprise(&self) -> f64 {
+        let (mut off, mut turn) = (0.0_f64, 0.0_f64);
+        for (index, (body, node)) in self.forest.bodies.iter().zip(&self.nodes).enumerate() {
+            let mean = |index: usize| (self.nodes[index].velocity + self.before[index].0) * 0.5;
+            let together = Spatial::new(Vec3::ZERO, mean(body.root).linear());
+            let by = mean(index) - together - node.relative;
+            off = off.max(by.velocity_at(node.arm_m).length_squared());
+            turn = turn.max(mean(index).angular().length_squared());
+        }
+        (off * turn).sqrt()
+    }
+
+    /// Back to the velocities before the step; what became of them is foreseen.
     fn restore(&mut self) {
         for (node, (velocity, speed)) in self.nodes.iter_mut().zip(&self.before) {
+            node.coming_turn = (node.velocity - *velocity).angular();
+            node.coming_speed = node.speed - speed;
             (node.velocity, node.speed) = (*velocity, *speed);
         }
     }
@@ -224,7 +246,7 @@ impl World {
     }
 
     /// Velocities at the end of a step, from those at its beginning.
-    fn solve(&mut self, time_s: f64, ratio: f64) {
+    fn solve(&mut self, time_s: f64, ratio: f64, foreseen: bool) {
         let bodies = &self.forest.bodies;
         for (index, actor) in self.actors.iter_mut().enumerate() {
             self.stiff[index] = if bodies[index].is_root() {
@@ -253,11 +275,18 @@ impl World {
             if !body.is_root() {
                 let reach = limit_reach(body, node, time_s);
                 actor.approach(body, node, &step.softness, reach);
-                (node.effort, node.warm_effort) = actor.effort(body, node, time_s);
+                node.effort = actor.effort(body, node, time_s);
             }
         }
         for tree in &self.forest.trees {
-            free_velocities(tree, &self.forest, &mut self.nodes, kick_s, &self.given);
+            free_velocities(
+                tree,
+                &self.forest,
+                &mut self.nodes,
+                kick_s,
+                &self.given,
+                foreseen,
+            );
         }
         self.sweep(impact);
     }
