@@ -101,13 +101,7 @@ pub(crate) fn free_velocities(
 }
 
 /// Changes of velocity and speed over a step, with velocity products at the mean of velocities before and coming.
-fn accelerate(
-    tree: &Tree,
-    bodies: &[Body],
-    nodes: &mut [Node],
-    time_s: f64,
-    given: &[Spatial],
-) {
+fn accelerate(tree: &Tree, bodies: &[Body], nodes: &mut [Node], time_s: f64, given: &[Spatial]) {
     velocity_products(tree, bodies, nodes, time_s, given);
     gather(tree, bodies, nodes);
     spread(tree, bodies, nodes);

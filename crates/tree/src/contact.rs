@@ -2,11 +2,11 @@
 
 use parry3d_f64::math::Vec3;
 
-use crate::collision::{Memory, Touch};
-use crate::forest::{Forest, NONE};
+use crate::forest::{Forest, Freedom, NONE};
 use crate::kinematics::Node;
 use crate::model::Settings;
 use crate::spatial::Spatial;
+use crate::touch::{Memory, Touch};
 
 /// Spring and damper as an implicit step sees them (Catto 2011, "Soft constraints").
 #[derive(Debug, Clone, Copy)]
@@ -119,7 +119,13 @@ fn basis(normal: Vec3) -> [Vec3; 3] {
 
 impl Point {
     /// Rows without what bodies give; returns whether it is an impact.
-    pub fn new(touch: &Touch, index: usize, forest: &Forest, nodes: &[Node], step: &Step) -> (Self, bool) {
+    pub fn new(
+        touch: &Touch,
+        index: usize,
+        forest: &Forest,
+        nodes: &[Node],
+        step: &Step,
+    ) -> (Self, bool) {
         let basis = basis(touch.normal_world);
         let node = &nodes[touch.a];
         let arm_a = touch.point_world_m - node.reference_world_m;
@@ -152,7 +158,7 @@ impl Point {
             point.arm_b = touch.point_world_m - other.reference_world_m;
             swing -= other.swing_at(point.arm_b, &nodes[forest.bodies[touch.b].root]);
             approach += other.velocity.velocity_at(point.arm_b).dot(basis[0]);
-            if forest.bodies[forest.bodies[touch.b].root].freedom != crate::forest::Freedom::Mounted {
+            if forest.bodies[forest.bodies[touch.b].root].freedom != Freedom::Mounted {
                 pull = 0.0;
             }
         }
@@ -212,7 +218,9 @@ impl Point {
         self.tangent_k = [(mean + radius).max(least), (mean - radius).max(least)];
         // Where the bodies cannot part along the normal, a joint or a mount holds already: a hard row would do it again, with any
         // impulse.
-        self.slack = self.slack.max(RIGID * self.whole_k.max(mean) - self.normal_k);
+        self.slack = self
+            .slack
+            .max(RIGID * self.whole_k.max(mean) - self.normal_k);
         let cosine = (0.5 * (1.0 + half.abs() / radius.max(f64::MIN_POSITIVE))).sqrt();
         let sine = 0.5 * ts / (radius * cosine).max(f64::MIN_POSITIVE);
         let (c, s) = if half >= 0.0 {
@@ -293,7 +301,9 @@ impl Point {
     pub fn work(&self, a: &Spatial, b: Option<(&Side, Spatial)>) -> f64 {
         let mut work = -0.5 * self.impulse[0] * self.wanted.max(0.0);
         for (k, impulse) in self.impulse.iter().enumerate() {
-            let its = b.as_ref().map_or(0.0, |(side, velocity)| side.reads[k].dot(velocity));
+            let its = b
+                .as_ref()
+                .map_or(0.0, |(side, velocity)| side.reads[k].dot(velocity));
             work += impulse * (self.a.reads[k].dot(a) + its - self.led[k]);
         }
         work

@@ -104,7 +104,8 @@ impl Forest {
             let place = match &link.attachment {
                 Attachment::Joint(joint) if joint.kind == JointKind::Fixed => {
                     let parent = places[joint.parent];
-                    let parent_from_link = joint.parent_from_joint * joint.link_from_joint.inverse();
+                    let parent_from_link =
+                        joint.parent_from_joint * joint.link_from_joint.inverse();
                     Place {
                         body: parent.body,
                         body_from_link: parent.body_from_link * parent_from_link,
@@ -215,7 +216,9 @@ impl Forest {
         }
         for tree in &self.trees {
             let bodies = &mut self.bodies[tree.root..tree.end];
-            let moving = bodies.iter().filter(|body| body.freedom != Freedom::Mounted);
+            let moving = bodies
+                .iter()
+                .filter(|body| body.freedom != Freedom::Mounted);
             let mass_kg: f64 = moving.map(|body| body.mass_kg).sum();
             for body in bodies.iter_mut().filter(|_| mass_kg > 0.0) {
                 body.tree_inverse_mass = 1.0 / mass_kg;
@@ -291,9 +294,7 @@ fn hang(body: &mut Body, joint: &Joint, parent: &Place) {
     body.axis_body = joint.link_from_joint.rotation * joint.axis_joint;
     body.anchor_parent_m = parent_from_joint.translation;
     body.anchor_body_m = joint.link_from_joint.translation;
-    body.limits = joint
-        .limits
-        .filter(|_| joint.kind != JointKind::Continuous);
+    body.limits = joint.limits.filter(|_| joint.kind != JointKind::Continuous);
     body.viscous = joint.viscous_friction;
     body.dry = joint.dry_friction;
     body.armature = joint.armature;

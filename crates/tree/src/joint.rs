@@ -179,7 +179,11 @@ impl Actor {
         self.wanted = softness.wanted_speed(distance);
         // Hitting it is hard, leaning on it soft.
         let leans = distance <= 0.0 && -side * node.speed < LEANING;
-        self.slack = if leans { softness.slack * node.give } else { 0.0 };
+        self.slack = if leans {
+            softness.slack * node.give
+        } else {
+            0.0
+        };
     }
 
     /// Whether any row may act.

@@ -2,49 +2,40 @@
 
 use parry3d_f64::math::{Pose, Vec3};
 
-use crate::articulated::{factor, free_velocities, weight};
-use crate::collision::{Collision, Touch};
-use crate::contact::{Group, Point, Side, Softness, Step};
+use crate::articulated::factor;
+use crate::collision::Collision;
+use crate::contact::Point;
 use crate::forest::{Forest, Freedom, NONE};
-use crate::joint::{Actor, Command, JointImpulse, limit_reach};
+use crate::joint::{Actor, Command, JointImpulse};
 use crate::kinematics::{self, Node};
 use crate::model::{Model, ModelError, Settings};
 use crate::spatial::Spatial;
-use crate::sweep::{Rows, close, open, respond, tops};
-
-/// Most times that a step is solved because a servo turned out to be at its limit.
-const MOST_ATTEMPTS: usize = 4;
-/// A step is solved again where velocity products would change a velocity by more than this otherwise, m/s.
-const SURPRISE_M_S: f64 = 1e-4;
-/// Work of contacts that counts as a failure: this share of the kinetic energy and what lifts everything by this much, m.
-const EXCESS: f64 = 0.02;
-const EXCESS_M: f64 = 1e-3;
-/// Most parts that one step is taken in.
-const MOST_PARTS: usize = 64;
+use crate::sweep::Rows;
+use crate::touch::Touch;
 
 /// Bodies, what acts on them, and time.
 pub struct World {
-    forest: Forest,
-    nodes: Vec<Node>,
-    actors: Vec<Actor>,
-    collision: Collision,
-    rows: Rows,
-    touches: Vec<Touch>,
-    given: Vec<Spatial>,
-    stiff: Vec<f64>,
-    wrenches: Vec<Spatial>,
+    pub(crate) forest: Forest,
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) actors: Vec<Actor>,
+    pub(crate) collision: Collision,
+    pub(crate) rows: Rows,
+    pub(crate) touches: Vec<Touch>,
+    pub(crate) given: Vec<Spatial>,
+    pub(crate) stiff: Vec<f64>,
+    pub(crate) wrenches: Vec<Spatial>,
     /// Velocities and speeds before the step.
-    before: Vec<(Spatial, f64)>,
-    centres_link_m: Vec<Vec3>,
-    earlier: Vec<Contact>,
-    gravity_world_m_s2: Vec3,
-    settings: Settings,
+    pub(crate) before: Vec<(Spatial, f64)>,
+    pub(crate) centres_link_m: Vec<Vec3>,
+    pub(crate) earlier: Vec<Contact>,
+    pub(crate) gravity_world_m_s2: Vec3,
+    pub(crate) settings: Settings,
     /// Whether velocities belong to the beginning of the step to come, as given, and not to the middle of the one before.
-    fresh: bool,
-    last_time_s: f64,
-    sweeps_done: usize,
-    gentle_steps: usize,
-    weight_n: f64,
+    pub(crate) fresh: bool,
+    pub(crate) last_time_s: f64,
+    pub(crate) sweeps_done: usize,
+    pub(crate) gentle_steps: usize,
+    pub(crate) weight_n: f64,
 }
 
 /// Where a link is and how it moves.
@@ -103,7 +94,8 @@ impl World {
         let actors: Vec<Actor> = forest.bodies.iter().map(Actor::new).collect();
         let stiff: Vec<f64> = actors.iter().map(|actor| actor.armature).collect();
         if !factor(&forest, &mut nodes, &stiff) {
-            let message = "a joint or a root without inertia; give its link a mass that has an extent";
+            let message =
+                "a joint or a root without inertia; give its link a mass that has an extent";
             return Err(ModelError {
                 message: message.into(),
             });
@@ -132,245 +124,7 @@ impl World {
         })
     }
 
-    /// One timestep; in parts where something would turn too far for one.
-    pub fn step(&mut self) {
-        self.earlier.clear();
-        for actor in &mut self.actors {
-            actor.done = JointImpulse::default();
-        }
-        let time_s = self.settings.timestep_s;
-        let turn = kinematics::fastest_turn(&self.forest, &self.nodes) * time_s;
-        let parts = ((turn / self.settings.max_turn_rad).ceil() as usize).clamp(1, MOST_PARTS);
-        for part in 0..parts {
-            self.part(time_s / parts as f64);
-            if part + 1 < parts {
-                let points = &self.rows.points;
-                let contacts = points.iter().map(|point| self.contact(point));
-                let mut earlier: Vec<Contact> = contacts.collect();
-                self.earlier.append(&mut earlier);
-            }
-        }
-        self.wrenches.fill(Spatial::ZERO);
-    }
-
-    fn part(&mut self, time_s: f64) {
-        self.touches.clear();
-        self.collision
-            .find(&self.nodes, time_s, &mut self.touches);
-        self.before.clear();
-        let state = self.nodes.iter().map(|node| (node.velocity, node.speed));
-        self.before.extend(state);
-        let ratio = time_s / self.last_time_s;
-        self.solve_until_foreseen(time_s, ratio);
-        if self.contacts_make_energy() {
-            // Coulomb friction may leave no bounded answer; without it every sweep takes energy, from any start.
-            self.gentle_steps += 1;
-            self.restore();
-            for touch in &mut self.touches {
-                (touch.impulse_world_n_s, touch.friction) = (Vec3::ZERO, 0.0);
-            }
-            self.solve_until_foreseen(time_s, 1.0);
-        }
-        for point in &self.rows.points {
-            self.collision.remember(point.memory, point.impulse_world());
-        }
-        for (index, actor) in self.actors.iter_mut().enumerate() {
-            let (body, node) = (&self.forest.bodies[index], &self.nodes[index]);
-            if !body.is_root() {
-                actor.finish(body, node.speed, time_s);
-            }
-        }
-        kinematics::advance(&self.forest, &mut self.nodes, time_s);
-        self.collision.lead(time_s);
-        self.last_time_s = time_s;
-        self.fresh = false;
-    }
-
-    /// Solves again where a servo turned out to be at its limit, which makes it a row, or where velocities came out other than
-    /// foreseen, as in impacts: rare, as most stays what it was.
-    fn solve_until_foreseen(&mut self, time_s: f64, ratio: f64) {
-        self.solve(time_s, ratio, false);
-        for attempt in 2..=MOST_ATTEMPTS {
-            let mut again = false;
-            for (actor, node) in self.actors.iter_mut().zip(&self.nodes) {
-                again |= actor.exceeds(node.speed);
-            }
-            if !again && (attempt > 2 || self.surprise() * time_s < SURPRISE_M_S) {
-                break;
-            }
-            if attempt == MOST_ATTEMPTS {
-                self.actors.iter_mut().for_each(Actor::unfold);
-            }
-            for index in 0..self.rows.points.len() {
-                let point = &self.rows.points[index];
-                self.touches[point.touch].impulse_world_n_s = point.impulse_world();
-            }
-            self.restore();
-            self.solve(time_s, 1.0, true);
-        }
-    }
-
-    /// How far velocities are from those at which velocity products were taken, as an acceleration, m/s².
-    fn surprise(&self) -> f64 {
-        let (mut off, mut turn) = (0.0_f64, 0.0_f64);
-        for (index, (body, node)) in self.forest.bodies.iter().zip(&self.nodes).enumerate() {
-            let mean = |index: usize| (self.nodes[index].velocity + self.before[index].0) * 0.5;
-            let together = Spatial::new(Vec3::ZERO, mean(body.root).linear());
-            let by = mean(index) - together - node.relative;
-            off = off.max(by.velocity_at(node.arm_m).length_squared());
-            turn = turn.max(mean(index).angular().length_squared());
-        }
-        (off * turn).sqrt()
-    }
-
-    /// Back to the velocities before the step; what became of them is foreseen.
-    fn restore(&mut self) {
-        for (node, (velocity, speed)) in self.nodes.iter_mut().zip(&self.before) {
-            node.coming_turn = (node.velocity - *velocity).angular();
-            node.coming_speed = node.speed - speed;
-            (node.velocity, node.speed) = (*velocity, *speed);
-        }
-    }
-
-    /// Whether contacts did more work than undoing depth takes: an impulse does it at the mean of the speeds before and after.
-    fn contacts_make_energy(&self) -> bool {
-        let mut work = 0.0;
-        for point in &self.rows.points {
-            let touch = &self.touches[point.touch];
-            let mean = |body: usize| (self.nodes[body].velocity + self.before[body].0) * 0.5;
-            let other = (touch.b != NONE).then(|| (&self.rows.sides[point.b], mean(touch.b)));
-            work += point.work(&mean(touch.a), other);
-        }
-        let moving = || self.kinetic_energy_j();
-        work > EXCESS_M * self.weight_n && work > EXCESS_M * self.weight_n + EXCESS * moving()
-    }
-
-    /// Velocities at the end of a step, from those at its beginning.
-    fn solve(&mut self, time_s: f64, ratio: f64, foreseen: bool) {
-        let bodies = &self.forest.bodies;
-        for (index, actor) in self.actors.iter_mut().enumerate() {
-            self.stiff[index] = if bodies[index].is_root() {
-                0.0
-            } else {
-                actor.prepare(&bodies[index], &self.nodes[index], time_s, ratio)
-            };
-        }
-        factor(&self.forest, &mut self.nodes, &self.stiff);
-        // What acts steadily over the first step has had half of it when velocities are those of its middle (leapfrog).
-        let kick_s = if self.fresh { 0.5 * time_s } else { time_s };
-        for (index, body) in bodies.iter().enumerate() {
-            let node = &mut self.nodes[index];
-            node.warm = Spatial::ZERO;
-            self.given[index] = weight(body, node, self.gravity_world_m_s2, kick_s);
-            self.given[index].add_scaled(&self.wrenches[index], kick_s);
-        }
-        let step = Step {
-            time_s,
-            gravity_world_m_s2: self.gravity_world_m_s2,
-            softness: Softness::new(&self.settings, time_s),
-        };
-        let impact = self.build_rows(&step, ratio);
-        for (index, actor) in self.actors.iter_mut().enumerate() {
-            let (body, node) = (&self.forest.bodies[index], &mut self.nodes[index]);
-            if !body.is_root() {
-                let reach = limit_reach(body, node, time_s);
-                actor.approach(body, node, &step.softness, reach);
-                node.effort = actor.effort(body, node, time_s);
-            }
-        }
-        for tree in &self.forest.trees {
-            free_velocities(
-                tree,
-                &self.forest,
-                &mut self.nodes,
-                kick_s,
-                &self.given,
-                foreseen,
-            );
-        }
-        self.sweep(impact);
-    }
-
-    /// Contact rows, warm started: what they did in the step before is part of what acts now. True if something hits.
-    fn build_rows(&mut self, step: &Step, ratio: f64) -> bool {
-        let (forest, rows) = (&self.forest, &mut self.rows);
-        rows.points.clear();
-        rows.sides.clear();
-        rows.groups.clear();
-        let mut impact = false;
-        for (index, touch) in self.touches.iter_mut().enumerate() {
-            touch.impulse_world_n_s *= ratio;
-            let (mut point, hits) = Point::new(touch, index, forest, &self.nodes, step);
-            impact |= hits;
-            let same = rows.groups.last().is_some_and(|group| {
-                group.a == touch.a && group.b == touch.b && touch.b != NONE
-            }) || rows.groups.last().is_some_and(|group| {
-                group.b == NONE && touch.b == NONE && group.a == touch.a
-            });
-            if !same {
-                rows.groups.push(Group {
-                    a: touch.a,
-                    b: touch.b,
-                    meeting: touch.meeting,
-                    first: index,
-                    end: index,
-                    next: NONE,
-                });
-            }
-            let Some(group) = rows.groups.last_mut() else {
-                continue;
-            };
-            group.end = index + 1;
-            if touch.b == NONE {
-                let response = &self.nodes[touch.a].response;
-                point.a.gives = point.a.reads.map(|read| response.times(&read));
-                point.weigh(None);
-            } else {
-                let mut side = Side {
-                    reads: point.basis.map(|axis| -Spatial::at(point.arm_b, axis)),
-                    ..Side::default()
-                };
-                give(&mut point, &mut side, group, forest, &mut self.nodes);
-                point.weigh(Some(&mut side));
-                point.b = rows.sides.len();
-                for (read, impulse) in side.reads.iter().zip(point.impulse) {
-                    self.nodes[touch.b].warm.add_scaled(read, impulse);
-                }
-                rows.sides.push(side);
-            }
-            for (read, impulse) in point.a.reads.iter().zip(point.impulse) {
-                self.nodes[touch.a].warm.add_scaled(read, impulse);
-            }
-            rows.points.push(point);
-        }
-        rows.link(forest.bodies.len());
-        impact
-    }
-
-    fn sweep(&mut self, impact: bool) {
-        let (forest, rows) = (&self.forest, &mut self.rows);
-        let no_rows = rows.points.is_empty() && !self.actors.iter().any(Actor::has_rows);
-        let most = match (no_rows, impact) {
-            (true, _) => 0,
-            (false, true) => self.settings.impact_sweeps.max(self.settings.sweeps),
-            (false, false) => self.settings.sweeps,
-        };
-        open(forest, &mut self.nodes);
-        for _ in 0..most {
-            let mut worst = 0.0_f64;
-            for tree in &forest.trees {
-                worst = worst.max(rows.sweep(tree, forest, &mut self.nodes, &mut self.actors));
-            }
-            worst = worst.max(rows.between(forest, &mut self.nodes));
-            self.sweeps_done += 1;
-            if worst < self.settings.tolerance_m_s {
-                break;
-            }
-        }
-        close(forest, &mut self.nodes);
-    }
-
-    fn contact(&self, point: &Point) -> Contact {
+    pub(crate) fn contact(&self, point: &Point) -> Contact {
         let touch = &self.touches[point.touch];
         let (link, mark) = self.collision.owner(touch.shape_a);
         let (partner, partner_mark) = if touch.b == NONE {
@@ -464,8 +218,7 @@ impl World {
     pub fn push(&mut self, link: usize, force_n: Vec3, point_world_m: Vec3, torque_nm: Vec3) {
         let body = self.forest.places[link].body;
         let arm_m = point_world_m - self.nodes[body].reference_world_m;
-        self.wrenches[body] +=
-            Spatial::at(arm_m, force_n) + Spatial::new(torque_nm, Vec3::ZERO);
+        self.wrenches[body] += Spatial::at(arm_m, force_n) + Spatial::new(torque_nm, Vec3::ZERO);
     }
 
     /// Puts the root of a tree elsewhere; the velocity is that of its centre of mass. Contacts start anew.
@@ -542,10 +295,8 @@ impl World {
     /// Energy in gravity's field, J, 0 at the world's origin.
     pub fn potential_energy_j(&self) -> f64 {
         let each = self.forest.bodies.iter().zip(&self.nodes);
-        each.map(|(body, node)| {
-            -body.mass_kg * self.gravity_world_m_s2.dot(node.centre_world_m())
-        })
-        .sum()
+        each.map(|(body, node)| -body.mass_kg * self.gravity_world_m_s2.dot(node.centre_world_m()))
+            .sum()
     }
 
     /// Energy in the springs of joints, J.
@@ -583,21 +334,5 @@ impl World {
     /// How time passes and how contacts give.
     pub fn settings(&self) -> &Settings {
         &self.settings
-    }
-}
-
-/// What impulses of a contact between two bodies give to both.
-fn give(point: &mut Point, side: &mut Side, group: &Group, forest: &Forest, nodes: &mut [Node]) {
-    let tops = tops(group, forest);
-    for k in 0..3 {
-        if group.meeting == NONE {
-            point.a.gives[k] = nodes[group.a].response.times(&point.a.reads[k]);
-            side.gives[k] = nodes[group.b].response.times(&side.reads[k]);
-        } else {
-            let ends = [(group.a, point.a.reads[k]), (group.b, side.reads[k])];
-            respond(forest, nodes, tops[0], ends);
-            point.a.gives[k] = nodes[group.a].change;
-            side.gives[k] = nodes[group.b].change;
-        }
     }
 }

@@ -1,4 +1,5 @@
 //! Motion without contact against closed forms.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 
@@ -103,7 +104,8 @@ fn a_mounted_double_pendulum_keeps_its_swing() {
 
 /// Momentum from where all centres go: velocities belong to the middle of a step, positions to its ends.
 fn momentum_of_path(world: &mut World, links: usize) -> Vec3 {
-    let sum = |world: &World| -> Vec3 { (0..links).map(|link| world.link(link).centre_world_m).sum() };
+    let sum =
+        |world: &World| -> Vec3 { (0..links).map(|link| world.link(link).centre_world_m).sum() };
     let before = sum(world);
     world.step();
     world.step();
@@ -190,7 +192,11 @@ fn a_torque_turns_rotor_and_link() {
 }
 
 /// Columns: motion of every link per speed of every degree of freedom, at each link's centre of mass.
-fn response_by_jacobian(world: &World, m: &realgap_tree::Model, joints: &[(usize, Vec3, Vec3)]) -> Matrix6<f64> {
+fn response_by_jacobian(
+    world: &World,
+    m: &realgap_tree::Model,
+    joints: &[(usize, Vec3, Vec3)],
+) -> Matrix6<f64> {
     let free = 6 + joints.len();
     let root = world.link(0).centre_world_m;
     let mut mass = DMatrix::zeros(free, free);
@@ -255,7 +261,9 @@ fn what_the_last_link_gives_is_the_inverse_of_the_jacobian_sum() {
     world.step();
     let mut joints = Vec::new();
     for link in 1..5 {
-        let Attachment::Joint(joint) = &m.links[link].attachment else { panic!() };
+        let Attachment::Joint(joint) = &m.links[link].attachment else {
+            panic!()
+        };
         let frame = world.link(link).world_from_link * joint.link_from_joint;
         joints.push((link, frame.translation, frame.rotation * joint.axis_joint));
     }
@@ -275,17 +283,31 @@ fn what_the_last_link_gives_is_the_inverse_of_the_jacobian_sum() {
 
 #[test]
 fn links_that_are_fixed_are_one_body() {
-    let fixed = |parent| Attachment::Joint(Joint {
-        parent_from_joint: at(0.06, 0.0, 0.0),
-        ..Joint::new(parent, JointKind::Fixed, Vec3::X)
-    });
-    let three: Vec<Link> = (0..3).map(|k: usize| {
-        let mut link = cube(0.5, Pose::identity());
-        if k > 0 { link.attachment = fixed(k - 1); }
-        link
-    }).collect();
+    let fixed = |parent| {
+        Attachment::Joint(Joint {
+            parent_from_joint: at(0.06, 0.0, 0.0),
+            ..Joint::new(parent, JointKind::Fixed, Vec3::X)
+        })
+    };
+    let three: Vec<Link> = (0..3)
+        .map(|k: usize| {
+            let mut link = cube(0.5, Pose::identity());
+            if k > 0 {
+                link.attachment = fixed(k - 1);
+            }
+            link
+        })
+        .collect();
     let mut bar = world(three, vec![]);
-    let mut one = world(vec![block(0.3, Vec3::new(0.18, 0.06, 0.06), 0.5, Pose::identity())], vec![]);
+    let mut one = world(
+        vec![block(
+            0.3,
+            Vec3::new(0.18, 0.06, 0.06),
+            0.5,
+            Pose::identity(),
+        )],
+        vec![],
+    );
     let w = Vec3::new(1.0, 2.0, 3.0);
     bar.set_root(1, Pose::identity(), Vec3::X, w);
     one.set_root(0, Pose::identity(), Vec3::X, w);
@@ -293,7 +315,12 @@ fn links_that_are_fixed_are_one_body() {
     run(&mut one, 0.5);
     let (a, b) = (bar.link(1), one.link(0));
     assert!((a.centre_world_m - b.centre_world_m).length() < 1e-9);
-    assert!(a.world_from_link.rotation.angle_between(b.world_from_link.rotation) < 1e-6);
+    assert!(
+        a.world_from_link
+            .rotation
+            .angle_between(b.world_from_link.rotation)
+            < 1e-6
+    );
 }
 
 #[test]
@@ -310,7 +337,12 @@ fn a_passive_hinge_that_crashes_at_44_m_s_stays_finite() {
     }
     for rate in [240.0, 960.0] {
         let mut world = World::new(&model(links.clone(), vec![floor()], rate)).unwrap();
-        world.set_root(0, at(0.0, 0.0, 0.5), Vec3::new(3.0, 0.0, -44.0), Vec3::new(5.0, 3.0, 1.0));
+        world.set_root(
+            0,
+            at(0.0, 0.0, 0.5),
+            Vec3::new(3.0, 0.0, -44.0),
+            Vec3::new(5.0, 3.0, 1.0),
+        );
         let start = energy(&world);
         let mut most = 0.0_f64;
         for _ in 0..(10.0 * rate) as usize {
@@ -318,7 +350,10 @@ fn a_passive_hinge_that_crashes_at_44_m_s_stays_finite() {
             most = most.max(energy(&world) / start);
         }
         assert!(world.is_finite());
-        println!("crash at {rate}/s: energy at most {most:.4} of the start's, left {:.5}", energy(&world) / start);
+        println!(
+            "crash at {rate}/s: energy at most {most:.4} of the start's, left {:.5}",
+            energy(&world) / start
+        );
         assert!(most < 1.01);
     }
 }
