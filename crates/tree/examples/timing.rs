@@ -259,7 +259,7 @@ fn run(robot: &Robot, settings: Settings, time_s: f64) -> Run {
     let mut contacts = 0;
     let start = cpu_s();
     for step in 0..steps {
-        robot.command(&mut world, (step as f64 + lead()) * settings.timestep_s);
+        robot.command(&mut world, step as f64 * settings.timestep_s);
         world.step();
         contacts += world.contacts().count();
         if (step + 1) % every == 0 {
@@ -311,7 +311,6 @@ fn main() {
             (480.0, 300.0, 8),
             (960.0, 300.0, 4),
             (960.0, 300.0, 8),
-            (1920.0, 600.0, 4),
         ] {
             let settings = Settings {
                 timestep_s: 1.0 / rate,
@@ -344,105 +343,5 @@ fn main() {
                 rms * 1e3
             );
         }
-    }
-}
-pub fn debug() {
-    let robot = tripod();
-    let s = Settings {
-        ..Settings::default()
-    };
-    let mut world = World::new(&model(&robot, s)).unwrap();
-    for step in 0..12 {
-        robot.command(&mut world, step as f64 * s.timestep_s);
-        world.step();
-        for l in [4, 5, 6] {
-            println!(
-                "{step} {l} {:?} {:?}",
-                world.joint(l),
-                world.joint_impulse(l).motor
-            );
-        }
-    }
-}
-fn lead() -> f64 {
-    std::env::var("LEAD")
-        .ok()
-        .and_then(|s| s.parse().ok())
-        .unwrap_or(0.0)
-}
-pub fn sequence(name: &str) {
-    let quarter = 0.5 * std::f64::consts::PI;
-    let robot = [
-        tripod(),
-        walker(),
-        chain("chain3", 3, quarter, false),
-        spider(),
-        chain("chain30", 30, 0.5 * quarter, true),
-    ]
-    .into_iter()
-    .find(|r| r.name == name)
-    .unwrap();
-    let mut last: Option<Vec<Vec3>> = None;
-    for (rate, f, s) in [
-        (960.0, 300.0, 8),
-        (960.0, 300.0, 40),
-        (1920.0, 600.0, 40),
-        (3840.0, 1200.0, 40),
-        (7680.0, 2400.0, 40),
-        (15360.0, 1200.0, 40),
-        (15360.0, 2400.0, 40),
-        (15360.0, 4800.0, 40),
-        (30720.0, 4800.0, 40),
-    ] {
-        let set = Settings {
-            timestep_s: 1.0 / rate,
-            contact_frequency_hz: f,
-            sweeps: s,
-            impact_sweeps: 200,
-            ..Settings::default()
-        };
-        let got = run(&robot, set, 4.0).path;
-        let e = got[got.len() - 1] - got[0];
-        let rms = last.map_or(0.0, |l| {
-            (got.iter()
-                .zip(&l)
-                .map(|(a, b)| (*a - *b).truncate().length_squared())
-                .sum::<f64>()
-                / got.len() as f64)
-                .sqrt()
-        });
-        println!(
-            "{name} {rate} {f} x{s}: {:.4} m ({:.4},{:.4}), rms to the one before {:.2} mm",
-            e.truncate().length(),
-            e.x,
-            e.y,
-            rms * 1e3
-        );
-        last = Some(got);
-    }
-}
-pub fn only(name: &str, rate: f64, f: f64, sweeps: usize, n: usize) {
-    let quarter = 0.5 * std::f64::consts::PI;
-    let robot = [
-        tripod(),
-        walker(),
-        chain("chain3", 3, quarter, false),
-        spider(),
-        chain("chain30", 30, 0.5 * quarter, true),
-    ]
-    .into_iter()
-    .find(|r| r.name == name)
-    .unwrap();
-    for _ in 0..n {
-        run(
-            &robot,
-            Settings {
-                timestep_s: 1.0 / rate,
-                contact_frequency_hz: f,
-                sweeps,
-                ..Settings::default()
-            },
-            4.0,
-        );
     }
 }

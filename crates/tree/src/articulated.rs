@@ -63,23 +63,30 @@ fn respond(parent: &Node, node: &mut Node) {
     node.response.add_outer(&half, &axis);
 }
 
-/// Velocities after a step of `time_s` in which only what stands in `impulse` and `effort` acts besides gravity.
+/// Velocities after a step of `time_s` in which only what is given acts, and what rows did in the step before (`warm`).
 ///
 /// Velocity products are taken in the middle of the step, at the mean of the velocities before and after (a predictor and a
-/// corrector): taken at its beginning they let a pendulum's energy grow in proportion to the step.
+/// corrector): taken at its beginning they let a pendulum's energy grow in proportion to the step. What comes of the step is
+/// `foreseen` where it has been solved before.
 pub(crate) fn free_velocities(
     tree: &Tree,
     forest: &Forest,
     nodes: &mut [Node],
     time_s: f64,
     given: &[Spatial],
+    foreseen: bool,
 ) {
     let bodies = &forest.bodies[tree.root..tree.end];
-    for half in [0.0, 0.5] {
-        velocity_products(tree, bodies, nodes, time_s, half, given);
-        gather(tree, bodies, nodes);
-        spread(tree, bodies, nodes);
+    if !foreseen {
+        for node in &mut nodes[tree.root..tree.end] {
+            (node.coming_turn, node.coming_speed) = (Vec3::ZERO, 0.0);
+        }
+        accelerate(tree, bodies, nodes, time_s, given);
+        for node in &mut nodes[tree.root..tree.end] {
+            (node.coming_turn, node.coming_speed) = (node.change.angular(), node.speed_change);
+        }
     }
+    accelerate(tree, bodies, nodes, time_s, given);
     for (index, body) in (tree.root..tree.end).zip(bodies) {
         let (above, below) = nodes.split_at_mut(index);
         let node = &mut below[0];
@@ -93,6 +100,13 @@ pub(crate) fn free_velocities(
     }
 }
 
+/// Changes of velocity and speed over a step, with velocity products at the mean of velocities before and coming.
+fn accelerate(tree: &Tree, bodies: &[Body], nodes: &mut [Node], time_s: f64, given: &[Spatial]) {
+    velocity_products(tree, bodies, nodes, time_s, given);
+    gather(tree, bodies, nodes);
+    spread(tree, bodies, nodes);
+}
+
 /// Impulse on every body: what is given, minus velocity products v ×* I v (equation 7.29), and the drift of its axis.
 ///
 /// Seen from a frame that moves along with the root: neither knows of the speed at which all fly together.
@@ -101,18 +115,17 @@ fn velocity_products(
     bodies: &[Body],
     nodes: &mut [Node],
     time_s: f64,
-    half: f64,
     given: &[Spatial],
 ) {
     for (index, body) in (tree.root..tree.end).zip(bodies) {
         let (above, below) = nodes.split_at_mut(index);
         let node = &mut below[0];
         if body.is_root() {
-            let turning = node.velocity.angular() + node.change.angular() * half;
+            let turning = node.velocity.angular() + node.coming_turn * 0.5;
             node.relative = Spatial::new(turning, Vec3::ZERO);
             node.drift = Spatial::ZERO;
         } else {
-            let own = node.axis * (node.speed + node.speed_change * half);
+            let own = node.axis * (node.speed + node.coming_speed * 0.5);
             node.relative = above[body.parent].relative + own;
             node.drift = node.relative.cross_motion(&own) * time_s;
         }
@@ -120,7 +133,7 @@ fn velocity_products(
         let momentum = (v + w.cross(node.arm_m)) * body.mass_kg;
         let angular = node.inertia_world * w + node.arm_m.cross(momentum);
         let products = Spatial::new(w.cross(angular) + v.cross(momentum), w.cross(momentum));
-        node.impulse = given[index];
+        node.impulse = given[index] + node.warm;
         node.impulse.add_scaled(&products, -time_s);
     }
 }

@@ -1,72 +1,12 @@
-//! Which shapes come close, and where: Parry's manifolds, and corners of boxes and balls on half-spaces directly.
+//! Which shapes come close.
 
-use parry3d_f64::math::{Pose, Vec3};
-use parry3d_f64::query::details::ContactManifoldsWorkspace;
-use parry3d_f64::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
-use parry3d_f64::shape::SharedShape;
+use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::math::{Pose, Rot3, Vec3};
 
-use crate::forest::{Forest, NONE};
+use crate::forest::{Forest, Freedom, NONE};
 use crate::kinematics::Node;
 use crate::model::{Collider, Fixture, Model};
-
-/// A contact point as collision detection finds it.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Touch {
-    /// Body that the normal points to.
-    pub a: usize,
-    /// The other one; [`NONE`] for a fixture.
-    pub b: usize,
-    /// Where the paths of both meet; `a` for a fixture.
-    pub meeting: usize,
-    pub shape_a: usize,
-    /// Shape of the other body, or fixture.
-    pub shape_b: usize,
-    pub point_world_m: Vec3,
-    pub normal_world: Vec3,
-    pub distance_m: f64,
-    pub friction: f64,
-    pub restitution: f64,
-    /// Velocity of the fixture there.
-    pub led_world_m_s: Vec3,
-    /// What it did in the step before.
-    pub impulse_world_n_s: Vec3,
-    pub memory: Memory,
-}
-
-/// Where the impulse of a contact is kept for the next step.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Memory {
-    /// Corner of a box, or a ball, on a half-space.
-    Corner { pair: usize, corner: usize },
-    /// Point of a manifold.
-    Point {
-        pair: usize,
-        manifold: usize,
-        point: usize,
-    },
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Form {
-    Box(Vec3),
-    Ball(f64),
-    HalfSpace(Vec3),
-    Other,
-}
-
-impl Form {
-    fn of(shape: &SharedShape) -> Self {
-        if let Some(cuboid) = shape.as_cuboid() {
-            Self::Box(cuboid.half_extents)
-        } else if let Some(ball) = shape.as_ball() {
-            Self::Ball(ball.radius)
-        } else if let Some(plane) = shape.as_halfspace() {
-            Self::HalfSpace(plane.normal)
-        } else {
-            Self::Other
-        }
-    }
-}
+use crate::touch::{Form, Memory, Pair, Plane, Touch};
 
 /// A shape of a body.
 struct Shape {
@@ -85,6 +25,8 @@ pub(crate) struct Placed {
     pub fixture: Fixture,
     form: Form,
     world_from_shape: Pose,
+    /// Box around the shape, in its own frame.
+    around: Aabb,
 }
 
 impl Placed {
@@ -103,22 +45,6 @@ impl Placed {
         self.fixture.world_from_fixture = world_from_fixture;
         self.place();
     }
-}
-
-/// Two shapes that may touch, and what is known of their contact.
-struct Pair {
-    shape_a: usize,
-    /// Shape, or fixture.
-    shape_b: usize,
-    a: usize,
-    b: usize,
-    meeting: usize,
-    seen_at: u64,
-    friction: f64,
-    restitution: f64,
-    corners: Vec<Vec3>,
-    manifolds: Vec<ContactManifold<(), Vec3>>,
-    workspace: Option<ContactManifoldsWorkspace>,
 }
 
 /// Two bodies, or a body and a fixture, and the range of their pairs of shapes.
@@ -188,7 +114,7 @@ impl Collision {
     }
 
     fn meet_fixture(&mut self, body: usize, fixture: usize, forest: &Forest) {
-        if forest.bodies[body].freedom == crate::forest::Freedom::Mounted {
+        if forest.bodies[body].freedom == Freedom::Mounted {
             return;
         }
         let first = self.pairs.len();
@@ -226,7 +152,7 @@ impl Collision {
 
     fn meet_body(&mut self, a: usize, b: usize, model: &Model, forest: &Forest) {
         let joined = forest.bodies[b].parent == a || forest.bodies[a].parent == b;
-        let mounted = |body: usize| forest.bodies[body].freedom == crate::forest::Freedom::Mounted;
+        let mounted = |body: usize| forest.bodies[body].freedom == Freedom::Mounted;
         if joined || (mounted(a) && mounted(b)) {
             return;
         }
@@ -383,7 +309,7 @@ impl Collision {
             );
             if v != Vec3::ZERO || w != Vec3::ZERO {
                 let mut pose = placed.fixture.world_from_fixture;
-                let turn = parry3d_f64::math::Rot3::from_scaled_axis(w * time_s);
+                let turn = Rot3::from_scaled_axis(w * time_s);
                 pose.translation += v * time_s;
                 pose.rotation = (turn * pose.rotation).normalize();
                 placed.put(pose);
@@ -399,143 +325,14 @@ impl Placed {
         if let Form::HalfSpace(normal) = self.form {
             return normal.dot(point_m);
         }
-        let aabb = self.fixture.collider.shape.compute_local_aabb();
-        (point_m - point_m.clamp(aabb.mins, aabb.maxs)).length()
-    }
-}
-
-struct Plane {
-    normal_world: Vec3,
-    point_world_m: Vec3,
-    reach_m: f64,
-}
-
-impl Pair {
-    /// Forgets what was known of a contact that has been out of reach.
-    fn recall(&mut self, now: u64) {
-        if self.seen_at + 1 != now {
-            self.corners.fill(Vec3::ZERO);
-            self.manifolds.clear();
-            self.workspace = None;
-        }
-        self.seen_at = now;
-    }
-
-    fn touch(&self, point_world_m: Vec3, normal_world: Vec3, distance_m: f64) -> Touch {
-        Touch {
-            a: self.a,
-            b: self.b,
-            meeting: self.meeting,
-            shape_a: self.shape_a,
-            shape_b: self.shape_b,
-            point_world_m,
-            normal_world,
-            distance_m,
-            friction: self.friction,
-            restitution: self.restitution,
-            led_world_m_s: Vec3::ZERO,
-            impulse_world_n_s: Vec3::ZERO,
-            memory: Memory::Corner { pair: 0, corner: 0 },
-        }
-    }
-
-    /// Corners of a box and the lowest point of a ball are the contacts.
-    fn touch_plane(
-        &mut self,
-        index: usize,
-        plane: &Plane,
-        form: Form,
-        world_from_shape: &Pose,
-        touches: &mut Vec<Touch>,
-    ) {
-        let normal = plane.normal_world;
-        let centre_m = world_from_shape.translation;
-        let height_m = normal.dot(centre_m - plane.point_world_m);
-        let (half, below) = match form {
-            Form::Box(half) => (half, 0.0),
-            Form::Ball(radius) => (Vec3::ZERO, radius),
-            Form::HalfSpace(_) | Form::Other => return,
-        };
-        let axes = [
-            world_from_shape.rotation * Vec3::X * half.x,
-            world_from_shape.rotation * Vec3::Y * half.y,
-            world_from_shape.rotation * Vec3::Z * half.z,
-        ];
-        let rises = axes.map(|axis| normal.dot(axis));
-        let corners = if below > 0.0 { 1 } else { 8 };
-        for corner in 0..corners {
-            let sign = |bit: usize| if corner >> bit & 1 == 0 { 1.0 } else { -1.0 };
-            let (x, y, z) = (sign(0), sign(1), sign(2));
-            let rise = rises[0] * x + rises[1] * y + rises[2] * z;
-            let distance_m = height_m + rise - below;
-            if distance_m > plane.reach_m {
-                self.corners[corner] = Vec3::ZERO;
-                continue;
-            }
-            let point_m = centre_m + axes[0] * x + axes[1] * y + axes[2] * z - normal * below;
-            touches.push(Touch {
-                impulse_world_n_s: self.corners[corner],
-                memory: Memory::Corner {
-                    pair: index,
-                    corner,
-                },
-                ..self.touch(point_m, normal, distance_m)
-            });
-        }
-    }
-
-    /// Any two shapes, by Parry.
-    fn touch_shape(
-        &mut self,
-        index: usize,
-        now: u64,
-        mine: (&Pose, &SharedShape),
-        other: (&Pose, &SharedShape),
-        reach: f64,
-        touches: &mut Vec<Touch>,
-    ) {
-        self.recall(now);
-        let between = mine.0.inv_mul(other.0);
-        let found = DefaultQueryDispatcher.contact_manifolds(
-            &between,
-            mine.1.as_ref(),
-            other.1.as_ref(),
-            reach,
-            &mut self.manifolds,
-            &mut self.workspace,
-        );
-        if found.is_err() {
-            return;
-        }
-        for (number, manifold) in self.manifolds.iter().enumerate() {
-            let part_1 = manifold.subshape_pos1().copied().unwrap_or_default();
-            let part_2 = manifold.subshape_pos2().copied().unwrap_or_default();
-            let (world_from_1, world_from_2) = (*mine.0 * part_1, *other.0 * part_2);
-            // Parry's normal leaves the first shape.
-            let normal = -(world_from_1.rotation * manifold.local_n1);
-            for (point_number, point) in manifold.points.iter().enumerate() {
-                if point.dist > reach {
-                    continue;
-                }
-                let one = world_from_1 * point.local_p1;
-                let two = world_from_2 * point.local_p2;
-                touches.push(Touch {
-                    impulse_world_n_s: point.data,
-                    memory: Memory::Point {
-                        pair: index,
-                        manifold: number,
-                        point: point_number,
-                    },
-                    ..self.touch((one + two) * 0.5, normal, point.dist)
-                });
-            }
-        }
+        (point_m - point_m.clamp(self.around.mins, self.around.maxs)).length()
     }
 }
 
 fn placed(fixture: &Fixture) -> Placed {
     let mut placed = Placed {
         form: Form::of(&fixture.collider.shape),
+        around: fixture.collider.shape.compute_local_aabb(),
         fixture: fixture.clone(),
         world_from_shape: Pose::identity(),
     };

@@ -2,17 +2,18 @@
 
 use parry3d_f64::math::Vec3;
 
-use crate::collision::{Memory, Touch};
-use crate::forest::{Forest, NONE};
+use crate::forest::{Forest, Freedom, NONE};
 use crate::kinematics::Node;
 use crate::model::Settings;
 use crate::spatial::Spatial;
+use crate::touch::{Memory, Touch};
 
 /// Spring and damper as an implicit step sees them (Catto 2011, "Soft constraints").
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Softness {
     /// Speed that undoes a depth, 1/s.
     recovery_1_s: f64,
+    most_recovery_m_s: f64,
     /// How much the row gives, as a share of its inverse mass.
     pub slack: f64,
     time_s: f64,
@@ -24,6 +25,7 @@ impl Softness {
         let implicit = time_s * omega + 2.0 * settings.contact_damping_ratio;
         Self {
             recovery_1_s: omega / implicit,
+            most_recovery_m_s: settings.most_recovery_m_s,
             slack: 1.0 / (time_s * omega * implicit),
             time_s,
         }
@@ -34,7 +36,7 @@ impl Softness {
         if distance > 0.0 {
             -distance / self.time_s
         } else {
-            -distance * self.recovery_1_s
+            (-distance * self.recovery_1_s).min(self.most_recovery_m_s)
         }
     }
 }
@@ -61,6 +63,10 @@ pub(crate) struct Point {
     /// Inverse masses: normal, and the tangents, the larger one first.
     normal_k: f64,
     tangent_k: [f64; 2],
+    /// Inverse mass of both trees, each as if it were one piece: outside contacts never give less.
+    whole_k: f64,
+    /// Normal speed per impulse along the tangents.
+    presses: [f64; 2],
     /// Slip left per impulse of friction.
     slip_per_impulse: f64,
     wanted: f64,
@@ -83,6 +89,12 @@ pub(crate) struct Group {
     /// The next group of the same meeting; [`NONE`] after the last.
     pub next: usize,
 }
+
+/// A normal gives at least this share of what the tangents or the trees as a whole would.
+const RIGID: f64 = 0.01;
+
+/// How much more than friction may press together a contact gives where it jams.
+const JAMMING: f64 = 1.1;
 
 /// What a row needs to know about the step.
 #[derive(Debug, Clone, Copy)]
@@ -125,6 +137,8 @@ impl Point {
             led: basis.map(|axis| touch.led_world_m_s.dot(axis)),
             normal_k: 0.0,
             tangent_k: [0.0; 2],
+            whole_k: forest.bodies[touch.a].tree_inverse_mass,
+            presses: [0.0; 2],
             slip_per_impulse: 0.0,
             wanted: step.softness.wanted_speed(touch.distance_m),
             slack: step.softness.slack,
@@ -140,11 +154,11 @@ impl Point {
         let mut pull = -basis[0].dot(step.gravity_world_m_s2);
         if touch.b != NONE {
             let other = &nodes[touch.b];
+            point.whole_k += forest.bodies[touch.b].tree_inverse_mass;
             point.arm_b = touch.point_world_m - other.reference_world_m;
             swing -= other.swing_at(point.arm_b, &nodes[forest.bodies[touch.b].root]);
             approach += other.velocity.velocity_at(point.arm_b).dot(basis[0]);
-            if forest.bodies[forest.bodies[touch.b].root].freedom != crate::forest::Freedom::Mounted
-            {
+            if forest.bodies[forest.bodies[touch.b].root].freedom != Freedom::Mounted {
                 pull = 0.0;
             }
         }
@@ -190,6 +204,7 @@ impl Point {
         };
         self.normal_k = give(&other, &self.a, 0, 0);
         self.slack *= self.normal_k;
+        self.presses = [give(&other, &self.a, 0, 1), give(&other, &self.a, 0, 2)];
         let (tt, ts, ss) = (
             give(&other, &self.a, 1, 1),
             give(&other, &self.a, 2, 1),
@@ -198,7 +213,14 @@ impl Point {
         // Jacobi's rotation.
         let half = 0.5 * (tt - ss);
         let radius = length_of([half, ts]);
-        self.tangent_k = [0.5 * (tt + ss) + radius, 0.5 * (tt + ss) - radius];
+        let mean = 0.5 * (tt + ss);
+        let least = 1e-6 * self.whole_k;
+        self.tangent_k = [(mean + radius).max(least), (mean - radius).max(least)];
+        // Where the bodies cannot part along the normal, a joint or a mount holds already: a hard row would do it again, with any
+        // impulse.
+        self.slack = self
+            .slack
+            .max(RIGID * self.whole_k.max(mean) - self.normal_k);
         let cosine = (0.5 * (1.0 + half.abs() / radius.max(f64::MIN_POSITIVE))).sqrt();
         let sine = 0.5 * ts / (radius * cosine).max(f64::MIN_POSITIVE);
         let (c, s) = if half >= 0.0 {
@@ -214,6 +236,7 @@ impl Point {
         (self.basis[1], self.basis[2]) = (t * c + u * s, u * c - t * s);
         (self.led[1], self.led[2]) = turned(self.led[1], self.led[2]);
         (self.impulse[1], self.impulse[2]) = turned(self.impulse[1], self.impulse[2]);
+        (self.presses[0], self.presses[1]) = turned(self.presses[0], self.presses[1]);
         let turn = |side: &mut Side| {
             for rows in [&mut side.reads, &mut side.gives] {
                 let [_, t, u] = *rows;
@@ -242,8 +265,9 @@ impl Point {
             }
             speed
         };
-        let residual = reads(self, 0, a, &b) - self.wanted + self.slack * self.impulse[0];
-        let normal = (self.impulse[0] - residual / (self.normal_k + self.slack)).max(0.0);
+        let slack = self.slack.max(self.jam());
+        let residual = reads(self, 0, a, &b) - self.wanted + slack * self.impulse[0];
+        let normal = (self.impulse[0] - residual / (self.normal_k + slack)).max(0.0);
         let mut more = [normal - self.impulse[0], 0.0, 0.0];
         self.impulse[0] = normal;
         if more[0] != 0.0 {
@@ -271,6 +295,30 @@ impl Point {
             }
         }
         more
+    }
+
+    /// Work of the impulse at these mean velocities, beyond what undoing depth or bouncing takes.
+    pub fn work(&self, a: &Spatial, b: Option<(&Side, Spatial)>) -> f64 {
+        let mut work = -0.5 * self.impulse[0] * self.wanted.max(0.0);
+        for (k, impulse) in self.impulse.iter().enumerate() {
+            let its = b
+                .as_ref()
+                .map_or(0.0, |(side, velocity)| side.reads[k].dot(velocity));
+            work += impulse * (self.a.reads[k].dot(a) + its - self.led[k]);
+        }
+        work
+    }
+
+    /// Where friction presses the surfaces together faster than the normal impulse parts them, a sliding contact jams without bound
+    /// (Painlevé's paradox): there it gives as much as it takes for an answer to exist.
+    #[inline]
+    fn jam(&self) -> f64 {
+        let [n, t, u] = self.impulse;
+        let most = self.friction * n;
+        if t * t + u * u < 0.999 * most * most || n == 0.0 {
+            return 0.0;
+        }
+        JAMMING * -(self.presses[0] * t + self.presses[1] * u) / n - self.normal_k
     }
 
     /// How fast a change of impulse moves the point, m/s.

@@ -42,6 +42,8 @@ pub(crate) struct Body {
     pub stiffness: f64,
     pub rest: f64,
     pub mass_kg: f64,
+    /// Inverse mass of all that moves of its tree, 1/kg; 0 where nothing does.
+    pub tree_inverse_mass: f64,
     pub centre_body_m: Vec3,
     /// About the centre of mass.
     pub inertia_body: Mat3,
@@ -212,6 +214,16 @@ impl Forest {
         for body in self.bodies.iter_mut().filter(|body| body.mass_kg > 0.0) {
             body.centre_body_m /= body.mass_kg;
         }
+        for tree in &self.trees {
+            let bodies = &mut self.bodies[tree.root..tree.end];
+            let moving = bodies
+                .iter()
+                .filter(|body| body.freedom != Freedom::Mounted);
+            let mass_kg: f64 = moving.map(|body| body.mass_kg).sum();
+            for body in bodies.iter_mut().filter(|_| mass_kg > 0.0) {
+                body.tree_inverse_mass = 1.0 / mass_kg;
+            }
+        }
         for (link, place) in model.links.iter().zip(&self.places) {
             let body = &mut self.bodies[place.body];
             let arm = place.body_from_link * link.centre_link_m - body.centre_body_m;
@@ -254,6 +266,7 @@ fn body(attachment: &Attachment, places: &[Place]) -> Body {
         stiffness: 0.0,
         rest: 0.0,
         mass_kg: 0.0,
+        tree_inverse_mass: 0.0,
         centre_body_m: Vec3::ZERO,
         inertia_body: Mat3::ZERO,
         start: Pose::identity(),

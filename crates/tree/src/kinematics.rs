@@ -34,10 +34,15 @@ pub(crate) struct Node {
     /// Change of velocity over the step without contacts.
     pub change: Spatial,
     pub speed_change: f64,
+    /// What is foreseen to change over the step: angular velocity (of a root) and speed.
+    pub coming_turn: Vec3,
+    pub coming_speed: f64,
     /// Impulse on the body during the step; gathers that of its subtree.
     pub impulse: Spatial,
     /// What a joint gives besides: generalised impulse.
     pub effort: f64,
+    /// What contacts did in the step before.
+    pub warm: Spatial,
     /// Articulated inertia Iᴬ, what is free of it about the axis, U / D and 1 / D.
     pub articulated: Symmetric,
     pub lean: Spatial,

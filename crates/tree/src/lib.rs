@@ -24,7 +24,9 @@ mod joint;
 mod kinematics;
 mod model;
 mod spatial;
+mod step;
 mod sweep;
+mod touch;
 mod world;
 
 pub use joint::{Command, JointImpulse};

@@ -182,12 +182,14 @@ pub struct Settings {
     pub sweeps: usize,
     /// Most sweeps in a step with an impact.
     pub impact_sweeps: usize,
-    /// A sweep that changes no velocity by more than this is the last, m/s.
-    pub tolerance_m_s: f64,
+    /// A sweep that changes no velocity by more than this times the step is the last, m/s².
+    pub tolerance_m_s2: f64,
     /// A contact is a spring of k = m ω² and a damper of 2 ζ m ω, with m the mass that the contact feels: ω / 2 π, Hz.
     pub contact_frequency_hz: f64,
     /// ζ of the same.
     pub contact_damping_ratio: f64,
+    /// Overlap is undone no faster than this, m/s.
+    pub most_recovery_m_s: f64,
     /// Surfaces that come closer than this are watched, m; fast ones are from further away.
     pub prediction_m: f64,
     /// A step in which a link would turn further is taken in parts, rad.
@@ -197,12 +199,13 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            timestep_s: 1.0 / 960.0,
+            timestep_s: 1.0 / 480.0,
             sweeps: 4,
             impact_sweeps: 50,
-            tolerance_m_s: 1e-7,
+            tolerance_m_s2: 1e-4,
             contact_frequency_hz: 300.0,
             contact_damping_ratio: 3.0,
+            most_recovery_m_s: 3.0,
             prediction_m: 0.002,
             max_turn_rad: 0.25,
         }
@@ -267,7 +270,7 @@ impl Model {
                 joint.armature,
                 joint.stiffness,
             ];
-            if least.iter().any(|value| !(*value >= 0.0)) {
+            if !least.iter().all(|value| *value >= 0.0) {
                 return fail(format!(
                     "link {index}: friction, armature and stiffness must not be negative"
                 ));
@@ -275,7 +278,7 @@ impl Model {
         }
         let s = &self.settings;
         let positive = [s.timestep_s, s.contact_frequency_hz, s.max_turn_rad];
-        if positive.iter().any(|value| !(*value > 0.0)) || s.sweeps == 0 {
+        if !positive.iter().all(|value| *value > 0.0) || s.sweeps == 0 {
             return fail(
                 "settings: timestep, contact frequency, turn and sweeps have to be positive".into(),
             );

@@ -217,8 +217,8 @@ impl Symmetric {
         for i in 1..6 {
             for j in 0..i {
                 let mut sum = 0.0;
-                for k in j..i {
-                    sum -= l[i][k] * l[k][j];
+                for (k, row) in l.iter().enumerate().take(i).skip(j) {
+                    sum -= l[i][k] * row[j];
                 }
                 l[i][j] = sum * l[i][i];
             }

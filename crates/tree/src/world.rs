@@ -2,42 +2,40 @@
 
 use parry3d_f64::math::{Pose, Vec3};
 
-use crate::articulated::{factor, free_velocities, weight};
-use crate::collision::{Collision, Touch};
-use crate::contact::{Group, Point, Side, Softness, Step};
+use crate::articulated::factor;
+use crate::collision::Collision;
+use crate::contact::Point;
 use crate::forest::{Forest, Freedom, NONE};
-use crate::joint::{Actor, Command, JointImpulse, limit_reach};
+use crate::joint::{Actor, Command, JointImpulse};
 use crate::kinematics::{self, Node};
 use crate::model::{Model, ModelError, Settings};
 use crate::spatial::Spatial;
-use crate::sweep::{Rows, close, open, respond, tops};
-
-/// Most times that a step is solved because a servo turned out to be at its limit.
-const MOST_ATTEMPTS: usize = 4;
-/// Most parts that one step is taken in.
-const MOST_PARTS: usize = 64;
+use crate::sweep::Rows;
+use crate::touch::Touch;
 
 /// Bodies, what acts on them, and time.
 pub struct World {
-    forest: Forest,
-    nodes: Vec<Node>,
-    actors: Vec<Actor>,
-    collision: Collision,
-    rows: Rows,
-    touches: Vec<Touch>,
-    given: Vec<Spatial>,
-    stiff: Vec<f64>,
-    wrenches: Vec<Spatial>,
+    pub(crate) forest: Forest,
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) actors: Vec<Actor>,
+    pub(crate) collision: Collision,
+    pub(crate) rows: Rows,
+    pub(crate) touches: Vec<Touch>,
+    pub(crate) given: Vec<Spatial>,
+    pub(crate) stiff: Vec<f64>,
+    pub(crate) wrenches: Vec<Spatial>,
     /// Velocities and speeds before the step.
-    before: Vec<(Spatial, f64)>,
-    centres_link_m: Vec<Vec3>,
-    earlier: Vec<Contact>,
-    gravity_world_m_s2: Vec3,
-    settings: Settings,
+    pub(crate) before: Vec<(Spatial, f64)>,
+    pub(crate) centres_link_m: Vec<Vec3>,
+    pub(crate) earlier: Vec<Contact>,
+    pub(crate) gravity_world_m_s2: Vec3,
+    pub(crate) settings: Settings,
     /// Whether velocities belong to the beginning of the step to come, as given, and not to the middle of the one before.
-    fresh: bool,
-    last_time_s: f64,
-    sweeps_done: usize,
+    pub(crate) fresh: bool,
+    pub(crate) last_time_s: f64,
+    pub(crate) sweeps_done: usize,
+    pub(crate) gentle_steps: usize,
+    pub(crate) weight_n: f64,
 }
 
 /// Where a link is and how it moves.
@@ -118,192 +116,15 @@ impl World {
             fresh: true,
             last_time_s: model.settings.timestep_s,
             sweeps_done: 0,
+            gentle_steps: 0,
+            weight_n: model.gravity_world_m_s2.length()
+                * model.links.iter().map(|link| link.mass_kg).sum::<f64>(),
             forest,
             nodes,
         })
     }
 
-    /// One timestep; in parts where something would turn too far for one.
-    pub fn step(&mut self) {
-        self.earlier.clear();
-        for actor in &mut self.actors {
-            actor.done = JointImpulse::default();
-        }
-        let time_s = self.settings.timestep_s;
-        let turn = kinematics::fastest_turn(&self.forest, &self.nodes) * time_s;
-        let parts = ((turn / self.settings.max_turn_rad).ceil() as usize).clamp(1, MOST_PARTS);
-        for part in 0..parts {
-            self.part(time_s / parts as f64);
-            if part + 1 < parts {
-                let points = &self.rows.points;
-                let contacts = points.iter().map(|point| self.contact(point));
-                let mut earlier: Vec<Contact> = contacts.collect();
-                self.earlier.append(&mut earlier);
-            }
-        }
-        self.wrenches.fill(Spatial::ZERO);
-    }
-
-    fn part(&mut self, time_s: f64) {
-        self.touches.clear();
-        self.collision.find(&self.nodes, time_s, &mut self.touches);
-        self.before.clear();
-        let state = self.nodes.iter().map(|node| (node.velocity, node.speed));
-        self.before.extend(state);
-        let mut ratio = time_s / self.last_time_s;
-        // A servo that turns out to be at its limit becomes a row, and the step is solved again: rare, as most stay what they are.
-        for attempt in 0..MOST_ATTEMPTS {
-            self.solve(time_s, ratio);
-            let mut again = false;
-            for (actor, node) in self.actors.iter_mut().zip(&self.nodes) {
-                again |= actor.exceeds(node.speed);
-            }
-            if !again {
-                break;
-            }
-            if attempt + 2 == MOST_ATTEMPTS {
-                self.actors.iter_mut().for_each(Actor::unfold);
-            }
-            for (node, (velocity, speed)) in self.nodes.iter_mut().zip(&self.before) {
-                (node.velocity, node.speed) = (*velocity, *speed);
-            }
-            ratio = 1.0;
-        }
-        for point in &self.rows.points {
-            self.collision.remember(point.memory, point.impulse_world());
-        }
-        for (index, actor) in self.actors.iter_mut().enumerate() {
-            let (body, node) = (&self.forest.bodies[index], &self.nodes[index]);
-            if !body.is_root() {
-                actor.finish(body, node.speed, time_s);
-            }
-        }
-        kinematics::advance(&self.forest, &mut self.nodes, time_s);
-        self.collision.lead(time_s);
-        self.last_time_s = time_s;
-        self.fresh = false;
-    }
-
-    /// Velocities at the end of a step, from those at its beginning.
-    fn solve(&mut self, time_s: f64, ratio: f64) {
-        let bodies = &self.forest.bodies;
-        for (index, actor) in self.actors.iter_mut().enumerate() {
-            self.stiff[index] = if bodies[index].is_root() {
-                0.0
-            } else {
-                actor.prepare(&bodies[index], &self.nodes[index], time_s, ratio)
-            };
-        }
-        factor(&self.forest, &mut self.nodes, &self.stiff);
-        // What acts steadily over the first step has had half of it when velocities are those of its middle (leapfrog).
-        let kick_s = if self.fresh { 0.5 * time_s } else { time_s };
-        for (index, body) in bodies.iter().enumerate() {
-            let node = &self.nodes[index];
-            self.given[index] = weight(body, node, self.gravity_world_m_s2, kick_s);
-            self.given[index].add_scaled(&self.wrenches[index], kick_s);
-        }
-        let step = Step {
-            time_s,
-            gravity_world_m_s2: self.gravity_world_m_s2,
-            softness: Softness::new(&self.settings, time_s),
-        };
-        let impact = self.build_rows(&step, ratio);
-        for (index, actor) in self.actors.iter_mut().enumerate() {
-            let (body, node) = (&self.forest.bodies[index], &mut self.nodes[index]);
-            if !body.is_root() {
-                let reach = limit_reach(body, node, time_s);
-                actor.approach(body, node, &step.softness, reach);
-                node.effort = actor.effort(body, node, time_s);
-            }
-        }
-        for tree in &self.forest.trees {
-            free_velocities(tree, &self.forest, &mut self.nodes, kick_s, &self.given);
-        }
-        self.sweep(impact);
-    }
-
-    /// Contact rows, warm started: what they did in the step before is part of what acts now. True if something hits.
-    fn build_rows(&mut self, step: &Step, ratio: f64) -> bool {
-        let (forest, rows) = (&self.forest, &mut self.rows);
-        rows.points.clear();
-        rows.sides.clear();
-        rows.groups.clear();
-        let mut impact = false;
-        for (index, touch) in self.touches.iter_mut().enumerate() {
-            touch.impulse_world_n_s *= ratio;
-            let (mut point, hits) = Point::new(touch, index, forest, &self.nodes, step);
-            impact |= hits;
-            let same =
-                rows.groups.last().is_some_and(|group| {
-                    group.a == touch.a && group.b == touch.b && touch.b != NONE
-                }) || rows
-                    .groups
-                    .last()
-                    .is_some_and(|group| group.b == NONE && touch.b == NONE && group.a == touch.a);
-            if !same {
-                rows.groups.push(Group {
-                    a: touch.a,
-                    b: touch.b,
-                    meeting: touch.meeting,
-                    first: index,
-                    end: index,
-                    next: NONE,
-                });
-            }
-            let Some(group) = rows.groups.last_mut() else {
-                continue;
-            };
-            group.end = index + 1;
-            if touch.b == NONE {
-                let response = &self.nodes[touch.a].response;
-                point.a.gives = point.a.reads.map(|read| response.times(&read));
-                point.weigh(None);
-            } else {
-                let mut side = Side {
-                    reads: point.basis.map(|axis| -Spatial::at(point.arm_b, axis)),
-                    ..Side::default()
-                };
-                give(&mut point, &mut side, group, forest, &mut self.nodes);
-                point.weigh(Some(&mut side));
-                point.b = rows.sides.len();
-                for (read, impulse) in side.reads.iter().zip(point.impulse) {
-                    self.given[touch.b].add_scaled(read, impulse);
-                }
-                rows.sides.push(side);
-            }
-            for (read, impulse) in point.a.reads.iter().zip(point.impulse) {
-                self.given[touch.a].add_scaled(read, impulse);
-            }
-            rows.points.push(point);
-        }
-        rows.link(forest.bodies.len());
-        impact
-    }
-
-    fn sweep(&mut self, impact: bool) {
-        let (forest, rows) = (&self.forest, &mut self.rows);
-        let no_rows = rows.points.is_empty() && !self.actors.iter().any(Actor::has_rows);
-        let most = match (no_rows, impact) {
-            (true, _) => 0,
-            (false, true) => self.settings.impact_sweeps.max(self.settings.sweeps),
-            (false, false) => self.settings.sweeps,
-        };
-        open(forest, &mut self.nodes);
-        for _ in 0..most {
-            let mut worst = 0.0_f64;
-            for tree in &forest.trees {
-                worst = worst.max(rows.sweep(tree, forest, &mut self.nodes, &mut self.actors));
-            }
-            worst = worst.max(rows.between(forest, &mut self.nodes));
-            self.sweeps_done += 1;
-            if worst < self.settings.tolerance_m_s {
-                break;
-            }
-        }
-        close(forest, &mut self.nodes);
-    }
-
-    fn contact(&self, point: &Point) -> Contact {
+    pub(crate) fn contact(&self, point: &Point) -> Contact {
         let touch = &self.touches[point.touch];
         let (link, mark) = self.collision.owner(touch.shape_a);
         let (partner, partner_mark) = if touch.b == NONE {
@@ -505,24 +326,13 @@ impl World {
         self.sweeps_done
     }
 
+    /// Steps in which contacts were solved without friction, as with it they would have made energy: none where all is well.
+    pub fn gentle_steps(&self) -> usize {
+        self.gentle_steps
+    }
+
     /// How time passes and how contacts give.
     pub fn settings(&self) -> &Settings {
         &self.settings
-    }
-}
-
-/// What impulses of a contact between two bodies give to both.
-fn give(point: &mut Point, side: &mut Side, group: &Group, forest: &Forest, nodes: &mut [Node]) {
-    let tops = tops(group, forest);
-    for k in 0..3 {
-        if group.meeting == NONE {
-            point.a.gives[k] = nodes[group.a].response.times(&point.a.reads[k]);
-            side.gives[k] = nodes[group.b].response.times(&side.reads[k]);
-        } else {
-            let ends = [(group.a, point.a.reads[k]), (group.b, side.reads[k])];
-            respond(forest, nodes, tops[0], ends);
-            point.a.gives[k] = nodes[group.a].change;
-            side.gives[k] = nodes[group.b].change;
-        }
     }
 }

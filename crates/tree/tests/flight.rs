@@ -1,4 +1,5 @@
 //! Motion without contact against closed forms.
+#![allow(clippy::unwrap_used)]
 
 use super::common::*;
 use nalgebra::{DMatrix, Matrix6, Matrix6xX};

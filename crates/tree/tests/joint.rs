@@ -1,8 +1,6 @@
 //! Limits, friction, springs and motors of joints.
 
-mod common;
-
-use common::*;
+use super::common::*;
 use realgap_tree::parry::math::{Pose, Vec3};
 use realgap_tree::{Attachment, Command, Joint, JointKind, Link, World};
 
@@ -38,18 +36,29 @@ fn limits_stop_what_falls_into_them() {
             beyond = beyond.max((position - lowest) * lowest.signum());
         }
         let (position, speed) = world.joint(1);
-        println!("limit {lowest}: {:.2e} beyond at worst, {:.2e} at rest", beyond, (position - lowest) * lowest.signum());
+        println!(
+            "limit {lowest}: {:.2e} beyond at worst, {:.2e} at rest",
+            beyond,
+            (position - lowest) * lowest.signum()
+        );
         assert!(beyond < 1e-4 && speed.abs() < 1e-6);
         // At rest it leans on a spring of m ω².
         let (load, inertia) = if lowest > 0.0 {
-            (LOAD * f64::cos(lowest), 0.1 * 0.06 * 0.06 / 6.0 + 0.1 * 0.01)
+            (
+                LOAD * f64::cos(lowest),
+                0.1 * 0.06 * 0.06 / 6.0 + 0.1 * 0.01,
+            )
         } else {
             (0.1 * G, 0.1)
         };
         let sag = load / (inertia * (300.0 * std::f64::consts::TAU).powi(2));
         assert!(((position - lowest).abs() / sag - 1.0).abs() < 0.02);
         let held = world.joint_impulse(1).limit * 960.0;
-        let weight = if lowest > 0.0 { LOAD * f64::cos(lowest) } else { 0.1 * G };
+        let weight = if lowest > 0.0 {
+            LOAD * f64::cos(lowest)
+        } else {
+            0.1 * G
+        };
         assert!((held.abs() / weight - 1.0).abs() < 1e-3, "{held} {weight}");
     }
 }
@@ -65,7 +74,11 @@ fn dry_friction_holds_what_it_may_and_brakes_the_rest() {
         run(&mut world, 1.0);
         let moved = world.joint(1).0;
         println!("dry friction of {share} of the load: {moved:.2e} rad in 1 s");
-        assert!(if share > 1.0 { moved.abs() < 1e-9 } else { moved > 0.01 });
+        assert!(if share > 1.0 {
+            moved.abs() < 1e-9
+        } else {
+            moved > 0.01
+        });
     }
     // Without gravity a spinning link stops after I ω / τ.
     let mut joint = Joint::new(0, JointKind::Continuous, Vec3::Z);
@@ -76,7 +89,10 @@ fn dry_friction_holds_what_it_may_and_brakes_the_rest() {
     let right = inertia * 2.0 * 2.0 / (2.0 * 0.001);
     run(&mut world, 3.0);
     let (angle, speed) = world.joint(1);
-    println!("dry friction stops after {:.4} %", 100.0 * (angle / right - 1.0));
+    println!(
+        "dry friction stops after {:.4} %",
+        100.0 * (angle / right - 1.0)
+    );
     assert!(speed.abs() < 1e-9 && (angle / right - 1.0).abs() < 0.002);
 }
 
@@ -126,7 +142,10 @@ fn a_servo_holds_against_its_load_and_no_further_than_its_torque() {
     }
     assert!(weak.joint(1).0 > 0.25, "{}", weak.joint(1).0);
     // Constant torque while it turns: half the load's acceleration at first.
-    let mut motor = world(mounted(Joint::new(0, JointKind::Continuous, Vec3::Z)), vec![]);
+    let mut motor = world(
+        mounted(Joint::new(0, JointKind::Continuous, Vec3::Z)),
+        vec![],
+    );
     let drive = Command::Velocity {
         target: 5.0,
         gain: 1.0,
@@ -155,12 +174,15 @@ fn what_acts_along_a_joint_explains_its_energy() {
     let mut most = 0.0_f64;
     for step in 0..2 * 960 {
         let t = f64::from(step) / 960.0;
-        world.command(1, Command::Servo {
-            target: (5.0 * t).sin(),
-            stiffness: 5.0,
-            damping: 0.05,
-            max_torque: 0.15,
-        });
+        world.command(
+            1,
+            Command::Servo {
+                target: (5.0 * t).sin(),
+                stiffness: 5.0,
+                damping: 0.05,
+                max_torque: 0.15,
+            },
+        );
         let before = world.joint(1).1;
         world.step();
         let done = world.joint_impulse(1);

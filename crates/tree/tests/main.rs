@@ -1,6 +1,12 @@
 //! The tree solver against closed forms.
-#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test may fail loudly and says what it measured"
+)]
 
 mod common;
 mod contact;
 mod flight;
+mod joint;
+mod pair;

@@ -1,5 +1,5 @@
 //! Bodies that many tests are made of.
-#![allow(dead_code)]
+#![allow(dead_code, clippy::unwrap_used)]
 
 use realgap_tree::parry::math::{Mat3, Pose, Rot3, Vec3};
 use realgap_tree::parry::shape::SharedShape;

@@ -1,0 +1,273 @@
+//! One step: where things touch, velocities before rows, sweeps over all rows, positions.
+
+use parry3d_f64::math::Vec3;
+
+use crate::articulated::{factor, free_velocities, weight};
+use crate::contact::{Group, Point, Side, Softness, Step};
+use crate::forest::{Forest, NONE};
+use crate::joint::{Actor, JointImpulse, limit_reach};
+use crate::kinematics::{self, Node};
+use crate::spatial::Spatial;
+use crate::sweep::{close, open, respond, tops};
+use crate::world::World;
+
+/// Most times that a step is solved because a servo turned out to be at its limit.
+const MOST_ATTEMPTS: usize = 4;
+/// A step is solved again where velocity products would change a velocity by more than this otherwise, m/s.
+const SURPRISE_M_S: f64 = 1e-4;
+/// Work of contacts that counts as a failure: this share of the kinetic energy and what lifts everything by this much, m.
+const EXCESS: f64 = 0.02;
+const EXCESS_M: f64 = 1e-3;
+/// Most parts that one step is taken in.
+const MOST_PARTS: usize = 64;
+
+impl World {
+    /// One timestep; in parts where something would turn too far for one.
+    pub fn step(&mut self) {
+        self.earlier.clear();
+        for actor in &mut self.actors {
+            actor.done = JointImpulse::default();
+        }
+        let time_s = self.settings.timestep_s;
+        let turn = kinematics::fastest_turn(&self.forest, &self.nodes) * time_s;
+        let parts = ((turn / self.settings.max_turn_rad).ceil() as usize).clamp(1, MOST_PARTS);
+        for part in 0..parts {
+            self.part(time_s / parts as f64);
+            if part + 1 < parts {
+                for point in &self.rows.points {
+                    self.earlier.push(self.contact(point));
+                }
+            }
+        }
+        self.wrenches.fill(Spatial::ZERO);
+    }
+
+    fn part(&mut self, time_s: f64) {
+        self.touches.clear();
+        self.collision.find(&self.nodes, time_s, &mut self.touches);
+        self.before.clear();
+        let state = self.nodes.iter().map(|node| (node.velocity, node.speed));
+        self.before.extend(state);
+        let ratio = time_s / self.last_time_s;
+        self.solve_until_foreseen(time_s, ratio);
+        if self.contacts_make_energy() {
+            // Coulomb friction may leave no bounded answer; without it every sweep takes energy, from any start.
+            self.gentle_steps += 1;
+            self.restore();
+            for touch in &mut self.touches {
+                (touch.impulse_world_n_s, touch.friction) = (Vec3::ZERO, 0.0);
+            }
+            self.solve_until_foreseen(time_s, 1.0);
+        }
+        for point in &self.rows.points {
+            self.collision.remember(point.memory, point.impulse_world());
+        }
+        for (index, actor) in self.actors.iter_mut().enumerate() {
+            let (body, node) = (&self.forest.bodies[index], &self.nodes[index]);
+            if !body.is_root() {
+                actor.finish(body, node.speed, time_s);
+            }
+        }
+        kinematics::advance(&self.forest, &mut self.nodes, time_s);
+        self.collision.lead(time_s);
+        self.last_time_s = time_s;
+        self.fresh = false;
+    }
+
+    /// Solves again where a servo turned out to be at its limit, which makes it a row, or where velocities came out other than
+    /// foreseen, as in impacts: rare, as most stays what it was.
+    fn solve_until_foreseen(&mut self, time_s: f64, ratio: f64) {
+        self.solve(time_s, ratio, false);
+        for attempt in 2..=MOST_ATTEMPTS {
+            let mut again = false;
+            for (actor, node) in self.actors.iter_mut().zip(&self.nodes) {
+                again |= actor.exceeds(node.speed);
+            }
+            if !again && (attempt > 2 || self.surprise() * time_s < SURPRISE_M_S) {
+                break;
+            }
+            if attempt == MOST_ATTEMPTS {
+                self.actors.iter_mut().for_each(Actor::unfold);
+            }
+            for index in 0..self.rows.points.len() {
+                let point = &self.rows.points[index];
+                self.touches[point.touch].impulse_world_n_s = point.impulse_world();
+            }
+            self.restore();
+            self.solve(time_s, 1.0, true);
+        }
+    }
+
+    /// How far velocities are from those at which velocity products were taken, as an acceleration, m/s².
+    fn surprise(&self) -> f64 {
+        let (mut off, mut turn) = (0.0_f64, 0.0_f64);
+        for (index, (body, node)) in self.forest.bodies.iter().zip(&self.nodes).enumerate() {
+            let mean = |index: usize| (self.nodes[index].velocity + self.before[index].0) * 0.5;
+            let together = Spatial::new(Vec3::ZERO, mean(body.root).linear());
+            let by = mean(index) - together - node.relative;
+            off = off.max(by.velocity_at(node.arm_m).length_squared());
+            turn = turn.max(mean(index).angular().length_squared());
+        }
+        (off * turn).sqrt()
+    }
+
+    /// Back to the velocities before the step; what became of them is foreseen.
+    fn restore(&mut self) {
+        for (node, (velocity, speed)) in self.nodes.iter_mut().zip(&self.before) {
+            node.coming_turn = (node.velocity - *velocity).angular();
+            node.coming_speed = node.speed - speed;
+            (node.velocity, node.speed) = (*velocity, *speed);
+        }
+    }
+
+    /// Whether contacts did more work than undoing depth takes: an impulse does it at the mean of the speeds before and after.
+    fn contacts_make_energy(&self) -> bool {
+        let mut work = 0.0;
+        for point in &self.rows.points {
+            let touch = &self.touches[point.touch];
+            let mean = |body: usize| (self.nodes[body].velocity + self.before[body].0) * 0.5;
+            let other = (touch.b != NONE).then(|| (&self.rows.sides[point.b], mean(touch.b)));
+            work += point.work(&mean(touch.a), other);
+        }
+        let moving = || self.kinetic_energy_j();
+        work > EXCESS_M * self.weight_n && work > EXCESS_M * self.weight_n + EXCESS * moving()
+    }
+
+    /// Velocities at the end of a step, from those at its beginning.
+    fn solve(&mut self, time_s: f64, ratio: f64, foreseen: bool) {
+        let bodies = &self.forest.bodies;
+        for (index, actor) in self.actors.iter_mut().enumerate() {
+            self.stiff[index] = if bodies[index].is_root() {
+                0.0
+            } else {
+                actor.prepare(&bodies[index], &self.nodes[index], time_s, ratio)
+            };
+        }
+        factor(&self.forest, &mut self.nodes, &self.stiff);
+        // What acts steadily over the first step has had half of it when velocities are those of its middle (leapfrog).
+        let kick_s = if self.fresh { 0.5 * time_s } else { time_s };
+        for (index, body) in bodies.iter().enumerate() {
+            let node = &mut self.nodes[index];
+            node.warm = Spatial::ZERO;
+            self.given[index] = weight(body, node, self.gravity_world_m_s2, kick_s);
+            self.given[index].add_scaled(&self.wrenches[index], kick_s);
+        }
+        let step = Step {
+            time_s,
+            gravity_world_m_s2: self.gravity_world_m_s2,
+            softness: Softness::new(&self.settings, time_s),
+        };
+        let impact = self.build_rows(&step, ratio);
+        for (index, actor) in self.actors.iter_mut().enumerate() {
+            let (body, node) = (&self.forest.bodies[index], &mut self.nodes[index]);
+            if !body.is_root() {
+                let reach = limit_reach(body, node, time_s);
+                actor.approach(body, node, &step.softness, reach);
+                node.effort = actor.effort(body, node, time_s);
+            }
+        }
+        for tree in &self.forest.trees {
+            free_velocities(
+                tree,
+                &self.forest,
+                &mut self.nodes,
+                kick_s,
+                &self.given,
+                foreseen,
+            );
+        }
+        self.sweep(impact, time_s);
+    }
+
+    /// Contact rows, warm started: what they did in the step before is part of what acts now. True if something hits.
+    fn build_rows(&mut self, step: &Step, ratio: f64) -> bool {
+        let (forest, rows) = (&self.forest, &mut self.rows);
+        rows.points.clear();
+        rows.sides.clear();
+        rows.groups.clear();
+        let mut impact = false;
+        for (index, touch) in self.touches.iter_mut().enumerate() {
+            touch.impulse_world_n_s *= ratio;
+            let (mut point, hits) = Point::new(touch, index, forest, &self.nodes, step);
+            impact |= hits;
+            let last = rows.groups.last();
+            if !last.is_some_and(|group| group.a == touch.a && group.b == touch.b) {
+                rows.groups.push(Group {
+                    a: touch.a,
+                    b: touch.b,
+                    meeting: touch.meeting,
+                    first: index,
+                    end: index,
+                    next: NONE,
+                });
+            }
+            let Some(group) = rows.groups.last_mut() else {
+                continue;
+            };
+            group.end = index + 1;
+            if touch.b == NONE {
+                let response = &self.nodes[touch.a].response;
+                point.a.gives = point.a.reads.map(|read| response.times(&read));
+                point.weigh(None);
+            } else {
+                let mut side = Side {
+                    reads: point.basis.map(|axis| -Spatial::at(point.arm_b, axis)),
+                    ..Side::default()
+                };
+                give(&mut point, &mut side, group, forest, &mut self.nodes);
+                point.weigh(Some(&mut side));
+                point.b = rows.sides.len();
+                for (read, impulse) in side.reads.iter().zip(point.impulse) {
+                    self.nodes[touch.b].warm.add_scaled(read, impulse);
+                }
+                rows.sides.push(side);
+            }
+            for (read, impulse) in point.a.reads.iter().zip(point.impulse) {
+                self.nodes[touch.a].warm.add_scaled(read, impulse);
+            }
+            rows.points.push(point);
+        }
+        rows.link(forest.bodies.len());
+        impact
+    }
+
+    fn sweep(&mut self, impact: bool, time_s: f64) {
+        let tolerance_m_s = self.settings.tolerance_m_s2 * time_s;
+        let (forest, rows) = (&self.forest, &mut self.rows);
+        let no_rows = rows.points.is_empty() && !self.actors.iter().any(Actor::has_rows);
+        let most = match (no_rows, impact) {
+            (true, _) => 0,
+            (false, true) => self.settings.impact_sweeps.max(self.settings.sweeps),
+            (false, false) => self.settings.sweeps,
+        };
+        open(forest, &mut self.nodes);
+        for _ in 0..most {
+            let mut worst = 0.0_f64;
+            for tree in &forest.trees {
+                worst = worst.max(rows.sweep(tree, forest, &mut self.nodes, &mut self.actors));
+            }
+            worst = worst.max(rows.between(forest, &mut self.nodes));
+            self.sweeps_done += 1;
+            if worst < tolerance_m_s {
+                break;
+            }
+        }
+        close(forest, &mut self.nodes);
+    }
+}
+
+/// What impulses of a contact between two bodies give to both.
+fn give(point: &mut Point, side: &mut Side, group: &Group, forest: &Forest, nodes: &mut [Node]) {
+    let tops = tops(group, forest);
+    for k in 0..3 {
+        if group.meeting == NONE {
+            point.a.gives[k] = nodes[group.a].response.times(&point.a.reads[k]);
+            side.gives[k] = nodes[group.b].response.times(&side.reads[k]);
+        } else {
+            let ends = [(group.a, point.a.reads[k]), (group.b, side.reads[k])];
+            respond(forest, nodes, tops[0], ends);
+            point.a.gives[k] = nodes[group.a].change;
+            side.gives[k] = nodes[group.b].change;
+        }
+    }
+}
