@@ -1,6 +1,7 @@
 //! Every operator and selection keeps its contract, and strategies are pure functions of the history.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use crate::common;
 use proptest::prelude::*;
 use realgap_core::file::Source;
 use realgap_lab::search::{
@@ -230,8 +231,11 @@ fn map_elites() -> MapElites {
 
 /// A search by this strategy, of a size that a test can follow to its end.
 fn small(name: &str) -> Search {
-    let gait = "start: Morphology(\"morphologies/tripod.ron\"),
-        development: (amplitude_rad: (0.0, 1.1), frequency_hz: (0.5, 1.5), offset_rad: (-1.0, 1.0)),";
+    let root = common::project().display();
+    let gait = format!(
+        "start: Morphology(\"{root}/morphologies/tripod.ron\"),
+        development: (amplitude_rad: (0.0, 1.1), frequency_hz: (0.5, 1.5), offset_rad: (-1.0, 1.0)),"
+    );
     let (settings, start) = match name {
         "Evolution" => ("population: 7, generations: 5, elites: 2", ""),
         "MapElites" => (
@@ -241,9 +245,9 @@ fn small(name: &str) -> Search {
         ),
         "Grid" => (
             "genes: [(module: 1, gene: \"amplitude\", values: [0.2, 0.8]), (gene: \"phase\", values: [0, 0.5, 1])]",
-            gait,
+            gait.as_str(),
         ),
-        "CmaEs" => ("evaluations: 45, genes: [\"amplitude\", \"phase\"]", gait),
+        "CmaEs" => ("evaluations: 45, genes: [\"amplitude\", \"phase\"]", gait.as_str()),
         other => panic!("no settings of {other}: give the contract some"),
     };
     let text = format!("Search(duration_s: 1.0, strategy: {name}({settings}), {start})");

@@ -175,11 +175,8 @@ fn what_never_flies_is_said_not_guessed() {
         "{error}"
     );
 
-    let walker = Morphology::read(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/morphologies/tripod.ron"
-    ))
-    .unwrap();
+    let walker =
+        Morphology::read(crate::common::project().join("morphologies/tripod.ron")).unwrap();
     let error = identify(
         &Experiment::new(walker.assemble()),
         &all,

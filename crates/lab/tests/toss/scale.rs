@@ -20,7 +20,8 @@ const STUDY: &str = r#"Study(
 
 fn study(folder: &Path, glob: &str, metric: &str, start: StartState, scale: &str) -> Study {
     let definition = folder.join("study.ron");
-    let morphology = concat!(env!("CARGO_MANIFEST_DIR"), "/morphologies/cube.ron");
+    let morphology = crate::common::project().join("morphologies/cube.ron");
+    let morphology = morphology.to_str().unwrap();
     std::fs::write(&definition, STUDY.replace("MORPHOLOGY", morphology)).unwrap();
     let overrides = Overrides {
         recordings: vec![glob.to_owned()],
@@ -119,7 +120,8 @@ fn a_walker_or_a_settled_start_has_no_flight_to_start_from() {
         };
         Study::read(&path, &overrides)
     };
-    let walker = concat!(env!("CARGO_MANIFEST_DIR"), "/morphologies/tripod.ron");
+    let walker = crate::common::project().join("morphologies/tripod.ron");
+    let walker = walker.to_str().unwrap();
     let text = STUDY.replace("MORPHOLOGY", walker).replace(
         "start: FromRecording,",
         "start: FromRecording, start_state: Flight,",
