@@ -84,7 +84,7 @@ fn option(advice: &Advice) -> String {
             "a metric without a basis, e.g. --metric rms, needs no design of 64".to_owned()
         }
         Advice::LetOptimizerChoose => "let `realgap tune` choose the points".to_owned(),
-        Advice::ListParameters => "`realgap parameters` lists all of them".to_owned(),
+        Advice::ListParameters => "`realgap study parameters` lists all of them".to_owned(),
         other => other.to_string(),
     }
 }

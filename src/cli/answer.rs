@@ -1,7 +1,6 @@
 //! What `sweep` and `tune` share: their options, and how the answer is printed.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::calibration::{Answer, BasisRule, Mode, Overrides, ScoreRule, Split, Study};
@@ -13,7 +12,7 @@ use realgap::{Error, Result, Warning};
 
 use super::folder::ResultsFolder;
 use super::kind::read_study;
-use super::option::{Format, Jobs, Recordings, Values, metric_option};
+use super::option::{Jobs, Print, Recordings, Values, metric_option};
 use super::page::{self, PageOption};
 use super::terminal;
 
@@ -51,16 +50,15 @@ pub struct StudyOptions {
     #[command(flatten)]
     values: Values,
     #[command(flatten)]
-    jobs: Jobs,
+    pub jobs: Jobs,
     /// Go on with an interrupted run
     #[arg(long, conflicts_with = "restart")]
     resume: bool,
     /// Throw old results in the folder away and start anew
     #[arg(long)]
     restart: bool,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// Repeats of `--score ensemble`.
@@ -138,10 +136,6 @@ impl StudyOptions {
         }
     }
 
-    pub fn jobs(&self) -> usize {
-        self.jobs.count()
-    }
-
     /// Writes the folder and prints the answer of the command called `name`.
     pub fn finish(
         &self,
@@ -150,11 +144,12 @@ impl StudyOptions {
         answer: &Answer,
         folder: &ResultsFolder,
         wall_s: f64,
-    ) -> Result<ExitCode> {
+    ) -> Result<()> {
         results::write(folder.path(), study, answer)?;
-        self.page
+        let page_said = self
+            .page
             .write(folder.path(), || page::of_study(study, answer));
-        folder.write_timing(self.jobs())?;
+        folder.write_timing(self.jobs.count())?;
         let folder = folder.path();
         let report = &answer.report;
         terminal::print_warnings(
@@ -163,16 +158,13 @@ impl StudyOptions {
                 .iter()
                 .filter(|w| !study.warnings().contains(w)),
         );
-        match self.format {
-            Format::Json => terminal::print_answer(report)?,
-            Format::Table => terminal::print(format!(
+        self.print.answer(report, || format!(
                 "{answer}\n  {wall_s:.1} s on {}\n  results in {}: summary.json, best.ron, points.csv\n  pictures there: {}{}",
-                counted(self.jobs(), "thread"),
+                counted(self.jobs.count(), "thread"),
                 folder.display(),
                 pictures(folder).join(", "),
-                self.page.said()
-            )),
-        }
+                page_said
+            ))?;
         if answer.ending == Ending::Interrupted {
             return Err(Error::interrupted(format!(
                 "interrupted after {} of {} points; all of them are saved",
@@ -189,7 +181,7 @@ impl StudyOptions {
                 .at_file(&self.study)
                 .hint("check the robot with `realgap simulate`, then a shorter timestep or more substeps"));
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }
 

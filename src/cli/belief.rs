@@ -1,7 +1,6 @@
-//! `realgap belief`: what a robot believes about a distance after some readings.
+//! `realgap sense belief`: what a robot believes about a distance after some readings.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::plot::check_picture_path;
@@ -10,7 +9,7 @@ use realgap::sensing::belief::{BeliefOptions, BeliefReport};
 use realgap::sensing::range::{ReadingLog, find_sensor};
 use realgap::{Error, Result};
 
-use super::option::Format as Print;
+use super::option::Print;
 use super::page::PageFile;
 use super::terminal;
 
@@ -56,13 +55,12 @@ pub struct Belief {
     plot: Option<PathBuf>,
     #[command(flatten)]
     page: PageFile,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Print,
+    #[command(flatten)]
+    print: Print,
 }
 
 impl Belief {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         self.page.check()?;
         if let Some(plot) = &self.plot {
             check_picture_path(plot)?;
@@ -93,10 +91,6 @@ impl Belief {
         let name = Path::new(&self.sensor);
         self.page
             .write("belief", name, &found, &found.to_string(), &self.plot)?;
-        match self.format {
-            Print::Json => terminal::print_answer(&found)?,
-            Print::Table => terminal::print(found.to_string()),
-        }
-        Ok(ExitCode::SUCCESS)
+        self.print.value(&found)
     }
 }

@@ -1,10 +1,8 @@
-//! `realgap characterise`: from a log of readings at known distances to a sensor's model.
+//! `realgap sense characterise`: from a log of readings at known distances to a sensor's model.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
-use realgap::file::{check_writable, write_atomic};
 use realgap::plot::check_picture_path;
 use realgap::results::{draw_histograms, draw_sensor};
 use realgap::sensing::range::form::{FORMS, Form, form_by_name};
@@ -12,9 +10,9 @@ use realgap::sensing::range::{Characterisation, LogOptions, Options, ReadingLog}
 use realgap::unit::LengthUnit;
 use realgap::{Error, Result};
 
-use super::option::Format as Print;
+use super::option::Print;
 use super::page::PageFile;
-use super::terminal;
+use super::{output, terminal};
 
 /// Make a range sensor's model of a log: mean and spread over the distance, with intervals
 ///
@@ -60,9 +58,8 @@ pub struct Characterise {
     at: Vec<f64>,
     #[command(flatten)]
     page: PageFile,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Print,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// The form of this name; `auto` leaves it open.
@@ -79,7 +76,7 @@ fn form(option: &str, name: &str) -> Result<Option<&'static dyn Form>> {
 }
 
 impl Characterise {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let options = Options {
             mean: form("--model", &self.model)?,
             spread: form("--spread", &self.spread)?,
@@ -100,7 +97,7 @@ impl Characterise {
             check_picture_path(picture)?;
         }
         if let Some(output) = &self.output {
-            check_writable(output)?;
+            output::check(output)?;
         }
         let reading = LogOptions {
             unit: self.unit,
@@ -114,7 +111,7 @@ impl Characterise {
         );
         terminal::print_warnings(&found.warnings);
         if let Some(output) = &self.output {
-            write_atomic(output, found.model.to_ron()?.as_bytes())?;
+            output::write_ron(output, &found.model.to_ron()?)?;
         }
         if let Some(plot) = &self.plot {
             draw_sensor(&found, plot)?;
@@ -125,10 +122,6 @@ impl Characterise {
         let pictures = self.plot.iter().chain(&self.histograms);
         self.page
             .write("sensor", &self.log, &found, &found.to_string(), pictures)?;
-        match self.format {
-            Print::Json => terminal::print_answer(&found)?,
-            Print::Table => terminal::print(found.to_string()),
-        }
-        Ok(ExitCode::SUCCESS)
+        self.print.value(&found)
     }
 }

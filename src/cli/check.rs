@@ -9,9 +9,10 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::calibration::{Definition, Overrides, read_parameters};
 use realgap::file::Source;
+use realgap::import::is_foreign;
 use realgap::plot::check_picture_path;
 use realgap::robot::genome::Specimen;
-use realgap::robot::morphology::Morphology;
+use realgap::robot::morphology::{Assembly, Morphology};
 use realgap::search::{self, Search};
 use realgap::sensing::arena::Arena;
 use realgap::simulation::Experiment;
@@ -21,7 +22,6 @@ use realgap::trajectory::Reading;
 use realgap::unit::counted;
 use realgap::{Error, Result, Warning, results::draw_arena, results::portrait, trajectory};
 
-use super::estimate::cpu_s_per_point;
 use super::kind::Kind;
 use super::option::Format;
 use super::reading::ReadingOptions;
@@ -42,6 +42,9 @@ pub struct Check {
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+    /// With --format json: masses, poses and mass matrix of a robot at so many random coordinates of its joints
+    #[arg(long, value_name = "N", default_value_t = 0, hide = true)]
+    dynamics: usize,
 }
 
 /// Most characters of a text that a file holds.
@@ -64,7 +67,7 @@ impl Check {
         let mut failed = 0;
         for (index, path) in self.files.iter().enumerate() {
             let reading = self.reading.of_file(index, self.files.len())?;
-            let found = describe(path, &reading);
+            let found = describe(path, &reading, self.dynamics);
             if let Err(error) = &found {
                 failed += 1;
                 terminal::print_error(error);
@@ -133,7 +136,7 @@ fn report(path: &Path, found: Result<Contents>) -> FileReport {
     }
 }
 
-fn describe(path: &Path, reading: &Reading) -> Result<Contents> {
+fn describe(path: &Path, reading: &Reading, dynamics: usize) -> Result<Contents> {
     if path.is_dir() {
         let folder = path.display();
         return Err(
@@ -144,12 +147,15 @@ fn describe(path: &Path, reading: &Reading) -> Result<Contents> {
                 )),
         );
     }
-    if path.extension().is_none_or(|extension| extension != "ron") {
+    if path.extension().is_none_or(|extension| extension != "ron") && !is_foreign(path) {
         return motion(path, reading);
     }
     let source = Source::read(path, "RON file")?;
+    if is_foreign(path) {
+        return morphology(&source, dynamics);
+    }
     match Kind::of_ron(&source) {
-        Some(Kind::Morphology) => morphology(&source),
+        Some(Kind::Morphology) => morphology(&source, dynamics),
         Some(Kind::Genome) => genome(&source),
         Some(Kind::Study) => study(path),
         Some(Kind::Search) => search(path),
@@ -165,7 +171,20 @@ fn describe(path: &Path, reading: &Reading) -> Result<Contents> {
     }
 }
 
-fn morphology(source: &Source) -> Result<Contents> {
+/// Coordinates spread over what the joints allow, or half a turn: the k-th of them, by multiples of the golden ratio.
+fn coordinates(assembly: &Assembly, k: usize) -> Vec<f64> {
+    let hinges = assembly.hinges.iter().enumerate();
+    hinges
+        .map(|(index, hinge)| {
+            let (low, high) = hinge.bearing.limits_rad.unwrap_or((-1.5, 1.5));
+            let (low, high) = (low.max(-3.0), high.min(3.0));
+            let share = (((k + 1) * (index + 1)) as f64 * 0.618_033_988_749_895).fract();
+            low + share * (high - low)
+        })
+        .collect()
+}
+
+fn morphology(source: &Source, dynamics: usize) -> Result<Contents> {
     let robot = Morphology::parse(source)?;
     let summary = robot.summary();
     let size = summary.size_m();
@@ -200,12 +219,27 @@ fn morphology(source: &Source) -> Result<Contents> {
             size_m: [size[0], size[1], size[2]],
             track: robot.modules()[robot.track()].name.clone(),
             body_length_m: summary.body_length_m,
+            dynamics: dynamics_of(&robot.assemble(), dynamics),
         },
         warnings: [
             robot.warnings(),
             known_limits(&Experiment::new(robot.assemble()), &[]),
         ]
         .concat(),
+    })
+}
+
+fn dynamics_of(assembly: &Assembly, count: usize) -> Option<report::States> {
+    (count > 0).then(|| report::States {
+        bodies: assembly.module_names.clone(),
+        joints: assembly
+            .hinges
+            .iter()
+            .map(|hinge| hinge.name.clone())
+            .collect(),
+        states: (0..count)
+            .map(|k| assembly.dynamics(&coordinates(assembly, k)))
+            .collect(),
     })
 }
 
@@ -278,7 +312,7 @@ fn study(path: &Path) -> Result<Contents> {
             let given = whole.recordings.len();
             let study = realgap::calibration::Study::new(whole)?;
             let runs = study.sweep_runs() * study.cases().len();
-            let one = cpu_s_per_point(&study)?;
+            let one = study.cpu_s_per_point()?;
             let cost_s = one * study.run_cost() * study.sweep_runs() as f64;
             lines.push(format!(
                 "  {}, {}, {}",

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::comparison::{
@@ -20,9 +19,9 @@ use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 use serde::Serialize;
 
-use super::option::{Format, TimeOption};
+use super::option::{Print, TimeOption};
 use super::reading::ReadingOptions;
-use super::terminal;
+use super::{output, terminal};
 
 /// Compare trajectories with a reference, real with simulated or real with real
 ///
@@ -59,9 +58,8 @@ pub struct Compare {
     time: TimeOption,
     #[command(flatten)]
     reading: ReadingOptions,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
     /// Draw the aligned trajectories into this .png or .svg
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -126,7 +124,7 @@ fn timed<'a>(recording: &'a Recording, path: &'a Prepared) -> Timed<'a> {
 }
 
 impl Compare {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let chosen = match self.metric.as_str() {
             "all" => None,
             name => Some(comparison::by_name(name).map_err(Error::into_usage)?),
@@ -210,17 +208,17 @@ impl Compare {
         }
         if let Some(file) = &self.save_basis {
             let json = versioned_json(comparison.basis())?;
-            realgap::file::write_atomic(file, format!("{json}\n").as_bytes())?;
+            output::write(file, format!("{json}\n").as_bytes())?;
             terminal::note(format!("written: {}", file.display()));
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     fn print_all(&self, comparison: &Comparison<'_>, said: &[Warning]) -> Result<()> {
         let metrics = position_metrics();
         let rows = comparison.rows(&metrics)?;
         terminal::print_warnings(rows.iter().flat_map(|row| &row.warnings));
-        if self.format == Format::Json {
+        if self.print.is_json() {
             let rows = rows.into_iter().map(|row| Compared {
                 warnings: said.iter().chain(&row.warnings).cloned().collect(),
                 row,
@@ -257,7 +255,7 @@ impl Compare {
             "distance from {} ({} principal components kept)\n{}",
             self.reference.display(),
             comparison.basis().kept(),
-            table.render(terminal::stdout_wants_colour()).trim_end()
+            terminal::table(&table)
         ));
         Ok(())
     }
@@ -273,7 +271,7 @@ impl Compare {
         let mut warnings: Vec<&Warning> = scores.iter().flat_map(|score| &score.warnings).collect();
         warnings.dedup();
         terminal::print_warnings(warnings);
-        if self.format == Format::Json {
+        if self.print.is_json() {
             let reference = self.reference.file_stem().unwrap_or_default();
             let rows = others.iter().zip(&scores).map(|(other, score)| Scored {
                 trajectory: other.name.clone(),
@@ -303,7 +301,7 @@ impl Compare {
             metric.name(),
             self.reference.display(),
             metric.doc(),
-            table.render(terminal::stdout_wants_colour()).trim_end()
+            terminal::table(&table)
         ));
         Ok(())
     }

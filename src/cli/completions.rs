@@ -1,7 +1,5 @@
 //! `realgap completions`: shell completions on standard output.
 
-use std::process::ExitCode;
-
 use clap::{Args, CommandFactory};
 use realgap::Result;
 
@@ -13,10 +11,10 @@ pub struct Completions {
 }
 
 impl Completions {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let mut text = Vec::new();
         clap_complete::generate(self.shell, &mut super::Cli::command(), "realgap", &mut text);
         super::terminal::print(String::from_utf8_lossy(&text).trim_end());
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

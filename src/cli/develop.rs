@@ -1,11 +1,9 @@
-//! `realgap develop`: the robot of a genome.
+//! `realgap robot develop`: the robot of a genome.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
-use realgap::file::write_atomic;
 use realgap::robot::genome::Specimen;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, Settling, settle};
@@ -16,12 +14,12 @@ use serde::Serialize;
 
 use super::genome::named;
 use super::kind::read_specimen;
-use super::option::Format;
-use super::terminal;
+use super::option::Print;
+use super::{output, terminal};
 
 /// Build the robot of a genome, or say why it cannot be built
 ///
-/// Every gene turns the part built so far, turns its own module and glues it on top; `realgap genome random` makes
+/// Every gene turns the part built so far, turns its own module and glues it on top; `realgap robot genome random` makes
 /// one to start from. The robot is then put down in the simulator: one that keeps moving or falls over is
 /// flagged. `-o` writes a morphology for all other commands.
 #[derive(Debug, Args)]
@@ -34,9 +32,8 @@ pub struct Develop {
     /// Draw the robot into this file (.png or .svg)
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// The robot of a genome, or why there is none.
@@ -91,7 +88,7 @@ pub enum DevelopReport {
 }
 
 impl Develop {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         if let Some(plot) = &self.plot {
             plot::check_picture_path(plot)?;
         }
@@ -99,7 +96,7 @@ impl Develop {
         let robot = match specimen.develop() {
             Ok(robot) => robot,
             Err(misfit) => {
-                if self.format == Format::Json {
+                if self.print.is_json() {
                     terminal::print_answer(&DevelopReport::Misfit {
                         name: specimen.name,
                         develops: false,
@@ -112,7 +109,7 @@ impl Develop {
         };
         let settling = settle(&Experiment::new(robot.assemble()))?;
         if let Some(path) = &self.output {
-            write_atomic(path, robot.to_ron()?.as_bytes())?;
+            output::write_ron(path, &robot.to_ron()?)?;
         }
         terminal::print_warnings(&flags(&robot, &settling));
         self.print(&specimen, &robot, &settling)?;
@@ -120,13 +117,13 @@ impl Develop {
             portrait::draw(&robot, plot)?;
             terminal::note(format!("drawn: {}", plot.display()));
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     fn print(&self, specimen: &Specimen, robot: &Morphology, settling: &Settling) -> Result<()> {
         let summary = robot.summary();
         let size = summary.size_m();
-        if self.format == Format::Json {
+        if self.print.is_json() {
             let centre_m = summary.centre_of_mass_robot_m;
             return terminal::print_answer(&DevelopReport::Robot {
                 name: robot.name().to_owned(),
@@ -187,10 +184,7 @@ impl Develop {
                 size.y,
                 size.z
             ),
-            table
-                .render(terminal::stdout_wants_colour())
-                .trim_end()
-                .to_owned(),
+            terminal::table(&table),
             match (settling.is_at_rest(), settling.is_toppled()) {
                 (true, false) => format!("at rest on the floor after {:.2} s", settling.taken_s),
                 (true, true) => "at rest, but not as it was put down".to_owned(),

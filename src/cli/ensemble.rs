@@ -1,13 +1,10 @@
 //! `realgap ensemble`: repeats of a study's experiment under its noise.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::calibration::{Overrides, Repeatable, read_noise};
 use realgap::comparison;
-use realgap::file::check_writable;
-use realgap::optimization::RunOptions;
 use realgap::plan::Work;
 use realgap::prediction::{EnsembleOptions, EnsembleReport, ensemble};
 use realgap::results::{Kind, write_ensemble};
@@ -18,9 +15,9 @@ use realgap::{Error, Result};
 
 use super::folder::ResultsFolder;
 use super::kind::read_repeatable;
-use super::option::{Format, Jobs, MOST_REPEATS, ModelErrorOption, Recordings, Values};
+use super::option::{Jobs, MOST_REPEATS, ModelErrorOption, Print, Recordings, Values};
 use super::page::{self, PageOption};
-use super::{interrupt, progress, terminal};
+use super::{output, progress, terminal};
 
 /// Repeat a study's experiment under its noise: what will really happen, and how sure may we be?
 ///
@@ -58,13 +55,12 @@ pub struct Ensemble {
     /// Folder for the results [default: results/<study>_ensemble]; with --only, a file
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
 impl Ensemble {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         self.of_store(None)
     }
 
@@ -101,7 +97,7 @@ impl Ensemble {
     }
 
     /// As [`Ensemble::run`], of the repeats in a store.
-    pub fn of_store(self, store: Option<&Path>) -> Result<ExitCode> {
+    pub fn of_store(self, store: Option<&Path>) -> Result<()> {
         let (study, options) = self.read()?;
         terminal::print_warnings(&study.warnings);
         if let (Some(number), Some(file)) = (self.only, &self.output) {
@@ -112,22 +108,14 @@ impl Ensemble {
         });
         let folder = ResultsFolder::take(&folder, Kind::Ensemble)?;
         let total = study.cases.len() * options.repeats;
-        let bar = progress::bar(total, "repeating");
-        let follow = progress::follow(&bar);
-        let run = RunOptions {
-            jobs: self.jobs.count(),
-            stop: Some(interrupt::stop_flag()?),
-            progress: Some(&follow),
-        };
-        let report = match store {
-            None => EnsembleReport::new(&study, &options, &run),
-            Some(store) => EnsembleReport::of_store(&study, &options, store, &run),
-        };
-        bar.finish_and_clear();
-        let report = report?;
+        let run = self.jobs.stoppable();
+        let report = progress::during(total, "repeating", run, |run| match store {
+            None => EnsembleReport::new(&study, &options, run),
+            Some(store) => EnsembleReport::of_store(&study, &options, store, run),
+        })?;
         folder.check()?;
         write_ensemble(folder.path(), &report)?;
-        self.page.write(folder.path(), || page::of_repeats(&study));
+        let page_said = self.page.write(folder.path(), || page::of_repeats(&study));
         folder.write_timing(run.jobs)?;
         terminal::print_warnings(
             report
@@ -135,14 +123,13 @@ impl Ensemble {
                 .iter()
                 .filter(|w| !study.warnings.contains(w)),
         );
-        match self.format {
-            Format::Json => terminal::print_answer(&report)?,
-            Format::Table => terminal::print(format!(
+        self.print.answer(&report, || {
+            format!(
                 "{report}\n  results in {}: ensemble.json, repeats.csv, ensemble.png and .svg{}",
                 folder.path().display(),
-                self.page.said()
-            )),
-        }
+                page_said
+            )
+        })?;
         if !report.complete {
             return Err(Error::interrupted(format!(
                 "interrupted after {} of {total} repeats; what there is is reported as incomplete",
@@ -156,17 +143,12 @@ impl Ensemble {
                 .at_file(&self.study)
                 .hint("check the robot with `realgap simulate`, then a shorter timestep or more substeps"));
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }
 
 /// Simulates one repeat alone and writes its motion.
-fn replay(
-    study: &Repeatable,
-    options: &EnsembleOptions,
-    number: u64,
-    file: &Path,
-) -> Result<ExitCode> {
+fn replay(study: &Repeatable, options: &EnsembleOptions, number: u64, file: &Path) -> Result<()> {
     let [case] = study.cases.as_slice() else {
         return Err(Error::usage("which recording's repeat?")
             .field("--only")
@@ -177,7 +159,7 @@ fn replay(
             .hint("name one with --recordings"));
     };
     trajectory::check_output(file)?;
-    check_writable(file)?;
+    output::check(file)?;
     let run = ensemble::repeat(&case.experiment, &options.noise, options.seed, number)?;
     terminal::print_warnings(&run.warnings);
     match run.outcome {
@@ -190,7 +172,7 @@ fn replay(
                 quantity(net_m, Unit::Metre),
                 file.display()
             ));
-            Ok(ExitCode::SUCCESS)
+            Ok(())
         }
         Outcome::Diverged(divergence) => Err(Error::invalid(format!(
             "repeat {number} diverges {divergence}"

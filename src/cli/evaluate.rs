@@ -1,14 +1,12 @@
 //! `realgap evaluate`: how well one setting predicts recordings.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::Result;
 use realgap::calibration::identification::StartState;
 use realgap::calibration::{Average, Evaluation, JointEvaluation, Overrides};
 use realgap::comparison::{Joints, Pose};
-use realgap::optimization::RunOptions;
 use realgap::plot::{Side, TextTable};
 use realgap::prediction::Odds;
 use realgap::simulation::parameter::ParameterSet;
@@ -17,7 +15,7 @@ use serde::Serialize;
 
 use super::kind::{read_definition, read_study};
 use super::odds::OddsOption;
-use super::option::{Format, Jobs, Recordings, StartOption, Values};
+use super::option::{Jobs, Print, Recordings, STARTS, Values, choice};
 use super::page::PageFile;
 use super::{progress, terminal};
 
@@ -34,8 +32,8 @@ pub struct Evaluate {
     #[command(flatten)]
     recordings: Recordings,
     /// Start state in place of the study's own
-    #[arg(long, value_enum)]
-    start: Option<StartOption>,
+    #[arg(long, value_parser = choice(STARTS))]
+    start: Option<StartState>,
     /// Add one row per recording
     #[arg(long)]
     rows: bool,
@@ -45,9 +43,8 @@ pub struct Evaluate {
     jobs: Jobs,
     #[command(flatten)]
     page: PageFile,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// An evaluation with the odds beside it.
@@ -61,12 +58,12 @@ pub struct Evaluated {
 }
 
 impl Evaluate {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         self.page.check()?;
         let mut overrides = Overrides {
             set: self.values.parameter_set()?,
             fitted_on: self.values.fitted_on()?,
-            start_state: self.start.map(StartState::from),
+            start_state: self.start,
             ..self.recordings.overrides()?
         };
         let definition = read_definition(&self.study, &overrides)?;
@@ -75,24 +72,19 @@ impl Evaluate {
         // The report is of pose errors, or of joints where there is nothing else, whatever the study optimises.
         overrides.metric = Some(if is_of_joints { &Joints } else { &Pose });
         let study = read_study(&self.study, &overrides)?;
-        let bar = progress::bar(study.cases().len(), "evaluating");
-        let follow = progress::follow(&bar);
-        let run = RunOptions {
-            jobs: self.jobs.count(),
-            progress: Some(&follow),
-            ..RunOptions::default()
-        };
+        // Every value is in the study's own set by now.
+        let values = ParameterSet::new();
+        let (total, run) = (study.cases().len(), self.jobs.run());
         if is_of_joints {
-            let result = study.evaluate_joints(&ParameterSet::new(), &run);
-            bar.finish_and_clear();
+            let result = progress::during(total, "evaluating", run, |run| {
+                study.evaluate_joints(&values, run)
+            });
             return self.report_joints(result?);
         }
-        // Every value is in the study's own set by now.
-        let result = study.evaluate(&ParameterSet::new(), &run);
-        bar.finish_and_clear();
-        let mut result = result?;
+        let mut result =
+            progress::during(total, "evaluating", run, |run| study.evaluate(&values, run))?;
         terminal::print_warnings(&result.warnings);
-        let mut odds = self.odds.odds(&study, &self.study, self.jobs.count())?;
+        let mut odds = self.odds.odds(&study, &self.study, self.jobs.run())?;
         if !self.rows {
             result.rows.clear();
             if let Some(odds) = &mut odds {
@@ -107,14 +99,10 @@ impl Evaluate {
         let found = Evaluated { result, odds };
         self.page
             .write("evaluation", &self.study, &found, &text, self.odds.plot())?;
-        match self.format {
-            Format::Json => terminal::print_answer(&found)?,
-            Format::Table => terminal::print(printed),
-        }
-        Ok(ExitCode::SUCCESS)
+        self.print.answer(&found, || printed)
     }
 
-    fn report_joints(&self, mut result: JointEvaluation) -> Result<ExitCode> {
+    fn report_joints(&self, mut result: JointEvaluation) -> Result<()> {
         terminal::print_warnings(&result.warnings);
         if !self.rows {
             result.rows.clear();
@@ -122,13 +110,9 @@ impl Evaluate {
         let text = words_of_joints(&result, false);
         self.page
             .write("evaluation", &self.study, &result, &text, [])?;
-        match self.format {
-            Format::Json => terminal::print_answer(&result)?,
-            Format::Table => {
-                terminal::print(words_of_joints(&result, terminal::stdout_wants_colour()));
-            }
-        }
-        Ok(ExitCode::SUCCESS)
+        self.print.answer(&result, || {
+            words_of_joints(&result, terminal::stdout_wants_colour())
+        })
     }
 }
 

@@ -1,122 +1,44 @@
 //! The shipped examples, inside of the program: who has installed it needs no copy of the repository.
 
-/// A file by its path, with what is in it.
-pub type ExampleFile = (&'static str, &'static [u8]);
+/// A file by its folder and name, with what is in it.
+type Shipped = (&'static str, &'static str, &'static [u8]);
 
-macro_rules! files {
-    ($($path:literal,)*) => {
-        &[$(($path, include_bytes!(concat!("../../", $path)).as_slice()),)*]
+macro_rules! shipped {
+    ($($folder:literal: $($name:literal)*;)*) => {
+        &[$($(($folder, $name, include_bytes!(concat!("../../", $folder, "/", $name)).as_slice()),)*)*]
     };
 }
 
 /// By path; a test holds the list to what is there. Of the recordings those of the first commands, to keep the program small; the
 /// others stay in the repository.
-pub const FILES: &[ExampleFile] = files![
-    "arenas/cartons.ron",
-    "arenas/flat.ron",
-    "arenas/paper000.ron",
-    "arenas/pen.ron",
-    "morphologies/chain3.ron",
-    "morphologies/chain30.ron",
-    "morphologies/chain5.ron",
-    "morphologies/cube.ron",
-    "morphologies/elbow.ron",
-    "morphologies/push_cube.ron",
-    "morphologies/servo_pendulum.ron",
-    "morphologies/spider8.ron",
-    "morphologies/tripod.ron",
-    "morphologies/two_module.ron",
-    "real_trajectories/cube_tosses/README.md",
-    "real_trajectories/cube_tosses/meta.ron",
-    "real_trajectories/cube_tosses/toss_003.csv",
-    "real_trajectories/cube_tosses/toss_015.csv",
-    "real_trajectories/cube_tosses/toss_026.csv",
-    "real_trajectories/cube_tosses/toss_037.csv",
-    "real_trajectories/cube_tosses/toss_051.csv",
-    "real_trajectories/cube_tosses/toss_063.csv",
-    "real_trajectories/cube_tosses/toss_074.csv",
-    "real_trajectories/cube_tosses/toss_086.csv",
-    "real_trajectories/cube_tosses/toss_101.csv",
-    "real_trajectories/cube_tosses/toss_112.csv",
-    "real_trajectories/cube_tosses/toss_133.csv",
-    "real_trajectories/cube_tosses/toss_147.csv",
-    "real_trajectories/cube_tosses/toss_161.csv",
-    "real_trajectories/cube_tosses/toss_175.csv",
-    "real_trajectories/cube_tosses/toss_190.csv",
-    "real_trajectories/cube_tosses/toss_205.csv",
-    "real_trajectories/cube_tosses/toss_217.csv",
-    "real_trajectories/cube_tosses/toss_231.csv",
-    "real_trajectories/cube_tosses/toss_247.csv",
-    "real_trajectories/cube_tosses/toss_257.csv",
-    "real_trajectories/cube_tosses/toss_278.csv",
-    "real_trajectories/cube_tosses/toss_288.csv",
-    "real_trajectories/cube_tosses/toss_306.csv",
-    "real_trajectories/cube_tosses/toss_318.csv",
-    "real_trajectories/cube_tosses/toss_333.csv",
-    "real_trajectories/cube_tosses/toss_347.csv",
-    "real_trajectories/cube_tosses/toss_361.csv",
-    "real_trajectories/cube_tosses/toss_381.csv",
-    "real_trajectories/cube_tosses/toss_396.csv",
-    "real_trajectories/cube_tosses/toss_408.csv",
-    "real_trajectories/cube_tosses/toss_419.csv",
-    "real_trajectories/cube_tosses/toss_433.csv",
-    "real_trajectories/cube_tosses/toss_450.csv",
-    "real_trajectories/cube_tosses/toss_465.csv",
-    "real_trajectories/cube_tosses/toss_478.csv",
-    "real_trajectories/cube_tosses/toss_496.csv",
-    "real_trajectories/cube_tosses/toss_511.csv",
-    "real_trajectories/cube_tosses/toss_530.csv",
-    "real_trajectories/cube_tosses/toss_544.csv",
-    "real_trajectories/cube_tosses/toss_554.csv",
-    "real_trajectories/tripod_mujoco/README.md",
-    "real_trajectories/tripod_mujoco/meta.ron",
-    "real_trajectories/tripod_mujoco/run_00.csv",
-    "real_trajectories/tripod_mujoco/run_01.csv",
-    "real_trajectories/tripod_mujoco/run_02.csv",
-    "real_trajectories/tripod_mujoco/run_03.csv",
-    "real_trajectories/tripod_mujoco/run_04.csv",
-    "real_trajectories/tripod_mujoco/run_05.csv",
-    "real_trajectories/tripod_mujoco/run_06.csv",
-    "real_trajectories/tripod_mujoco/run_07.csv",
-    "real_trajectories/tripod_mujoco/run_08.csv",
-    "real_trajectories/tripod_mujoco/run_09.csv",
-    "real_trajectories/tripod_standin/README.md",
-    "real_trajectories/tripod_standin/meta.ron",
-    "real_trajectories/tripod_standin/run_00.csv",
-    "real_trajectories/tripod_standin/run_01.csv",
-    "real_trajectories/tripod_standin/run_02.csv",
-    "real_trajectories/tripod_standin/run_03.csv",
-    "real_trajectories/tripod_standin/run_04.csv",
-    "real_trajectories/tripod_standin/run_05.csv",
-    "real_trajectories/tripod_standin/run_06.csv",
-    "real_trajectories/tripod_standin/run_07.csv",
-    "real_trajectories/tripod_standin/run_08.csv",
-    "real_trajectories/tripod_standin/run_09.csv",
-    "real_trajectories/two_wheel_runs/README.md",
-    "real_trajectories/two_wheel_runs/meta.ron",
-    "real_trajectories/two_wheel_runs/runs.csv",
-    "scenes/pen.ron",
-    "scenes/room.ron",
-    "sensors/infrared.ron",
-    "sensors/laser.ron",
-    "sensors/ultrasonic.ron",
-    "sweeps/best_robot.ron",
-    "sweeps/best_tripod_gait.ron",
-    "sweeps/cube_push_best.ron",
-    "sweeps/cube_push_fit.ron",
-    "sweeps/cube_toss.ron",
-    "sweeps/cube_toss_best.ron",
-    "sweeps/cube_toss_fit.ron",
-    "sweeps/elbow_toss_best.ron",
-    "sweeps/elbow_toss_fit.ron",
-    "sweeps/servo_xl330_best.ron",
-    "sweeps/servo_xl330_fit.ron",
-    "sweeps/tripod_floor.ron",
-    "sweeps/tripod_self.ron",
-    "sweeps/two_wheel_ir.ron",
-    "sweeps/two_wheel_ir_bayesian.ron",
-    "sweeps/two_wheel_sensor.ron",
-    "sweeps/two_wheel_us1.ron",
-    "sweeps/two_wheel_us_bayesian.ron",
-    "vehicles/two_wheel.ron",
+const SHIPPED: &[Shipped] = shipped![
+    "arenas": "cartons.ron" "flat.ron" "paper000.ron" "pen.ron";
+    "morphologies": "chain3.ron" "chain30.ron" "chain5.ron" "cube.ron" "elbow.ron" "push_cube.ron" "servo_pendulum.ron"
+        "spider8.ron" "tripod.ron" "two_module.ron";
+    "real_trajectories/cube_tosses": "README.md" "meta.ron" "toss_003.csv" "toss_015.csv" "toss_026.csv" "toss_037.csv"
+        "toss_051.csv" "toss_063.csv" "toss_074.csv" "toss_086.csv" "toss_101.csv" "toss_112.csv" "toss_133.csv"
+        "toss_147.csv" "toss_161.csv" "toss_175.csv" "toss_190.csv" "toss_205.csv" "toss_217.csv" "toss_231.csv"
+        "toss_247.csv" "toss_257.csv" "toss_278.csv" "toss_288.csv" "toss_306.csv" "toss_318.csv" "toss_333.csv"
+        "toss_347.csv" "toss_361.csv" "toss_381.csv" "toss_396.csv" "toss_408.csv" "toss_419.csv" "toss_433.csv"
+        "toss_450.csv" "toss_465.csv" "toss_478.csv" "toss_496.csv" "toss_511.csv" "toss_530.csv" "toss_544.csv"
+        "toss_554.csv";
+    "real_trajectories/tripod_mujoco": "README.md" "meta.ron" "run_00.csv" "run_01.csv" "run_02.csv" "run_03.csv" "run_04.csv"
+        "run_05.csv" "run_06.csv" "run_07.csv" "run_08.csv" "run_09.csv";
+    "real_trajectories/tripod_standin": "README.md" "meta.ron" "run_00.csv" "run_01.csv" "run_02.csv" "run_03.csv"
+        "run_04.csv" "run_05.csv" "run_06.csv" "run_07.csv" "run_08.csv" "run_09.csv";
+    "real_trajectories/two_wheel_runs": "README.md" "meta.ron" "runs.csv";
+    "scenes": "pen.ron" "room.ron";
+    "sensors": "infrared.ron" "laser.ron" "ultrasonic.ron";
+    "sweeps": "best_robot.ron" "best_tripod_gait.ron" "cube_push_best.ron" "cube_push_fit.ron" "cube_toss.ron"
+        "cube_toss_best.ron" "cube_toss_fit.ron" "elbow_toss_best.ron" "elbow_toss_fit.ron" "servo_xl330_best.ron"
+        "servo_xl330_fit.ron" "tripod_floor.ron" "tripod_self.ron" "two_wheel_ir.ron" "two_wheel_ir_bayesian.ron"
+        "two_wheel_sensor.ron" "two_wheel_us1.ron" "two_wheel_us_bayesian.ron";
+    "vehicles": "two_wheel.ron";
 ];
+
+/// Every file by its path.
+pub fn files() -> impl Iterator<Item = (String, &'static [u8])> {
+    let path = |folder, name| format!("{folder}/{name}");
+    let all = SHIPPED.iter();
+    all.map(move |(folder, name, bytes)| (path(folder, name), *bytes))
+}

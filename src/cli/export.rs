@@ -1,18 +1,16 @@
-//! `realgap export`: a robot for another simulator.
+//! `realgap robot export`: a robot for another simulator.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use realgap::Result;
 use realgap::export::{FORMATS, Robot, format_named};
-use realgap::file::write_atomic;
 use realgap::simulation::Experiment;
 
 use super::kind::read_morphology;
 use super::option::{Values, recording_unused};
-use super::terminal;
+use super::{output, terminal};
 
 /// Write a robot for another simulator: MJCF for MuJoCo, URDF for ROS and PyBullet
 ///
@@ -33,7 +31,7 @@ pub struct Export {
 }
 
 impl Export {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let format = format_named(&self.format)?;
         let morphology = read_morphology(&self.morphology)?;
         let experiment = Experiment::new(morphology.assemble());
@@ -45,10 +43,21 @@ impl Export {
         for warning in &exported.warnings {
             terminal::note(format!("{} does not carry: {}", format.name(), warning));
         }
+        if self.output.is_none() && !exported.files.is_empty() {
+            terminal::note(format!(
+                "{} meshes belong beside this file: -o FILE writes them",
+                exported.files.len()
+            ));
+        }
         match &self.output {
-            Some(path) => write_atomic(path, exported.text.as_bytes())?,
+            Some(path) => {
+                for (name, bytes) in &exported.files {
+                    output::write(&path.with_file_name(name), bytes)?;
+                }
+                output::write(path, exported.text.as_bytes())?;
+            }
             None => terminal::print(exported.text.trim_end()),
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

@@ -30,7 +30,7 @@ impl ResultsFolder {
     /// A folder that cannot be written, that another process writes into, or that holds files of others with the names of results.
     pub fn take(folder: &Path, kind: Kind) -> Result<Self> {
         // From here on Ctrl-C is answered with what there is.
-        interrupt::stop_flag()?;
+        interrupt::stop_flag();
         check_folder(folder, kind)?;
         let lock = FolderLock::make(folder)?;
         let (end, ended) = mpsc::channel();

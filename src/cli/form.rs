@@ -2,7 +2,7 @@
 
 use realgap::calibration::identification::JointIdentification;
 use realgap::calibration::{
-    JointEvaluation, Report as Calibration, Sensitivity, camera::TunedCamera,
+    JointEvaluation, RecordReport, Report as Calibration, Sensitivity, camera::TunedCamera,
 };
 use realgap::plan::Status;
 use realgap::prediction::gap::{FloorReport, StudyGap};
@@ -14,7 +14,6 @@ use realgap::sensing::radio::{Evaluation as RadioEvaluation, FittedRadio, Servic
 use realgap::sensing::range::Characterisation;
 use realgap::sensing::vision::VisionReport;
 use realgap::task::TaskComparison;
-use serde::Serialize;
 
 use super::check::report::FileReport;
 use super::compare::{Compared, Scored};
@@ -22,14 +21,12 @@ use super::develop::DevelopReport;
 use super::evaluate::Evaluated;
 use super::genome::GenomeReport;
 use super::identify::Identified;
+use super::import::Report as ImportReport;
 use super::parameters::ParameterRow;
-use super::record::RecordReport;
 use super::results::TrialRow;
 use super::simulate::SimulateReport;
+use super::terminal::Answer;
 use super::verify::VerifyReport;
-
-/// What a command prints for machines.
-pub trait Answer: Serialize {}
 
 /// A form, for making its schema.
 #[cfg(all(test, feature = "schema"))]
@@ -44,10 +41,15 @@ pub struct Form {
     pub schema: fn() -> schemars::Schema,
 }
 
-/// Says of types that they are answers, and lists their forms.
+/// Says of types that they are answers, and lists their forms and schemas.
 macro_rules! forms {
     ($($name:literal $kind:ident $type:ty, $doc:literal;)*) => {
         $(impl Answer for $type {})*
+
+        /// Every name with the text of its schema.
+        pub const SCHEMAS: &[(&str, &str)] = &[
+            $(($name, include_str!(concat!("../../schemas/answers/", $name, ".json"))),)*
+        ];
 
         /// Every form.
         #[cfg(all(test, feature = "schema"))]
@@ -76,6 +78,7 @@ forms! {
     "genome" one GenomeReport, "a drawn genome: `realgap genome random`";
     "identify" one Identified<'_>, "parameters read from motion without a fit: `realgap identify`";
     "identify-joints" one JointIdentification, "the same of bodies with joints";
+    "import" one ImportReport, "a robot of another program, and what there is to say about it: `realgap import`";
     "parameters" rows ParameterRow, "every parameter: `realgap parameters`";
     "predict" one Card, "a prediction card, prediction.json, and those of a search: `realgap predict`";
     "radio-evaluate" one RadioEvaluation, "a radio model against a log: `realgap radio evaluate`";

@@ -1,12 +1,10 @@
 //! `realgap gap`: how many noise floors is the simulation away from reality, and until when may it be trusted?
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::calibration::{Overrides, Study, read_noise};
 use realgap::comparison::{Components, DEFAULT_METRIC, Metric, by_name};
-use realgap::optimization::RunOptions;
 use realgap::plan::Work;
 use realgap::prediction::gap::{FloorReport, GapOptions, Scoring, StudyGap, read_sets};
 use realgap::report::Kept;
@@ -15,9 +13,9 @@ use realgap::{Error, Result, Warning};
 
 use super::folder::ResultsFolder;
 use super::kind::read_study;
-use super::option::{Format, Jobs, MOST_REPEATS, Recordings, TimeOption, Values, metric_option};
+use super::option::{Jobs, MOST_REPEATS, Print, Recordings, TimeOption, Values, metric_option};
 use super::page::{self, PageOption};
-use super::{interrupt, progress, terminal};
+use super::{progress, terminal};
 
 /// How many noise floors is the simulation away from reality, and until when may it be trusted?
 ///
@@ -60,18 +58,17 @@ pub struct Gap {
     /// Folder for the results [default: results/<study>_gap; without a study nothing is written unless named]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
 impl Gap {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         self.of_store(None)
     }
 
     /// As [`Gap::run`], of the runs in a store.
-    pub fn of_store(self, store: Option<&Path>) -> Result<ExitCode> {
+    pub fn of_store(self, store: Option<&Path>) -> Result<()> {
         match &self.study {
             Some(study) => self.with_study(study, store),
             None => self.recordings_alone(),
@@ -129,7 +126,7 @@ impl Gap {
         Ok((study, options))
     }
 
-    fn with_study(&self, path: &Path, store: Option<&Path>) -> Result<ExitCode> {
+    fn with_study(&self, path: &Path, store: Option<&Path>) -> Result<()> {
         let (study, options) = self.read(path)?;
         let definition = study.definition();
         let folder = self
@@ -137,23 +134,14 @@ impl Gap {
             .clone()
             .unwrap_or_else(|| PathBuf::from("results").join(format!("{}_gap", definition.name)));
         let folder = ResultsFolder::take(&folder, Kind::Gap)?;
-        let stop = interrupt::stop_flag()?;
-        let bar = progress::bar(0, "simulating");
-        let follow = progress::follow(&bar);
-        let run = RunOptions {
-            jobs: self.jobs.count(),
-            stop: Some(stop),
-            progress: Some(&follow),
-        };
-        let found = match store {
-            None => StudyGap::new(&study, &options, &run),
-            Some(store) => StudyGap::of_store(&study, &options, store, &run),
-        };
-        bar.finish_and_clear();
-        let found = found?;
+        let run = self.jobs.stoppable();
+        let found = progress::during(0, "simulating", run, |run| match store {
+            None => StudyGap::new(&study, &options, run),
+            Some(store) => StudyGap::of_store(&study, &options, store, run),
+        })?;
         folder.check()?;
         write_gap(folder.path(), &found)?;
-        self.page.write(folder.path(), || page::of_gap(&study));
+        let page_said = self.page.write(folder.path(), || page::of_gap(&study));
         folder.write_timing(run.jobs)?;
         terminal::print_warnings(&found.warnings);
         let pictures = if found.confidence.is_some() {
@@ -161,14 +149,13 @@ impl Gap {
         } else {
             "gap.json, rmse.png and .svg"
         };
-        match self.format {
-            Format::Json => terminal::print_answer(&found)?,
-            Format::Table => terminal::print(format!(
+        self.print.answer(&found, || {
+            format!(
                 "{found}\n  results in {}: {pictures}{}",
                 folder.path().display(),
-                self.page.said()
-            )),
-        }
+                page_said
+            )
+        })?;
         if !found.complete {
             return Err(Error::interrupted(
                 "interrupted before the last repeat; what there is is reported as incomplete",
@@ -176,10 +163,10 @@ impl Gap {
             .at_file(folder.path())
             .hint("run the command again; the same repeats come out the same"));
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
-    fn recordings_alone(&self) -> Result<ExitCode> {
+    fn recordings_alone(&self) -> Result<()> {
         if !self.values.parameter_set()?.is_empty() {
             return Err(Error::usage("nothing is simulated without a study")
                 .field("--set, --parameters")
@@ -196,10 +183,7 @@ impl Gap {
             ..self.recordings.overrides()?
         };
         let sets = read_sets(&overrides, self.group.as_deref())?;
-        let run = RunOptions {
-            jobs: self.jobs.count(),
-            ..RunOptions::default()
-        };
+        let run = self.jobs.run();
         let folder = self.output.as_deref();
         let folder = folder.map(|folder| ResultsFolder::take(folder, Kind::Gap));
         let folder = folder.transpose()?;
@@ -218,10 +202,6 @@ impl Gap {
             self.page.write(folder.path(), Kept::default);
             folder.write_timing(run.jobs)?;
         }
-        match self.format {
-            Format::Json => terminal::print_answer(&report)?,
-            Format::Table => terminal::print(report.to_string()),
-        }
-        Ok(ExitCode::SUCCESS)
+        self.print.value(&report)
     }
 }

@@ -1,28 +1,20 @@
-//! `realgap genome`: genomes to start from.
+//! `realgap robot genome`: genomes to start from.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
-use clap::{Args, Subcommand, ValueEnum};
-use realgap::file::write_atomic;
+use clap::{Args, ValueEnum};
 use realgap::robot::genome::{Genome, Locus, Specimen};
 use realgap::robot::morphology::Morphology;
 use realgap::search::generator;
 use realgap::{Error, Result};
 use serde::Serialize;
 
-use super::terminal;
+use super::{output, terminal};
 
-/// Make genomes: ten numbers per module, from which `realgap develop` builds a robot
-#[derive(Debug, Args)]
-pub struct GenomeCommand {
-    #[command(subcommand)]
-    action: Action,
-}
-
-#[derive(Debug, Subcommand)]
-enum Action {
+commands! {
+    /// Make genomes: ten numbers per module, from which `realgap robot develop` builds a robot
+    GenomeCommand:
     Random(Random),
 }
 
@@ -56,7 +48,7 @@ pub fn named(genome: &Genome) -> Vec<BTreeMap<&'static str, f64>> {
 
 /// Draw a random genome, every number as likely
 #[derive(Debug, Args)]
-struct Random {
+pub struct Random {
     /// Number of modules
     #[arg(long, value_name = "N", default_value_t = 3)]
     modules: usize,
@@ -69,7 +61,7 @@ struct Random {
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// How to print; a file is always RON, which is what `realgap develop` reads
+    /// How to print; a file is always RON, which is what `realgap robot develop` reads
     #[arg(long, value_enum, default_value_t)]
     format: GenomeFormat,
 }
@@ -83,16 +75,8 @@ enum GenomeFormat {
     Json,
 }
 
-impl GenomeCommand {
-    pub fn run(self) -> Result<ExitCode> {
-        match self.action {
-            Action::Random(random) => random.run(),
-        }
-    }
-}
-
 impl Random {
-    fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let genome = Genome::random(self.modules, &mut generator(self.seed, 0))
             .map_err(Error::into_usage)?;
         let name = self
@@ -111,7 +95,7 @@ impl Random {
         }
         let text = specimen.to_ron()?;
         match &self.output {
-            Some(path) => write_atomic(path, text.as_bytes())?,
+            Some(path) => output::write_ron(path, &text)?,
             None if self.format == GenomeFormat::Json => {}
             None => terminal::print(text.trim_end()),
         }
@@ -126,6 +110,6 @@ impl Random {
                 output: self.output,
             })?;
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

@@ -1,38 +1,37 @@
-//! `realgap identify`: what free flight tells before any contact model can spoil it.
+//! `realgap study identify`: what free flight tells before any contact model can spoil it.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use realgap::calibration::identification::{
     FlightErrors, Identification, Interval, JointIdentification, LengthReading, identify,
     identify_joints,
 };
 use realgap::calibration::{BestFile, Definition, Overrides, RestingOdds, StartRule, recording_id};
 use realgap::comparison::Pose;
-use realgap::file::{check_writable, write_atomic, write_ron};
-use realgap::optimization::RunOptions;
+use realgap::file::write_ron;
 use realgap::plot::{Side, TextTable};
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::unit::counted;
 use realgap::warning::Code;
-use realgap::{Result, Warning};
+use realgap::{Error, Result, Warning};
 use serde::Serialize;
 
 use super::kind::read_definition;
-use super::option::{Format, Recordings, Values};
-use super::{progress, terminal};
+use super::option::{Choice, Print, Recordings, Values, choice};
+use super::terminal::Answer;
+use super::{output, progress, terminal};
 
 /// How an apparent gravity other than the stated one is read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-enum Reading {
-    /// Recorded lengths are off by a factor
-    #[default]
-    LengthScale,
-    /// Gravity is another
-    Gravity,
-}
+const READINGS: &[Choice<LengthReading>] = &[
+    (
+        "length-scale",
+        LengthReading::LengthScale,
+        "Recorded lengths are off by a factor",
+    ),
+    ("gravity", LengthReading::Gravity, "Gravity is another"),
+];
 
 /// Estimate centre of mass, apparent gravity, velocity lag and start states from free flight alone
 ///
@@ -52,17 +51,16 @@ pub struct Identify {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// What another gravity than the stated one means
-    #[arg(long = "as", value_enum, default_value_t)]
-    reading: Reading,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[arg(long = "as", value_parser = choice(READINGS), default_value = "length-scale")]
+    reading: LengthReading,
+    #[command(flatten)]
+    print: Print,
 }
 
 impl Identify {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         if let Some(output) = &self.output {
-            check_writable(output)?;
+            output::check(output)?;
         }
         let overrides = Overrides {
             set: self.values.parameter_set()?,
@@ -71,100 +69,59 @@ impl Identify {
             ..self.recordings.overrides()?
         };
         let study = read_definition(&self.study, &overrides)?;
-        let reading = match self.reading {
-            Reading::LengthScale => LengthReading::LengthScale,
-            Reading::Gravity => LengthReading::Gravity,
-        };
         let experiment = study.experiment();
+        let (recordings, seed) = (&study.recordings, study.seed);
+        let of_study = |e: Error| match e.file() {
+            Some(_) => e,
+            None => e.at_file(&self.study),
+        };
+        // For `--parameters`.
+        let file = |flying: usize, parameters: &BTreeMap<String, f64>| BestFile {
+            study: None,
+            description: format!(
+                "Identified from the free flight of {flying} of {} of the study {} (realgap study identify); no contact was used.",
+                counted(recordings.len(), "recording"),
+                study.name,
+            ),
+            parameters: parameters.clone(),
+            fitted_on: recordings.iter().map(recording_id).collect(),
+        };
         if !experiment.assembly.hinges.is_empty() {
-            let found = identify_joints(&experiment, &study.recordings, reading, study.seed)
-                .map_err(|e| match e.file() {
-                    Some(_) => e,
-                    None => e.at_file(&self.study),
-                })?;
-            return self.report_joints(&study, &found);
+            let found = identify_joints(&experiment, recordings, self.reading, seed);
+            let found = found.map_err(of_study)?;
+            terminal::print_warnings(study.warnings.iter().chain(&found.warnings));
+            let file = file(found.flying, &found.parameters);
+            return self.finish(&file, &found, || words_of_joints(&found));
         }
-        let found = identify(&experiment, &study.recordings, reading, study.seed).map_err(|e| {
-            match e.file() {
-                Some(_) => e,
-                None => e.at_file(&self.study),
-            }
-        })?;
-        let name = study.name.clone();
-        let fitted_on = study.recordings.iter().map(recording_id).collect();
+        let found = identify(&experiment, recordings, self.reading, seed).map_err(of_study)?;
+        let file = file(found.flying, &found.parameters);
         let (odds, more) = simulate_rest(study, &found)?;
         terminal::print_warnings(found.warnings.iter().chain(&more));
+        let answer = Identified {
+            found: &found,
+            resting_odds: odds.as_ref(),
+        };
+        self.finish(&file, &answer, || words(&found, odds.as_ref()))
+    }
+
+    fn finish(
+        &self,
+        file: &BestFile,
+        answer: &impl Answer,
+        words: impl FnOnce() -> String,
+    ) -> Result<()> {
         if let Some(output) = &self.output {
-            write(
-                output,
-                &name,
-                found.flying,
-                found.recordings,
-                &found.parameters,
-                fitted_on,
-            )?;
+            output::write_ron(output, &write_ron(file)?)?;
         }
-        match self.format {
-            Format::Json => terminal::print_answer(&Identified {
-                found: &found,
-                resting_odds: odds.as_ref(),
-            })?,
-            Format::Table => print(&found, odds.as_ref()),
-        }
+        self.print.answer(answer, words)?;
         if let Some(output) = &self.output {
             terminal::note(format!("written: {}", output.display()));
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }
 
-impl Identify {
-    fn report_joints(&self, study: &Definition, found: &JointIdentification) -> Result<ExitCode> {
-        terminal::print_warnings(study.warnings.iter().chain(&found.warnings));
-        if let Some(output) = &self.output {
-            write(
-                output,
-                &study.name,
-                found.flying,
-                found.recordings,
-                &found.parameters,
-                study.recordings.iter().map(recording_id).collect(),
-            )?;
-        }
-        match self.format {
-            Format::Json => terminal::print_answer(found)?,
-            Format::Table => print_joints(found),
-        }
-        if let Some(output) = &self.output {
-            terminal::note(format!("written: {}", output.display()));
-        }
-        Ok(ExitCode::SUCCESS)
-    }
-}
-
-/// Writes what was identified as a file for `--parameters`.
-fn write(
-    output: &Path,
-    study: &str,
-    flying: usize,
-    recordings: usize,
-    parameters: &BTreeMap<String, f64>,
-    fitted_on: Vec<String>,
-) -> Result<()> {
-    let file = BestFile {
-        study: None,
-        description: format!(
-            "Identified from the free flight of {flying} of {} of the study {study} (realgap identify); no contact was used.",
-            counted(recordings, "recording"),
-        ),
-        parameters: parameters.clone(),
-        fitted_on,
-    };
-    write_atomic(output, write_ron(&file)?.as_bytes())
-}
-
-fn print_joints(found: &JointIdentification) {
-    let colour = terminal::stdout_wants_colour();
+fn words_of_joints(found: &JointIdentification) -> String {
     let mut table = TextTable::new([
         ("parameter", Side::Left),
         ("stated", Side::Right),
@@ -223,15 +180,15 @@ fn print_joints(found: &JointIdentification) {
             format!("{hinge_deg:.2}"),
         ]);
     }
-    terminal::print(format!(
+    format!(
         "{} of {} fly, {}; {:.3} mm unexplained (root mean square)\n{}\n{}",
         found.flying,
         counted(found.recordings, "recording"),
         counted(found.samples, "sample"),
         1e3 * found.residual_m,
-        table.render(colour).trim_end(),
-        errors.render(colour).trim_end()
-    ));
+        terminal::table(&table),
+        terminal::table(&errors)
+    )
 }
 
 /// What JSON holds: the identification, and the simulated odds beside the real ones.
@@ -270,21 +227,15 @@ fn simulate_rest(
         .iter()
         .map(|(name, value)| Assignment::new(name, *value))
         .collect::<Result<ParameterSet>>()?;
-    let bar = progress::bar(found.rest.at_rest, "simulating");
-    let follow = progress::follow(&bar);
-    let run = RunOptions {
-        progress: Some(&follow),
-        ..RunOptions::default()
-    };
-    let odds = study.resting_odds(&identified, &run);
-    bar.finish_and_clear();
-    let odds = odds?;
+    let total = found.rest.at_rest;
+    let odds = progress::during(total, "simulating", Default::default(), |run| {
+        study.resting_odds(&identified, run)
+    })?;
     let warnings = odds.warnings.clone();
     Ok((Some(odds), warnings))
 }
 
-fn print(found: &Identification, odds: Option<&RestingOdds>) {
-    let colour = terminal::stdout_wants_colour();
+fn words(found: &Identification, odds: Option<&RestingOdds>) -> String {
     let mut table = TextTable::new([
         ("quantity", Side::Left),
         ("estimate", Side::Right),
@@ -330,7 +281,7 @@ fn print(found: &Identification, odds: Option<&RestingOdds>) {
             counted(found.samples, "sample"),
             1e3 * found.residual_m
         ),
-        table.render(colour).trim_end().to_owned(),
+        terminal::table(&table),
     ];
     for s in &found.sensitivity {
         let c = s.centre_of_mass_m.map(|m| format!("{:.2}", 1e3 * m));
@@ -348,12 +299,12 @@ fn print(found: &Identification, odds: Option<&RestingOdds>) {
         .map(|(name, value)| format!("{name} = {value:.6}"))
         .collect();
     lines.push(format!("parameters (true lengths): {}", values.join(", ")));
-    lines.push(rest(found, odds, colour));
-    terminal::print(lines.join("\n"));
+    lines.push(rest(found, odds));
+    lines.join("\n")
 }
 
 /// Which face ends down: real counts, and simulated ones where there are any.
-fn rest(found: &Identification, odds: Option<&RestingOdds>, colour: bool) -> String {
+fn rest(found: &Identification, odds: Option<&RestingOdds>) -> String {
     let rest = &found.rest;
     let Some(odds) = odds else {
         let faces = rest.faces.iter().map(|f| format!("{} {}", f.face, f.down));
@@ -399,7 +350,7 @@ fn rest(found: &Identification, odds: Option<&RestingOdds>, colour: bool) -> Str
     });
     format!(
         "{}\n{} at rest, each simulated once ({} diverged), {} on the same face; {} still moving at the end\nsimulated from the {} with {}",
-        table.render(colour).trim_end(),
+        terminal::table(&table),
         counted(odds.simulations, "recording"),
         odds.diverged,
         odds.same_face,

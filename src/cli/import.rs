@@ -1,39 +1,153 @@
-//! `realgap import`: a robot of another program.
+//! `realgap robot import`: a robot of another program.
 
-use std::path::PathBuf;
-use std::process::ExitCode;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use realgap::Result;
-use realgap::file::{Source, write_atomic};
-use realgap::import::from_urdf;
+use realgap::file::{Source, read_limited};
+use realgap::import::{Note, Options};
+use realgap::robot::morphology::Morphology;
+use realgap::{Error, Result};
+use serde::Serialize;
 
-use super::terminal;
+use super::option::Format;
+use super::{output, terminal};
 
-/// Read a robot of boxes and hinges from a URDF, and write it in RON
+/// Largest file of a robot, bytes.
+const MOST_BYTES: u64 = 16_000_000;
+/// How a file begins that this command wrote.
+const HEAD: &str = "// Imported by realgap from ";
+
+/// Read a robot from a URDF or an MJCF, and write it in RON
 ///
-/// Links become modules with their masses and moments, revolute and continuous joints become passive hinges with their friction
-/// and limits; what is fixed to each other becomes one module. What cannot be taken over is said on standard error
-/// and in comments of the file: gaits and servo laws, which URDF does not know, meshes, products of inertia.
+/// Links become bodies with their masses, inertias and shapes (meshes as their hulls, which the RON holds), joints with their limits
+/// and friction, motors and servos. What was left out, changed or assumed is said on standard error, each with its remedy.
 #[derive(Debug, Args)]
 pub struct Import {
-    /// The URDF
-    urdf: PathBuf,
+    /// The URDF or MJCF
+    robot: PathBuf,
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Where a package is: package://NAME/... is DIR/...; several times for several
+    #[arg(long, value_name = "NAME=DIR", value_parser = package)]
+    package: Vec<(String, PathBuf)>,
+    /// Hold the root where it is; else only what is fixed to a link `world` is held
+    #[arg(long)]
+    mounted: bool,
+    /// Leave joints without the servos whose limits a URDF states
+    #[arg(long)]
+    passive: bool,
+    /// How to print what there is to say; json goes to standard output and needs -o
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+fn package(text: &str) -> std::result::Result<(String, PathBuf), String> {
+    match text.split_once('=') {
+        Some((name, folder)) if !name.is_empty() => Ok((name.to_owned(), folder.into())),
+        _ => Err("not NAME=DIR".to_owned()),
+    }
+}
+
+/// What `realgap import --format json` says.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Report {
+    /// The file that was read.
+    file: PathBuf,
+    /// Name of the robot.
+    name: String,
+    /// Number of bodies.
+    bodies: usize,
+    /// Number of joints that move.
+    joints: usize,
+    /// Number of driven ones.
+    actuators: usize,
+    /// Mass, kg.
+    mass_kg: f64,
+    /// Whether the root is held.
+    mounted: bool,
+    /// What was left out, changed, assumed or looks wrong.
+    notes: Vec<Note>,
 }
 
 impl Import {
-    pub fn run(self) -> Result<ExitCode> {
-        let imported = from_urdf(&Source::read(&self.urdf, "URDF")?)?;
-        for left_out in &imported.left_out {
-            terminal::note(format!("left out or changed: {left_out}"));
+    pub fn run(self) -> Result<()> {
+        if let Some(path) = &self.output {
+            output::check(path)?;
+        } else if self.format == Format::Json {
+            return Err(Error::usage(
+                "--format json prints the report, and the robot needs a file",
+            )
+            .hint("add -o robot.ron"));
+        }
+        let bytes = read_limited(&self.robot, MOST_BYTES, "robot")?;
+        let text = match String::from_utf8(bytes) {
+            Ok(text) => text,
+            Err(error) => {
+                let at = error.utf8_error().valid_up_to();
+                terminal::note(format!(
+                    "changed: byte {at} is no UTF-8: such bytes are read as ?; save the file as UTF-8"
+                ));
+                String::from_utf8_lossy(error.as_bytes()).into_owned()
+            }
+        };
+        let source = Source::new(&self.robot, text.trim_start_matches('\u{feff}'));
+        let options = Options {
+            packages: self.package.clone(),
+            mounted: self.mounted,
+            passive: self.passive,
+        };
+        let (robot, notes) = Morphology::import(&source, &options)?;
+        let head = self.head(&notes);
+        let text = format!("{head}{}", robot.to_ron()?);
+        if self.format == Format::Table {
+            for note in &notes {
+                terminal::note(note.to_string());
+            }
         }
         match &self.output {
-            Some(path) => write_atomic(path, imported.text.as_bytes())?,
-            None => terminal::print(imported.text.trim_end()),
+            None => terminal::print(text.trim_end()),
+            Some(path) => {
+                output::write_ron(path, &text)?;
+                self.finish(&robot, notes, path)?;
+            }
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
+    }
+
+    /// Comments that begin the file.
+    fn head(&self, notes: &[Note]) -> String {
+        let plain = |text: &str| -> String { text.chars().filter(|c| !c.is_control()).collect() };
+        let file = self.robot.file_name().unwrap_or_default().to_string_lossy();
+        let mut head = format!("{HEAD}{}\n", plain(&file));
+        for note in notes {
+            head.push_str(&format!("// {}\n", plain(&note.to_string())));
+        }
+        head
+    }
+
+    /// What there is to say at the end.
+    fn finish(&self, robot: &Morphology, notes: Vec<Note>, path: &Path) -> Result<()> {
+        let summary = robot.summary();
+        if self.format == Format::Json {
+            let assembly = robot.assemble();
+            return terminal::print_answer(&Report {
+                file: self.robot.clone(),
+                name: robot.name().to_owned(),
+                bodies: summary.modules,
+                joints: summary.hinges,
+                actuators: summary.servos,
+                mass_kg: summary.mass_kg,
+                mounted: assembly.world_from_mount.is_some(),
+                notes,
+            });
+        }
+        let path = path.display();
+        terminal::print(format!(
+            "{path}: {} bodies, {} joints that move, {} of them driven, {:.4} kg\nnext:\n  realgap check {path} --plot robot.png\n  realgap simulate {path} --duration 2 -o run.csv\n  realgap replay {path} run.csv -o robot.html",
+            summary.modules, summary.hinges, summary.servos, summary.mass_kg
+        ));
+        Ok(())
     }
 }

@@ -4,8 +4,6 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use realgap::Result;
-
 static STOP: AtomicBool = AtomicBool::new(false);
 /// Whether anybody looks at the flag.
 static IS_POLLED: AtomicBool = AtomicBool::new(false);
@@ -23,12 +21,9 @@ enum Wish {
 }
 
 /// A flag that Ctrl-C (or a polite kill) sets.
-///
-/// # Errors
-/// None.
-pub fn stop_flag() -> Result<&'static AtomicBool> {
+pub fn stop_flag() -> &'static AtomicBool {
     IS_POLLED.store(true, Ordering::Relaxed);
-    Ok(&STOP)
+    &STOP
 }
 
 /// Asks for an orderly end, as Ctrl-C does.
@@ -56,6 +51,10 @@ fn received(wish: Wish) {
 #[cfg(unix)]
 pub fn listen() {
     use nix::sys::signal::{SigSet, Signal};
+    // A file that may not grow is an error of the write then, not the end of the program.
+    let mut too_large = SigSet::empty();
+    too_large.add(Signal::SIGXFSZ);
+    let _as_before = too_large.thread_block();
     let mut signals = SigSet::empty();
     for signal in [Signal::SIGINT, Signal::SIGTERM, Signal::SIGQUIT] {
         signals.add(signal);

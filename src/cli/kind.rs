@@ -34,6 +34,7 @@ impl Kind {
             ("strategy", Self::Search),
             ("genes", Self::Genome),
             ("modules", Self::Morphology),
+            ("bodies", Self::Morphology),
             ("morphology", Self::Study),
             ("vehicle", Self::Study),
             ("boundary", Self::Arena),
@@ -72,7 +73,7 @@ impl Kind {
                 "`realgap simulate {path}` runs a robot; a study names a robot, its recordings and what to vary (sweeps/tripod_floor.ron is one)"
             ),
             Self::Genome => {
-                format!("`realgap develop {path} -o robot.ron` makes a robot of it")
+                format!("`realgap robot develop {path} -o robot.ron` makes a robot of it")
             }
             Self::Study => format!(
                 "`realgap sweep {path}` runs a study; the robot is the file that its field `morphology` names"
@@ -88,10 +89,12 @@ impl Kind {
                 "`realgap check {path} --plot arena.png` draws an arena; a vehicle names it"
             ),
             Self::Sensor => {
-                format!("`realgap belief {path}` and `realgap sense {path}` use a sensor model")
+                format!(
+                    "`realgap sense belief {path}` and `realgap sense draw {path}` use a sensor model"
+                )
             }
             Self::Radio => format!(
-                "`realgap radio evaluate LOG.csv --parameters {path}` and `realgap radio send --parameters {path}` use a radio model"
+                "`realgap sense radio evaluate LOG.csv --parameters {path}` and `realgap sense radio send --parameters {path}` use a radio model"
             ),
             Self::Vehicle => format!("a study names {path}: vehicle: (file: ...)"),
             Self::Trajectory => {

@@ -1,16 +1,14 @@
-//! `realgap merge`: put the shards of a plan together, and answer.
+//! `realgap cluster merge`: put the shards of a plan together, and answer.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
-use realgap::optimization::RunOptions;
 use realgap::plan::{Merged, Plan, Round};
 use realgap::unit::counted;
 use realgap::{Error, Result};
 
-use super::option::{Format, Jobs};
-use super::{Command, interrupt, terminal, work};
+use super::option::{Jobs, Print};
+use super::{Command, shell, terminal, work};
 
 /// Put together what the shards of a plan have made; in the end, write the answer
 ///
@@ -26,25 +24,20 @@ pub struct Merge {
     tidy: bool,
     #[command(flatten)]
     jobs: Jobs,
-    /// How to print the answer
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
 impl Merge {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let (plan, work) = work::open(&self.plan)?;
-        let run = RunOptions {
-            jobs: self.jobs.count(),
-            stop: Some(interrupt::stop_flag()?),
-            progress: None,
-        };
+        let run = self.jobs.stoppable();
         let (merged, before, next) = work.merge(&plan, &run)?;
         drop(work);
         // Of a machine only the answer is wanted.
-        let say = |text: String| match self.format {
-            Format::Table => terminal::print(text),
-            Format::Json => terminal::note(&text),
+        let say = |text: String| match self.print.is_json() {
+            false => terminal::print(text),
+            true => terminal::note(&text),
         };
         if merged.new + merged.known > 0 {
             let known = match merged.known {
@@ -68,16 +61,16 @@ impl Merge {
             return Err(self.missing(&plan, &merged, &next)?);
         }
         say(format!(
-            "round {} is whole; {} to be made in the next: run the shards again\n  realgap run {} --shard {}",
+            "round {} is whole; {} to be made in the next: run the shards again\n  realgap cluster run {} --shard {}",
             next.number - 1,
             match next.to - next.from {
                 1 => "1 row is".to_owned(),
                 rows => format!("{rows} rows are"),
             },
-            self.plan.display(),
+            shell::path(&self.plan),
             plan.status()?.pending(),
         ));
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     /// A round that is not whole: which shards are to be looked after, and how.
@@ -106,18 +99,18 @@ impl Merge {
             false => found.join("\n           "),
         })
         .hint(format!(
-            "{}run: realgap run {} --shard {}; then merge again",
+            "{}run: realgap cluster run {} --shard {}; then merge again",
             match damaged {
                 true => "remove the folders of damaged shards (what they did is made again), then ",
                 false => "",
             },
-            self.plan.display(),
+            shell::path(&self.plan),
             status.pending()
         )))
     }
 
     /// Runs the command itself in the folder of the results, where every row is there already.
-    fn answer(&self, plan: &Plan) -> Result<ExitCode> {
+    fn answer(&self, plan: &Plan) -> Result<()> {
         let mut words = plan.draft().command.clone();
         let results = plan.results();
         words.extend([
@@ -126,9 +119,10 @@ impl Merge {
             "--jobs".to_owned(),
             self.jobs.count().to_string(),
             "--format".to_owned(),
-            match self.format {
-                Format::Table => "table",
-                Format::Json => "json",
+            if self.print.is_json() {
+                "json"
+            } else {
+                "table"
             }
             .to_owned(),
         ]);
@@ -138,7 +132,7 @@ impl Merge {
             Command::Gap(gap) => gap.of_store(Some(&plan.store())),
             _ => {
                 words.push("--resume".to_owned());
-                super::run(work::parse(&words)?)
+                work::parse(&words)?.run().map(drop)
             }
         }
     }

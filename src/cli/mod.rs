@@ -1,5 +1,26 @@
 //! The command line: one file per subcommand, each one library call plus printing.
 
+/// Declares commands: the type that clap reads them into, and what runs them.
+macro_rules! commands {
+    ($(#[$about:meta])* $name:ident: $($(#[$meta:meta])* $variant:ident($options:ty),)*) => {
+        $(#[$about])*
+        #[derive(Debug, clap::Subcommand)]
+        #[allow(clippy::large_enum_variant, reason = "there is one, as long as the program runs")]
+        pub enum $name {
+            $($(#[$meta])* $variant($options),)*
+        }
+
+        impl $name {
+            pub fn run(self) -> realgap::Result<std::process::ExitCode> {
+                use $crate::cli::Ending as _;
+                match self {
+                    $(Self::$variant(options) => options.run().map(|ending| ending.code()),)*
+                }
+            }
+        }
+    };
+}
+
 mod advice;
 mod answer;
 mod belief;
@@ -8,8 +29,8 @@ mod check;
 mod compare;
 mod completions;
 mod develop;
+mod draw;
 mod ensemble;
-mod estimate;
 mod evaluate;
 mod example_file;
 mod examples;
@@ -27,6 +48,7 @@ mod mujoco;
 mod new;
 mod odds;
 mod option;
+mod output;
 mod page;
 mod parameters;
 mod picture;
@@ -42,12 +64,13 @@ mod results;
 mod run;
 mod schema;
 mod search;
-mod sense;
 mod sensitivity;
 mod sensorgraph;
+mod shell;
 mod simulate;
 mod slurm;
 mod status;
+mod stream;
 mod submit;
 mod sweep;
 mod tasks;
@@ -55,22 +78,27 @@ mod terminal;
 mod tune;
 mod verify;
 mod vision;
+mod word;
 mod work;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
-use realgap::{ErrorKind, Result};
+use clap::{Parser, Subcommand as _};
+use realgap::ErrorKind;
 
 /// How far is your simulated robot from the real one, what closes the gap, and how sure may you be?
 ///
 /// Robots are modular cubes described in RON files (morphologies/), studies are RON files too (sweeps/),
 /// real runs are CSV or TUM files (real_trajectories/).
 #[derive(Debug, Parser)]
-#[command(name = "realgap", version, max_term_width = 100, arg_required_else_help = true, after_help = EXAMPLES)]
+#[command(name = "realgap", version, max_term_width = 100, arg_required_else_help = true, after_help = EXIT_CODES)]
+#[command(help_template = help())]
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Replace files that realgap did not write
+    #[arg(long, global = true)]
+    force: bool,
 }
 
 const EXAMPLES: &str = "\
@@ -80,63 +108,167 @@ The usual way through:
   realgap replay morphologies/tripod.ron            watch it move, in a browser
   realgap compare real.csv a.csv --plot gap.png     how far apart are the two?
   realgap sweep sweeps/tripod_floor.ron             which friction and restitution fit best?
-  realgap report results/tripod_floor               the same answer as one page for the browser
-  realgap tune sweeps/tripod_floor.ron              the same question with a quarter of the simulations
+  realgap report results/tripod_floor               the same answer as one page
+  realgap tune sweeps/tripod_floor.ron              with a quarter of the simulations
   realgap gap sweeps/tripod_floor.ron               how many noise floors between the two?
-  realgap predict morphologies/tripod.ron           how far will the robot go, how likely, in which ways?
-  realgap search sweeps/best_tripod_gait.ron        which gait takes it farthest, whatever the floor turns out to be?
-  realgap search sweeps/best_robot.ron              which robot walks farthest, and how sure is that?
+  realgap predict morphologies/tripod.ron           how far will it go, how likely?
+  realgap search sweeps/best_tripod_gait.ron        which gait takes it farthest, on any floor?";
 
+const EXIT_CODES: &str = "\
+`-` where one file is meant is standard input; behind -o it is standard output.
 Exit codes: 0 fine, 1 failed, 2 wrong usage, 130 interrupted (the work so far is saved).";
 
-#[derive(Debug, Subcommand)]
-enum Command {
+commands! {
+    /// What there is to do; in the help a question stands above the first command that answers it.
+    Command:
     Check(check::Check),
     Simulate(simulate::Simulate),
     Replay(replay::ReplayCommand),
     Compare(compare::Compare),
+    Gap(gap::Gap),
+    Evaluate(evaluate::Evaluate),
     Sweep(sweep::Sweep),
     Tune(tune::Tune),
-    Results(results::Results),
+    Predict(predict::Predict),
+    Ensemble(ensemble::Ensemble),
+    Search(search::Search),
     Report(report::ReportCommand),
+    #[command(subcommand)]
+    Robot(RobotCommand),
+    #[command(subcommand)]
+    Study(StudyCommand),
+    #[command(subcommand)]
+    Sense(SenseCommand),
+    #[command(subcommand)]
+    Cluster(ClusterCommand),
+    #[command(hide = true)]
+    Verify(verify::Verify),
+    #[command(hide = true)]
+    Completions(completions::Completions),
+}
+
+commands! {
+    /// Robots from genomes and for other programs: import, export, develop, genome
+    RobotCommand:
+    Import(import::Import),
+    Export(export::Export),
+    Develop(develop::Develop),
+    #[command(subcommand)]
+    Genome(genome::GenomeCommand),
+}
+
+commands! {
+    /// Around a study: record, results, identify, sensitivity, parameters, new, schema, examples
+    StudyCommand:
+    Record(record::Record),
+    Results(results::Results),
+    Identify(identify::Identify),
+    Sensitivity(sensitivity::Sensitivity),
+    Parameters(parameters::Parameters),
+    New(new::New),
+    Schema(schema::SchemaCommand),
+    #[command(subcommand)]
+    Examples(examples::Examples),
+}
+
+commands! {
+    /// Sensors and tasks: characterise, draw, belief, graph, radio, tasks, picture, vision
+    SenseCommand:
+    Characterise(characterise::Characterise),
+    Draw(draw::Draw),
+    Belief(belief::Belief),
+    #[command(subcommand)]
+    Graph(sensorgraph::SensorgraphCommand),
+    #[command(subcommand)]
+    Radio(radio::RadioCommand),
+    #[command(subcommand)]
+    Tasks(tasks::TasksCommand),
+    Picture(picture::Picture),
+    #[command(subcommand)]
+    Vision(vision::VisionCommand),
+}
+
+commands! {
+    /// One run on many machines: plan, run, merge, status, submit
+    ClusterCommand:
     Plan(plan::PlanCommand),
     Run(run::Run),
     Merge(merge::Merge),
     Status(status::StatusCommand),
+    #[command(subcommand)]
     Submit(submit::Submit),
-    Sensitivity(sensitivity::Sensitivity),
-    Evaluate(evaluate::Evaluate),
-    Ensemble(ensemble::Ensemble),
-    Gap(gap::Gap),
-    Predict(predict::Predict),
-    Identify(identify::Identify),
-    Record(record::Record),
-    Search(search::Search),
-    Develop(develop::Develop),
-    Genome(genome::GenomeCommand),
-    Export(export::Export),
-    Import(import::Import),
-    Characterise(characterise::Characterise),
-    Sense(sense::Sense),
-    Belief(belief::Belief),
-    Sensorgraph(sensorgraph::SensorgraphCommand),
-    Radio(radio::RadioCommand),
-    Tasks(tasks::TasksCommand),
-    Picture(picture::Picture),
-    Vision(vision::VisionCommand),
-    New(new::New),
-    Examples(examples::Examples),
-    Schema(schema::SchemaCommand),
-    Parameters(parameters::Parameters),
-    Verify(verify::Verify),
-    Completions(completions::Completions),
+}
+
+/// Questions, each above the first of the commands that answer it.
+const QUESTIONS: [(&str, &str); 5] = [
+    ("check", "Is it sound, and what does it do?"),
+    ("compare", "How far is the simulation from reality?"),
+    ("sweep", "What closes the gap, and how sure may I be?"),
+    ("predict", "What will a robot do, and which does it best?"),
+    ("robot", "And, with commands of their own:"),
+];
+
+/// Widest line of the list of commands, and where its text begins.
+const WIDTH: usize = 80;
+const INDENT: usize = 13;
+
+/// How the help is laid out: examples, then the commands by question.
+fn help() -> String {
+    let mut list = String::new();
+    let top = Command::augment_subcommands(clap::Command::new("realgap"));
+    for command in top.get_subcommands().filter(|c| !c.is_hide_set()) {
+        let name = command.get_name();
+        for (_, question) in QUESTIONS.iter().filter(|(first, _)| *first == name) {
+            list += &format!("{question}\n");
+        }
+        let mut line = format!("  {name:<width$}", width = INDENT - 2);
+        let about = command.get_about().map(ToString::to_string);
+        for word in about.unwrap_or_default().split_whitespace() {
+            if line.len() + 1 + word.len() > WIDTH {
+                list += &format!("{}\n", line.trim_end());
+                line = " ".repeat(INDENT);
+            }
+            line += word;
+            line.push(' ');
+        }
+        list += &format!("{}\n", line.trim_end());
+    }
+    format!(
+        "{{about-with-newline}}\n{EXAMPLES}\n\n{{usage-heading}} {{usage}}\n\nCommands:\n{list}\nOptions:\n{{options}}{{after-help}}"
+    )
+}
+
+/// How a command ends that does not fail.
+trait Ending {
+    fn code(self) -> ExitCode;
+}
+
+/// Most commands have nothing to say.
+impl Ending for () {
+    fn code(self) -> ExitCode {
+        ExitCode::SUCCESS
+    }
+}
+
+impl Ending for ExitCode {
+    fn code(self) -> Self {
+        self
+    }
 }
 
 /// Parses the arguments, runs the command, prints the error if there is one.
 pub fn main() -> ExitCode {
     interrupt::listen();
-    let cli = Cli::try_parse().unwrap_or_else(|error| advice::with_decimal_point(error).exit());
-    match run(cli.command) {
+    let ended = stream::kept(word::today(std::env::args_os())).and_then(|words| {
+        let cli = Cli::try_parse_from(words)
+            .unwrap_or_else(|error| advice::with_decimal_point(error).exit());
+        if cli.force {
+            output::force();
+        }
+        cli.command.run()
+    });
+    let handed_out = stream::finish();
+    match ended.and_then(|code| handed_out.map(|()| code)) {
         Ok(_) if terminal::output_lost() => ExitCode::FAILURE,
         Ok(code) => code,
         Err(error) => {
@@ -147,49 +279,5 @@ pub fn main() -> ExitCode {
                 _ => 1,
             })
         }
-    }
-}
-
-fn run(command: Command) -> Result<ExitCode> {
-    match command {
-        Command::Check(check) => check.run(),
-        Command::Simulate(simulate) => simulate.run(),
-        Command::Replay(replay) => replay.run(),
-        Command::Compare(compare) => compare.run(),
-        Command::Sweep(sweep) => sweep.run(),
-        Command::Tune(tune) => tune.run(),
-        Command::Results(results) => results.run(),
-        Command::Report(report) => report.run(),
-        Command::Plan(plan) => plan.run(),
-        Command::Run(run) => run.run(),
-        Command::Merge(merge) => merge.run(),
-        Command::Status(status) => status.run(),
-        Command::Submit(submit) => submit.run(),
-        Command::Sensitivity(sensitivity) => sensitivity.run(),
-        Command::Evaluate(evaluate) => evaluate.run(),
-        Command::Ensemble(ensemble) => ensemble.run(),
-        Command::Gap(gap) => gap.run(),
-        Command::Predict(predict) => predict.run(),
-        Command::Identify(identify) => identify.run(),
-        Command::Record(record) => record.run(),
-        Command::Search(search) => search.run(),
-        Command::Develop(develop) => develop.run(),
-        Command::Genome(genome) => genome.run(),
-        Command::Export(export) => export.run(),
-        Command::Import(import) => import.run(),
-        Command::Characterise(characterise) => characterise.run(),
-        Command::Sense(sense) => sense.run(),
-        Command::Belief(belief) => belief.run(),
-        Command::Sensorgraph(graph) => graph.run(),
-        Command::Radio(radio) => radio.run(),
-        Command::Tasks(tasks) => tasks.run(),
-        Command::Picture(picture) => picture.run(),
-        Command::Vision(vision) => vision.run(),
-        Command::New(new) => new.run(),
-        Command::Examples(examples) => examples.run(),
-        Command::Schema(schema) => schema.run(),
-        Command::Parameters(parameters) => parameters.run(),
-        Command::Verify(verify) => verify.run(),
-        Command::Completions(completions) => completions.run(),
     }
 }

@@ -1,13 +1,13 @@
-//! `realgap new`: a file to start from.
+//! `realgap study new`: a file to start from.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use realgap::file::write_atomic;
 use realgap::{Error, Result};
 
-use super::terminal;
+use super::option::{Choice, choice};
+use super::{output, terminal};
 
 /// Write a commented file to start from
 ///
@@ -15,8 +15,8 @@ use super::terminal;
 #[derive(Debug, Args)]
 pub struct New {
     /// What
-    #[arg(value_enum)]
-    kind: Template,
+    #[arg(value_parser = choice(TEMPLATES))]
+    kind: (&'static str, &'static str),
     /// The file [default: KIND.ron]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -25,65 +25,42 @@ pub struct New {
     print: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Template {
-    /// Modules, servos, gait
-    Robot,
-    /// Recordings, and what is varied to match them
-    Study,
-    /// A search for the best robot
-    Search,
-    /// Walls, boxes, radio stations
-    Arena,
-    /// How repeats differ
-    Noise,
-    /// What recordings are, beside them
-    Meta,
+macro_rules! templates {
+    ($($name:literal $about:literal;)*) => {
+        &[$(($name, ($name, include_str!(concat!("../../assets/templates/", $name, ".ron"))), $about),)*]
+    };
 }
 
-impl Template {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Robot => "robot",
-            Self::Study => "study",
-            Self::Search => "search",
-            Self::Arena => "arena",
-            Self::Noise => "noise",
-            Self::Meta => "meta",
-        }
-    }
-
-    fn text(self) -> &'static str {
-        match self {
-            Self::Robot => include_str!("../../assets/templates/robot.ron"),
-            Self::Study => include_str!("../../assets/templates/study.ron"),
-            Self::Search => include_str!("../../assets/templates/search.ron"),
-            Self::Arena => include_str!("../../assets/templates/arena.ron"),
-            Self::Noise => include_str!("../../assets/templates/noise.ron"),
-            Self::Meta => include_str!("../../assets/templates/meta.ron"),
-        }
-    }
-}
+/// The files that there are, each with its name.
+const TEMPLATES: &[Choice<(&str, &str)>] = templates! {
+    "robot" "Modules, servos, gait";
+    "study" "Recordings, and what is varied to match them";
+    "search" "A search for the best robot";
+    "arena" "Walls, boxes, radio stations";
+    "noise" "How repeats differ";
+    "meta" "What recordings are, beside them";
+};
 
 impl New {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
+        let (name, text) = self.kind;
         if self.print {
-            terminal::print(self.kind.text().trim_end());
-            return Ok(ExitCode::SUCCESS);
+            terminal::print(text.trim_end());
+            return Ok(());
         }
         let file = self
             .output
-            .unwrap_or_else(|| PathBuf::from(format!("{}.ron", self.kind.name())));
-        if file.exists() {
+            .unwrap_or_else(|| PathBuf::from(format!("{name}.ron")));
+        if file.exists() && !output::is_forced() {
             return Err(Error::conflict("this file is there already, and stays")
                 .at_file(file)
                 .hint("name another with -o, or look at the template with --print"));
         }
-        write_atomic(&file, self.kind.text().as_bytes())?;
+        write_atomic(&file, text.as_bytes())?;
         terminal::print(format!(
             "{} is written; its first lines say what to do with it",
             file.display()
         ));
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

@@ -36,7 +36,7 @@ impl OddsOption {
     }
 
     /// The odds, drawn where that is asked for; `None` where nobody asks.
-    pub fn odds(&self, study: &Study, file: &Path, jobs: usize) -> Result<Option<Odds>> {
+    pub fn odds(&self, study: &Study, file: &Path, run: RunOptions<'_>) -> Result<Option<Odds>> {
         let Some(runs) = self.odds else {
             return Ok(None);
         };
@@ -58,17 +58,11 @@ impl OddsOption {
             runs: runs as usize,
             seed: self.seed,
         };
-        let bar = progress::bar(study.cases().len(), "odds");
-        let follow = progress::follow(&bar);
-        let run = RunOptions {
-            jobs,
-            progress: Some(&follow),
-            ..RunOptions::default()
-        };
-        // Every value is in the study's own set by now.
-        let odds = Odds::new(study, &ParameterSet::new(), &options, &run);
-        bar.finish_and_clear();
-        let odds = odds?;
+        let total = study.cases().len();
+        let odds = progress::during(total, "odds", run, |run| {
+            // Every value is in the study's own set by now.
+            Odds::new(study, &ParameterSet::new(), &options, run)
+        })?;
         terminal::print_warnings(&odds.warnings[study.warnings().len()..]);
         if let Some(plot) = &self.plot {
             results::draw_odds(&odds, &study.definition().name, plot)?;

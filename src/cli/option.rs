@@ -1,19 +1,23 @@
 //! Options that several commands share, as typed values.
 
+use std::fmt::Display;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use realgap::calibration::identification::StartState;
 use realgap::calibration::{Overrides, Part, read_best, read_parameters};
 use realgap::comparison::{self, Metric};
 use realgap::search::read_indistinguishable;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
-use realgap::simulation::{JointKind, Solver};
+use realgap::simulation::{Experiment, JointKind, Solver};
 use realgap::warning::Code;
-use realgap::{Error, Result, Warning};
+use realgap::{Error, Result, RunOptions, Warning};
 
 use super::reading::ReadingOptions;
+use super::terminal::Answer;
+use super::{interrupt, terminal};
 
 /// Most repeats: the distances of all pairs are held in memory.
 pub const MOST_REPEATS: i64 = 5000;
@@ -28,6 +32,58 @@ pub enum Format {
     Json,
 }
 
+/// Whether people or a machine read what is printed.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Print {
+    /// How to print
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl Print {
+    /// Whether a machine reads it.
+    pub fn is_json(self) -> bool {
+        self.format == Format::Json
+    }
+
+    /// Prints an answer: as JSON, or as this text.
+    pub fn answer(self, answer: &impl Answer, text: impl FnOnce() -> String) -> Result<()> {
+        match self.format {
+            Format::Json => terminal::print_answer(answer)?,
+            Format::Table => terminal::print(text()),
+        }
+        Ok(())
+    }
+
+    /// As [`Print::answer`], of an answer that has its own words.
+    pub fn value(self, answer: &(impl Answer + Display)) -> Result<()> {
+        self.answer(answer, || answer.to_string())
+    }
+}
+
+/// A choice of an option: its name, what it stands for, and its line of help.
+pub type Choice<T> = (&'static str, T, &'static str);
+
+/// Reads one of these choices.
+pub fn choice<T>(choices: &'static [Choice<T>]) -> impl TypedValueParser<Value = T>
+where
+    T: Clone + Send + Sync + 'static,
+{
+    let names = choices.iter().map(|(name, _, help)| {
+        let name = PossibleValue::new(*name);
+        if help.is_empty() {
+            name
+        } else {
+            name.help(*help)
+        }
+    });
+    PossibleValuesParser::new(names).map(move |typed| {
+        let chosen = choices.iter().find(|(name, ..)| *name == typed);
+        // The parser lets nothing else through.
+        chosen.unwrap_or(&choices[0]).1.clone()
+    })
+}
+
 /// At which times two trajectories are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum TimeOption {
@@ -39,28 +95,18 @@ pub enum TimeOption {
 }
 
 /// How parts are jointed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Joint {
-    /// Multibody where a light part carries a heavy one, impulse for others and for more than 12 hinges
-    Auto,
-    /// Reduced coordinates
-    Multibody,
-    /// Constraints
-    Impulse,
-}
-
-impl From<Joint> for JointKind {
-    fn from(joint: Joint) -> Self {
-        match joint {
-            Joint::Auto => Self::Auto,
-            Joint::Multibody => Self::Multibody,
-            Joint::Impulse => Self::Impulse,
-        }
-    }
-}
+pub const JOINTS: &[Choice<JointKind>] = &[
+    (
+        "auto",
+        JointKind::Auto,
+        "Multibody where a light part carries a heavy one, impulse for others and for more than 12 hinges",
+    ),
+    ("multibody", JointKind::Multibody, "Reduced coordinates"),
+    ("impulse", JointKind::Impulse, "Constraints"),
+];
 
 /// Help of `--timestep`, with the default that is used.
-pub fn timestep_help() -> String {
+fn timestep_help() -> String {
     let default_s = Solver::default().timestep_s;
     format!(
         "Time per step, seconds [default: 1/{:.0}, or timestep_s where it is set]",
@@ -69,7 +115,7 @@ pub fn timestep_help() -> String {
 }
 
 /// Help of `--substeps`, with the default that is used.
-pub fn substeps_help() -> String {
+fn substeps_help() -> String {
     format!(
         "Solver substeps per step [default: {}, or solver.substeps where it is set]",
         Solver::default().substeps
@@ -77,31 +123,29 @@ pub fn substeps_help() -> String {
 }
 
 /// Help of `--joint` of one run, with the default that is used.
-pub fn joint_help() -> String {
+fn joint_help() -> String {
     let default = format!("{:?}", Solver::default().joint).to_lowercase();
     format!("How parts are jointed [default: {default}, or solver.joint where it is set]")
 }
 
 /// Which state of a recording a run starts from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum StartOption {
-    /// The first sample as it is
-    FirstSample,
-    /// The first sample, its velocity corrected by half a sample of gravity
-    HalfSample,
-    /// Fitted to the flight before the first contact of the same recording
-    Flight,
-}
-
-impl From<StartOption> for StartState {
-    fn from(start: StartOption) -> Self {
-        match start {
-            StartOption::FirstSample => Self::FirstSample,
-            StartOption::HalfSample => Self::HalfSampleCorrected,
-            StartOption::Flight => Self::Flight,
-        }
-    }
-}
+pub const STARTS: &[Choice<StartState>] = &[
+    (
+        "first-sample",
+        StartState::FirstSample,
+        "The first sample as it is",
+    ),
+    (
+        "half-sample",
+        StartState::HalfSampleCorrected,
+        "The first sample, its velocity corrected by half a sample of gravity",
+    ),
+    (
+        "flight",
+        StartState::Flight,
+        "Fitted to the flight before the first contact of the same recording",
+    ),
+];
 
 /// Which recordings, and how they are read.
 #[derive(Debug, Clone, Args)]
@@ -216,12 +260,28 @@ impl Jobs {
             .or_else(|| std::thread::available_parallelism().ok())
             .map_or(1, NonZeroUsize::get)
     }
+
+    /// A run on so many threads, which nobody watches.
+    pub fn run(&self) -> RunOptions<'static> {
+        RunOptions {
+            jobs: self.count(),
+            ..RunOptions::default()
+        }
+    }
+
+    /// As [`Jobs::run`], which Ctrl-C ends with what there is.
+    pub fn stoppable(&self) -> RunOptions<'static> {
+        RunOptions {
+            stop: Some(interrupt::stop_flag()),
+            ..self.run()
+        }
+    }
 }
 
 /// Values for parameters, from files and from the command line.
 #[derive(Debug, Clone, Args)]
 pub struct Values {
-    /// Set a parameter, e.g. `--set floor.friction=0.4` (repeatable; `realgap parameters` lists them)
+    /// Set a parameter, e.g. `--set floor.friction=0.4` (repeatable; `realgap study parameters` lists them)
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parse_assignment)]
     set: Vec<Assignment>,
     /// Take parameters from a file such as the `best.ron` of a sweep (repeatable)
@@ -244,6 +304,14 @@ impl Values {
         Ok(all)
     }
 
+    /// The experiment with all values, those that have no effect there, and what to say of them; no recording is read.
+    pub fn apply(&self, experiment: &Experiment) -> Result<(Experiment, Vec<Warning>)> {
+        let values = self.parameter_set()?;
+        let mut warnings = values.without_effect(experiment);
+        warnings.extend(recording_unused(&values));
+        Ok((values.apply(experiment), warnings))
+    }
+
     /// All values: files first, in order, then `--set`.
     pub fn parameter_set(&self) -> Result<ParameterSet> {
         let mut all = ParameterSet::new();
@@ -254,6 +322,28 @@ impl Values {
             .set
             .iter()
             .fold(all, |set, assignment| set.with(*assignment)))
+    }
+}
+
+/// Settings of one run in place of the robot's own.
+#[derive(Debug, Clone, Args)]
+pub struct SolverOptions {
+    #[arg(long, value_name = "S", help = timestep_help())]
+    timestep: Option<f64>,
+    #[arg(long, value_name = "N", help = substeps_help())]
+    substeps: Option<usize>,
+    #[arg(long, value_parser = choice(JOINTS), help = joint_help())]
+    pub joint: Option<JointKind>,
+}
+
+impl SolverOptions {
+    /// The experiment with these settings.
+    pub fn apply(&self, mut experiment: Experiment) -> Experiment {
+        let solver = &mut experiment.solver;
+        solver.timestep_s = self.timestep.unwrap_or(solver.timestep_s);
+        solver.substeps = self.substeps.unwrap_or(solver.substeps);
+        solver.joint = self.joint.unwrap_or(solver.joint);
+        experiment
     }
 }
 

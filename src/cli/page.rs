@@ -18,7 +18,7 @@ use realgap::trajectory::Recording;
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 
-use super::{replay, terminal};
+use super::{output, shell, terminal};
 
 /// More recorded robots over each other hide what moves.
 const GHOSTS: usize = 3;
@@ -43,23 +43,15 @@ pub struct PageOption {
 }
 
 impl PageOption {
-    /// What to say about it.
-    pub fn said(self) -> &'static str {
-        if self.no_report {
-            ""
-        } else {
-            "; report.html opens in a browser"
-        }
-    }
-
-    /// Writes `report.html` into a finished results folder. What cannot be shown is a warning: the results are there.
-    pub fn write(self, folder: &Path, keep: impl FnOnce() -> Kept) {
+    /// Writes `report.html` into a finished results folder; what to say about it. What cannot be shown is a warning: the results
+    /// are there.
+    pub fn write(self, folder: &Path, keep: impl FnOnce() -> Kept) -> &'static str {
         if self.no_report {
             for name in [PAGE_FILE, Kept::FILE] {
                 // There may be none.
                 let _ignored = std::fs::remove_file(folder.join(name));
             }
-            return;
+            return "";
         }
         let kept = Kept {
             command: command(typed()),
@@ -68,7 +60,9 @@ impl PageOption {
         if let Err(error) = write(folder, &kept) {
             let warning = Warning::new(Code::NotWritten, format!("no report.html: {error}"));
             terminal::print_warnings(&[warning]);
+            return "";
         }
+        "; report.html opens in a browser"
     }
 }
 
@@ -83,7 +77,7 @@ pub struct PageFile {
 impl PageFile {
     /// Checks before the work that the page can be written.
     pub fn check(&self) -> Result<()> {
-        self.report.as_deref().map_or(Ok(()), replay::check_page)
+        self.report.as_deref().map_or(Ok(()), output::check_page)
     }
 
     /// Writes the page: `text` is what the command prints, `of` the file that it is about.
@@ -108,7 +102,7 @@ impl PageFile {
             text,
             report: &report,
             pictures: &pictures,
-            command: &replay::command_line(),
+            command: &shell::command_line(),
         };
         write_atomic(file, page.page()?.as_bytes())
     }
@@ -147,7 +141,7 @@ fn command(words: impl Iterator<Item = String>) -> String {
                 words.by_ref().take(*values).for_each(drop);
             }
             Some(_) => {}
-            None => kept.push(replay::quoted(word)),
+            None => kept.push(shell::quoted(word)),
         }
     }
     kept.join(" ")
@@ -175,10 +169,7 @@ pub fn of_study(study: &Study, answer: &Answer) -> Kept {
         // Whoever interrupts does not want to wait for one more simulation.
         replay: experiment
             .filter(|_| answer.ending == Ending::Complete)
-            .and_then(|experiment| {
-                let is_settled = definition.start == StartRule::Settled;
-                moving(&experiment, &definition.morphology, &recordings, is_settled)
-            }),
+            .and_then(|experiment| seen(definition, &experiment, &recordings)),
         ..Kept::default()
     }
 }
@@ -190,15 +181,9 @@ pub fn of_gap(study: &Study) -> Kept {
         return Kept::default();
     };
     let (_, recordings) = recorded(definition, case, 1.0);
-    let is_settled = definition.start == StartRule::Settled;
     Kept {
         duration_s: case.experiment.duration_s,
-        replay: moving(
-            &case.experiment,
-            &definition.morphology,
-            &recordings,
-            is_settled,
-        ),
+        replay: seen(definition, &case.experiment, &recordings),
         ..Kept::default()
     }
 }
@@ -262,17 +247,11 @@ pub fn of_repeats(study: &Repeatable) -> Kept {
     let Some(case) = study.cases.first() else {
         return Kept::default();
     };
-    let is_settled = study.definition.start == StartRule::Settled;
     let recordings = recordings_of(study, case);
     Kept {
         duration_s: case.experiment.duration_s,
         reality: study.definition.source().reality_label().to_owned(),
-        replay: moving(
-            &case.experiment,
-            &study.definition.morphology,
-            &recordings,
-            is_settled,
-        ),
+        replay: seen(&study.definition, &case.experiment, &recordings),
         ..Kept::default()
     }
 }
@@ -284,6 +263,16 @@ pub fn of_robot(experiment: &Experiment, robot: &Morphology) -> Kept {
         replay: moving(experiment, robot, &[], true),
         ..Kept::default()
     }
+}
+
+/// One more run of a study beside its recordings.
+fn seen(
+    definition: &Definition,
+    experiment: &Experiment,
+    recordings: &[Recording],
+) -> Option<KeptReplay> {
+    let is_settled = definition.start == StartRule::Settled;
+    moving(experiment, &definition.morphology, recordings, is_settled)
 }
 
 /// One more run, with all parts; nothing where it diverges or has no parts.

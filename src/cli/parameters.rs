@@ -1,6 +1,4 @@
-//! `realgap parameters`: the registry.
-
-use std::process::ExitCode;
+//! `realgap study parameters`: the registry.
 
 use clap::Args;
 use realgap::Result;
@@ -8,18 +6,17 @@ use realgap::plot::{Side, TextTable};
 use realgap::simulation::parameter::{self, Nudge, Scale};
 use serde::Serialize;
 
-use super::option::Format;
+use super::option::Print;
 use super::terminal;
 
 /// List every parameter that can be set, swept or tuned, with unit, bounds, default and meaning
 #[derive(Debug, Args)]
 pub struct Parameters {
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
-/// What `realgap sensitivity` changes a parameter by.
+/// What `realgap study sensitivity` changes a parameter by.
 fn step(nudge: Nudge) -> String {
     match nudge {
         Nudge::Share(share) => format!("{:.0} %", 100.0 * share),
@@ -68,14 +65,14 @@ impl ParameterRow {
 }
 
 impl Parameters {
-    pub fn run(self) -> Result<ExitCode> {
-        if self.format == Format::Json {
+    pub fn run(self) -> Result<()> {
+        if self.print.is_json() {
             let rows: Vec<_> = parameter::all()
                 .chain(parameter::families())
                 .map(ParameterRow::new)
                 .collect();
             terminal::print_answers(&rows)?;
-            return Ok(ExitCode::SUCCESS);
+            return Ok(());
         }
         let mut table = TextTable::new([
             ("parameter", Side::Left),
@@ -103,7 +100,7 @@ impl Parameters {
                 p.doc.to_owned(),
             ]);
         }
-        terminal::print(table.render(terminal::stdout_wants_colour()).trim_end());
-        Ok(ExitCode::SUCCESS)
+        terminal::print(terminal::table(&table));
+        Ok(())
     }
 }

@@ -1,9 +1,8 @@
-//! `realgap picture`: what a simulated camera sees in a room.
+//! `realgap sense picture`: what a simulated camera sees in a room.
 
 mod motion;
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::{ArgGroup, Args};
 use indicatif::ProgressBar;
@@ -20,14 +19,14 @@ use motion::Moving;
 
 /// Take pictures with a simulated camera: a scene's posters, boxes and lights, seen through a lens and a sensor
 ///
-/// Writes NAME.png for every viewpoint of the scene, or of a robot in motion (`--ride`, `--watch`), and beside them what `realgap vision` needs: views.ron (what is
+/// Writes NAME.png for every viewpoint of the scene, or of a robot in motion (`--ride`, `--watch`), and beside them what `realgap sense vision` needs: views.ron (what is
 /// where), template.png and alphabet.png. The same seed gives the same bytes.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("moving").args(["ride", "watch"])))]
 pub struct Picture {
     /// The scene (scenes/*.ron)
     scene: PathBuf,
-    /// Which of its cameras, or a .ron file with one (`realgap vision tune` writes it)
+    /// Which of its cameras, or a .ron file with one (`realgap sense vision tune` writes it)
     #[arg(long, value_name = "NAME", default_value = "model")]
     camera: String,
     /// Which of its lights
@@ -84,7 +83,7 @@ fn numbered(view: usize) -> u64 {
 const TEMPLATE_PX: usize = 96;
 
 impl Picture {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let scene = Scene::read(&self.scene)?;
         let option = |name: &str, e: Error| e.field(name).into_usage();
         let camera = &camera_named(&scene, &self.camera)?;
@@ -154,7 +153,7 @@ impl Picture {
             counted(album.file.views.len(), "picture"),
             folder.display()
         ));
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     /// The viewpoints that are asked for, each with its number in the scene.

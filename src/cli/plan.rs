@@ -1,25 +1,23 @@
-//! `realgap plan`: cut a long run into shards.
+//! `realgap cluster plan`: cut a long run into shards.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
-use clap::{Args, ValueEnum};
-use realgap::optimization::RunOptions;
+use clap::Args;
 use realgap::plan::{Plan, PlanDraft, time};
 use realgap::unit::counted;
 use realgap::{Error, Result};
 
-use super::option::{Format, Jobs};
+use super::option::{Jobs, Print};
 use super::work::{absolute, check_arguments, parse, work_of};
-use super::{interrupt, kind, terminal};
+use super::{kind, shell, terminal};
 
 /// Cut a sweep, a tuning, a search, an ensemble or a gap into shards that many machines can run
 ///
-/// The plan is a folder that all machines see. `realgap run PLAN --shard I` makes a part of the rows, `realgap merge PLAN` puts the
+/// The plan is a folder that all machines see. `realgap cluster run PLAN --shard I` makes a part of the rows, `realgap cluster merge PLAN` puts the
 /// parts together, says what is to be made next, and in the end writes PLAN/results: byte for byte what one machine would
-/// have written. `realgap submit slurm PLAN` lets Slurm do all of that. Options of the command itself follow after --, e.g.
+/// have written. `realgap cluster submit slurm PLAN` lets Slurm do all of that. Options of the command itself follow after --, e.g.
 ///
-///   realgap plan sweeps/tripod_floor.ron --shards 20 -o plan -- --points 41
+///   realgap cluster plan sweeps/tripod_floor.ron --shards 20 -o plan -- --points 41
 ///
 /// A few runs are measured first, so that the plan says what it will cost.
 #[derive(Debug, Args)]
@@ -36,39 +34,28 @@ pub struct PlanCommand {
     #[arg(long, value_name = "MINUTES", conflicts_with = "shards")]
     shard_minutes: Option<f64>,
     /// What to do with a study [default: sweep]
-    #[arg(long = "as", value_name = "COMMAND", value_enum)]
-    command: Option<Planned>,
+    #[arg(long = "as", value_name = "COMMAND", value_parser = PLANNED)]
+    command: Option<String>,
     /// Do not measure what it will cost
     #[arg(long, conflicts_with = "shard_minutes")]
     no_measure: bool,
     #[command(flatten)]
     jobs: Jobs,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
     /// Options of the command itself
     #[arg(last = true, value_name = "OPTIONS")]
     arguments: Vec<String>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Planned {
-    Sweep,
-    Tune,
-    Search,
-    Ensemble,
-    Gap,
-}
+/// What can be cut into shards.
+const PLANNED: [&str; 5] = ["sweep", "tune", "search", "ensemble", "gap"];
 
 impl PlanCommand {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         check_arguments(&self.arguments)?;
-        let command = match self.command {
-            Some(Planned::Sweep) => "sweep",
-            Some(Planned::Tune) => "tune",
-            Some(Planned::Search) => "search",
-            Some(Planned::Ensemble) => "ensemble",
-            Some(Planned::Gap) => "gap",
+        let command = match self.command.as_deref() {
+            Some(command) => command,
             None if kind::is_search(&self.study) => "search",
             None => "sweep",
         };
@@ -104,18 +91,13 @@ impl PlanCommand {
             fingerprint: work.fingerprint().entries().to_vec(),
             cost,
         };
-        let run = RunOptions {
-            jobs: self.jobs.count(),
-            stop: Some(interrupt::stop_flag()?),
-            progress: None,
-        };
         let plan = Plan::create(&self.output, draft)?;
-        let round = work.begin(&plan, &run)?;
-        if self.format == Format::Json {
+        let round = work.begin(&plan, &self.jobs.stoppable())?;
+        if self.print.is_json() {
             terminal::print_answer(&plan.status()?)?;
-            return Ok(ExitCode::SUCCESS);
+            return Ok(());
         }
-        let folder = self.output.display();
+        let folder = shell::path(&self.output);
         let mut lines = vec![format!(
             "{command} of {} in {}, at first {}",
             work.name(),
@@ -136,13 +118,15 @@ impl PlanCommand {
                 time(all)
             ));
         }
-        lines.push(format!("  a shard:        realgap run {folder} --shard 0"));
-        lines.push(format!("  after a round:  realgap merge {folder}"));
-        lines.push(format!("  how far it is:  realgap status {folder}"));
         lines.push(format!(
-            "  or all of it:   realgap submit slurm {folder} --go"
+            "  a shard:        realgap cluster run {folder} --shard 0"
+        ));
+        lines.push(format!("  after a round:  realgap cluster merge {folder}"));
+        lines.push(format!("  how far it is:  realgap cluster status {folder}"));
+        lines.push(format!(
+            "  or all of it:   realgap cluster submit slurm {folder} --go"
         ));
         terminal::print(lines.join("\n"));
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

@@ -1,11 +1,9 @@
 //! `realgap predict`: the prediction card of any robot.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::calibration::read_noise;
-use realgap::optimization::RunOptions;
 use realgap::prediction::{Card, Growth, ModelError, SuccessRule, ensemble};
 use realgap::results::{Kind, write_prediction};
 use realgap::simulation::{Experiment, Noise, Sampling};
@@ -14,9 +12,9 @@ use realgap::{Error, Result, Warning};
 
 use super::folder::ResultsFolder;
 use super::kind::read_morphology;
-use super::option::{Format, Jobs, MOST_REPEATS, ModelErrorOption, Values, recording_unused};
+use super::option::{Jobs, MOST_REPEATS, ModelErrorOption, Print, Values};
 use super::page::{self, PageOption};
-use super::{interrupt, progress, terminal};
+use super::{progress, terminal};
 
 /// Say what a robot will do before anybody builds it: how far, which behaviours, how likely
 ///
@@ -53,13 +51,12 @@ pub struct Predict {
     /// Folder for the results
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
 impl Predict {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let rule = match self.success_m {
             Some(least_m) if least_m.is_finite() && least_m > 0.0 => SuccessRule::AtLeast(least_m),
             Some(least_m) => {
@@ -77,9 +74,8 @@ impl Predict {
         experiment.duration_s = self.duration;
         experiment.sampling = Sampling::Rate(60.0);
         let mut warnings = morphology.warnings();
-        warnings.extend(values.without_effect(&experiment));
-        warnings.extend(recording_unused(&values));
-        let experiment = values.apply(&experiment);
+        let (experiment, without_effect) = self.values.apply(&experiment)?;
+        warnings.extend(without_effect);
         experiment.check().map_err(Error::into_usage)?;
         let (noise, noise_from) = match &self.noise {
             Some(file) => (read_noise(file)?, file.display().to_string()),
@@ -94,29 +90,19 @@ impl Predict {
         let folder = self.output.as_deref();
         let folder = folder.map(|folder| ResultsFolder::take(folder, Kind::Prediction));
         let folder = folder.transpose()?;
-        let bar = progress::bar(self.repeats as usize, "repeating");
-        let follow = progress::follow(&bar);
-        let run = RunOptions {
-            jobs: self.jobs.count(),
-            stop: Some(interrupt::stop_flag()?),
-            progress: Some(&follow),
-        };
-        let repeats = ensemble::run(&experiment, &noise, self.seed, self.repeats as usize, &run);
-        bar.finish_and_clear();
-        let repeats = repeats?;
+        let (total, run) = (self.repeats as usize, self.jobs.stoppable());
+        let repeats = progress::during(total, "repeating", run, |run| {
+            ensemble::run(&experiment, &noise, self.seed, total, run)
+        })?;
         // Two more runs, which somebody who has just stopped this one does not wait for.
         let growth = match repeats.is_complete() {
             true => Growth::of(&experiment)?,
             false => None,
         };
         let card = Card::new(morphology.name(), &repeats, rule)?;
-        let quiet = RunOptions {
-            progress: None,
-            ..run
-        };
         let model = points.map(|points| {
             let forecast = &card.prediction;
-            ModelError::new(&experiment, &repeats, forecast, &points, &quiet)
+            ModelError::new(&experiment, &repeats, forecast, &points, &run)
         });
         let model = model.transpose()?.flatten();
         let card = card
@@ -126,27 +112,25 @@ impl Predict {
             .with_growth(growth)
             .with_warnings(warnings);
         terminal::print_warnings(&card.warnings);
+        let mut page_said = "";
         if let Some(folder) = &folder {
             folder.check()?;
             write_prediction(folder.path(), &card, &repeats)?;
-            self.page
+            page_said = self
+                .page
                 .write(folder.path(), || page::of_robot(&experiment, &morphology));
             folder.write_timing(run.jobs)?;
         }
-        match self.format {
-            Format::Json => terminal::print_answer(&card)?,
-            Format::Table => {
-                let mut text = card.to_string();
-                if let Some(folder) = &folder {
-                    text += &format!(
-                        "\n  results in {}: prediction.json, repeats.csv, prediction.png and .svg{}",
-                        folder.path().display(),
-                        self.page.said()
-                    );
-                }
-                terminal::print(text);
-            }
-        }
+        self.print.answer(&card, || {
+            let written = folder.as_ref().map(|folder| {
+                format!(
+                    "\n  results in {}: prediction.json, repeats.csv, prediction.png and .svg{}",
+                    folder.path().display(),
+                    page_said
+                )
+            });
+            card.to_string() + &written.unwrap_or_default()
+        })?;
         if !repeats.is_complete() {
             return Err(Error::interrupted(format!(
                 "interrupted after {} of {} repeats; the card is of those",
@@ -159,6 +143,6 @@ impl Predict {
                 .at_file(&self.morphology)
                 .hint("check the robot with `realgap simulate`, then a shorter timestep or more substeps"));
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

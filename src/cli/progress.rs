@@ -1,10 +1,38 @@
 //! A progress bar with rate and time left; quiet where standard error is not a terminal.
 
+use std::io::IsTerminal as _;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use realgap::optimization::Progress;
+use realgap::Result;
+
+use super::terminal;
+use realgap::optimization::{Progress, RunOptions};
+use realgap::plan::time;
+
+/// How often a log hears how far the work is.
+const MINUTE: Duration = Duration::from_secs(60);
+
+/// Does some work under a bar of `total` steps.
+///
+/// # Errors
+/// As the work.
+pub fn during<T>(
+    total: usize,
+    what: &str,
+    run: RunOptions<'_>,
+    work: impl FnOnce(&RunOptions<'_>) -> Result<T>,
+) -> Result<T> {
+    let bar = bar(total, what);
+    let follow = follow(&bar);
+    let done = work(&RunOptions {
+        progress: Some(&follow),
+        ..run
+    });
+    bar.finish_and_clear();
+    done
+}
 
 /// What keeps a bar where the run is.
 pub fn follow(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {
@@ -55,5 +83,39 @@ pub fn bar(total: usize, what: &str) -> ProgressBar {
     }
     bar.set_message(what.to_owned());
     bar.enable_steady_tick(Duration::from_millis(250));
+    if !std::io::stderr().is_terminal() {
+        tell_by_the_minute(&bar);
+    }
     bar
+}
+
+/// Says once a minute how far a bar is that nobody sees.
+fn tell_by_the_minute(bar: &ProgressBar) {
+    let watched = bar.downgrade();
+    let begun = Instant::now();
+    std::thread::spawn(move || {
+        let (mut next, mut first) = (MINUTE, None);
+        while let Some(bar) = watched.upgrade().filter(|bar| !bar.is_finished()) {
+            let (done, total) = (bar.position(), bar.length().unwrap_or(0));
+            // What an earlier run did was not done in this time.
+            let first = *first.get_or_insert(done);
+            let taken = begun.elapsed();
+            if taken >= next {
+                next += MINUTE;
+                let pace_s = taken.as_secs_f64() / done.saturating_sub(first).max(1) as f64;
+                let left_s = pace_s * total.saturating_sub(done) as f64;
+                let left = match done > first && total > done {
+                    true => format!(", about {} left", time(left_s)),
+                    false => String::new(),
+                };
+                let message = bar.message();
+                terminal::note(format!(
+                    "{message}: {done} of {total} after {}{left}",
+                    time(taken.as_secs_f64())
+                ));
+            }
+            drop(bar);
+            std::thread::sleep(Duration::from_secs(1));
+        }
+    });
 }

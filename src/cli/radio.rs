@@ -1,10 +1,8 @@
-//! `realgap radio`: from logged strengths to a radio model, and what becomes of messages.
+//! `realgap sense radio`: from logged strengths to a radio model, and what becomes of messages.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
-use clap::{Args, Subcommand, ValueEnum};
-use realgap::file::{check_writable, write_atomic};
+use clap::Args;
 use realgap::plot::check_picture_path;
 use realgap::results::{draw_error_map, draw_strength_map};
 use realgap::sensing::arena::{Anchor, Arena};
@@ -15,23 +13,16 @@ use realgap::sensing::radio::{
 };
 use realgap::{Error, Result};
 
-use super::form::Answer;
-use super::option::Format as Print;
+use super::option::{Choice, Print, choice};
 use super::page::PageFile;
-use super::terminal;
+use super::{output, terminal};
 
-/// Fit how strong radio signals arrive, hold it against other logs, and send messages (paper 002, section IV)
-///
-/// A log is CSV with x_m, y_m and a column of strengths for every anchor (anchor_1_dbm …; empty where nothing was heard). Walls, with
-/// thickness and material, and the anchors' places come from an arena; realgap counts the walls between robot and anchor.
-#[derive(Debug, Args)]
-pub struct RadioCommand {
-    #[command(subcommand)]
-    action: Action,
-}
-
-#[derive(Debug, Subcommand)]
-enum Action {
+commands! {
+    /// Fit how strong radio signals arrive, hold it against other logs, and send messages (paper 002, section IV)
+    ///
+    /// A log is CSV with x_m, y_m and a column of strengths for every anchor (anchor_1_dbm …; empty where nothing was heard). Walls, with
+    /// thickness and material, and the anchors' places come from an arena; realgap counts the walls between robot and anchor.
+    RadioCommand:
     Fit(Fit),
     Evaluate(Evaluate),
     Map(Map),
@@ -60,19 +51,19 @@ impl Place {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Base {
-    /// Base 10, as usual
-    #[value(name = "10")]
-    Ten,
-    /// Base e, which the numbers of paper 002 need
-    #[value(name = "e")]
-    E,
-}
+/// Bases of logarithms.
+const BASES: &[Choice<LogBase>] = &[
+    ("10", LogBase::Ten, "Base 10, as usual"),
+    (
+        "e",
+        LogBase::E,
+        "Base e, which the numbers of paper 002 need",
+    ),
+];
 
 /// Fit a radio model to logged strengths
 #[derive(Debug, Args)]
-struct Fit {
+pub struct Fit {
     /// The log
     log: PathBuf,
     #[command(flatten)]
@@ -84,8 +75,8 @@ struct Fit {
     #[arg(long, value_name = "NAME", default_value = "auto")]
     model: String,
     /// Base of the logarithm of distances: the exponent depends on it
-    #[arg(long, value_enum, default_value = "10")]
-    log_base: Base,
+    #[arg(long, value_parser = choice(BASES), default_value = "10")]
+    log_base: LogBase,
     /// Distance at which the strength is a parameter, metres
     #[arg(long, value_name = "M", default_value_t = 1.0)]
     reference_distance: f64,
@@ -97,14 +88,13 @@ struct Fit {
     output: Option<PathBuf>,
     #[command(flatten)]
     page: PageFile,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Print,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// Hold a radio model against a log that it has not seen, beside the guesses one would ask for
 #[derive(Debug, Args)]
-struct Evaluate {
+pub struct Evaluate {
     /// The log
     log: PathBuf,
     #[command(flatten)]
@@ -134,14 +124,13 @@ struct Evaluate {
     plot: Option<PathBuf>,
     #[command(flatten)]
     page: PageFile,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Print,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// Draw how strong an anchor's signal is everywhere
 #[derive(Debug, Args)]
-struct Map {
+pub struct Map {
     #[command(flatten)]
     place: Place,
     /// The model that `fit` wrote
@@ -157,7 +146,7 @@ struct Map {
 
 /// Send messages between two places and count what becomes of them
 #[derive(Debug, Args)]
-struct Send {
+pub struct Send {
     #[command(flatten)]
     place: Place,
     /// The model that `fit` wrote
@@ -205,20 +194,8 @@ struct Send {
     /// Seed of shadowing, fading, losses and latencies
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Print,
-}
-
-impl RadioCommand {
-    pub fn run(self) -> Result<ExitCode> {
-        match self.action {
-            Action::Fit(fit) => fit.run(),
-            Action::Evaluate(evaluate) => evaluate.run(),
-            Action::Map(map) => map.run(),
-            Action::Send(send) => send.run(),
-        }
-    }
+    #[command(flatten)]
+    print: Print,
 }
 
 fn read_log(path: &Path, session: Option<&String>) -> Result<RadioLog> {
@@ -228,19 +205,11 @@ fn read_log(path: &Path, session: Option<&String>) -> Result<RadioLog> {
     RadioLog::read_with(path, &options)
 }
 
-fn print(value: &(impl Answer + std::fmt::Display), format: Print) -> Result<ExitCode> {
-    match format {
-        Print::Json => terminal::print_answer(value)?,
-        Print::Table => terminal::print(value.to_string()),
-    }
-    Ok(ExitCode::SUCCESS)
-}
-
 impl Fit {
-    fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         self.page.check()?;
         if let Some(output) = &self.output {
-            check_writable(output)?;
+            output::check(output)?;
         }
         let propagation = match self.model.as_str() {
             "auto" => None,
@@ -254,10 +223,7 @@ impl Fit {
         let options = RadioOptions {
             propagation,
             reference_distance_m: self.reference_distance,
-            log_base: match self.log_base {
-                Base::Ten => LogBase::Ten,
-                Base::E => LogBase::E,
-            },
+            log_base: self.log_base,
             robot_height_m: self.height,
         };
         let (arena, anchors) = self.place.read()?;
@@ -269,16 +235,16 @@ impl Fit {
         );
         terminal::print_warnings(&found.warnings);
         if let Some(output) = &self.output {
-            write_atomic(output, found.model.to_ron()?.as_bytes())?;
+            output::write_ron(output, &found.model.to_ron()?)?;
         }
         self.page
             .write("radio", &self.log, &found, &found.to_string(), [])?;
-        print(&found, self.format)
+        self.print.value(&found)
     }
 }
 
 impl Evaluate {
-    fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         self.page.check()?;
         if let Some(plot) = &self.plot {
             check_picture_path(plot)?;
@@ -302,12 +268,12 @@ impl Evaluate {
         self.page
             .write("radio", &self.log, &found, &found.to_string(), &self.plot)?;
         terminal::print_warnings(&found.warnings);
-        print(&found, self.format)
+        self.print.value(&found)
     }
 }
 
 impl Map {
-    fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         check_picture_path(&self.plot)?;
         let model = RadioModel::read(&self.parameters)?;
         let (arena, anchors) = self.place.read()?;
@@ -322,7 +288,7 @@ impl Map {
                     .allowed(names.join(", "))
             })?;
         draw_strength_map(&model, &arena, anchor, &self.plot)?;
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }
 
@@ -339,7 +305,7 @@ fn place(option: &str, values: &[f64], model: &RadioModel) -> Result<[f64; 3]> {
 }
 
 impl Send {
-    fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let model = RadioModel::read(&self.parameters)?;
         let (arena, _) = self.place.read()?;
         let from_m = place("--from", &self.from, &model)?;
@@ -373,6 +339,6 @@ impl Send {
                 (message, service.send(&message))
             })
             .collect();
-        print(&ServiceReport::new(&sent), self.format)
+        self.print.value(&ServiceReport::new(&sent))
     }
 }

@@ -1,12 +1,11 @@
 //! `realgap replay`: a robot in motion and its recorded runs, as a page, an animation, or a file for another program.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::calibration::{Overrides, RepeatCase, Repeatable, StartRule};
 use realgap::comparison;
-use realgap::file::{check_writable, look_up, sha256, write_atomic};
+use realgap::file::{look_up, sha256, write_atomic};
 use realgap::report::{Replay, SIMULATION};
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{self, Divergence, Experiment, Film, Floor, Outcome, Sampling, film};
@@ -17,7 +16,7 @@ use super::kind::{self, read_morphology, read_repeatable};
 use super::option::{Values, recording_unused};
 use super::page;
 use super::reading::ReadingOptions;
-use super::terminal;
+use super::{output, shell, terminal};
 
 /// Show a run in space, over its recordings: a page that needs no network, an animation, or a file for Foxglove or a 3D program
 ///
@@ -56,11 +55,11 @@ pub struct ReplayCommand {
 }
 
 impl ReplayCommand {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         check_replay(&self.output)?;
         if kind::is_study(&self.run) {
             self.of_study()?;
-            return Ok(ExitCode::SUCCESS);
+            return Ok(());
         }
         if self.start.is_some() {
             return Err(
@@ -73,7 +72,8 @@ impl ReplayCommand {
         let mut files: Vec<&Path> = vec![&self.run];
         files.extend(self.robot.as_deref());
         files.extend(self.against.iter().map(PathBuf::as_path));
-        if self.run.extension().is_some_and(|ending| ending == "ron") {
+        let is_ron = self.run.extension().is_some_and(|ending| ending == "ron");
+        if is_ron || realgap::import::is_foreign(&self.run) {
             if self.robot.is_some() {
                 return Err(Error::usage("this is a robot already")
                     .field("robot")
@@ -84,7 +84,7 @@ impl ReplayCommand {
         } else {
             self.recorded(&recordings, &files)?;
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     /// A run that is simulated now.
@@ -282,7 +282,7 @@ impl Shown<'_> {
             let hash = sha256(bytes);
             all.push((file.display().to_string(), format!("sha256 {hash}")));
         }
-        all.push(("command".to_owned(), command_line()));
+        all.push(("command".to_owned(), shell::command_line()));
         Ok(all)
     }
 }
@@ -331,17 +331,7 @@ impl Show {
 /// Checks before the work that a replay can be written there.
 pub fn check_replay(path: &Path) -> Result<()> {
     Show::of(path)?;
-    check_writable(path)
-}
-
-/// Checks before the work that a page can be written there.
-pub fn check_page(path: &Path) -> Result<()> {
-    if path.extension().is_none_or(|ending| ending != "html") {
-        return Err(Error::usage("a page is an HTML file")
-            .at_file(path)
-            .allowed("a name that ends in .html"));
-    }
-    check_writable(path)
+    output::check(path)
 }
 
 fn read_recordings(paths: &[PathBuf], reading: &Reading) -> Result<Vec<Recording>> {
@@ -350,23 +340,4 @@ fn read_recordings(paths: &[PathBuf], reading: &Reading) -> Result<Vec<Recording
         all.extend(trajectory::read_all(path, reading.clone())?);
     }
     Ok(all)
-}
-
-/// The command that runs now, as it would be typed.
-pub fn command_line() -> String {
-    let words = std::env::args_os().skip(1);
-    let words = words.map(|word| quoted(word.to_string_lossy().into_owned()));
-    std::iter::once("realgap".to_owned())
-        .chain(words)
-        .collect::<Vec<_>>()
-        .join(" ")
-}
-
-/// A word as a shell wants it.
-pub fn quoted(word: String) -> String {
-    let is_simple = |c: char| c.is_alphanumeric() || "_-./=,:+%@".contains(c);
-    match word.chars().all(is_simple) && !word.is_empty() {
-        true => word,
-        false => format!("'{}'", word.replace('\'', "'\\''")),
-    }
 }

@@ -1,14 +1,14 @@
 //! `realgap report`: a results folder as one page.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::file::write_atomic;
 use realgap::report::folder_page;
 use realgap::{Error, Result};
 
-use super::replay::{check_page, command_line};
+use super::output::check_page;
+use super::shell::command_line;
 use super::terminal;
 
 /// Show what a results folder holds: one HTML file that needs no network
@@ -25,7 +25,7 @@ pub struct ReportCommand {
 }
 
 impl ReportCommand {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         if !self.folder.is_dir() {
             return Err(Error::usage("this is no folder")
                 .at_file(&self.folder)
@@ -44,6 +44,6 @@ impl ReportCommand {
             output.display(),
             page.len().div_ceil(1000)
         ));
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

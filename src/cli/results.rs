@@ -1,17 +1,16 @@
-//! `realgap results`: what a results folder holds.
+//! `realgap study results`: what a results folder holds.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use realgap::file::{versioned_json, write_atomic};
+use realgap::file::versioned_json;
 use realgap::plot::{Side, TextTable, number};
 use realgap::store::{Cell, Listing};
 use realgap::text::{cell, shown};
 use realgap::{Error, Result};
 use serde::Serialize;
 
-use super::terminal;
+use super::{output, terminal};
 
 /// List the points or robots of a results folder, also while a run is still writing into it
 ///
@@ -52,7 +51,7 @@ enum ResultsFormat {
 }
 
 impl Results {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         // Who only looks has neither a run to resume nor another folder to choose.
         let listing = Listing::read(&self.folder).map_err(Error::without_advice)?;
         let mut listing = listing.sorted(self.sort.as_deref())?;
@@ -67,10 +66,10 @@ impl Results {
             ResultsFormat::Parquet => parquet(&listing, self.output.as_deref())?,
         };
         match &self.output {
-            Some(path) => write_atomic(path, &bytes)?,
+            Some(path) => output::write(path, &bytes)?,
             None => terminal::print(String::from_utf8_lossy(&bytes).trim_end()),
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }
 
@@ -100,7 +99,7 @@ fn table(listing: &Listing) -> String {
         shown(&listing.kind, SHOWN),
         shown(&listing.name, SHOWN),
         shown(&listing.measure, SHOWN),
-        table.render(terminal::stdout_wants_colour())
+        terminal::table(&table)
     )
 }
 

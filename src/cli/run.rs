@@ -1,16 +1,14 @@
-//! `realgap run`: make the rows of some shards.
+//! `realgap cluster run`: make the rows of some shards.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
-use realgap::optimization::RunOptions;
 use realgap::store::Share;
 use realgap::unit::counted;
 use realgap::{Error, Result};
 
 use super::option::Jobs;
-use super::{interrupt, progress, terminal, work};
+use super::{progress, shell, terminal, work};
 
 /// Make the rows of one shard of a plan, or of several, one after the other
 ///
@@ -45,7 +43,7 @@ fn parse_numbers(text: &str) -> std::result::Result<Numbers, String> {
 }
 
 impl Run {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let (plan, work) = work::open(&self.plan)?;
         let of = plan.draft().shards;
         let highest = self.shards.0.iter().map(|(_, last)| *last).max();
@@ -54,10 +52,10 @@ impl Run {
         let round = plan.round()?;
         if round.complete {
             terminal::print(format!(
-                "nothing is left to be made; what is left is: realgap merge {}",
-                self.plan.display()
+                "nothing is left to be made; what is left is: realgap cluster merge {}",
+                shell::path(&self.plan)
             ));
-            return Ok(ExitCode::SUCCESS);
+            return Ok(());
         }
         for number in self
             .shards
@@ -68,12 +66,7 @@ impl Run {
             let share = Share::new(number, of)?;
             let rows = round.rows_of(share);
             let bar = progress::bar(rows, &format!("shard {number}"));
-            let run = RunOptions {
-                jobs: self.jobs.count(),
-                stop: Some(interrupt::stop_flag()?),
-                progress: None,
-            };
-            let left = work.run_shard(&plan, share, &run);
+            let left = work.run_shard(&plan, share, &self.jobs.stoppable());
             bar.finish_and_clear();
             let left = left?;
             if left > 0 {
@@ -90,7 +83,7 @@ impl Run {
                 counted(rows, "row")
             ));
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }
 

@@ -1,7 +1,6 @@
-//! `realgap schema`: what files and answers may hold, for editors and machines.
+//! `realgap study schema`: what files and answers may hold, for editors and machines.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::file::{unknown_name, write_atomic};
@@ -9,6 +8,7 @@ use realgap::plot::{Side, TextTable};
 use realgap::unit::counted;
 use realgap::{Error, Result};
 
+use super::form::SCHEMAS;
 use super::terminal;
 
 /// Print the JSON Schema of a file or of an answer, or list all that there are
@@ -32,31 +32,25 @@ struct Shipped {
     text: &'static str,
 }
 
-/// Writes the table of schemas of files; those of answers are in the order of their forms.
-macro_rules! shipped {
-    (files: $($file:literal)*; answers: $($answer:literal)*) => {
-        const SHIPPED: &[Shipped] = &[
-            $(Shipped {
-                folder: "files",
-                name: $file,
-                text: include_str!(concat!("../../schemas/files/", $file, ".json")),
-            },)*
-            $(Shipped {
-                folder: "answers",
-                name: $answer,
-                text: include_str!(concat!("../../schemas/answers/", $answer, ".json")),
-            },)*
-        ];
+macro_rules! files {
+    ($($name:literal)*) => {
+        &[$(($name, include_str!(concat!("../../schemas/files/", $name, ".json"))),)*]
     };
 }
 
-shipped! {
-    files: "robot" "study" "noise" "search" "meta" "reading" "genome" "parameters" "arena" "vehicle" "sensor" "sensorgraph"
-        "radio" "scene" "camera" "views" "basis" "plan";
-    answers: "belief" "characterise" "check" "compare" "compare-metric" "develop" "ensemble" "evaluate" "evaluate-joints"
-        "floor" "gap" "genome" "identify" "identify-joints" "parameters" "predict" "radio-evaluate" "radio-fit" "radio-send"
-        "record" "results" "search" "sensitivity" "sensorgraph-evaluate" "sensorgraph-fit" "simulate" "status" "sweep" "tasks"
-        "verify" "vision-compare" "vision-tune"
+/// The schemas of files, in the order of `realgap::schema::files`.
+const FILES: &[(&str, &str)] = files![
+    "robot" "study" "noise" "search" "meta" "reading" "genome" "parameters" "arena" "vehicle" "sensor" "sensorgraph"
+    "radio" "scene" "camera" "views" "basis" "plan"
+];
+
+/// All that there are.
+fn shipped() -> impl Iterator<Item = Shipped> {
+    let files = FILES.iter().map(|(name, text)| ("files", name, text));
+    let answers = SCHEMAS.iter().map(|(name, text)| ("answers", name, text));
+    files
+        .chain(answers)
+        .map(|(folder, name, text)| Shipped { folder, name, text })
 }
 
 impl Shipped {
@@ -76,17 +70,15 @@ impl Shipped {
 }
 
 /// The schema that a name means.
-fn find(name: &str) -> Result<&'static Shipped> {
+fn find(name: &str) -> Result<Shipped> {
     let wanted = name.trim_end_matches(".json");
-    let found: Vec<&Shipped> = SHIPPED
-        .iter()
-        .filter(|one| one.name == wanted || one.path() == wanted)
-        .collect();
-    match *found {
-        [one] => Ok(one),
-        [] => Err(unknown_name("schema", name, SHIPPED.iter().map(|one| one.name)).into_usage()),
+    let is_meant = |one: &Shipped| one.name == wanted || one.path() == wanted;
+    let mut found = shipped().filter(is_meant);
+    match (found.next(), found.next()) {
+        (Some(one), None) => Ok(one),
+        (None, _) => Err(unknown_name("schema", name, shipped().map(|one| one.name)).into_usage()),
         _ => {
-            let paths: Vec<String> = found.iter().map(|one| one.path()).collect();
+            let paths: Vec<String> = shipped().filter(is_meant).map(|one| one.path()).collect();
             Err(Error::usage("a file and an answer have this name")
                 .found(name)
                 .allowed(paths.join(" or ")))
@@ -95,30 +87,29 @@ fn find(name: &str) -> Result<&'static Shipped> {
 }
 
 impl SchemaCommand {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         match (&self.name, &self.output) {
             (Some(name), _) => terminal::print(find(name)?.text.trim_end()),
             (None, Some(folder)) => {
-                for one in SHIPPED {
+                for one in shipped() {
                     let file = folder.join(one.path()).with_extension("json");
                     let parent = folder.join(one.folder);
                     std::fs::create_dir_all(&parent)
                         .map_err(|e| Error::io("make the folder", &parent, &e))?;
                     write_atomic(&file, one.text.as_bytes())?;
                 }
-                let count = counted(SHIPPED.len(), "schema");
+                let count = counted(shipped().count(), "schema");
                 terminal::print(format!("{count} in {}", folder.display()));
             }
             (None, None) => {
                 let mut table = TextTable::new([("schema", Side::Left), ("of", Side::Left)]);
-                for one in SHIPPED {
+                for one in shipped() {
                     table.push([one.path(), one.doc()]);
                 }
-                let table = table.render(terminal::stdout_wants_colour());
-                terminal::print(table.trim_end());
+                terminal::print(terminal::table(&table));
             }
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }
 
@@ -130,7 +121,7 @@ mod tests {
     use realgap::file::SCHEMA_VERSION;
     use serde_json::{Value, json};
 
-    use super::SHIPPED;
+    use super::shipped;
     use crate::cli::form::FORMS;
 
     /// What stands in the files: the types' own schemas with a title.
@@ -232,7 +223,7 @@ mod tests {
     fn committed_schemas_are_what_the_types_say() {
         let made = made();
         let paths: Vec<&String> = made.iter().map(|(path, _)| path).collect();
-        let shipped: Vec<String> = SHIPPED.iter().map(super::Shipped::path).collect();
+        let shipped: Vec<String> = shipped().map(|one| one.path()).collect();
         assert_eq!(paths, shipped.iter().collect::<Vec<_>>());
         for (path, schema) in made {
             let text = serde_json::to_string_pretty(&schema).unwrap() + "\n";

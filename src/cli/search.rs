@@ -1,7 +1,6 @@
 //! `realgap search`: the best robot, and how sure that is.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -17,9 +16,9 @@ use realgap::{Error, Result};
 
 use super::folder::ResultsFolder;
 use super::kind::read_search;
-use super::option::{Format, Jobs, Values, recording_unused};
+use super::option::{Jobs, Print, Values, recording_unused};
 use super::page::{self, PageOption};
-use super::{interrupt, mujoco, progress, terminal};
+use super::{mujoco, progress, terminal};
 
 /// Search for the robot that walks best, by what will really happen
 ///
@@ -57,9 +56,8 @@ pub struct Search {
     /// Throw old results in the folder away and start anew
     #[arg(long)]
     restart: bool,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
 impl Search {
@@ -79,19 +77,13 @@ impl Search {
         Ok(Work::Search(Box::new(self.read()?)))
     }
 
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let search = self.read()?;
         let folder = match &self.output {
             Some(folder) => folder.clone(),
             None => PathBuf::from("results").join(search.name()),
         };
-        let jobs = self.jobs.count();
-        let stop = interrupt::stop_flag()?;
-        let options = RunOptions {
-            jobs,
-            stop: Some(stop),
-            progress: None,
-        };
+        let options = self.jobs.stoppable();
         let started = Instant::now();
         // Nobody else writes here until the best are looked at again and everything is written.
         let folder = ResultsFolder::take(&folder, Kind::Search)?;
@@ -127,26 +119,24 @@ impl Search {
             summary = write(&reranked)?;
             finalists = Ok(reranked);
         }
-        self.page
+        let page_said = self
+            .page
             .write(folder.path(), || match finalists.as_deref() {
                 Ok([best, ..]) => page::of_robot(&search.experiment(&best.robot), &best.robot),
                 _ => Kept::default(),
             });
-        folder.write_timing(jobs)?;
+        folder.write_timing(options.jobs)?;
         terminal::print_warnings(&summary.warnings);
-        match self.format {
-            Format::Json => terminal::print_answer(&summary)?,
-            Format::Table => {
-                let wall_s = started.elapsed().as_secs_f64();
-                let head = format!("{wall_s:.1} s on {}", counted(jobs, "thread"));
-                print(&summary, &search, &head);
-                terminal::print(format!(
-                    "  results in {}: summary.json, history.csv, best/ and pictures{}",
-                    folder.path().display(),
-                    self.page.said()
-                ));
-            }
-        }
+        self.print.answer(&summary, || {
+            let wall_s = started.elapsed().as_secs_f64();
+            let head = format!("{wall_s:.1} s on {}", counted(options.jobs, "thread"));
+            format!(
+                "{}\n  results in {}: summary.json, history.csv, best/ and pictures{}",
+                words(&summary, &search, &head),
+                folder.path().display(),
+                page_said
+            )
+        })?;
         let go_on = format!(
             "go on with: realgap search {} --resume (and the same options)",
             self.search.display()
@@ -167,7 +157,7 @@ impl Search {
                     .hint("history.csv says why: see its columns `status` and `seen`"),
             );
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     /// Simulates the robots, with a bar.
@@ -222,7 +212,7 @@ fn look_again(
     finalists
 }
 
-fn print(summary: &SearchSummary, search: &search::Search, head: &str) {
+fn words(summary: &SearchSummary, search: &search::Search, head: &str) -> String {
     let unit = search.objective().measure.unit();
     let failures: Vec<String> = summary
         .failures
@@ -292,8 +282,7 @@ fn print(summary: &SearchSummary, search: &search::Search, head: &str) {
                 },
             ]);
         }
-        let rendered = table.render(terminal::stdout_wants_colour());
-        lines.push(rendered.trim_end().to_owned());
+        lines.push(terminal::table(&table));
         if let Some(baseline) = &summary.baseline {
             let worth = match (&baseline.failure, baseline.fitness) {
                 (Some(failure), _) => format!("fails: {failure}"),
@@ -306,5 +295,5 @@ fn print(summary: &SearchSummary, search: &search::Search, head: &str) {
             ));
         }
     }
-    terminal::print(lines.join("\n"));
+    lines.join("\n")
 }

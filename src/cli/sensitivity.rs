@@ -1,24 +1,22 @@
-//! `realgap sensitivity`: which parameters matter at all?
+//! `realgap study sensitivity`: which parameters matter at all?
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::Result;
 use realgap::calibration::{Overrides, Sensitivity as Effects, Study};
-use realgap::optimization::RunOptions;
 use realgap::plot::{
     Bar, BarChart, Caption, Side, TextTable, check_picture_path, draw_bars, number, quantity,
 };
 
 use super::kind::read_study;
-use super::option::{Format, Jobs, Recordings, Values, metric_option};
+use super::option::{Jobs, Print, Recordings, Values, metric_option};
 use super::{progress, terminal};
 
 /// Change every parameter a little, one at a time, and see what it does to the score
 ///
 /// Around the study's values, or those of --parameters best.ron. Each parameter moves by a step that a user would call small
-/// (`realgap parameters` lists it). Worth doing before a sweep: what has no effect cannot be fitted.
+/// (`realgap study parameters` lists it). Worth doing before a sweep: what has no effect cannot be fitted.
 #[derive(Debug, Args)]
 pub struct Sensitivity {
     /// The study
@@ -35,13 +33,12 @@ pub struct Sensitivity {
     plot: Option<PathBuf>,
     #[command(flatten)]
     jobs: Jobs,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
 impl Sensitivity {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         if let Some(path) = &self.plot {
             check_picture_path(path)?;
         }
@@ -51,25 +48,12 @@ impl Sensitivity {
             ..self.recordings.overrides()?
         };
         let study = read_study(&self.study, &overrides)?;
-        let bar = progress::bar(0, "nudging");
-        let follow = progress::follow(&bar);
-        let run = RunOptions {
-            jobs: self.jobs.count(),
-            progress: Some(&follow),
-            ..RunOptions::default()
-        };
-        let result = study.sensitivity(&run);
-        bar.finish_and_clear();
-        let result = result?;
+        let result = progress::during(0, "nudging", self.jobs.run(), |run| study.sensitivity(run))?;
         terminal::print_warnings(&result.warnings);
         if let Some(path) = &self.plot {
             draw_bars(&chart(&study, &result), path)?;
         }
-        match self.format {
-            Format::Json => terminal::print_answer(&result)?,
-            Format::Table => print(&study, &result),
-        }
-        Ok(ExitCode::SUCCESS)
+        self.print.answer(&result, || words(&study, &result))
     }
 }
 
@@ -106,7 +90,7 @@ fn chart(study: &Study, result: &Effects) -> BarChart {
     }
 }
 
-fn print(study: &Study, result: &Effects) {
+fn words(study: &Study, result: &Effects) -> String {
     let unit = study.definition().metric.unit();
     let mut table = TextTable::new([
         ("parameter", Side::Left),
@@ -132,10 +116,10 @@ fn print(study: &Study, result: &Effects) {
         ),
         None => String::new(),
     };
-    terminal::print(format!(
+    format!(
         "{} at the point: {}{chance}\n{}",
         result.metric,
         quantity(result.score, unit),
-        table.render(terminal::stdout_wants_colour()).trim_end()
-    ));
+        terminal::table(&table)
+    )
 }

@@ -1,10 +1,8 @@
-//! `realgap sensorgraph`: logs of a scanner, polynomial models of what it reads at a place.
+//! `realgap sense graph`: logs of a scanner, polynomial models of what it reads at a place.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
-use clap::{Args, Subcommand, ValueEnum};
-use realgap::file::{check_writable, write_atomic};
+use clap::Args;
 use realgap::plot::check_picture_path;
 use realgap::results::{draw_segment, draw_visits, draw_way};
 use realgap::sensing::arena::Arena;
@@ -16,22 +14,16 @@ use realgap::sensing::range::find_sensor;
 use realgap::unit::counted;
 use realgap::{Error, Result};
 
-use super::option::Format as Print;
+use super::option::{Choice, Print, choice};
 use super::page::PageFile;
-use super::terminal;
+use super::{output, terminal};
 
-/// Make polynomials of what a scanner reads at a place, and hold them against a log they have not seen (paper 001)
-///
-/// A log is CSV with t_s, x_m, y_m, heading_rad and a column for every beam (range_000_m, range_002_m … in degrees counter-clockwise
-/// from straight ahead), or a CARMEN log with FLASER lines.
-#[derive(Debug, Args)]
-pub struct SensorgraphCommand {
-    #[command(subcommand)]
-    action: Action,
-}
-
-#[derive(Debug, Subcommand)]
-enum Action {
+commands! {
+    /// Make polynomials of what a scanner reads at a place, and hold them against a log they have not seen (paper 001)
+    ///
+    /// A log is CSV with t_s, x_m, y_m, heading_rad and a column for every beam (range_000_m, range_002_m … in degrees counter-clockwise
+    /// from straight ahead), or a CARMEN log with FLASER lines.
+    SensorgraphCommand:
     Log(Log),
     Fit(Fit),
     Evaluate(Evaluate),
@@ -76,35 +68,57 @@ impl Part {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum FrameOption {
-    /// What foretells parts of the way that are left out better
-    Auto,
-    /// A polynomial for every range of headings and every segment
-    Robot,
-    /// A polynomial for every direction of the world
-    World,
-}
+/// A frame, or none where the log decides; clap would take `Option` for an option that may be missing.
+type FrameChoice = Option<Frame>;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum StopOption {
-    /// What foretells parts of the way that are left out best (the degree, too)
-    Validation,
-    /// Akaike's information criterion
-    Aic,
-    /// The Bayesian information criterion
-    Bic,
-    /// Once --ratio of the squares is explained
-    Err,
-    /// At --terms
-    Terms,
-}
+/// What polynomials are of.
+const FRAMES: &[Choice<FrameChoice>] = &[
+    (
+        "auto",
+        None,
+        "What foretells parts of the way that are left out better",
+    ),
+    (
+        "robot",
+        Some(Frame::Robot),
+        "A polynomial for every range of headings and every segment",
+    ),
+    (
+        "world",
+        Some(Frame::World),
+        "A polynomial for every direction of the world",
+    ),
+];
+
+/// A rule that the options `--ratio` and `--terms` complete.
+type StopChoice = fn(f64, usize) -> Stop;
+
+/// When no more terms are taken.
+const STOPS: &[Choice<StopChoice>] = &[
+    (
+        "validation",
+        |_, _| Stop::Validation,
+        "What foretells parts of the way that are left out best (the degree, too)",
+    ),
+    ("aic", |_, _| Stop::Aic, "Akaike's information criterion"),
+    (
+        "bic",
+        |_, _| Stop::Bic,
+        "The Bayesian information criterion",
+    ),
+    (
+        "err",
+        |ratio, _| Stop::Err(ratio),
+        "Once --ratio of the squares is explained",
+    ),
+    ("terms", |_, terms| Stop::Terms(terms), "At --terms"),
+];
 
 /// Let a simulated robot log scans in an arena: a stand-in for a real log, with known walls
 ///
 /// It walks at random from where the arena says that robots start, or goes along `--way`, turning on the spot.
 #[derive(Debug, Args)]
-struct Log {
+pub struct Log {
     /// The arena
     arena: PathBuf,
     /// The log to write (.csv)
@@ -157,7 +171,7 @@ fn way(text: &str) -> std::result::Result<Way, String> {
 
 /// Fit polynomials to a log
 #[derive(Debug, Args)]
-struct Fit {
+pub struct Fit {
     /// The log
     log: PathBuf,
     /// Write the model into this .ron file
@@ -173,8 +187,8 @@ struct Fit {
     #[arg(long, value_name = "DEG", default_value_t = 30.0)]
     width: f64,
     /// When no more terms are taken
-    #[arg(long, value_enum, default_value_t = StopOption::Validation)]
-    stop: StopOption,
+    #[arg(long, value_parser = choice(STOPS), default_value = "validation")]
+    stop: StopChoice,
     /// With `--stop err`: share of the squares
     #[arg(long, value_name = "SHARE", default_value_t = 0.99)]
     ratio: f64,
@@ -182,8 +196,8 @@ struct Fit {
     #[arg(long, value_name = "N", default_value_t = 5)]
     terms: usize,
     /// What the polynomials are of
-    #[arg(long, value_enum, default_value_t = FrameOption::Auto)]
-    frame: FrameOption,
+    #[arg(long, value_parser = choice(FRAMES), default_value = "auto")]
+    frame: FrameChoice,
     #[command(flatten)]
     part: Part,
     /// Draw where its scans were taken into this .png or .svg (as figures 4, 8 and 9 of paper 001)
@@ -194,14 +208,13 @@ struct Fit {
     visits: Option<PathBuf>,
     #[command(flatten)]
     page: PageFile,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Print,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// Hold a model against a log that it has not seen, beside the guesses one would ask for
 #[derive(Debug, Args)]
-struct Evaluate {
+pub struct Evaluate {
     /// The log
     log: PathBuf,
     /// The model that `fit` wrote
@@ -223,14 +236,13 @@ struct Evaluate {
     segment: usize,
     #[command(flatten)]
     page: PageFile,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Print,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// Print the polynomials of a model, or a function in another language
 #[derive(Debug, Args)]
-struct PrintOut {
+pub struct PrintOut {
     /// The model that `fit` wrote
     model: PathBuf,
     /// As a function in this language: c, python, rust
@@ -238,20 +250,9 @@ struct PrintOut {
     language: Option<String>,
 }
 
-impl SensorgraphCommand {
-    pub fn run(self) -> Result<ExitCode> {
-        match self.action {
-            Action::Log(log) => log.run(),
-            Action::Fit(fit) => fit.run(),
-            Action::Evaluate(evaluate) => evaluate.run(),
-            Action::Print(print) => print.run(),
-        }
-    }
-}
-
 impl Log {
-    fn run(self) -> Result<ExitCode> {
-        check_writable(&self.output)?;
+    pub fn run(self) -> Result<()> {
+        output::check(&self.output)?;
         let arena = Arena::read(&self.arena)?;
         let sensor = find_sensor(&self.sensor)?;
         let logger = Logger {
@@ -269,41 +270,31 @@ impl Log {
             None => logger.walk(&arena, &sensor, self.samples, self.seed),
         };
         let log = log.map_err(|e| e.at_file(&self.arena))?;
-        write_atomic(&self.output, log.to_csv().as_bytes())?;
+        output::write(&self.output, log.to_csv().as_bytes())?;
         terminal::print(format!(
             "{} in {}",
             counted(log.scans.len(), "scan"),
             self.output.display()
         ));
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }
 
 impl Fit {
-    fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         self.page.check()?;
         for plot in self.way.iter().chain(&self.visits) {
             check_picture_path(plot)?;
         }
         if let Some(output) = &self.output {
-            check_writable(output)?;
+            output::check(output)?;
         }
         let options = GraphOptions {
             degree: self.degree,
             headings: self.headings,
             width_deg: self.width,
-            stop: match self.stop {
-                StopOption::Validation => Stop::Validation,
-                StopOption::Aic => Stop::Aic,
-                StopOption::Bic => Stop::Bic,
-                StopOption::Err => Stop::Err(self.ratio),
-                StopOption::Terms => Stop::Terms(self.terms),
-            },
-            frame: match self.frame {
-                FrameOption::Auto => None,
-                FrameOption::Robot => Some(Frame::Robot),
-                FrameOption::World => Some(Frame::World),
-            },
+            stop: (self.stop)(self.ratio, self.terms),
+            frame: self.frame,
         };
         let log = self.part.read(&self.log)?;
         let found = fit(&log, &options).map_err(|e| e.at_file(&self.log))?;
@@ -315,7 +306,7 @@ impl Fit {
             draw_visits(&log, plot)?;
         }
         if let Some(output) = &self.output {
-            write_atomic(output, found.model.to_ron()?.as_bytes())?;
+            output::write_ron(output, &found.model.to_ron()?)?;
         }
         let pictures = self.way.iter().chain(&self.visits);
         self.page.write(
@@ -325,16 +316,12 @@ impl Fit {
             &found.to_string(),
             pictures,
         )?;
-        match self.format {
-            Print::Json => terminal::print_answer(&found)?,
-            Print::Table => terminal::print(found.to_string()),
-        }
-        Ok(ExitCode::SUCCESS)
+        self.print.value(&found)
     }
 }
 
 impl Evaluate {
-    fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         self.page.check()?;
         if let Some(plot) = &self.plot {
             check_picture_path(plot)?;
@@ -355,16 +342,12 @@ impl Evaluate {
             &self.plot,
         )?;
         terminal::print_warnings(&found.warnings);
-        match self.format {
-            Print::Json => terminal::print_answer(&found)?,
-            Print::Table => terminal::print(found.to_string()),
-        }
-        Ok(ExitCode::SUCCESS)
+        self.print.value(&found)
     }
 }
 
 impl PrintOut {
-    fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let language = self
             .language
             .as_deref()
@@ -377,6 +360,6 @@ impl PrintOut {
             None => model.to_string(),
         };
         terminal::print(text.trim_end());
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

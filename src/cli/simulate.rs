@@ -1,16 +1,14 @@
 //! `realgap simulate`: one run of one robot.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
-use realgap::file::{Source, check_writable};
+use realgap::file::Source;
 use realgap::plot::quantity;
 use realgap::report::SIMULATION;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{
-    self, Divergence, EnergyBalance, Experiment, Film, JointKind, Outcome, Run, Sampling,
-    SceneBody, film,
+    self, Divergence, EnergyBalance, Experiment, Film, Outcome, Run, Sampling, SceneBody, film,
 };
 use realgap::trajectory;
 use realgap::unit::{Unit, decimals};
@@ -18,11 +16,9 @@ use realgap::{Error, Result, Warning};
 use serde::Serialize;
 
 use super::kind::read_morphology;
-use super::option::{
-    Format, Joint, Values, joint_help, recording_unused, substeps_help, timestep_help,
-};
+use super::option::{Print, SolverOptions, Values};
 use super::replay::{Shown, check_replay, diverged};
-use super::terminal;
+use super::{output, terminal};
 
 /// Simulate one run of a robot from rest and print what it did
 ///
@@ -36,12 +32,8 @@ pub struct Simulate {
     /// Length of the run, seconds
     #[arg(long, value_name = "S", default_value_t = 10.0)]
     duration: f64,
-    #[arg(long, value_name = "S", help = timestep_help())]
-    timestep: Option<f64>,
-    #[arg(long, value_name = "N", help = substeps_help())]
-    substeps: Option<usize>,
-    #[arg(long, value_enum, help = joint_help())]
-    joint: Option<Joint>,
+    #[command(flatten)]
+    solver: SolverOptions,
     /// Put the robot where this arena says that robots start, among its walls; the motion begins at (0, 0) all the same
     #[arg(long, value_name = "FILE")]
     arena: Option<PathBuf>,
@@ -51,8 +43,8 @@ pub struct Simulate {
     #[arg(long)]
     energy: bool,
     /// Samples per second of the output
-    #[arg(long, value_name = "HZ", default_value_t = 60.0)]
-    rate: f64,
+    #[arg(long, alias = "rate", value_name = "HZ", default_value_t = 60.0)]
+    rate_hz: f64,
     /// Write the motion to this file
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -62,9 +54,8 @@ pub struct Simulate {
     /// Write what shows the run in space to this file: .html, .png, .mcap or .glb, as `replay` does
     #[arg(long, value_name = "FILE")]
     replay: Option<PathBuf>,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// One run.
@@ -146,36 +137,22 @@ impl Status {
 }
 
 impl Simulate {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let morphology = read_morphology(&self.morphology)?;
         let mut experiment = Experiment::new(morphology.assemble());
         experiment.duration_s = self.duration;
-        experiment.sampling = Sampling::Rate(self.rate);
+        experiment.sampling = Sampling::Rate(self.rate_hz);
         if let Some(path) = &self.arena {
             let plan = Source::read(path, "arena")?;
             experiment.scene.push(SceneBody::read_arena(&plan, true)?);
         }
-        let values = self.values.parameter_set()?;
         terminal::print_warnings(&morphology.warnings());
-        terminal::print_warnings(&values.without_effect(&experiment));
-        terminal::print_warnings(&recording_unused(&values));
-        let mut experiment = values.apply(&experiment);
-        if let Some(timestep_s) = self.timestep {
-            experiment.solver.timestep_s = timestep_s;
-        }
-        if let Some(substeps) = self.substeps {
-            experiment.solver.substeps = substeps;
-        }
-        if let Some(joint) = self.joint {
-            experiment.solver.joint = JointKind::from(joint);
-        }
-        if let Some(output) = &self.output {
+        let (experiment, warnings) = self.values.apply(&experiment)?;
+        terminal::print_warnings(&warnings);
+        let mut experiment = self.solver.apply(experiment);
+        for output in self.output.iter().chain(&self.parts) {
             trajectory::check_output(output)?;
-            check_writable(output)?;
-        }
-        if let Some(parts) = &self.parts {
-            trajectory::check_output(parts)?;
-            check_writable(parts)?;
+            output::check(output)?;
         }
         if let Some(page) = &self.replay {
             check_replay(page)?;
@@ -198,7 +175,7 @@ impl Simulate {
         }
         self.print(&morphology, &experiment, &run)?;
         match &run.outcome {
-            Outcome::Completed(_) => Ok(ExitCode::SUCCESS),
+            Outcome::Completed(_) => Ok(()),
             Outcome::Diverged(divergence) => Err(diverged(divergence, &self.morphology)),
         }
     }
@@ -253,7 +230,7 @@ impl Simulate {
             let transport = energy.cost_of_transport(weight_n, net.xy().norm())?;
             Some((transport * weight_n, transport))
         });
-        if self.format == Format::Json {
+        if self.print.is_json() {
             return terminal::print_answer(&SimulateReport {
                 morphology: morphology.name().to_owned(),
                 status: Status::of(run),

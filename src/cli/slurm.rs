@@ -30,7 +30,7 @@ pub struct Slurm {
 const CHAIN: &str = r#"# The shards that a round still needs, and a merge after them, whatever became of them.
 submit_round() { # RETRY ROUND
     local pending job
-    pending=$("$realgap" status "$plan" --pending) || exit 1
+    pending=$("$realgap" cluster status "$plan" --pending) || exit 1
     if [ -z "$pending" ]; then
         # Everything is made: what is left is to merge and to answer.
         sbatch --parsable "${options[@]}" --job-name="merge-$name" --output="$logs/merge_%j.txt" \
@@ -46,14 +46,14 @@ submit_round() { # RETRY ROUND
 }
 "#;
 
-const SHARD: &str = r#"exec "$realgap" run "$plan" --shard "$SLURM_ARRAY_TASK_ID" --jobs "${SLURM_CPUS_PER_TASK:-1}"
+const SHARD: &str = r#"exec "$realgap" cluster run "$plan" --shard "$SLURM_ARRAY_TASK_ID" --jobs "${SLURM_CPUS_PER_TASK:-1}"
 "#;
 
 const MERGE: &str = r#"retry=$1
 before=$2
-"$realgap" merge "$plan" --jobs "${SLURM_CPUS_PER_TASK:-1}"
+"$realgap" cluster merge "$plan" --jobs "${SLURM_CPUS_PER_TASK:-1}"
 code=$?
-round=$("$realgap" status "$plan" --round) || exit 1
+round=$("$realgap" cluster status "$plan" --round) || exit 1
 if [ "$round" = complete ]; then
     exit $code
 fi
@@ -69,8 +69,8 @@ fi
 submit_round "$retry" "$round"
 "#;
 
-const SUBMIT: &str = r#"round=$("$realgap" status "$plan" --round) || exit 1
-if [ "$round" = complete ] && [ -n "$("$realgap" status "$plan" --answered)" ]; then
+const SUBMIT: &str = r#"round=$("$realgap" cluster status "$plan" --round) || exit 1
+if [ "$round" = complete ] && [ -n "$("$realgap" cluster status "$plan" --answered)" ]; then
     echo "the plan is complete: see $plan/results"
     exit 0
 fi
@@ -104,7 +104,7 @@ pub fn scripts(plan: &Plan, slurm: &Slurm) -> Result<PathBuf> {
     let text = |path: &Path| quoted(&path.to_string_lossy());
     let head = format!(
         "#!/bin/bash\n\
-         # Written by realgap submit slurm.\n\
+         # Written by realgap cluster submit slurm.\n\
          set -u\n\
          realgap={}\n\
          plan={}\n\

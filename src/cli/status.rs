@@ -1,15 +1,14 @@
-//! `realgap status`: how far a plan is.
+//! `realgap cluster status`: how far a plan is.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::Result;
 use realgap::plan::{Plan, ShardState, Status};
 use realgap::plot::{Side, TextTable};
 
-use super::option::Format;
-use super::terminal;
+use super::option::Print;
+use super::{shell, terminal};
 
 /// How far the shards of a plan are
 #[derive(Debug, Args)]
@@ -25,16 +24,15 @@ pub struct StatusCommand {
     /// Print nothing but the folder of the results, once they are written
     #[arg(long, conflicts_with = "format")]
     answered: bool,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// Shards are listed one by one up to so many.
 const LISTED: usize = 40;
 
 impl StatusCommand {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let plan = Plan::read(&self.plan)?;
         let status = plan.status()?;
         if self.pending {
@@ -49,12 +47,9 @@ impl StatusCommand {
                 terminal::print(plan.results().display().to_string());
             }
         } else {
-            match self.format {
-                Format::Json => terminal::print_answer(&status)?,
-                Format::Table => terminal::print(self.table(&plan, &status)),
-            }
+            return self.print.answer(&status, || self.table(&plan, &status));
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     fn table(&self, plan: &Plan, status: &Status) -> String {
@@ -70,9 +65,9 @@ impl StatusCommand {
                 )
             } else if round.complete {
                 format!(
-                    "all {} rows are merged; the answer is written by: realgap merge {}",
+                    "all {} rows are merged; the answer is written by: realgap cluster merge {}",
                     status.merged,
-                    self.plan.display()
+                    shell::path(&self.plan)
                 )
             } else {
                 format!(
@@ -119,14 +114,13 @@ impl StatusCommand {
                     shard.rows.to_string(),
                 ]);
             }
-            let rendered = table.render(terminal::stdout_wants_colour());
-            lines.push(rendered.trim_end().to_owned());
+            lines.push(terminal::table(&table));
         }
         let pending = status.pending();
         if !round.complete && !pending.is_empty() {
-            let folder = self.plan.display();
+            let folder = shell::path(&self.plan);
             lines.push(format!(
-                "  to be run: realgap run {folder} --shard {pending}"
+                "  to be run: realgap cluster run {folder} --shard {pending}"
             ));
         }
         lines.join("\n")

@@ -1,24 +1,18 @@
-//! `realgap submit`: let an engine that people have run a plan.
+//! `realgap cluster submit`: let an engine that people have run a plan.
 
 use std::path::PathBuf;
-use std::process::{Command, ExitCode};
+use std::process::Command;
 
-use clap::{Args, Subcommand};
+use clap::Args;
 use realgap::plan::Plan;
 use realgap::{Error, Result};
 
 use super::slurm::{Slurm, scripts};
-use super::terminal;
+use super::{shell, terminal};
 
-/// Let Slurm run a plan: arrays of shards, a merge after each, retries, and the answer
-#[derive(Debug, Args)]
-pub struct Submit {
-    #[command(subcommand)]
-    engine: Engine,
-}
-
-#[derive(Debug, Subcommand)]
-enum Engine {
+commands! {
+    /// Let Slurm run a plan: arrays of shards, a merge after each, retries, and the answer
+    Submit:
     Slurm(SlurmOptions),
 }
 
@@ -27,7 +21,7 @@ enum Engine {
 /// A round is an array of jobs, one a shard; a merge follows whatever became of them, and submits the shards that are still
 /// missing, or the next round, until PLAN/results is written. Jobs that are requeued go on where they were.
 #[derive(Debug, Args)]
-struct SlurmOptions {
+pub struct SlurmOptions {
     /// Folder of the plan
     plan: PathBuf,
     /// Partition
@@ -56,9 +50,9 @@ struct SlurmOptions {
     go: bool,
 }
 
-impl Submit {
-    pub fn run(self) -> Result<ExitCode> {
-        let Engine::Slurm(options) = self.engine;
+impl SlurmOptions {
+    pub fn run(self) -> Result<()> {
+        let options = self;
         let plan = Plan::read(&options.plan)?;
         let program =
             std::env::current_exe().map_err(|e| Error::io("find this program", "realgap", &e))?;
@@ -74,8 +68,8 @@ impl Submit {
         };
         let script = scripts(&plan, &slurm)?;
         if !options.go {
-            terminal::print(format!("submit it with: bash {}", script.display()));
-            return Ok(ExitCode::SUCCESS);
+            terminal::print(format!("submit it with: bash {}", shell::path(&script)));
+            return Ok(());
         }
         let done = Command::new("bash").arg(&script).status();
         let done = done.map_err(|e| Error::io("start bash for", &script, &e))?;
@@ -85,6 +79,6 @@ impl Submit {
                 .found(done)
                 .hint("what it said stands above; try `sinfo`"));
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

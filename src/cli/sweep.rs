@@ -1,15 +1,13 @@
 //! `realgap sweep`: the main job.
 
-use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
 use realgap::Result;
-use realgap::optimization::RunOptions;
 use realgap::plan::Work;
 
 use super::answer::StudyOptions;
-use super::{interrupt, progress};
+use super::progress;
 
 /// Simulate every combination of a study's parameters and find what matches reality best
 ///
@@ -31,21 +29,15 @@ impl Sweep {
         Ok(Work::Sweep(Box::new(self.options.study(self.points)?)))
     }
 
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let options = &self.options;
         let study = options.study(self.points)?;
         let folder = options.folder(&study, "")?;
-        let stop = interrupt::stop_flag()?;
-        let bar = progress::bar(study.definition().grid.len(), "sweeping");
-        let follow = progress::follow(&bar);
         let started = Instant::now();
-        let run = RunOptions {
-            jobs: options.jobs(),
-            stop: Some(stop),
-            progress: Some(&follow),
-        };
-        let result = study.sweep_into(folder.lock(), options.mode(), &run);
-        bar.finish_and_clear();
+        let (total, run) = (study.definition().grid.len(), options.jobs.stoppable());
+        let result = progress::during(total, "sweeping", run, |run| {
+            study.sweep_into(folder.lock(), options.mode(), run)
+        });
         folder.check()?;
         let wall_s = started.elapsed().as_secs_f64();
         options.finish("sweep", &study, &result?, &folder, wall_s)

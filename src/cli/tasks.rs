@@ -1,38 +1,31 @@
-//! `realgap tasks`: how long tasks take, real against simulated.
+//! `realgap sense tasks`: how long tasks take, real against simulated.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
-use clap::{Args, Subcommand};
+use clap::Args;
 use realgap::plot::check_picture_path;
 use realgap::results::{draw_task_curves, draw_task_times};
 use realgap::task::{Goal, TaskComparison, TaskLog, time_to_reach};
 use realgap::unit::LengthUnit;
 use realgap::{Error, Result, trajectory};
 
-use super::option::Format as Print;
+use super::option::Print;
 use super::page::PageFile;
 use super::terminal;
 
-/// Compare how long tasks take in reality and in simulation (paper 002, section V)
-///
-/// A log is CSV, one row a trial: duration_s, where some were given up `finished` (1 or 0), and any columns that name conditions
-/// (robot, mode, difficulty …). Columns called trial, run, subject, participant, operator, id, repeat or session only number trials.
-#[derive(Debug, Args)]
-pub struct TasksCommand {
-    #[command(subcommand)]
-    action: Action,
-}
-
-#[derive(Debug, Subcommand)]
-enum Action {
+commands! {
+    /// Compare how long tasks take in reality and in simulation (paper 002, section V)
+    ///
+    /// A log is CSV, one row a trial: duration_s, where some were given up `finished` (1 or 0), and any columns that name conditions
+    /// (robot, mode, difficulty …). Columns called trial, run, subject, participant, operator, id, repeat or session only number trials.
+    TasksCommand:
     Compare(Compare),
     Time(Time),
 }
 
 /// Medians, tests, effects and orders of conditions, real against simulated
 #[derive(Debug, Args)]
-struct Compare {
+pub struct Compare {
     /// The real trials
     real: PathBuf,
     /// The simulated ones
@@ -48,14 +41,13 @@ struct Compare {
     seed: u64,
     #[command(flatten)]
     page: PageFile,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Print,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// Print when trajectories first reach a place, as a log of task times
 #[derive(Debug, Args)]
-struct Time {
+pub struct Time {
     /// Trajectories (.csv or .tum)
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
@@ -76,17 +68,8 @@ struct Time {
     condition: Vec<String>,
 }
 
-impl TasksCommand {
-    pub fn run(self) -> Result<ExitCode> {
-        match self.action {
-            Action::Compare(compare) => compare.run(),
-            Action::Time(time) => time.run(),
-        }
-    }
-}
-
 impl Compare {
-    fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         self.page.check()?;
         for picture in self.plot.iter().chain(&self.curves) {
             check_picture_path(picture)?;
@@ -103,16 +86,12 @@ impl Compare {
         self.page
             .write("tasks", &self.real, &found, &found.to_string(), pictures)?;
         terminal::print_warnings(&found.warnings);
-        match self.format {
-            Print::Json => terminal::print_answer(&found)?,
-            Print::Table => terminal::print(found.to_string()),
-        }
-        Ok(ExitCode::SUCCESS)
+        self.print.value(&found)
     }
 }
 
 impl Time {
-    fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let [x, y] = self.reach[..] else {
             return Err(Error::usage("not a place")
                 .field("--reach")
@@ -165,6 +144,6 @@ impl Time {
             lines.push(values.join(","));
         }
         terminal::print(lines.join("\n"));
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 }

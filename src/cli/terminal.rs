@@ -1,14 +1,21 @@
 //! Printing: colours only on a terminal that wants them, broken pipes are no error.
 
+use std::borrow::Cow;
 use std::io::{IsTerminal, Write};
+use std::path::Path;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use realgap::file::versioned_json;
+use realgap::plot::TextTable;
 use realgap::text::escaped_lines;
 use realgap::{Error, Warning};
+use serde::Serialize;
 
 use super::advice;
-use super::form::Answer;
+
+/// What a command prints for machines; `form.rs` lists them.
+pub trait Answer: Serialize {}
 
 /// Whether a stream wants colours: a terminal, and `NO_COLOR` unset or empty.
 fn wants_colour(is_terminal: bool) -> bool {
@@ -20,18 +27,50 @@ pub fn stdout_wants_colour() -> bool {
     wants_colour(std::io::stdout().is_terminal())
 }
 
+/// A table as standard output wants it, without the line feed at its end.
+pub fn table(table: &TextTable) -> String {
+    let text = table.render(stdout_wants_colour());
+    text.trim_end().to_owned()
+}
+
+/// Set where a file goes to standard output: what is said of it goes to standard error.
+static IS_TAKEN: AtomicBool = AtomicBool::new(false);
+
+/// Keeps standard output for a file.
+pub fn leave_stdout() {
+    IS_TAKEN.store(true, Ordering::Relaxed);
+}
+
+/// The folder that streams are kept in: nobody has named it, so nobody reads of it.
+static UNNAMED: OnceLock<String> = OnceLock::new();
+
+/// Leaves this folder out of what is printed.
+pub fn leave_out(folder: &Path) {
+    let _first = UNNAMED.set(format!("{}/", folder.display()));
+}
+
+fn without_unnamed(text: &str) -> Cow<'_, str> {
+    match UNNAMED.get() {
+        Some(folder) => text.replace(folder, "").into(),
+        None => text.into(),
+    }
+}
+
 /// Set when standard output refused something, e.g. on a full disk.
 static OUTPUT_LOST: AtomicBool = AtomicBool::new(false);
 
 /// Writes text and a newline to standard output; a reader that has gone away is no error, a full disk is. Names in it may come
 /// from anybody's files: control characters are escaped, except for bold headers where colours are wanted.
 pub fn print(text: impl AsRef<str>) {
+    if IS_TAKEN.load(Ordering::Relaxed) {
+        return note(text);
+    }
     let bold: &[&str] = if stdout_wants_colour() {
         &["\x1b[1m", "\x1b[0m"]
     } else {
         &[]
     };
-    let text = harmless(text.as_ref(), bold);
+    let text = harmless(&without_unnamed(text.as_ref()), bold);
     let mut stdout = std::io::stdout();
     let written = writeln!(stdout, "{text}").and_then(|()| stdout.flush());
     if let Err(error) = written
@@ -76,7 +115,8 @@ pub fn note(text: impl AsRef<str>) {
 
 /// Writes a label of our own and a text to standard error.
 fn labelled(label: &str, text: &str) {
-    let _ = writeln!(std::io::stderr(), "{label}{}", escaped_lines(text));
+    let text = without_unnamed(text);
+    let _ = writeln!(std::io::stderr(), "{label}{}", escaped_lines(&text));
 }
 
 /// Prints an error to standard error.

@@ -1,6 +1,5 @@
 //! `realgap tune`: let an optimizer choose the points.
 
-use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
@@ -11,7 +10,7 @@ use realgap::plot::quantity;
 use realgap::{Error, Result};
 
 use super::answer::StudyOptions;
-use super::{interrupt, progress};
+use super::progress;
 
 /// Let an optimizer find what matches reality best, with far fewer simulations than a sweep
 ///
@@ -59,12 +58,11 @@ impl Tune {
         Ok(Work::Tune(study, self.tuning()?))
     }
 
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let tuning = self.tuning()?;
         let options = &self.options;
         let study = options.study(None)?;
         let folder = options.folder(&study, &format!("_{}", tuning.optimizer.name()))?;
-        let stop = interrupt::stop_flag()?;
         let bar = progress::bar(self.budget, "tuning");
         let started = Instant::now();
         let unit = study.definition().metric.unit();
@@ -76,9 +74,8 @@ impl Tune {
             }
         };
         let run = RunOptions {
-            jobs: options.jobs(),
-            stop: Some(stop),
             progress: Some(&say),
+            ..options.jobs.stoppable()
         };
         let result = study.tune_into(folder.lock(), options.mode(), &tuning, &run);
         bar.finish_and_clear();

@@ -6,11 +6,11 @@ use clap::Args;
 use realgap::plot::{Side, TextTable};
 use realgap::robot::morphology::Assembly;
 use realgap::simulation::verification::{self, Check, Limit, Settings, Tolerance, Verdict};
-use realgap::simulation::{self, Experiment, JointKind};
+use realgap::simulation::{self, Experiment};
 use realgap::{Error, Result};
 use serde::Serialize;
 
-use super::option::{Format, Joint, Values, substeps_help, timestep_help};
+use super::option::{Print, SolverOptions, Values};
 use super::terminal;
 
 /// Check the simulation against closed forms, with the settings given
@@ -19,23 +19,17 @@ use super::terminal;
 /// explains each check. Checks that involve hinges are run with both joint kinds unless --joint chooses one.
 /// Exit code 0: all passed, or fail as far as is known and for a known reason; 1: some failed otherwise.
 #[derive(Debug, Args)]
-#[command(allow_negative_numbers = true)]
+#[command(allow_negative_numbers = true, mut_arg("joint", |arg| arg.help("Only this kind of joint")))]
 pub struct Verify {
-    #[arg(long, value_name = "S", help = timestep_help())]
-    timestep: Option<f64>,
-    #[arg(long, value_name = "N", help = substeps_help())]
-    substeps: Option<usize>,
-    /// Only this kind of joint
-    #[arg(long, value_enum)]
-    joint: Option<Joint>,
+    #[command(flatten)]
+    solver: SolverOptions,
     #[command(flatten)]
     values: Values,
     /// Known limits count as failures, too
     #[arg(long)]
     strict: bool,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// Closed forms against the simulation.
@@ -81,7 +75,7 @@ impl Verify {
         let failed = checks.iter().filter(|c| c.verdict == Verdict::Fail).count();
         let known: Vec<&Limit> = checks.iter().filter_map(Limit::of).collect();
         let unexpected = failed - known.len();
-        if self.format == Format::Json {
+        if self.print.is_json() {
             let joints: Vec<String> = settings
                 .joints
                 .iter()
@@ -152,17 +146,8 @@ impl Verify {
         let joint_is_set = values.value("solver.joint").is_some();
         // Solver and contact do not depend on the robot.
         let nobody = Assembly::nobody();
-        let mut experiment = values.apply(&Experiment::new(nobody));
-        if let Some(timestep_s) = self.timestep {
-            experiment.solver.timestep_s = timestep_s;
-        }
-        if let Some(substeps) = self.substeps {
-            experiment.solver.substeps = substeps;
-        }
-        if let Some(joint) = self.joint {
-            experiment.solver.joint = JointKind::from(joint);
-        }
-        let joints = if self.joint.is_some() || joint_is_set {
+        let experiment = self.solver.apply(values.apply(&Experiment::new(nobody)));
+        let joints = if self.solver.joint.is_some() || joint_is_set {
             vec![experiment.solver.joint]
         } else {
             Settings::default().joints

@@ -1,11 +1,9 @@
-//! `realgap vision`: what is found in pictures, and whether it is the same in simulated and in real ones.
+//! `realgap sense vision`: what is found in pictures, and whether it is the same in simulated and in real ones.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::Args;
 use realgap::calibration::camera::{CameraOptions, tune_camera};
-use realgap::file::{check_writable, write_atomic};
 use realgap::results::draw_vision;
 use realgap::sensing::vision::camera::Scene;
 use realgap::sensing::vision::{
@@ -14,23 +12,17 @@ use realgap::sensing::vision::{
 };
 use realgap::{Error, Result};
 
-use super::option::Format as Print;
+use super::option::{Choice, Print, choice};
 use super::page::PageFile;
 use super::picture::camera_named;
-use super::{progress, terminal};
+use super::{output, progress, terminal};
 
-/// Compare simulated pictures with real ones by what image processing finds in them (paper 002)
-///
-/// Four extractors: edges (Canny), a template (correlation in the Fourier domain), a contour (a greedy snake), and text. What is to be
-/// found where is said by views.ron in the folder of simulated pictures; `realgap picture` writes it.
-#[derive(Debug, Args)]
-pub struct VisionCommand {
-    #[command(subcommand)]
-    action: Action,
-}
-
-#[derive(Debug, Subcommand)]
-enum Action {
+commands! {
+    /// Compare simulated pictures with real ones by what image processing finds in them (paper 002)
+    ///
+    /// Four extractors: edges (Canny), a template (correlation in the Fourier domain), a contour (a greedy snake), and text. What is to be
+    /// found where is said by views.ron in the folder of simulated pictures; `realgap sense picture` writes it.
+    VisionCommand:
     Compare(Compare),
     Extract(Extract),
     Tune(Tune),
@@ -41,7 +33,7 @@ enum Action {
 /// Pictures (.png, .jpg) are paired by name. Several real pictures of a view are called NAME_1, NAME_2 and so on; their distances to
 /// each other are the noise floor. Intervals (90 %) are by bootstrap over views, the answer by Wilcoxon's signed-rank test.
 #[derive(Debug, Args)]
-struct Compare {
+pub struct Compare {
     /// Folder of simulated pictures, with views.ron
     simulated: PathBuf,
     /// Folder of real pictures of the same views, well lit
@@ -56,8 +48,8 @@ struct Compare {
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Whether where each camera stood counts (view) or is taken out by what views.ron says of each picture (own)
-    #[arg(long, value_enum, default_value = "own")]
-    relative_to: Relative,
+    #[arg(long, value_parser = choice(RELATIVE), default_value = "own")]
+    relative_to: RelativeTo,
     /// Print every view, too
     #[arg(long)]
     views: bool,
@@ -66,20 +58,17 @@ struct Compare {
     seed: u64,
     #[command(flatten)]
     page: PageFile,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Print,
+    #[command(flatten)]
+    print: Print,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Relative {
-    Own,
-    View,
-}
+/// What places and poses are told relative to.
+const RELATIVE: &[Choice<RelativeTo>] =
+    &[("own", RelativeTo::Own, ""), ("view", RelativeTo::View, "")];
 
 /// Show what one extractor finds in pictures, step by step
 #[derive(Debug, Args)]
-struct Extract {
+pub struct Extract {
     /// The pictures; views.ron beside each says what is to be found in it
     #[arg(required = true, value_name = "PICTURE")]
     pictures: Vec<PathBuf>,
@@ -99,7 +88,7 @@ struct Extract {
 /// First where each picture was really taken and through which lens, from corners of the room; then exposure, gain, noise, blur and
 /// JPEG quality, from what the pictures look like. Intervals (90 %) are by how much views differ; views that are held out judge.
 #[derive(Debug, Args)]
-struct Tune {
+pub struct Tune {
     /// The scene (scenes/*.ron) that the pictures show
     scene: PathBuf,
     /// Folder of real pictures, named after the scene's views
@@ -122,22 +111,11 @@ struct Tune {
     /// Seed of the simulated noise and of the search
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Write the camera into this .ron file, for `realgap picture --camera FILE`
+    /// Write the camera into this .ron file, for `realgap sense picture --camera FILE`
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// How to print
-    #[arg(long, value_enum, default_value_t)]
-    format: Print,
-}
-
-impl VisionCommand {
-    pub fn run(self) -> Result<ExitCode> {
-        match self.action {
-            Action::Compare(compare) => compare.run(),
-            Action::Extract(extract) => extract.run(),
-            Action::Tune(tune) => tune.run(),
-        }
-    }
+    #[command(flatten)]
+    print: Print,
 }
 
 /// The extractor that an option names.
@@ -164,7 +142,7 @@ impl Compare {
         Ok(asked.copied().collect())
     }
 
-    fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         self.page.check()?;
         let extractors = self.extractors()?;
         if let Some(folder) = &self.output {
@@ -172,10 +150,6 @@ impl Compare {
                 .map_err(|e| Error::io("make the folder", folder, &e))?;
         }
         let badly_lit = self.badly_lit.as_deref();
-        let relative_to = match self.relative_to {
-            Relative::Own => RelativeTo::Own,
-            Relative::View => RelativeTo::View,
-        };
         let spinner = progress::spinner("looking at pictures");
         let report = compare_folders(
             &self.simulated,
@@ -183,7 +157,7 @@ impl Compare {
             badly_lit,
             &VisionOptions {
                 extractors,
-                relative_to,
+                relative_to: self.relative_to,
                 seed: self.seed,
             },
         );
@@ -201,23 +175,18 @@ impl Compare {
             &pictures,
         )?;
         terminal::print_warnings(&report.warnings);
-        match self.format {
-            Print::Json => terminal::print_answer(&report)?,
-            Print::Table => {
-                terminal::print(report.to_string());
-                for extractor in report.extractors.iter().filter(|_| self.views) {
-                    terminal::print(extractor.to_string());
-                }
-            }
-        }
-        Ok(ExitCode::SUCCESS)
+        self.print.answer(&report, || {
+            let shown = report.extractors.iter().filter(|_| self.views);
+            let views: Vec<String> = shown.map(|extractor| format!("\n{extractor}")).collect();
+            format!("{report}{}", views.concat())
+        })
     }
 }
 
 impl Tune {
-    fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         if let Some(output) = &self.output {
-            check_writable(output)?;
+            output::check(output)?;
         }
         if !(self.place_sd > 0.0 && self.place_sd <= 1000.0) {
             return Err(Error::invalid("not a deviation of places")
@@ -237,31 +206,26 @@ impl Tune {
             budget: self.budget as usize,
             seed: self.seed,
         };
-        let bar = progress::bar(options.budget, "simulating all pictures, at most");
-        let follow = progress::follow(&bar);
-        let tuned = tune_camera(&scene, &camera, light, &self.real, &options, Some(&follow));
-        bar.finish_and_clear();
-        let tuned = tuned?;
+        let what = "simulating all pictures, at most";
+        let tuned = progress::during(options.budget, what, Default::default(), |run| {
+            tune_camera(&scene, &camera, light, &self.real, &options, run.progress)
+        })?;
         if let Some(output) = &self.output {
-            write_atomic(output, tuned.camera.to_ron()?.as_bytes())?;
+            output::write_ron(output, &tuned.camera.to_ron()?)?;
         }
         terminal::print_warnings(&tuned.warnings);
-        match self.format {
-            Print::Json => terminal::print_answer(&tuned)?,
-            Print::Table => terminal::print(tuned.to_string()),
-        }
-        Ok(ExitCode::SUCCESS)
+        self.print.value(&tuned)
     }
 }
 
 impl Extract {
-    fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<()> {
         let extractor = extractor_named(&self.extractor)?;
         if let Some(program) = extractor.program() {
             program.version()?;
         }
         if let Some(output) = &self.output {
-            check_writable(output)?;
+            output::check(output)?;
         }
         let mut rows = Vec::new();
         for path in &self.pictures {
@@ -276,7 +240,7 @@ impl Extract {
         if let Some(output) = &self.output {
             stacked(&rows)?.picture().write_png(output)?;
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     }
 
     /// Says what is found in one picture; the steps.

@@ -34,7 +34,7 @@ pub fn check_arguments(arguments: &[String]) -> Result<()> {
         None => Ok(()),
         Some(argument) => Err(Error::usage("a plan decides this itself")
             .field(name(argument))
-            .hint("results go to the plan's own folder; threads are an option of realgap run and merge")),
+            .hint("results go to the plan's own folder; threads are an option of realgap cluster run and merge")),
     }
 }
 

@@ -146,7 +146,7 @@ fn what_is_missing_twice_there_damaged_or_of_others_is_named_and_the_rest_is_mer
     assert_eq!(code, 1, "{said}");
     assert!(said.contains("3 of 9 rows are missing"), "{said}");
     assert!(
-        said.contains(&format!("realgap run {name} --shard 2")),
+        said.contains(&format!("realgap cluster run {name} --shard 2")),
         "{said}"
     );
     assert_eq!(fine(&["status", &name, "--pending"]).trim(), "2");

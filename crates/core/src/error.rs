@@ -82,91 +82,51 @@ impl Parts {
     }
 }
 
-/// A way out of an error that a caller of the library takes through an argument, a user of the command line through an
-/// option. [`Display`](fmt::Display) speaks to the former; the command line has its own words.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Advice {
-    /// Go on with what is stored already.
-    Resume,
-    /// Throw away what is stored, and start anew.
-    Restart,
-    /// Write into another folder.
-    OtherFolder,
-    /// Run in parallel on fewer threads.
-    FewerThreads,
-    /// Let another optimizer search.
-    OtherOptimizer,
-    /// Draw other random numbers.
-    OtherSeed,
-    /// Read the file in this unit of length.
-    Unit(LengthUnit),
-    /// Say which column of a recording holds what.
-    MapColumns,
-    /// Read one robot, or one run, of a file that holds several.
-    ChooseRobot,
-    /// Sort the samples of a recording by time.
-    SortSamples,
-    /// Leave samples out that the tracker has lost.
-    SkipLost,
-    /// Begin to read below the first lines.
-    SkipLines,
-    /// Say how many samples a second a recording without times has.
-    Rate,
-    /// Say which topic of a log holds the recording.
-    Topic,
-    /// Read another part of a recording.
-    Crop,
-    /// Say in which unit a recording measures time.
-    TimeUnit,
-    /// Name the recordings.
-    Recordings,
-    /// Give values that a calibration has found.
-    CalibratedValues,
-    /// Compare with a metric that needs no basis of principal components.
-    MetricWithoutBasis,
-    /// Let an optimizer choose the points instead of evaluating a whole grid.
-    LetOptimizerChoose,
-    /// Look up the names of all parameters.
-    ListParameters,
+/// Writes the ways out with what the library says of each.
+macro_rules! advice {
+    ($($way:ident $doc:literal $words:literal;)*) => {
+        /// A way out of an error that a caller of the library takes through an argument, a user of the command line through an
+        /// option. [`Display`](fmt::Display) speaks to the former; the command line has its own words.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[non_exhaustive]
+        pub enum Advice {
+            $(#[doc = $doc] $way,)*
+            /// Read the file in this unit of length.
+            Unit(LengthUnit),
+        }
+
+        impl fmt::Display for Advice {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self {
+                    $(Self::$way => f.write_str($words),)*
+                    Self::Unit(unit) => write!(f, "read it in {unit}"),
+                }
+            }
+        }
+    };
 }
 
-impl fmt::Display for Advice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Resume => f.write_str("resume what is stored"),
-            Self::Restart => f.write_str("start anew"),
-            Self::OtherFolder => f.write_str("choose another folder"),
-            Self::FewerThreads => f.write_str("use fewer threads"),
-            Self::OtherOptimizer => f.write_str("choose another optimizer"),
-            Self::OtherSeed => f.write_str("choose another seed"),
-            Self::Unit(unit) => write!(f, "read it in {unit}"),
-            Self::MapColumns => f.write_str(
-                "say which column is which: `columns: (t: \"NAME in ms\", x: \"NAME in mm\", ...)` in `reading`",
-            ),
-            Self::ChooseRobot => {
-                f.write_str("read one of them: `only: (column: \"NAME\", value: \"VALUE\")` in `reading`")
-            }
-            Self::SortSamples => f.write_str("sort them: `sort: true` in `reading`"),
-            Self::SkipLost => f.write_str("leave lost samples out: `skip_lost: true` in `reading`"),
-            Self::SkipLines => f.write_str("begin below them: `skip_lines: N` in `reading`"),
-            Self::Rate => f.write_str("say how many samples a second there are: `rate_hz: 10` in `reading`"),
-            Self::Topic => f.write_str(
-                "choose one: `topic: \"/NAME\"` in `reading`, and `child_frame: \"NAME\"` of transforms",
-            ),
-            Self::Crop => {
-                f.write_str("choose another part: `crop: (from_s: ..., to_s: ...)` in `reading`")
-            }
-            Self::TimeUnit => f.write_str("say their unit: `time: \"ms\"` in `reading`"),
-            Self::Recordings => f.write_str("name the recordings, e.g. FOLDER/*.csv"),
-            Self::CalibratedValues => f.write_str("give values, e.g. those of a sweep's best.ron"),
-            Self::MetricWithoutBasis => f.write_str(
-                "choose a metric without a basis, e.g. rms, which needs no first design",
-            ),
-            Self::LetOptimizerChoose => f.write_str("let an optimizer choose the points"),
-            Self::ListParameters => f.write_str("look up the names in the registry of parameters"),
-        }
-    }
+advice! {
+    Resume "Go on with what is stored already." "resume what is stored";
+    Restart "Throw away what is stored, and start anew." "start anew";
+    OtherFolder "Write into another folder." "choose another folder";
+    FewerThreads "Run in parallel on fewer threads." "use fewer threads";
+    OtherOptimizer "Let another optimizer search." "choose another optimizer";
+    OtherSeed "Draw other random numbers." "choose another seed";
+    MapColumns "Say which column of a recording holds what." "say which column is which: `columns: (t: \"NAME in ms\", x: \"NAME in mm\", ...)` in `reading`";
+    ChooseRobot "Read one robot, or one run, of a file that holds several." "read one of them: `only: (column: \"NAME\", value: \"VALUE\")` in `reading`";
+    SortSamples "Sort the samples of a recording by time." "sort them: `sort: true` in `reading`";
+    SkipLost "Leave samples out that the tracker has lost." "leave lost samples out: `skip_lost: true` in `reading`";
+    SkipLines "Begin to read below the first lines." "begin below them: `skip_lines: N` in `reading`";
+    Rate "Say how many samples a second a recording without times has." "say how many samples a second there are: `rate_hz: 10` in `reading`";
+    Topic "Say which topic of a log holds the recording." "choose one: `topic: \"/NAME\"` in `reading`, and `child_frame: \"NAME\"` of transforms";
+    Crop "Read another part of a recording." "choose another part: `crop: (from_s: ..., to_s: ...)` in `reading`";
+    TimeUnit "Say in which unit a recording measures time." "say their unit: `time: \"ms\"` in `reading`";
+    Recordings "Name the recordings." "name the recordings, e.g. FOLDER/*.csv";
+    CalibratedValues "Give values that a calibration has found." "give values, e.g. those of a sweep's best.ron";
+    MetricWithoutBasis "Compare with a metric that needs no basis of principal components." "choose a metric without a basis, e.g. rms, which needs no first design";
+    LetOptimizerChoose "Let an optimizer choose the points instead of evaluating a whole grid." "let an optimizer choose the points";
+    ListParameters "Look up the names of all parameters." "look up the names in the registry of parameters";
 }
 
 /// Stands between the parts of an error that serde carries; no text of ours has it.

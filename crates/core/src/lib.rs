@@ -8,6 +8,7 @@ pub mod random;
 pub mod range;
 #[cfg(feature = "schema")]
 pub mod schema;
+mod stated;
 pub mod statistics;
 pub mod table;
 pub mod text;
@@ -16,13 +17,3 @@ pub mod warning;
 
 pub use error::{Advice, Error, ErrorKind, Result};
 pub use warning::Warning;
-
-/// Methods of a trait that state one value each, in an implementation of it: `stated! { name: &'static str = "pca"; … }`.
-#[macro_export]
-macro_rules! stated {
-    ($($name:ident: $type:ty = $value:expr;)*) => {
-        $(fn $name(&self) -> $type {
-            $value
-        })*
-    };
-}

@@ -13,177 +13,119 @@ use rand_chacha::ChaCha8Rng;
 /// The generator behind every stream.
 pub type Generator = ChaCha8Rng;
 
-/// Streams that are drawn anew for every numbered repeat or step: number k is the same whatever the
-/// others are, so that any one can be replayed alone.
-///
-/// ```
-/// use rand::Rng;
-/// use realgap_core::random::Numbered;
-///
-/// let first = |stream: Numbered, repeat| stream.generator(7, repeat).next_u64();
-/// assert_eq!(first(Numbered::Camera, 3), first(Numbered::Camera, 3));
-/// assert_ne!(first(Numbered::Camera, 3), first(Numbered::Camera, 4));
-/// assert_ne!(first(Numbered::Camera, 3), first(Numbered::ModuleMass, 3));
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Numbered {
+/// Writes a table of streams and their numbers.
+macro_rules! streams {
+    ($(#[$doc:meta])* $name:ident: $($(#[$about:meta])* $stream:ident = $number:literal;)*) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum $name {
+            $($(#[$about])* $stream = $number,)*
+        }
+
+        impl $name {
+            /// Every stream.
+            pub const ALL: &[Self] = &[$(Self::$stream),*];
+        }
+    };
+}
+
+streams! {
+    /// Streams that are drawn anew for every numbered repeat or step: number k is the same whatever the
+    /// others are, so that any one can be replayed alone.
+    ///
+    /// ```
+    /// use rand::Rng;
+    /// use realgap_core::random::Numbered;
+    ///
+    /// let first = |stream: Numbered, repeat| stream.generator(7, repeat).next_u64();
+    /// assert_eq!(first(Numbered::Camera, 3), first(Numbered::Camera, 3));
+    /// assert_ne!(first(Numbered::Camera, 3), first(Numbered::Camera, 4));
+    /// assert_ne!(first(Numbered::Camera, 3), first(Numbered::ModuleMass, 3));
+    /// ```
+    Numbered:
     /// Start position, height, tilt and heading of a repeat, and the zeros of its servos.
-    Start,
+    Start = 1;
     /// Velocity and spin of a repeat's start.
-    StartMotion,
+    StartMotion = 13;
     /// Errors of a camera that records a repeat: positions and orientations.
-    Camera,
+    Camera = 2;
     /// Errors of the times of that camera.
-    CameraTime,
+    CameraTime = 12;
     /// Gain of each servo.
-    ServoGain,
+    ServoGain = 3;
     /// Phase of each servo's command.
-    ServoPhase,
+    ServoPhase = 4;
     /// Age of the command that each servo acts on.
-    ServoLatency,
+    ServoLatency = 5;
     /// Mass of each module.
-    ModuleMass,
+    ModuleMass = 6;
     /// Friction of each module.
-    ModuleFriction,
+    ModuleFriction = 7;
     /// Friction of all modules of a repeat.
-    RunFriction,
+    RunFriction = 8;
     /// Friction of each plate on top of its module's.
-    PlateFriction,
+    PlateFriction = 9;
     /// What a search draws in one of its steps: parents, operators, children.
-    SearchStep,
+    SearchStep = 10;
     /// Values of parameters that are only known to be in a range, for one repeat.
-    UncertainParameter,
+    UncertainParameter = 101;
     /// Which point of a sweep is simulated again.
-    Refinement,
+    Refinement = 11;
     /// What a sensor reads.
-    SensorReading,
+    SensorReading = 30;
     /// Errors of wheels: how far a command goes, how far it turns.
-    Actuator,
+    Actuator = 31;
     /// What places add to the strength of a radio signal.
-    Shadowing,
+    Shadowing = 40;
     /// What happens to a message: fading, loss, latency.
-    Message,
+    Message = 41;
     /// Photons and electrons of one row of a picture.
-    PictureNoise,
+    PictureNoise = 50;
     /// Where the camera of a picture really stands.
-    CameraPlace,
+    CameraPlace = 51;
 }
 
 impl Numbered {
-    /// Every stream.
-    pub const ALL: [Self; 20] = [
-        Self::Start,
-        Self::StartMotion,
-        Self::Camera,
-        Self::CameraTime,
-        Self::ServoGain,
-        Self::ServoPhase,
-        Self::ServoLatency,
-        Self::ModuleMass,
-        Self::ModuleFriction,
-        Self::RunFriction,
-        Self::PlateFriction,
-        Self::SearchStep,
-        Self::UncertainParameter,
-        Self::Refinement,
-        Self::SensorReading,
-        Self::Actuator,
-        Self::Shadowing,
-        Self::Message,
-        Self::PictureNoise,
-        Self::CameraPlace,
-    ];
-
-    fn number(self) -> u64 {
-        match self {
-            Self::Start => 1,
-            Self::Camera => 2,
-            Self::ServoGain => 3,
-            Self::ServoPhase => 4,
-            Self::ServoLatency => 5,
-            Self::ModuleMass => 6,
-            Self::ModuleFriction => 7,
-            Self::RunFriction => 8,
-            Self::PlateFriction => 9,
-            Self::SearchStep => 10,
-            Self::UncertainParameter => 101,
-            Self::Refinement => 11,
-            Self::CameraTime => 12,
-            Self::StartMotion => 13,
-            Self::SensorReading => 30,
-            Self::Actuator => 31,
-            Self::Shadowing => 40,
-            Self::Message => 41,
-            Self::PictureNoise => 50,
-            Self::CameraPlace => 51,
-        }
-    }
-
     /// The generator of this stream for repeat or step number `index`.
     pub fn generator(self, seed: u64, index: u64) -> Generator {
         let mut key = [0_u8; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
         key[8..16].copy_from_slice(&index.to_le_bytes());
         let mut generator = Generator::from_seed(key);
-        generator.set_stream(self.number());
+        generator.set_stream(self as u64);
         generator
     }
 }
 
-/// Streams that are drawn once for a whole analysis.
-///
-/// Their keys are made from the seed in another way than those of [`Numbered`], so that no number
-/// of one table can meet a number of the other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Once {
+streams! {
+    /// Streams that are drawn once for a whole analysis.
+    ///
+    /// Their keys are made from the seed in another way than those of [`Numbered`], so that no number
+    /// of one table can meet a number of the other.
+    Once:
     /// Resampling of recordings or repeats with replacement ([`crate::statistics::resamples`]).
-    Resampling,
+    Resampling = 0;
     /// Which recordings are held out.
-    Split,
+    Split = 2;
     /// Where the best point lies when scores vary.
-    BestPoint,
+    BestPoint = 1;
     /// Where within its cell of a grid a best point lies.
-    WithinCell,
+    WithinCell = 3;
     /// Which of two samples each run is put into ([`crate::statistics::energy_test`]).
-    Permutation,
+    Permutation = 4;
     /// Which readings of a log a smaller log would hold.
-    Subset,
+    Subset = 30;
     /// Guesses that know nothing, for others to be better than.
-    RandomGuess,
+    RandomGuess = 31;
     /// Where a robot that walks at random turns.
-    RandomWalk,
+    RandomWalk = 32;
 }
 
 impl Once {
-    /// Every stream.
-    pub const ALL: [Self; 8] = [
-        Self::Resampling,
-        Self::Split,
-        Self::BestPoint,
-        Self::WithinCell,
-        Self::Permutation,
-        Self::Subset,
-        Self::RandomGuess,
-        Self::RandomWalk,
-    ];
-
-    fn number(self) -> u64 {
-        match self {
-            Self::Resampling => 0,
-            Self::BestPoint => 1,
-            Self::Split => 2,
-            Self::WithinCell => 3,
-            Self::Permutation => 4,
-            Self::Subset => 30,
-            Self::RandomGuess => 31,
-            Self::RandomWalk => 32,
-        }
-    }
-
     /// The generator of this stream.
     pub fn generator(self, seed: u64) -> Generator {
         let mut generator = Generator::seed_from_u64(seed);
-        generator.set_stream(self.number());
+        generator.set_stream(self as u64);
         generator
     }
 }
@@ -211,10 +153,12 @@ mod tests {
         let first = |mut generator: Generator| std::array::from_fn(|_| generator.next_u64());
         for (seed, index) in [(1, 0), (1, 1), (42, 7), (0, 0)] {
             let numbered = Numbered::ALL
+                .iter()
                 .map(|stream| (format!("{stream:?}"), first(stream.generator(seed, index))));
-            let once =
-                Once::ALL.map(|stream| (format!("{stream:?}"), first(stream.generator(seed))));
-            let streams: Vec<_> = numbered.into_iter().chain(once).collect();
+            let once = Once::ALL
+                .iter()
+                .map(|stream| (format!("{stream:?}"), first(stream.generator(seed))));
+            let streams: Vec<_> = numbered.chain(once).collect();
             assert_eq!(sharing(&streams), [], "seed {seed}, index {index}");
         }
     }

@@ -15,82 +15,52 @@ pub use number::{DisplayUnit, decimals, number, quantity};
 /// Standard magnitude of gravity used by default, in m/s², along −z of the world.
 pub const GRAVITY_M_S2: f64 = 9.81;
 
-/// Unit of a score, parameter or column. Values are stored in the unit named here.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Unit {
-    /// Dimensionless (a ratio, a coefficient, a count).
-    One,
-    /// Metre.
-    Metre,
-    /// Second.
-    Second,
-    /// Hertz.
-    Hertz,
-    /// Kilogram.
-    Kilogram,
-    /// Radian.
-    Radian,
-    /// Degree; only for scores and for people.
-    Degree,
-    /// Metre per second.
-    MetrePerSecond,
-    /// Joule.
-    Joule,
-    /// Metre per joule: speed per power.
-    MetrePerJoule,
-    /// Radian per second.
-    RadianPerSecond,
-    /// Newton metre.
-    NewtonMetre,
-    /// Newton metre second per radian: a torque per speed.
-    NewtonMetreSecondPerRadian,
-    /// Metre per second squared.
-    MetrePerSecondSquared,
-    /// Per second (a servo gain).
-    PerSecond,
-    /// Per radian.
-    PerRadian,
-    /// Volt.
-    Volt,
-    /// Ohm.
-    Ohm,
-    /// Newton metre per ampere: a motor's torque constant.
-    NewtonMetrePerAmpere,
-    /// Per newton metre.
-    PerNewtonMetre,
-    /// Kilogram square metre: an inertia.
-    KilogramSquareMetre,
+/// Writes the units with their symbols.
+macro_rules! symbols {
+    ($($unit:ident $symbol:literal $doc:literal;)*) => {
+        /// Unit of a score, parameter or column. Values are stored in the unit named here.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        #[non_exhaustive]
+        pub enum Unit {
+            $(#[doc = $doc] $unit,)*
+        }
+
+        impl Unit {
+            /// The symbol, empty for [`Unit::One`].
+            pub fn symbol(self) -> &'static str {
+                match self {
+                    $(Self::$unit => $symbol,)*
+                }
+            }
+        }
+    };
+}
+
+symbols! {
+    One "" "Dimensionless (a ratio, a coefficient, a count).";
+    Metre "m" "Metre.";
+    Second "s" "Second.";
+    Hertz "Hz" "Hertz.";
+    Kilogram "kg" "Kilogram.";
+    Radian "rad" "Radian.";
+    Degree "deg" "Degree; only for scores and for people.";
+    MetrePerSecond "m/s" "Metre per second.";
+    Joule "J" "Joule.";
+    MetrePerJoule "m/J" "Metre per joule: speed per power.";
+    RadianPerSecond "rad/s" "Radian per second.";
+    NewtonMetre "N m" "Newton metre.";
+    NewtonMetreSecondPerRadian "N m s/rad" "Newton metre second per radian: a torque per speed.";
+    MetrePerSecondSquared "m/s^2" "Metre per second squared.";
+    PerSecond "1/s" "Per second (a servo gain).";
+    PerRadian "1/rad" "Per radian.";
+    Volt "V" "Volt.";
+    Ohm "ohm" "Ohm.";
+    NewtonMetrePerAmpere "N m/A" "Newton metre per ampere: a motor's torque constant.";
+    PerNewtonMetre "1/(N m)" "Per newton metre.";
+    KilogramSquareMetre "kg m^2" "Kilogram square metre: an inertia.";
 }
 
 impl Unit {
-    /// The symbol, empty for [`Unit::One`].
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Self::One => "",
-            Self::Metre => "m",
-            Self::Second => "s",
-            Self::Hertz => "Hz",
-            Self::Kilogram => "kg",
-            Self::Radian => "rad",
-            Self::Degree => "deg",
-            Self::MetrePerSecond => "m/s",
-            Self::Joule => "J",
-            Self::MetrePerJoule => "m/J",
-            Self::RadianPerSecond => "rad/s",
-            Self::NewtonMetre => "N m",
-            Self::NewtonMetreSecondPerRadian => "N m s/rad",
-            Self::MetrePerSecondSquared => "m/s^2",
-            Self::PerSecond => "1/s",
-            Self::PerRadian => "1/rad",
-            Self::Volt => "V",
-            Self::Ohm => "ohm",
-            Self::NewtonMetrePerAmpere => "N m/A",
-            Self::PerNewtonMetre => "1/(N m)",
-            Self::KilogramSquareMetre => "kg m^2",
-        }
-    }
-
     /// The symbol, or `1` for a dimensionless quantity: for CSV and JSON, where a field may not be empty.
     pub fn label(self) -> &'static str {
         if self == Self::One {

@@ -63,6 +63,7 @@ codes! {
     DuplicateSamples "duplicate-samples" "Samples that repeat the one before are left out." "nothing to do, unless the recorder should not repeat samples";
     EmptyHeadings "empty-headings" "A log never looked into some directions." "log another walk that looks into all directions";
     EnergyOpen "energy-open" "A balance of energy does not close." "use a shorter timestep; do not rely on energies of this run";
+    EngineFallback "engine-fallback" "The chosen engine cannot simulate this experiment, and Rapier did." "choose the engine rapier, or leave out what the sentence names";
     EstimatedNoise "estimated-noise" "Nobody stated the noise; an estimate is used." "state the noise in the study, or in a file of its own";
     EstimatedVelocity "estimated-velocity" "Velocities are differences of positions." "record velocities, or more samples a second";
     ExclusionNotExported "exclusion-not-exported" "A format cannot say which parts never touch." "exclude these contacts by hand in the other simulator";
@@ -128,6 +129,7 @@ codes! {
     ShorterSimulation "shorter-simulation" "A simulation ends before its recording." "simulate as long as the recording";
     SolverNotExported "solver-not-exported" "A format does not hold the solver's settings." "set timestep and solver by hand in the other simulator";
     SpeedLimitInvented "speed-limit-invented" "A format asks for a speed limit that the robot does not have." "check the speed limit in the written file";
+    SpringNotExported "spring-not-exported" "Springs, armatures and marks are not in an exported file." "set them in the other program, or export as mjcf";
     StandIn "stand-in" "A simulator made the recordings." "record real runs: a fit to a simulator says nothing about reality";
     Standstill "standstill" "A recording begins before the robot moves." "crop the standstill";
     TiedPlate "tied-plate" "A plate carries as much as its cube, and chance decides which of them slips." "change the robot a little, so that plate and cube do not carry alike";

@@ -12,11 +12,11 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::Serialize;
 
+use super::engine::{EngineChoice, Load, World};
 use super::experiment::{Experiment, JointKind};
 use super::kinematics::robot_from_part_at_zero;
 use super::motor::Effort;
 use super::part_state::PartState;
-use super::world::{Load, World};
 use realgap_core::warning::{Code, Warning};
 use realgap_robot::morphology::{Assembly, Bearing, Freedom};
 
@@ -162,7 +162,8 @@ pub(super) struct Meter {
 impl Meter {
     /// A meter for a robot that counts from `from_s` on.
     pub fn new(experiment: &Experiment, assembly: &Assembly, from_s: f64) -> Self {
-        let has_rotors = experiment.joint_kind() == JointKind::Multibody;
+        let has_rotors = experiment.joint_kind() == JointKind::Multibody
+            || experiment.solver.engine != EngineChoice::default();
         let gauges = assembly.hinges.iter().map(|hinge| {
             let child_from_robot: Isometry3<f64> =
                 robot_from_part_at_zero(assembly, hinge.child_part).inverse();
@@ -208,7 +209,7 @@ impl Meter {
     }
 
     /// Looks at the robot before the first step.
-    pub fn start(&mut self, assembly: &Assembly, world: &World) {
+    pub fn start(&mut self, assembly: &Assembly, world: &dyn World) {
         self.before = look(assembly, world);
     }
 
@@ -216,7 +217,7 @@ impl Meter {
     pub fn read(
         &mut self,
         assembly: &Assembly,
-        world: &World,
+        world: &dyn World,
         began_s: f64,
         efforts: &[Option<Effort>],
     ) {
@@ -318,7 +319,7 @@ impl Meter {
     }
 }
 
-fn look(assembly: &Assembly, world: &World) -> Vec<PartState> {
+fn look(assembly: &Assembly, world: &dyn World) -> Vec<PartState> {
     (0..assembly.parts.len())
         .map(|part| world.part_now(part))
         .collect()

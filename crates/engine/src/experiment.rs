@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 
 use super::adjustment::{Adjustment, ModuleAdjustment};
 use super::command::CommandTrack;
+use super::engine::EngineChoice;
 use super::scene::SceneBody;
 use super::vehicle::{Drive, Vehicle};
 use realgap_core::unit::GRAVITY_M_S2;
@@ -163,8 +164,10 @@ pub struct Solver {
     /// Passes without bias at the end of every substep (Rapier's "internal stabilization iterations"): 0 keeps
     /// the energy of hinges, which such a pass drains (docs/fidelity/joints.md).
     pub relaxations: usize,
-    /// How parts are jointed.
+    /// How parts are jointed in Rapier.
     pub joint: JointKind,
+    /// Which engine simulates.
+    pub engine: EngineChoice,
 }
 
 impl Default for Solver {
@@ -175,6 +178,7 @@ impl Default for Solver {
             sweeps: 4,
             relaxations: 0,
             joint: JointKind::Auto,
+            engine: EngineChoice::default(),
         }
     }
 }

@@ -1,24 +1,14 @@
 //! Where every part is, given the servo angles: forward kinematics of the hinge tree.
 
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
 use super::experiment::JointState;
-use realgap_robot::morphology::{Assembly, Freedom, Hinge};
+use realgap_robot::morphology::{Assembly, Freedom};
 
 /// Robot-frame pose of a part's own frame at zero angles: the centre of its first solid, axes of the robot.
 pub(super) fn robot_from_part_at_zero(assembly: &Assembly, part: usize) -> Isometry3<f64> {
     let origin = assembly.parts[part].solids[0].robot_from_solid.translation;
     Isometry3::from_parts(origin, UnitQuaternion::identity())
-}
-
-/// Turn by `angle_rad` about the hinge's axis, or slide along it, in the robot frame.
-fn turn(hinge: &Hinge, angle_rad: f64) -> Isometry3<f64> {
-    if hinge.freedom == Freedom::Slide {
-        return Translation3::from(hinge.axis_robot.into_inner() * angle_rad).into();
-    }
-    let there = Translation3::from(hinge.anchor_robot_m);
-    let rotation = UnitQuaternion::from_axis_angle(&hinge.axis_robot, angle_rad);
-    there * rotation * there.inverse()
 }
 
 /// A turning motion about an axis anywhere: velocities of all points of a rigid body.
@@ -72,10 +62,7 @@ pub(super) fn joint_turns(
 
 /// Robot-frame poses of all part frames at the given hinge angles, part 0 at its zero pose.
 pub(super) fn robot_from_parts(assembly: &Assembly, angles_rad: &[f64]) -> Vec<Isometry3<f64>> {
-    let mut moved = vec![Isometry3::identity(); assembly.parts.len()];
-    for (hinge, &angle_rad) in assembly.hinges.iter().zip(angles_rad) {
-        moved[hinge.child_part] = moved[hinge.parent_part] * turn(hinge, angle_rad);
-    }
+    let moved = assembly.moved(angles_rad);
     (0..assembly.parts.len())
         .map(|part| moved[part] * robot_from_part_at_zero(assembly, part))
         .collect()

@@ -9,7 +9,6 @@ pub mod parameter;
 
 mod adjustment;
 mod arena;
-mod axle;
 mod camera;
 mod command;
 mod distribution;
@@ -17,8 +16,6 @@ mod energy;
 mod engine;
 mod experiment;
 mod film;
-mod friction;
-mod hook;
 mod kinematics;
 mod motor;
 mod noise;
@@ -28,32 +25,39 @@ mod part_state;
 mod path;
 mod plausibility;
 mod posture;
+mod rapier;
 mod run;
 mod scene;
 mod servo;
 mod settle;
+#[cfg(feature = "f64")]
+mod tree;
 mod vehicle;
 mod watch;
-mod world;
 
 pub use adjustment::{Adjustment, ModuleAdjustment};
 pub use camera::Camera;
 pub use command::CommandTrack;
 pub use distribution::Distribution;
 pub use energy::EnergyBalance;
-pub use engine::ENGINE_VERSION;
+pub use engine::{ENGINES, Engine, EngineChoice, Load, Motion, Setup, World, engine_by_name};
 pub use experiment::{
     Contact, Experiment, Floor, FrictionModel, JointKind, JointState, Perturbation, Sampling,
     Solver, Start,
 };
 pub use film::{Film, film, part_from_solid, part_name};
+pub use motor::Effort;
 pub use noise::Noise;
 pub use outcome::{Divergence, Outcome};
 pub use part_state::PartState;
 pub use posture::Posture;
+pub use rapier::{ENGINE_VERSION, RAPIER, Rapier};
 pub use run::{Run, run, watch};
 pub use scene::{SceneBody, SceneBox, SceneMotion};
+pub use servo::Command;
 pub use settle::{Settling, settle};
+#[cfg(feature = "f64")]
+pub use tree::{TREE, Tree};
 #[cfg(feature = "schema")]
 pub use vehicle::VehicleFile;
 pub use vehicle::{Drive, Vehicle};

@@ -9,7 +9,7 @@ use realgap_robot::morphology::{GearFriction, Motor};
 
 /// What a motor and its gear do to a hinge during one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Effort {
+pub struct Effort {
     /// The motor pulls towards this speed, rad/s …
     pub target_rad_s: f64,
     /// … with this much torque per speed, N m s/rad.

@@ -2,12 +2,11 @@
 
 use nalgebra::Isometry3;
 
-use super::engine::parry::query;
-use super::engine::wide;
 use super::experiment::Floor;
 use super::kinematics::{lowest_m, robot_from_part_at_zero};
+use super::rapier::parry::query;
+use super::rapier::{Surface, to_pose, wide};
 use super::watch::Snapshot;
-use super::world::{Surface, to_pose};
 use realgap_robot::morphology::{Assembly, Solid};
 
 /// The boxes of a robot, ready to be looked at in many snapshots.

@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::command::Orders;
 use super::energy::{EnergyBalance, Meter};
+use super::engine::{Motion, Setup, World};
 use super::experiment::{Experiment, JointState, Start};
 use super::kinematics::{lowest_m, part_from_track, robot_from_parts};
 use super::motor::{Effort, duty, effort};
@@ -15,11 +16,10 @@ use super::scene::{Guide, SceneMotion};
 use super::servo::{NOTHING, command, error_beyond_play};
 use super::vehicle;
 use super::watch::{Push, Snapshot};
-use super::world::{Motion, World};
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::{State, Trajectory};
-use realgap_robot::morphology::{Actuator, Assembly};
+use realgap_robot::morphology::{Actuator, Assembly, Hinge, ServoLaw};
 
 /// Result of one simulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,7 +68,7 @@ pub fn run(experiment: &Experiment) -> Result<Run> {
         return Ok(run);
     }
     let assembly = experiment.adjusted_assembly();
-    let mut rollout = Rollout::new(experiment, &assembly);
+    let mut rollout = Rollout::new(experiment, &assembly)?;
     let mut run = rollout.run(experiment, None)?;
     run.cpu = thread_cpu_time().saturating_sub(started);
     Ok(run)
@@ -93,7 +93,7 @@ pub fn watch(
     for push in pushes {
         push.check(&assembly)?;
     }
-    let mut rollout = Rollout::new(experiment, &assembly);
+    let mut rollout = Rollout::new(experiment, &assembly)?;
     for push in pushes {
         rollout.world.push(push.part, &push.velocity_world_m_s);
     }
@@ -122,7 +122,7 @@ fn thread_cpu_time() -> Duration {
 /// A world in motion, with the servos' memory.
 struct Rollout<'a> {
     assembly: &'a Assembly,
-    world: World,
+    world: Box<dyn World>,
     part_from_track: Isometry3<f64>,
     /// Driven bodies of the scene, by index.
     guides: Vec<(usize, Guide<'a>)>,
@@ -143,8 +143,25 @@ struct Rollout<'a> {
     warnings: Vec<Warning>,
 }
 
+/// Where a joint starts that nobody says: at its servo's first command, without one at 0, and never beyond its limits.
+fn start_rad(experiment: &Experiment, hinge: &Hinge) -> f64 {
+    let is_torque = hinge
+        .actuator
+        .is_some_and(|actuator| actuator.servo.law == ServoLaw::Direct);
+    let asked_rad = match is_torque {
+        true => 0.0,
+        false => Orders::new(experiment, hinge).angle_rad(0.0),
+    };
+    match hinge.bearing.limits_rad {
+        Some((low_rad, high_rad)) if !experiment.assembly.is_modular => {
+            asked_rad.clamp(low_rad, high_rad)
+        }
+        _ => asked_rad,
+    }
+}
+
 impl<'a> Rollout<'a> {
-    fn new(experiment: &'a Experiment, assembly: &'a Assembly) -> Self {
+    fn new(experiment: &'a Experiment, assembly: &'a Assembly) -> Result<Self> {
         let joints: Vec<JointState> = assembly
             .hinges
             .iter()
@@ -152,7 +169,7 @@ impl<'a> Rollout<'a> {
             .map(|(index, hinge)| match experiment.start_joints.get(index) {
                 Some(joint) => *joint,
                 None => JointState {
-                    angle_rad: Orders::new(experiment, hinge).angle_rad(0.0),
+                    angle_rad: start_rad(experiment, hinge),
                     speed_rad_s: 0.0,
                 },
             })
@@ -195,7 +212,22 @@ impl<'a> Rollout<'a> {
             .iter()
             .map(|pose| world_from_robot * pose)
             .collect();
-        let mut world = World::new(experiment, assembly, &poses, &joints, &motion);
+        let mut warnings = experiment.warnings();
+        let (engine, refusal) = experiment.solver.engine.able(experiment);
+        if let Some(why) = refusal {
+            let chosen = experiment.solver.engine;
+            warnings.push(Warning::new(
+                Code::EngineFallback,
+                format!("{} simulates in place of {chosen:?}: {why}", engine.name()),
+            ));
+        }
+        let mut world = engine.build(&Setup {
+            experiment,
+            assembly,
+            world_from_parts: &poses,
+            joints: &joints,
+            motion,
+        })?;
         let mut guides = Vec::new();
         for (index, body) in experiment.scene.iter().enumerate() {
             if let SceneMotion::Driven { track } = &body.motion {
@@ -205,7 +237,7 @@ impl<'a> Rollout<'a> {
                 guides.push((index, guide));
             }
         }
-        Self {
+        Ok(Self {
             assembly,
             world,
             part_from_track,
@@ -226,14 +258,16 @@ impl<'a> Rollout<'a> {
             timestep_s: experiment.solver.timestep_s,
             latency_s: (0..assembly.hinges.len())
                 .map(|hinge| {
-                    experiment.adjustment.servo_latency_s + perturbation.latency_s_of(hinge)
+                    let actuator = &assembly.hinges[hinge].actuator;
+                    let own_s = actuator.map_or(0.0, |actuator| actuator.servo.delay_s);
+                    experiment.adjustment.servo_latency_s + perturbation.latency_s_of(hinge) + own_s
                 })
                 .collect(),
             backlash_rad: experiment.adjustment.servo_backlash_rad,
             steps: 0,
             settle_steps: 0,
-            warnings: experiment.warnings(),
-        }
+            warnings,
+        })
     }
 
     /// Drives every servo towards its command at `t_s` (or what it knows of it by then), leads every driven body to where it is
@@ -249,7 +283,9 @@ impl<'a> Rollout<'a> {
                 continue;
             };
             let orders = &mut self.orders[index];
-            self.squared_error_rad2 += (orders.angle_rad(t_s) - angle_rad).powi(2);
+            if servo.law != ServoLaw::Direct {
+                self.squared_error_rad2 += (orders.angle_rad(t_s) - angle_rad).powi(2);
+            }
             // Before the first command arrives, the servo holds where it started.
             let target_rad = orders.angle_rad((t_s - self.latency_s[index]).max(0.0));
             let is_on = orders.is_on(t_s);
@@ -417,10 +453,10 @@ impl<'a> Rollout<'a> {
             path.joint_names = hinges.map(|hinge| hinge.name.clone()).collect();
         }
         if let Some(observer) = &mut observer {
-            observer(&Snapshot::take(0.0, self.assembly, &self.world));
+            observer(&Snapshot::take(0.0, self.assembly, self.world.as_ref()));
         }
         if let Some(meter) = &mut self.meter {
-            meter.start(self.assembly, &self.world);
+            meter.start(self.assembly, self.world.as_ref());
         }
         let mut before = self.sample();
         let mut next = 0;
@@ -439,10 +475,10 @@ impl<'a> Rollout<'a> {
                 return Ok(Outcome::Diverged(Divergence { at_s: to_s, why }));
             }
             if let Some(meter) = &mut self.meter {
-                meter.read(self.assembly, &self.world, from_s, &self.efforts);
+                meter.read(self.assembly, self.world.as_ref(), from_s, &self.efforts);
             }
             if let Some(observer) = &mut observer {
-                observer(&Snapshot::take(to_s, self.assembly, &self.world));
+                observer(&Snapshot::take(to_s, self.assembly, self.world.as_ref()));
             }
             if next < times_s.len() && times_s[next] <= to_s + 1e-9 * timestep_s.max(1e-3) {
                 let after = self.sample();

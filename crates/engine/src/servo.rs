@@ -4,7 +4,7 @@ use realgap_robot::morphology::{Servo, ServoLaw};
 
 /// What a joint motor is asked to do during one step, within its torque limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Command {
+pub enum Command {
     /// Follow a joint velocity: torque = damping · (target − velocity).
     Velocity {
         /// Joint velocity, rad/s.
@@ -46,6 +46,16 @@ pub(super) fn error_beyond_play(backlash_rad: f64, target_rad: f64, angle_rad: f
     (backlash_rad <= 0.0 || beyond_rad > 0.0).then(|| beyond_rad.copysign(whole_error_rad))
 }
 
+/// A torque that hardly depends on the speed: the pull towards a speed this far away, rad/s.
+fn torque(torque_nm: f64) -> Command {
+    const FAR_RAD_S: f64 = 1e6;
+    Command::Velocity {
+        target_rad_s: FAR_RAD_S.copysign(torque_nm),
+        damping_nm_s_rad: torque_nm.abs() / FAR_RAD_S,
+        max_torque_nm: torque_nm.abs(),
+    }
+}
+
 /// The command of a servo at `angle_rad` that should be at `target_rad`.
 ///
 /// The velocity law is given to the engine as a spring while its speed limit does not bind
@@ -60,6 +70,9 @@ pub(super) fn command(
     target_rad: f64,
     angle_rad: f64,
 ) -> Command {
+    if servo.law == ServoLaw::Direct {
+        return torque(target_rad.clamp(-servo.max_torque_nm, servo.max_torque_nm));
+    }
     let Some(error_rad) = error_beyond_play(backlash_rad, target_rad, angle_rad) else {
         return NOTHING;
     };
@@ -97,7 +110,7 @@ pub(super) fn command(
             max_torque_nm,
         },
         // Driven by its effort, never by a command: a motor has more to say than a target.
-        ServoLaw::Motor(_) => NOTHING,
+        ServoLaw::Motor(_) | ServoLaw::Direct => NOTHING,
     }
 }
 
@@ -110,6 +123,7 @@ mod tests {
             law: ServoLaw::Velocity { gain_1_s: 30.0 },
             max_torque_nm: 0.2,
             max_speed_rad_s,
+            delay_s: 0.0,
         }
     }
 

@@ -2,9 +2,9 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use super::engine::World;
 use super::kinematics::robot_from_part_at_zero;
 use super::part_state::PartState;
-use super::world::World;
 use realgap_core::error::{Error, Result};
 use realgap_robot::morphology::Assembly;
 
@@ -63,7 +63,7 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    pub(super) fn take(time_s: f64, assembly: &Assembly, world: &World) -> Self {
+    pub(super) fn take(time_s: f64, assembly: &Assembly, world: &dyn World) -> Self {
         let parts: Vec<PartState> = (0..assembly.parts.len())
             .map(|part| world.part_state(part))
             .collect();

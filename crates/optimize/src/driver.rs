@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 
-use super::options::RunOptions;
-use realgap_core::error::{Advice, Error, Result};
+use super::options::{RunOptions, pool};
+use realgap_core::error::Result;
 use realgap_store::Storage;
 
 /// How a drive ended.
@@ -38,20 +38,6 @@ impl<'a> Batch<'a> {
     }
 }
 
-/// Threads for everything that a study does in parallel.
-///
-/// # Errors
-/// More threads than the system gives.
-pub fn pool(jobs: usize) -> Result<rayon::ThreadPool> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(jobs.max(1))
-        .build()
-        .map_err(|e| {
-            Error::conflict(format!("cannot start {jobs} threads: {e}"))
-                .advise(Advice::FewerThreads)
-        })
-}
-
 /// Evaluates all points that the storage does not have yet and takes, in parallel, and keeps each as it comes. Where others
 /// are missing that it does not take, the drive ends as interrupted.
 ///
@@ -62,7 +48,7 @@ pub fn pool(jobs: usize) -> Result<rayon::ThreadPool> {
 /// The first error of `evaluate` or of the store; everything finished before is stored.
 pub fn drive<R: Send>(
     batch: &Batch<'_>,
-    store: &mut impl Storage<R>,
+    store: &mut (impl Storage<R> + ?Sized),
     evaluate: impl Fn(usize) -> Result<R> + Sync,
     mut progress: impl FnMut(usize),
 ) -> Result<Ending> {
@@ -128,6 +114,7 @@ pub fn drive<R: Send>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use realgap_core::error::Error;
     use realgap_store::{CaseOutcome, CaseRow, Fingerprint, Store, Trial};
 
     fn trial(index: usize) -> Trial {

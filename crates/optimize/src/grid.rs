@@ -127,8 +127,8 @@ impl Range {
     }
 }
 
-/// Every combination of the values of some ranges; the last range varies fastest.
-#[derive(Debug, Clone, PartialEq)]
+/// Every combination of the values of some ranges; the last range varies fastest. By default nothing varies.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Grid {
     ranges: Vec<Range>,
 }

@@ -8,11 +8,11 @@ mod minimise;
 mod optimizer;
 mod options;
 
-pub use driver::{Batch, Ending, drive, pool};
+pub use driver::{Batch, Ending, drive};
 pub use grid::{Grid, MAX_POINTS, Range};
 pub use minimise::minimise;
 pub use optimizer::{
     Brief, History, OPTIMIZERS, Optimizer, Proposal, Told, UnitPoint, default_optimizer,
-    optimizer_by_name, space_filling,
+    optimizer_by_name, space_filling, thin,
 };
-pub use options::{Progress, RunOptions};
+pub use options::{Progress, RunOptions, pool};

@@ -1,10 +1,11 @@
 //! How something long runs: threads, who hears of it, and when to stop.
 
 use std::fmt;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use super::driver::pool;
-use realgap_core::error::{Error, Result};
+use rayon::prelude::*;
+
+use realgap_core::error::{Advice, Error, Result};
 
 /// How far a run is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,6 +82,25 @@ impl RunOptions<'_> {
         Ok(pool(self.jobs)?.install(work))
     }
 
+    /// What `one` makes of every number below `total`, in their order; whoever listens hears of each.
+    ///
+    /// # Errors
+    /// The first of `one`; more threads than the system gives, or somebody asked to stop.
+    pub fn each<T: Send>(
+        &self,
+        total: usize,
+        one: impl Fn(usize) -> Result<T> + Sync,
+    ) -> Result<Vec<T>> {
+        let done = AtomicUsize::new(0);
+        let told = |index| {
+            self.go_on()?;
+            let made = one(index);
+            self.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
+            made
+        };
+        self.install(|| (0..total).into_par_iter().map(told).collect())?
+    }
+
     /// Tells whoever listens.
     pub fn tell(&self, done: usize, total: usize, best: Option<f64>) {
         if let Some(progress) = self.progress {
@@ -104,6 +124,20 @@ impl RunOptions<'_> {
             });
         }
     }
+}
+
+/// Threads for everything that a study does in parallel.
+///
+/// # Errors
+/// More threads than the system gives.
+pub fn pool(jobs: usize) -> Result<rayon::ThreadPool> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(jobs.max(1))
+        .build()
+        .map_err(|e| {
+            Error::conflict(format!("cannot start {jobs} threads: {e}"))
+                .advise(Advice::FewerThreads)
+        })
 }
 
 impl fmt::Debug for RunOptions<'_> {

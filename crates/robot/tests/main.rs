@@ -3,5 +3,5 @@
 #[path = "../../../tests/common/shared.rs"]
 mod common;
 mod genome;
-mod import;
 mod morphology;
+mod urdf;

@@ -10,11 +10,10 @@ use rusqlite::{Connection, Transaction, params};
 use super::checksum::Tally;
 use super::connection::{DAMAGED_HINT, connect, connect_to_read, settle, sql, stamp, with_suffix};
 use super::content::{Content, LAYOUT, content};
-use super::description::{entries, entry_checksum, put_description};
+use super::description::{COMPLETE, ENDING, UNFINISHED, entries, entry_checksum, put_description};
 use super::fingerprint::Fingerprint;
 use super::lock::{FolderLock, Place};
 use super::log::verify_log;
-use super::opening::{COMPLETE, ENDING, UNFINISHED};
 use super::row::Table;
 use super::storage::Storage;
 use super::trial::Trial;
@@ -29,6 +28,10 @@ const COMMON_TABLES: &str = "
     CREATE TABLE fingerprint (position INTEGER PRIMARY KEY, name TEXT NOT NULL, value TEXT NOT NULL) STRICT;
     CREATE TABLE tally (rows INTEGER NOT NULL, checksum INTEGER NOT NULL) STRICT;
     INSERT INTO tally VALUES (0, 0);";
+
+/// Named texts in their order.
+const DESCRIPTION: &str = "SELECT name, value FROM description";
+const FINGERPRINT: &str = "SELECT name, value FROM fingerprint ORDER BY position";
 
 /// Rows that are verified at once.
 const VERIFIED_AT_ONCE: usize = 256;
@@ -49,12 +52,10 @@ impl<R> Store<R> {
     /// The description and fingerprint entries with their checksums, and everything below them, must be what was written.
     fn common_checksums(&self) -> rusqlite::Result<Tally> {
         let mut tally = Tally::default();
-        for (name, value) in entries(&self.connection, "SELECT name, value FROM description")? {
-            tally.add(entry_checksum("description", &name, &value));
-        }
-        let fingerprint = "SELECT name, value FROM fingerprint ORDER BY position";
-        for (name, value) in entries(&self.connection, fingerprint)? {
-            tally.add(entry_checksum("fingerprint", &name, &value));
+        for (table, query) in [("description", DESCRIPTION), ("fingerprint", FINGERPRINT)] {
+            for (name, value) in entries(&self.connection, query)? {
+                tally.add(entry_checksum(table, &name, &value));
+            }
         }
         Ok(tally)
     }
@@ -73,12 +74,7 @@ impl<R> Store<R> {
     /// # Errors
     /// A store that cannot be read.
     pub fn fingerprint(&self) -> Result<Fingerprint> {
-        let entries = entries(
-            &self.connection,
-            "SELECT name, value FROM fingerprint ORDER BY position",
-        );
-        let entries = entries.map_err(|e| sql(&self.path, "read the results", &e))?;
-        Ok(entries.into_iter().collect())
+        self.texts(FINGERPRINT)
     }
 
     /// What [`Store::describe`] kept.
@@ -86,7 +82,11 @@ impl<R> Store<R> {
     /// # Errors
     /// A store that cannot be read.
     pub fn description(&self) -> Result<BTreeMap<String, String>> {
-        let entries = entries(&self.connection, "SELECT name, value FROM description");
+        self.texts(DESCRIPTION)
+    }
+
+    fn texts<T: FromIterator<(String, String)>>(&self, query: &str) -> Result<T> {
+        let entries = entries(&self.connection, query);
         let entries = entries.map_err(|e| sql(&self.path, "read the results", &e))?;
         Ok(entries.into_iter().collect())
     }

@@ -4,6 +4,11 @@ use rusqlite::{Connection, OptionalExtension as _, Transaction, params};
 
 use super::checksum::{Checksum, Tally};
 
+/// What a store says of how its run ended.
+pub(super) const ENDING: &str = "ending";
+pub(super) const COMPLETE: &str = "complete";
+pub(super) const UNFINISHED: &str = "unfinished";
+
 /// Keeps a named text in place of an older one.
 pub(super) fn put_description(
     transaction: &Transaction<'_>,

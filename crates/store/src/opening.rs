@@ -2,6 +2,7 @@
 
 use super::content::{Content, is_foreign};
 use super::database::{STORE_FILE, Store, remove};
+use super::description::{COMPLETE, ENDING};
 use super::fingerprint::Fingerprint;
 use super::lock::{FolderLock, Place};
 use super::row::Table;
@@ -18,11 +19,6 @@ pub enum Mode {
     /// Remove old results first.
     Restart,
 }
-
-/// What a store says of how its run ended.
-pub(super) const ENDING: &str = "ending";
-pub(super) const COMPLETE: &str = "complete";
-pub(super) const UNFINISHED: &str = "unfinished";
 
 impl<R: Table> Store<R> {
     /// The store in a folder as `mode` asks. `what` and `expected` are for the message about an unfinished

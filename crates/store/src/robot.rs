@@ -40,14 +40,34 @@ pub enum RobotOutcome {
 /// What one repeat of a robot did.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TravelRow {
-    /// From start to end in the plane, metres.
+    /// From start (or from where it counts) to end in the plane, metres.
     pub displacement_m: f64,
     /// Along the path, metres.
     pub path_length_m: f64,
-    /// Change of the heading, radians.
+    /// Change of the heading, radians, left positive.
     pub turned_rad: f64,
-    /// What the servos gave, joules; `None` where nobody counted.
+    /// What the servos gave meanwhile, joules; `None` where nobody counted.
     pub servo_j: Option<f64>,
+}
+
+impl TravelRow {
+    /// Displacement per path length; 0 below one body length of displacement, where there is no direction to speak of.
+    pub fn straightness(&self, body_length_m: f64) -> f64 {
+        if self.displacement_m < body_length_m {
+            return 0.0;
+        }
+        (self.displacement_m / self.path_length_m).min(1.0)
+    }
+
+    /// Displacement per energy, m/J; 0 below one body length, and where no servo gave any or nobody counted.
+    pub fn metres_per_joule(&self, body_length_m: f64) -> f64 {
+        match self.servo_j {
+            Some(servo_j) if servo_j > 0.0 && self.displacement_m >= body_length_m => {
+                self.displacement_m / servo_j
+            }
+            _ => 0.0,
+        }
+    }
 }
 
 /// What stands in the column `status` of a robot that walked.

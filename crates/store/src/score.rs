@@ -14,14 +14,6 @@ impl Store<Trial> {
         self.rows()
     }
 
-    /// The trials with an index in `range`, by index.
-    ///
-    /// # Errors
-    /// As [`Store::rows`].
-    pub fn trials_within(&self, range: std::ops::Range<usize>) -> Result<Vec<Trial>> {
-        self.rows_within(range)
-    }
-
     /// Keeps the scores of trials; scores of the same trial are replaced (a basis fitted later changes them).
     ///
     /// # Errors

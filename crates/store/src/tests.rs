@@ -63,7 +63,7 @@ fn scores_and_descriptions_come_back_and_are_replaced() {
     store.describe([("metric", "pca".to_owned())]).unwrap();
     store.describe([("metric", "rms".to_owned())]).unwrap();
     assert_eq!(store.description().unwrap()["metric"], "rms");
-    assert_eq!(store.trials_within(1..9).unwrap(), [trial(1)]);
+    assert_eq!(store.rows_within(1..9).unwrap(), [trial(1)]);
 }
 
 #[test]

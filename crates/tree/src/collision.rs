@@ -209,7 +209,7 @@ impl Collision {
                 b: NONE,
                 meeting: body,
                 seen_at: 0,
-                friction: mine.friction * its.friction,
+                friction: mine.friction_with(its),
                 restitution: mine.restitution * its.restitution,
                 corners: vec![Vec3::ZERO; if direct { 8 } else { 0 }],
                 manifolds: Vec::new(),
@@ -234,8 +234,9 @@ impl Collision {
         for shape_a in self.shapes_of(a) {
             for shape_b in self.shapes_of(b) {
                 let (one, two) = (&self.shapes[shape_a], &self.shapes[shape_b]);
-                let apart = model.apart.contains(&(one.link, two.link))
-                    || model.apart.contains(&(two.link, one.link));
+                let marks = (one.collider.mark, two.collider.mark);
+                let apart =
+                    model.apart.contains(&marks) || model.apart.contains(&(marks.1, marks.0));
                 let grouped = one.collider.group != 0 && one.collider.group == two.collider.group;
                 if apart || grouped {
                     continue;
@@ -247,7 +248,7 @@ impl Collision {
                     b,
                     meeting: forest.meeting(a, b),
                     seen_at: 0,
-                    friction: one.collider.friction * two.collider.friction,
+                    friction: one.collider.friction_with(&two.collider),
                     restitution: one.collider.restitution * two.collider.restitution,
                     corners: Vec::new(),
                     manifolds: Vec::new(),

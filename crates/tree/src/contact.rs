@@ -58,9 +58,11 @@ pub(crate) struct Point {
     pub arm_b: Vec3,
     /// Velocity of the fixture, in the basis.
     led: [f64; 3],
-    /// Inverse masses: normal, and the block of the tangents.
+    /// Inverse masses: normal, and the tangents, the larger one first.
     normal_k: f64,
-    tangent_k: [f64; 3],
+    tangent_k: [f64; 2],
+    /// Slip left per impulse of friction.
+    slip_per_impulse: f64,
     wanted: f64,
     slack: f64,
     friction: f64,
@@ -122,7 +124,8 @@ impl Point {
             arm_b: Vec3::ZERO,
             led: basis.map(|axis| touch.led_world_m_s.dot(axis)),
             normal_k: 0.0,
-            tangent_k: [0.0; 3],
+            tangent_k: [0.0; 2],
+            slip_per_impulse: 0.0,
             wanted: step.softness.wanted_speed(touch.distance_m),
             slack: step.softness.slack,
             friction: touch.friction,
@@ -132,11 +135,13 @@ impl Point {
         };
         point.impulse[0] = point.impulse[0].max(0.0);
         point.a.reads = basis.map(|axis| Spatial::at(arm_a, axis));
+        let mut swing = node.swing_at(arm_a, &nodes[forest.bodies[touch.a].root]);
         let mut approach = point.led[0] - point.a.reads[0].dot(&node.velocity);
         let mut pull = -basis[0].dot(step.gravity_world_m_s2);
         if touch.b != NONE {
             let other = &nodes[touch.b];
             point.arm_b = touch.point_world_m - other.reference_world_m;
+            swing -= other.swing_at(point.arm_b, &nodes[forest.bodies[touch.b].root]);
             approach += other.velocity.velocity_at(point.arm_b).dot(basis[0]);
             if forest.bodies[forest.bodies[touch.b].root].freedom != crate::forest::Freedom::Mounted
             {
@@ -144,6 +149,13 @@ impl Point {
             }
         }
         let impact = point.bounce(touch, approach, pull, step);
+        // Over the step a point travels by its velocity and by half of what velocity products do to it.
+        for (k, axis) in basis.iter().enumerate() {
+            let same_point = k > 0 || (matches!(touch.memory, Memory::Corner { .. }) && !impact);
+            if same_point {
+                point.led[k] -= 0.5 * step.time_s * swing.dot(*axis);
+            }
+        }
         (point, impact)
     }
 
@@ -170,20 +182,48 @@ impl Point {
         true
     }
 
-    /// Completes the rows once it is known what both bodies give.
-    pub fn weigh(&mut self, other: Option<&Side>) {
-        let mut k = [[0.0; 3]; 3];
-        for (i, row) in k.iter_mut().enumerate() {
-            for (j, value) in row.iter_mut().enumerate().take(i + 1) {
-                *value = self.a.reads[i].dot(&self.a.gives[j]);
-                if let Some(b) = other {
-                    *value += b.reads[i].dot(&b.gives[j]);
-                }
-            }
-        }
-        self.normal_k = k[0][0];
-        self.tangent_k = [k[1][1], k[2][1], k[2][2]];
+    /// Completes the rows once it is known what both bodies give, and turns the tangents to where one does not feel the other.
+    pub fn weigh(&mut self, mut other: Option<&mut Side>) {
+        let give = |other: &Option<&mut Side>, a: &Side, i: usize, j: usize| {
+            let its = other.as_ref().map_or(0.0, |b| b.reads[i].dot(&b.gives[j]));
+            a.reads[i].dot(&a.gives[j]) + its
+        };
+        self.normal_k = give(&other, &self.a, 0, 0);
         self.slack *= self.normal_k;
+        let (tt, ts, ss) = (
+            give(&other, &self.a, 1, 1),
+            give(&other, &self.a, 2, 1),
+            give(&other, &self.a, 2, 2),
+        );
+        // Jacobi's rotation.
+        let half = 0.5 * (tt - ss);
+        let radius = length_of([half, ts]);
+        self.tangent_k = [0.5 * (tt + ss) + radius, 0.5 * (tt + ss) - radius];
+        let cosine = (0.5 * (1.0 + half.abs() / radius.max(f64::MIN_POSITIVE))).sqrt();
+        let sine = 0.5 * ts / (radius * cosine).max(f64::MIN_POSITIVE);
+        let (c, s) = if half >= 0.0 {
+            (cosine, sine)
+        } else {
+            (sine.abs(), cosine.copysign(ts))
+        };
+        if s == 0.0 {
+            return;
+        }
+        let turned = |t: f64, u: f64| (c * t + s * u, c * u - s * t);
+        let [_, t, u] = self.basis;
+        (self.basis[1], self.basis[2]) = (t * c + u * s, u * c - t * s);
+        (self.led[1], self.led[2]) = turned(self.led[1], self.led[2]);
+        (self.impulse[1], self.impulse[2]) = turned(self.impulse[1], self.impulse[2]);
+        let turn = |side: &mut Side| {
+            for rows in [&mut side.reads, &mut side.gives] {
+                let [_, t, u] = *rows;
+                (rows[1], rows[2]) = (t * c + u * s, u * c - t * s);
+            }
+        };
+        turn(&mut self.a);
+        if let Some(side) = &mut other {
+            turn(side);
+        }
     }
 
     /// The impulse on the first body.
@@ -218,7 +258,9 @@ impl Point {
             return more;
         }
         let slip = [reads(self, 1, a, &b), reads(self, 2, a, &b)];
-        let now = friction(&self.tangent_k, before, slip, most);
+        let k = self.tangent_k;
+        let wish = [k[0] * before[0] - slip[0], k[1] * before[1] - slip[1]];
+        let now = friction(&k, wish, most, &mut self.slip_per_impulse);
         for k in 0..2 {
             let change = now[k] - before[k];
             more[k + 1] = change;
@@ -235,50 +277,42 @@ impl Point {
     pub fn speed_of(&self, change: &[f64; 3]) -> f64 {
         (change[0] * self.normal_k).abs()
             + (change[1] * self.tangent_k[0]).abs()
-            + (change[2] * self.tangent_k[2]).abs()
+            + (change[2] * self.tangent_k[1]).abs()
     }
 }
 
 /// Friction within Coulomb's cone: what stops the slip, or else an impulse of length `most` that is opposite to the slip left.
 ///
-/// Left slip = slip + K (new − before) = −s · new has the solution new = (K + s)⁻¹ (K before − slip); s by Newton's method on the
-/// secular equation 1 / |new| = 1 / most (Moré and Sorensen 1983), which converges from either side in a few rounds.
-pub(crate) fn friction(k: &[f64; 3], before: [f64; 2], slip: [f64; 2], most: f64) -> [f64; 2] {
-    let [kxx, kxy, kyy] = *k;
-    let b = [
-        kxx * before[0] + kxy * before[1] - slip[0],
-        kxy * before[0] + kyy * before[1] - slip[1],
-    ];
-    let at = |s: f64, v: [f64; 2]| {
-        let (xx, yy) = (kxx + s, kyy + s);
-        let scale = 1.0 / (xx * yy - kxy * kxy);
-        [
-            (yy * v[0] - kxy * v[1]) * scale,
-            (xx * v[1] - kxy * v[0]) * scale,
-        ]
-    };
-    let mut now = at(0.0, b);
-    let mut length = length_of(now);
-    if length <= most {
-        return now;
+/// `wish` is K · before − slip along the principal tangents. What is left, K · new − wish = −s · new, has the solution
+/// new = wish / (K + s); s by Newton's method on the secular equation 1 / |new| = 1 / most (Moré and Sorensen 1983), starting from
+/// where it was in the sweep before.
+fn friction(k: &[f64; 2], wish: [f64; 2], most: f64, start: &mut f64) -> [f64; 2] {
+    let sticks = [wish[0] / k[0], wish[1] / k[1]];
+    if sticks[0] * sticks[0] + sticks[1] * sticks[1] <= most * most {
+        return sticks;
     }
     if most <= 0.0 {
         return [0.0; 2];
     }
-    // The largest that K stretches anything: from there s grows to the solution without passing it.
-    let half = 0.5 * (kxx - kyy);
-    let largest = 0.5 * (kxx + kyy) + length_of([half, kxy]);
-    let mut s = (length_of(b) / most - largest).max(0.0);
+    // Between these s lies, as K stretches nothing by more than its larger and less than its smaller value.
+    let whole = length_of(wish) / most;
+    let (least, greatest) = ((whole - k[0]).max(0.0), whole - k[1]);
+    let mut s = start.clamp(least, greatest.max(least));
+    let mut now = sticks;
+    let mut length = most;
     for _ in 0..8 {
-        now = at(s, b);
-        length = length_of(now);
-        if length <= most * (1.0 + 1e-9) {
+        let (x, y) = (1.0 / (k[0] + s), 1.0 / (k[1] + s));
+        now = [wish[0] * x, wish[1] * y];
+        let squares = [now[0] * now[0], now[1] * now[1]];
+        length = (squares[0] + squares[1]).sqrt();
+        let over = length / most - 1.0;
+        if over.abs() < 1e-5 {
             break;
         }
-        let slope = at(s, now);
-        let projected = now[0] * slope[0] + now[1] * slope[1];
-        s += (length / most - 1.0) * length * length / projected;
+        s += over * length * length / (squares[0] * x + squares[1] * y);
+        s = s.clamp(least, greatest.max(least));
     }
+    *start = s;
     let scale = most / length;
     [now[0] * scale, now[1] * scale]
 }

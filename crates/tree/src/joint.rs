@@ -11,6 +11,9 @@ use crate::spatial::Spatial;
 /// Share of its limit below which a servo that has been there is part of the inertia again.
 const NEAR: f64 = 0.9;
 
+/// A joint that moves slower than this into its limit leans on it, rad/s or m/s.
+const LEANING: f64 = 0.05;
+
 /// What a joint's motor is asked to do from now on.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Command {
@@ -26,7 +29,7 @@ pub enum Command {
         /// Limit, N m or N.
         max_torque: f64,
     },
-    /// Torque = stiffness · (target − position) − damping · speed, within its limit, both at the end of the step.
+    /// Torque = stiffness · (target − position) − damping · speed, within its limit.
     Servo {
         /// Position, rad or m.
         target: f64,
@@ -133,16 +136,16 @@ impl Actor {
             }
         };
         self.most = most * time_s;
-        self.push += time_s * stiffness * (target - node.position);
-        self.grip = time_s * (time_s * stiffness + damping);
+        self.push += time_s * stiffness * (target - felt(node, time_s));
+        self.grip = time_s * (0.25 * time_s * stiffness + damping);
         self.folded = !self.saturated || self.grip == 0.0;
-        self.spring_push = time_s * body.stiffness * (body.rest - node.position);
+        self.spring_push = time_s * body.stiffness * (body.rest - felt(node, time_s));
         self.dry_most = self.dry * time_s;
         self.armature + self.passive(body, time_s) + if self.folded { self.grip } else { 0.0 }
     }
 
     fn passive(&self, body: &Body, time_s: f64) -> f64 {
-        time_s * (self.viscous + time_s * body.stiffness)
+        time_s * (self.viscous + 0.25 * time_s * body.stiffness)
     }
 
     /// The generalised impulse of all that needs no row, and of rows as they were in the step before.
@@ -174,7 +177,13 @@ impl Actor {
         }
         self.side = if distance > reach { 0.0 } else { side };
         self.wanted = softness.wanted_speed(distance);
-        self.slack = softness.slack * node.give;
+        // Hitting it is hard, leaning on it soft.
+        let leans = distance <= 0.0 && -side * node.speed < LEANING;
+        self.slack = if leans {
+            softness.slack * node.give
+        } else {
+            0.0
+        };
     }
 
     /// Whether any row may act.
@@ -240,8 +249,14 @@ impl Actor {
         done.limit += self.limit_now;
         done.dry_friction += self.dry_now;
         done.viscous_friction -= time_s * self.viscous * speed;
-        done.spring += self.spring_push - time_s * time_s * body.stiffness * speed;
+        done.spring += self.spring_push - 0.25 * time_s * time_s * body.stiffness * speed;
     }
+}
+
+/// The position that a spring feels in a step, but for a quarter of the coming speed: a mean of those before, now and after, with
+/// which it neither gains nor loses energy however stiff it is (Newmark 1959, average acceleration).
+fn felt(node: &Node, time_s: f64) -> f64 {
+    node.position - 0.25 * time_s * node.speed
 }
 
 /// The speed of a joint, between two velocities that know of each other.

@@ -25,6 +25,8 @@ pub(crate) struct Node {
     /// Reads the joint's speed off the difference of two velocities.
     pub reader: Spatial,
     pub velocity: Spatial,
+    /// Acceleration of the body by velocity products alone, seen from a frame that moves along with the root.
+    pub swing: Spatial,
     /// Velocity that velocity products are taken at, relative to the root's translation.
     pub relative: Spatial,
     /// Change of velocity by the axis' own motion over the step.
@@ -56,6 +58,13 @@ impl Node {
         self.reference_world_m + self.arm_m
     }
 
+    /// What velocity products do to a point at this arm: its acceleration if no speed changed.
+    pub fn swing_at(&self, arm_m: Vec3, root: &Self) -> Vec3 {
+        let w = self.velocity.angular();
+        let v = self.velocity.linear() - root.velocity.linear();
+        self.swing.velocity_at(arm_m) + w.cross(v + w.cross(arm_m))
+    }
+
     pub fn world_from_body(&self) -> Pose {
         Pose::from_parts(self.origin_world_m, self.rotation)
     }
@@ -85,6 +94,9 @@ pub(crate) fn update(forest: &Forest, nodes: &mut [Node]) {
             place_root(body, node);
         } else {
             place_child(body, &above[body.parent], node);
+            let together = Spatial::new(Vec3::ZERO, above[body.root].velocity.linear());
+            let own = node.axis * node.speed;
+            node.swing = above[body.parent].swing + (node.velocity - together).cross_motion(&own);
         }
         let turn = Mat3::from_quat(node.rotation);
         node.inertia_world = turn * body.inertia_body * turn.transpose();

@@ -14,8 +14,8 @@ pub struct Model {
     pub links: Vec<Link>,
     /// What nothing moves, or what is driven.
     pub fixtures: Vec<Fixture>,
-    /// Pairs of links that never touch each other. Links joined directly never do.
-    pub apart: Vec<(usize, usize)>,
+    /// Pairs of marks whose shapes never touch each other. Links joined directly never do.
+    pub apart: Vec<(u64, u64)>,
     /// How time passes and how contacts give.
     pub settings: Settings,
 }
@@ -123,6 +123,8 @@ pub struct Collider {
     pub owner_from_shape: Pose,
     /// Friction; that of a pair is the product of both.
     pub friction: f64,
+    /// Friction of any pair with this shape, in place of the product.
+    pub pair_friction: Option<f64>,
     /// Restitution; that of a pair is the product of both.
     pub restitution: f64,
     /// Shapes of the same group never touch each other; 0 is no group.
@@ -138,6 +140,7 @@ impl Collider {
             shape,
             owner_from_shape: Pose::identity(),
             friction,
+            pair_friction: None,
             restitution: 0.0,
             group: 0,
             mark: 0,
@@ -206,6 +209,14 @@ impl Default for Settings {
     }
 }
 
+impl Collider {
+    /// Friction of a pair.
+    pub(crate) fn friction_with(&self, other: &Self) -> f64 {
+        let stated = self.pair_friction.or(other.pair_friction);
+        stated.unwrap_or(self.friction * other.friction)
+    }
+}
+
 /// Why no world can be built from a model.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelError {
@@ -261,10 +272,6 @@ impl Model {
                     "link {index}: friction, armature and stiffness must not be negative"
                 ));
             }
-        }
-        let many = self.links.len();
-        if self.apart.iter().any(|&(a, b)| a >= many || b >= many) {
-            return fail(format!("apart: names a link beyond {many}"));
         }
         let s = &self.settings;
         let positive = [s.timestep_s, s.contact_frequency_hz, s.max_turn_rad];

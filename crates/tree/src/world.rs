@@ -264,7 +264,7 @@ impl World {
                     ..Side::default()
                 };
                 give(&mut point, &mut side, group, forest, &mut self.nodes);
-                point.weigh(Some(&side));
+                point.weigh(Some(&mut side));
                 point.b = rows.sides.len();
                 for (read, impulse) in side.reads.iter().zip(point.impulse) {
                     self.given[touch.b].add_scaled(read, impulse);

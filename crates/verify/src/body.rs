@@ -134,6 +134,7 @@ pub(super) fn velocity_servo(gain_1_s: f64, max_torque_nm: f64, max_speed_rad_s:
         law: ServoLaw::Velocity { gain_1_s },
         max_torque_nm,
         max_speed_rad_s,
+        delay_s: 0.0,
     }
 }
 

@@ -141,6 +141,7 @@ impl Bench<'_> {
             },
             max_torque_nm: 0.2,
             max_speed_rad_s: f64::INFINITY,
+            delay_s: 0.0,
         };
         // m g r cos θ = k θ, one Newton step from the small-angle answer is exact to 1e-6.
         let soft_rad = LOAD_NM * (LOAD_NM / soft_nm_rad).cos() / soft_nm_rad;
@@ -216,6 +217,7 @@ impl Bench<'_> {
             },
             max_torque_nm: 1.0,
             max_speed_rad_s: f64::INFINITY,
+            delay_s: 0.0,
         };
         let gait = Gait {
             amplitude_rad: 0.3,

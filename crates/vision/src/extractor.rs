@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use super::alphabet::Alphabet;
 use super::picture::{Grey, Region};
 use super::program::Program;
-use super::script::Alphabet;
 use realgap_core::error::Result;
 use realgap_core::warning::Warning;
 

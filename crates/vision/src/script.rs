@@ -1,7 +1,6 @@
 //! Text: turned upright, cut into rows and glyphs, and every glyph compared with a learned alphabet. Figures 4, 11 and 12 of
 //! paper 002.
 
-pub use super::alphabet::Alphabet;
 use super::extractor::{Extraction, Extractor, Feature, Measure, Sought, Step};
 use super::glyph::{LEAST_SPOT, hough_angle_rad, inked, rows, without_spots};
 use super::picture::Grey;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use realgap::robot::morphology::Dynamics;
 use realgap::unit::{LengthUnit, Unit};
 use realgap::{Error, Warning};
 use serde::Serialize;
@@ -77,6 +78,9 @@ pub enum Contents {
         track: String,
         /// Body length, metres.
         body_length_m: f64,
+        /// The robot at some coordinates of its joints, where that is asked for.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        dynamics: Option<States>,
     },
     /// A genome.
     Genome {
@@ -188,6 +192,18 @@ pub enum Contents {
         /// Each of them.
         recordings: Vec<Motion>,
     },
+}
+
+/// A robot, its root held, at some coordinates of its joints.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct States {
+    /// Names of the bodies.
+    pub bodies: Vec<String>,
+    /// Names of the joints that move.
+    pub joints: Vec<String>,
+    /// The states.
+    pub states: Vec<Dynamics>,
 }
 
 /// A parameter that a study varies.

@@ -112,6 +112,36 @@ impl LogTable {
         })
     }
 
+    /// The rows that a log is limited to, where one is, and what the column `name` says in them: all rows, where nothing is wanted.
+    ///
+    /// # Errors
+    /// No such column where something is wanted of it, or no row that says what is wanted; no row at all.
+    pub fn chosen(&self, name: &str, wanted: Option<&str>) -> Result<(Vec<usize>, Vec<&str>)> {
+        let column = self.column(name);
+        if let (Some(wanted), None) = (wanted, column) {
+            let error = Error::invalid(format!("the log has no column `{name}`"));
+            return Err(error.at_file(&self.path).field(name).found(wanted));
+        }
+        let (mut rows, mut said) = (Vec::new(), Vec::new());
+        for row in 0..self.row_count() {
+            let found = column.map(|column| self.text(row, column));
+            if let Some(found) = found.filter(|found| !said.contains(found)) {
+                said.push(found);
+            }
+            if wanted.is_none_or(|wanted| found == Some(wanted)) {
+                rows.push(row);
+            }
+        }
+        if !rows.is_empty() {
+            return Ok((rows, said));
+        }
+        let error = Error::invalid("the log has no readings: no rows").at_file(&self.path);
+        Err(match wanted {
+            Some(wanted) => error.field(name).found(wanted).allowed(said.join(", ")),
+            None => error,
+        })
+    }
+
     /// The cell of a row in a column, without white space around it.
     pub fn text(&self, row: usize, column: usize) -> &str {
         self.rows[row].get(column).unwrap_or_default()

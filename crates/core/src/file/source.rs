@@ -112,6 +112,11 @@ impl Source {
         }
     }
 
+    /// Whether a program has made it, as JSON.
+    pub fn is_json(&self) -> bool {
+        self.form == Form::Json
+    }
+
     /// The path that error messages name.
     pub fn path(&self) -> &Path {
         &self.path

@@ -32,11 +32,11 @@ pub struct Duration {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct KaplanMeier {
-    /// These are the times at which something was finished, seconds, increasing.
+    /// Times at which something was finished, seconds, increasing.
     pub times_s: Vec<f64>,
-    /// This is the share that is not finished right after each of these times.
+    /// The share that is not finished right after each of them.
     pub shares: Vec<f64>,
-    /// This is the sum Σ d / (n (n − d)) of Greenwood's formula up to each time; it is infinite where nothing is left.
+    /// The sum Σ d / (n (n − d)) of Greenwood's formula up to it; infinite where nothing is left.
     greenwood: Vec<f64>,
 }
 

@@ -4,28 +4,19 @@ use std::fmt;
 
 /// Writes an enum of units with their symbols and sizes.
 macro_rules! units {
-    ($(#[$doc:meta])* $name:ident, $what:literal, $size:ident: $($(#[$variant_doc:meta])* $variant:ident $symbol:literal $words:literal $factor:expr;)*) => {
-        $(#[$doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-        pub enum $name {
-            $($(#[$variant_doc])* $variant,)*
+    ($(#[$doc:meta])* $name:ident, $what:literal, $size:ident: $($(#[$about:meta])* $member:ident $symbol:literal $words:literal $factor:expr;)*) => {
+        crate::spelled! {
+            $(#[$doc])*
+            #[derive(Default)]
+            $name.symbol, concat!("is no unit of ", $what);
+            $($(#[$about])* $member $symbol;)*
         }
 
         impl $name {
-            /// All of them.
-            pub const ALL: &[Self] = &[$(Self::$variant),*];
-
-            /// How it is written, e.g. in a study.
-            pub fn symbol(self) -> &'static str {
-                match self {
-                    $(Self::$variant => $symbol,)*
-                }
-            }
-
             /// What one of it is in SI.
             pub fn $size(self) -> f64 {
                 match self {
-                    $(Self::$variant => $factor,)*
+                    $(Self::$member => $factor,)*
                 }
             }
         }
@@ -33,33 +24,8 @@ macro_rules! units {
         impl fmt::Display for $name {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str(match self {
-                    $(Self::$variant => $words,)*
+                    $(Self::$member => $words,)*
                 })
-            }
-        }
-
-        impl std::str::FromStr for $name {
-            type Err = String;
-
-            fn from_str(symbol: &str) -> Result<Self, String> {
-                let known = Self::ALL.iter().find(|unit| unit.symbol() == symbol);
-                known.copied().ok_or_else(|| {
-                    let all: Vec<&str> = Self::ALL.iter().map(|unit| unit.symbol()).collect();
-                    format!("`{symbol}` is no unit of {}; allowed: {}", $what, all.join(", "))
-                })
-            }
-        }
-
-        impl serde::Serialize for $name {
-            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-                serializer.serialize_str(self.symbol())
-            }
-        }
-
-        impl<'de> serde::Deserialize<'de> for $name {
-            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                let symbol = <String as serde::Deserialize>::deserialize(deserializer)?;
-                symbol.parse().map_err(serde::de::Error::custom)
             }
         }
     };

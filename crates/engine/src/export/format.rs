@@ -10,6 +10,8 @@ pub struct Exported {
     pub text: String,
     /// What the format cannot carry.
     pub warnings: Vec<Warning>,
+    /// Files that it names, which belong beside it: name and contents.
+    pub files: Vec<(String, Vec<u8>)>,
 }
 
 /// A file format of robots that other programs read.

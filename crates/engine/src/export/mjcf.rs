@@ -1,12 +1,12 @@
 //! MJCF, the format of MuJoCo: the whole experiment but restitution and contact softness.
 
-use nalgebra::{Point3, UnitQuaternion};
+use nalgebra::{Point3, UnitQuaternion, Vector3};
 
 use super::format::{Exported, Format};
 use super::robot::{Robot, origin_robot_m, quaternion, seen_from};
 use super::xml::{Element, numbers, vector};
 use realgap_core::warning::{Code, Warning};
-use realgap_robot::morphology::{Actuator, Hinge, Motor, Servo, ServoLaw, Solid};
+use realgap_robot::morphology::{Actuator, Freedom, Hinge, Motor, Servo, ServoLaw, Shape, Solid};
 
 /// MuJoCo's XML.
 pub(super) struct Mjcf;
@@ -61,12 +61,17 @@ impl Format for Mjcf {
                 ),
             );
         root.push(custom(robot));
+        let meshes: Vec<Element> = robot.hulls().map(mesh_of(robot)).collect();
+        if !meshes.is_empty() {
+            let asset = Element::new("asset");
+            root.push(meshes.into_iter().fold(asset, Element::child));
+        }
         let mut world = Element::new("worldbody");
         world.comment(
             "The floor's priority makes its friction that of every pair with it; two modules rub with its square, as in realgap.",
         );
         world.push(floor(robot));
-        world.push(body(robot, 0, None));
+        world.push(body(robot, 0, &[]));
         root.push(world);
         let hinges = &robot.assembly.hinges;
         if !hinges.is_empty() {
@@ -93,6 +98,7 @@ impl Format for Mjcf {
         Exported {
             text: root.document(&comments),
             warnings,
+            files: Vec::new(),
         }
     }
 }
@@ -156,6 +162,7 @@ fn custom(robot: &Robot<'_>) -> Element {
             law,
             max_torque_nm,
             max_speed_rad_s,
+            ..
         } = *servo;
         let (law, data) = match law {
             ServoLaw::Velocity { gain_1_s } => {
@@ -181,6 +188,7 @@ fn custom(robot: &Robot<'_>) -> Element {
                     max_torque_nm.min(motor.stall_nm()),
                 ],
             ),
+            ServoLaw::Direct => ("direct", [0.0, 0.0, max_torque_nm]),
         };
         custom.push(text(&format!("law_{name}"), law));
         custom.push(numeric(format!("servo_{name}"), numbers(data)));
@@ -214,11 +222,27 @@ fn floor(robot: &Robot<'_>) -> Element {
         .with("priority", "1")
 }
 
-fn body(robot: &Robot<'_>, part: usize, hinge: Option<&Hinge>) -> Element {
+/// A hull as an asset: MuJoCo makes it convex by itself.
+fn mesh_of<'a>(robot: &'a Robot<'_>) -> impl Fn((&'a Solid, &'a [Vector3<f64>])) -> Element + 'a {
+    |(solid, points_m)| {
+        Element::new("mesh")
+            .with("name", robot.solid_name(solid))
+            .with("vertex", numbers(points_m.iter().flatten().copied()))
+    }
+}
+
+/// A part with the joints that move it: one, or several with links of nothing between them, which MuJoCo has as joints of one body.
+fn body(robot: &Robot<'_>, part: usize, hinges: &[&Hinge]) -> Element {
     let cluster = &robot.assembly.parts[part];
+    let on_it: Vec<&Hinge> = robot.hinges_on(part).collect();
+    if let ([next], false) = (on_it.as_slice(), hinges.is_empty())
+        && robot.is_nothing(part)
+    {
+        return body(robot, next.child_part, &[hinges, &[*next]].concat());
+    }
     let origin_m = origin_robot_m(cluster);
     let mut element = Element::new("body").with("name", robot.part_name(part));
-    match hinge {
+    match hinges.first() {
         None if robot.assembly.world_from_mount.is_some() => {
             let mount = robot.assembly.world_from_mount.unwrap_or_default();
             element = element.with("pos", vector(&(mount * Point3::from(origin_m)).coords));
@@ -237,14 +261,15 @@ fn body(robot: &Robot<'_>, part: usize, hinge: Option<&Hinge>) -> Element {
         }
         Some(hinge) => {
             let parent_m = origin_robot_m(&robot.assembly.parts[hinge.parent_part]);
-            element = element
-                .with("pos", vector(&(origin_m - parent_m)))
-                .child(joint(hinge, &origin_m));
+            element = element.with("pos", vector(&(origin_m - parent_m)));
+            for hinge in hinges {
+                element.push(joint(hinge, &origin_m));
+            }
         }
     }
     let mass = cluster.mass(&nalgebra::Isometry3::identity());
     let i = mass.inertia_kg_m2;
-    element.push(
+    let inertial = || {
         Element::new("inertial")
             .with("pos", vector(&(mass.centre_m - origin_m)))
             .with("mass", numbers([mass.mass_kg]))
@@ -258,9 +283,13 @@ fn body(robot: &Robot<'_>, part: usize, hinge: Option<&Hinge>) -> Element {
                     i[(0, 2)],
                     i[(1, 2)],
                 ]),
-            ),
-    );
-    for solid in &cluster.solids {
+            )
+    };
+    // What is held may weigh nothing.
+    if mass.mass_kg > 0.0 {
+        element.push(inertial());
+    }
+    for solid in cluster.solids.iter().filter(|s| s.shape != Shape::Nothing) {
         element.push(geom(robot, solid, &origin_m));
     }
     if part == robot.assembly.track_part {
@@ -272,16 +301,31 @@ fn body(robot: &Robot<'_>, part: usize, hinge: Option<&Hinge>) -> Element {
                 .with("quat", numbers(quaternion(&pose.rotation))),
         );
     }
-    for hinge in robot.hinges_on(part) {
-        element.push(body(robot, hinge.child_part, Some(hinge)));
+    for mark in robot.assembly.marks.iter().filter(|m| m.part == part) {
+        let pose = seen_from(&origin_m, &mark.robot_from_mark);
+        element.push(
+            Element::new("site")
+                .with("name", &mark.name)
+                .with("pos", vector(&pose.translation.vector))
+                .with("quat", numbers(quaternion(&pose.rotation))),
+        );
+    }
+    for hinge in on_it {
+        element.push(body(robot, hinge.child_part, &[hinge]));
     }
     element
 }
 
-fn joint(hinge: &Hinge, origin_m: &nalgebra::Vector3<f64>) -> Element {
+fn joint(hinge: &Hinge, origin_m: &Vector3<f64>) -> Element {
     let mut joint = Element::new("joint")
         .with("name", &hinge.name)
-        .with("type", "hinge")
+        .with(
+            "type",
+            match hinge.freedom {
+                Freedom::Turn => "hinge",
+                Freedom::Slide => "slide",
+            },
+        )
         .with("axis", vector(&hinge.axis_robot))
         .with("pos", vector(&(hinge.anchor_robot_m - origin_m)));
     let bearing = &hinge.bearing;
@@ -296,8 +340,14 @@ fn joint(hinge: &Hinge, origin_m: &nalgebra::Vector3<f64>) -> Element {
     if dry_nm > 0.0 {
         joint = joint.with("frictionloss", numbers([dry_nm]));
     }
-    if let Some(motor) = motor.filter(|motor| motor.armature_kg_m2 > 0.0) {
-        joint = joint.with("armature", numbers([motor.armature_kg_m2]));
+    let armature_kg_m2 = bearing.armature_kg_m2 + motor.map_or(0.0, |motor| motor.armature_kg_m2);
+    if armature_kg_m2 > 0.0 {
+        joint = joint.with("armature", numbers([armature_kg_m2]));
+    }
+    if let Some(spring) = bearing.spring {
+        joint = joint
+            .with("stiffness", numbers([spring.stiffness_nm_rad]))
+            .with("springref", numbers([spring.rest_rad]));
     }
     if let Some((low_rad, high_rad)) = bearing.limits_rad {
         joint = joint.with("range", numbers([low_rad, high_rad]));
@@ -305,12 +355,33 @@ fn joint(hinge: &Hinge, origin_m: &nalgebra::Vector3<f64>) -> Element {
     joint
 }
 
-fn geom(robot: &Robot<'_>, solid: &Solid, origin_robot_m: &nalgebra::Vector3<f64>) -> Element {
+fn geom(robot: &Robot<'_>, solid: &Solid, origin_robot_m: &Vector3<f64>) -> Element {
     let pose = seen_from(origin_robot_m, &solid.robot_from_solid);
-    let element = Element::new("geom")
-        .with("name", robot.solid_name(solid))
-        .with("type", "box")
-        .with("size", vector(&solid.half_extents_m()))
+    let element = Element::new("geom").with("name", robot.solid_name(solid));
+    let element = match &solid.shape {
+        Shape::Hull { .. } => element
+            .with("type", "mesh")
+            .with("mesh", robot.solid_name(solid)),
+        Shape::Sphere { radius_m } => element
+            .with("type", "sphere")
+            .with("size", numbers([*radius_m])),
+        Shape::Cylinder {
+            radius_m,
+            half_length_m,
+        } => element
+            .with("type", "cylinder")
+            .with("size", numbers([*radius_m, *half_length_m])),
+        Shape::Capsule {
+            radius_m,
+            half_length_m,
+        } => element
+            .with("type", "capsule")
+            .with("size", numbers([*radius_m, *half_length_m])),
+        Shape::Box { .. } | Shape::Nothing => element
+            .with("type", "box")
+            .with("size", vector(&solid.half_extents_m())),
+    };
+    let element = element
         .with("pos", vector(&pose.translation.vector))
         .with("quat", numbers(quaternion(&pose.rotation)))
         .with(
@@ -365,5 +436,6 @@ fn motor(name: &str, servo: &Servo) -> Element {
         } => spring(motor, stiffness_nm_rad, damping_nm_s_rad),
         // The duty's limit is lost, but for the torque at standstill.
         ServoLaw::Motor(law) => spring(motor, law.stiffness_nm_rad(), law.damping_nm_s_rad()),
+        ServoLaw::Direct => motor.with("gainprm", "1").with("biasprm", "0 0 0"),
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::{Experiment, Floor};
 use realgap_core::warning::Warning;
-use realgap_robot::morphology::{Actuator, Assembly, Hinge, Morphology, Part, Role, Solid};
+use realgap_robot::morphology::{Actuator, Assembly, Hinge, Morphology, Part, Role, Shape, Solid};
 
 /// A robot to be exported, with the world it stands in.
 #[derive(Debug, Clone)]
@@ -63,6 +63,21 @@ impl<'a> Robot<'a> {
     pub(super) fn driven_hinges(&self) -> impl Iterator<Item = (&Hinge, &Actuator)> {
         let hinges = self.assembly.hinges.iter();
         hinges.filter_map(|hinge| Some((hinge, hinge.actuator.as_ref()?)))
+    }
+
+    /// The solids that are hulls, each with its corners.
+    pub(super) fn hulls(&self) -> impl Iterator<Item = (&Solid, &[Vector3<f64>])> {
+        let solids = self.assembly.parts.iter().flat_map(|part| &part.solids);
+        solids.filter_map(|solid| match &solid.shape {
+            Shape::Hull { points_m } => Some((solid, &**points_m)),
+            _ => None,
+        })
+    }
+
+    /// Whether a part has neither mass nor surface: what stands between two joints of one body.
+    pub(super) fn is_nothing(&self, part: usize) -> bool {
+        let mut solids = self.assembly.parts[part].solids.iter();
+        solids.all(|solid| solid.mass_kg == 0.0 && solid.shape == Shape::Nothing)
     }
 
     /// Whether a servo drives any hinge.

@@ -6,11 +6,14 @@ use super::format::{Exported, Format};
 use super::robot::{Robot, origin_robot_m};
 use super::xml::{Element, numbers, vector};
 use realgap_core::warning::{Code, Warning};
-use realgap_robot::morphology::{Hinge, Solid};
+use realgap_robot::morphology::body::hull_triangles;
+use realgap_robot::morphology::{Freedom, Hinge, Shape, Solid};
 
 /// The Unified Robot Description Format.
 pub(super) struct Urdf;
 
+/// Limits of a slide that has none, metres.
+const UNLIMITED_M: f64 = 1e3;
 /// Speed limit of a servo that has none: URDF wants a number, rad/s.
 const UNLIMITED_RAD_S: f64 = 1e4;
 
@@ -40,9 +43,13 @@ impl Format for Urdf {
             root.push(link(robot, hinge.child_part, &hinge.anchor_robot_m));
             root.push(joint(robot, hinge));
         }
+        let files = robot
+            .hulls()
+            .map(|(solid, points_m)| (mesh_name(robot, solid), stl(points_m)));
         Exported {
             text: root.document(&comments),
             warnings,
+            files: files.collect(),
         }
     }
 }
@@ -71,6 +78,15 @@ fn warnings(robot: &Robot<'_>) -> Vec<Warning> {
         warnings.push(Warning::new(
             Code::GaitNotExported,
             "gait and servo law (only the limits of torque and speed are here)",
+        ));
+    }
+    let mut bearings = robot.assembly.hinges.iter().map(|hinge| &hinge.bearing);
+    if bearings.any(|bearing| bearing.spring.is_some() || bearing.armature_kg_m2 > 0.0)
+        || !robot.assembly.marks.is_empty()
+    {
+        warnings.push(Warning::new(
+            Code::SpringNotExported,
+            "springs and armatures of joints, and marks",
         ));
     }
     if !robot.assembly.hinges.is_empty() {
@@ -116,9 +132,9 @@ fn link(robot: &Robot<'_>, part: usize, origin_m: &Vector3<f64>) -> Element {
     let mass = cluster.mass(&Isometry3::identity());
     let i = mass.inertia_kg_m2;
     let moment = |row: usize, column: usize| numbers([i[(row, column)]]);
-    let mut link = Element::new("link")
-        .with("name", robot.part_name(part))
-        .child(
+    let mut link = Element::new("link").with("name", robot.part_name(part));
+    if mass.mass_kg > 0.0 {
+        link.push(
             Element::new("inertial")
                 .child(origin(
                     &(mass.centre_m - origin_m),
@@ -135,7 +151,8 @@ fn link(robot: &Robot<'_>, part: usize, origin_m: &Vector3<f64>) -> Element {
                         .with("izz", moment(2, 2)),
                 ),
         );
-    for solid in &cluster.solids {
+    }
+    for solid in cluster.solids.iter().filter(|s| s.shape != Shape::Nothing) {
         link.push(shape("visual", robot, solid, origin_m));
         if solid.collides {
             link.push(shape("collision", robot, solid, origin_m));
@@ -152,16 +169,61 @@ fn shape(kind: &'static str, robot: &Robot<'_>, solid: &Solid, origin_m: &Vector
             &(pose.translation.vector - origin_m),
             &pose.rotation,
         ))
-        .child(
-            Element::new("geometry")
-                .child(Element::new("box").with("size", vector(&(solid.half_extents_m() * 2.0)))),
-        )
+        .child(Element::new("geometry").child(geometry(robot, solid)))
+}
+
+fn geometry(robot: &Robot<'_>, solid: &Solid) -> Element {
+    let round = |name, radius_m: f64, half_length_m: f64| {
+        Element::new(name)
+            .with("radius", numbers([radius_m]))
+            .with("length", numbers([2.0 * half_length_m]))
+    };
+    match &solid.shape {
+        Shape::Sphere { radius_m } => Element::new("sphere").with("radius", numbers([*radius_m])),
+        Shape::Cylinder {
+            radius_m,
+            half_length_m,
+        } => round("cylinder", *radius_m, *half_length_m),
+        Shape::Capsule {
+            radius_m,
+            half_length_m,
+        } => round("capsule", *radius_m, *half_length_m),
+        Shape::Hull { .. } => Element::new("mesh").with("filename", mesh_name(robot, solid)),
+        Shape::Box { .. } | Shape::Nothing => {
+            Element::new("box").with("size", vector(&(solid.half_extents_m() * 2.0)))
+        }
+    }
+}
+
+/// The file of a hull.
+fn mesh_name(robot: &Robot<'_>, solid: &Solid) -> String {
+    format!("{}.{}.stl", robot.name, robot.solid_name(solid))
+}
+
+/// A hull as binary STL: a head of 80 bytes, the number of triangles, and of each its normal, corners and two bytes of nothing.
+fn stl(points_m: &[Vector3<f64>]) -> Vec<u8> {
+    let triangles = hull_triangles(points_m);
+    let mut bytes = vec![b' '; 80];
+    bytes.extend((triangles.len() as u32).to_le_bytes());
+    for [a, b, c] in triangles {
+        let normal = (b - a)
+            .cross(&(c - a))
+            .try_normalize(0.0)
+            .unwrap_or_default();
+        for value in [normal, a, b, c].iter().flatten() {
+            bytes.extend((*value as f32).to_le_bytes());
+        }
+        bytes.extend([0, 0]);
+    }
+    bytes
 }
 
 fn joint(robot: &Robot<'_>, hinge: &Hinge) -> Element {
     let parent_m = link_origin_robot_m(robot, hinge.parent_part);
     let limits_rad = hinge.bearing.limits_rad;
-    let kind = if limits_rad.is_some() {
+    let kind = if hinge.freedom == Freedom::Slide {
+        "prismatic"
+    } else if limits_rad.is_some() {
         "revolute"
     } else {
         "continuous"
@@ -185,7 +247,9 @@ fn joint(robot: &Robot<'_>, hinge: &Hinge) -> Element {
         );
     }
     let mut limit = Element::new("limit");
-    if let Some((low_rad, high_rad)) = limits_rad {
+    // A slide of URDF must have limits.
+    let unlimited = (hinge.freedom == Freedom::Slide).then_some((-UNLIMITED_M, UNLIMITED_M));
+    if let Some((low_rad, high_rad)) = limits_rad.or(unlimited) {
         limit = limit
             .with("lower", numbers([low_rad]))
             .with("upper", numbers([high_rad]));

@@ -11,11 +11,13 @@ use super::command_file::Commands;
 use super::split::Split;
 use crate::calibration::identification::StartState;
 use realgap_core::error::Error;
+use realgap_core::file::sha256;
+use realgap_core::range::Range;
 use realgap_core::warning::Warning;
 use realgap_engine::parameter::{Parameter, ParameterSet};
 use realgap_engine::{Experiment, Noise, SceneBody, Vehicle};
 use realgap_optimize::Grid;
-use realgap_path::comparison::{Components, Metric};
+use realgap_path::comparison::{Components, Metric, Pca};
 use realgap_path::trajectory::{Reading, Recording, Source};
 use realgap_robot::morphology::Morphology;
 
@@ -135,7 +137,57 @@ impl Serialize for StartUsed {
     }
 }
 
+/// How long a run may be.
+const DURATION: Range = Range::within(1e-3, 3600.0, "s");
+
 impl Definition {
+    /// A study of a robot of which nothing more is said, recordings and what varies included.
+    pub(super) fn of(name: String, morphology: Morphology) -> Self {
+        Self {
+            name,
+            path: None,
+            text: String::new(),
+            description: String::new(),
+            morphology_sha256: sha256(format!("{morphology:?}").as_bytes()),
+            morphology,
+            vehicle: None,
+            condition: None,
+            recording_globs: Vec::new(),
+            recordings: Vec::new(),
+            recordings_sha256: Vec::new(),
+            start: StartRule::Settled,
+            start_state: StartState::default(),
+            only_at_rest: false,
+            scene: Vec::new(),
+            commands: None,
+            duration_s: None,
+            reading: Reading::default(),
+            set: ParameterSet::new(),
+            grid: Grid::default(),
+            parameters: Vec::new(),
+            metric: &Pca,
+            score: ScoreRule::default(),
+            basis: BasisRule::default(),
+            components: Components::default(),
+            seed: 1,
+            split: None,
+            truth: ParameterSet::new(),
+            noise: None,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The first of its numbers that cannot be, with the name of its field.
+    pub(super) fn fault(&self) -> Option<(String, Error)> {
+        let components = self.components.check().err();
+        let duration = self.duration_s.and_then(|s| DURATION.refusal(s));
+        let noise = self.noise.and_then(|noise| noise.fault());
+        components
+            .map(|error| ("components".to_owned(), error))
+            .or_else(|| duration.map(|error| ("duration_s".to_owned(), error)))
+            .or_else(|| noise.map(|(field, error)| (format!("noise.{field}"), error)))
+    }
+
     /// Where its runs start.
     pub fn start_used(&self) -> StartUsed {
         match self.start {

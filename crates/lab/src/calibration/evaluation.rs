@@ -1,15 +1,14 @@
 //! How well one setting predicts recordings it may never have seen: pose errors, flips and resting faces.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
 use serde::Serialize;
 
-use super::definition::StartUsed;
+use super::definition::{Definition, StartUsed};
 use super::recording::few_recordings;
 use super::rest::{FaceOdds, face_at_end};
 use super::study::Study;
+use super::values::by_name;
 use crate::calibration::identification::is_at_rest;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::sha256;
@@ -111,24 +110,26 @@ impl Study {
     /// # Errors
     /// Recordings without orientations, not a single simulation that ends, or the run was stopped.
     pub fn evaluate(&self, set: &ParameterSet, run: &RunOptions<'_>) -> Result<Evaluation> {
-        let done = AtomicUsize::new(0);
-        let total = self.cases().len();
-        let cases: Vec<Vec<(usize, RecordingErrors)>> = run.install(|| {
-            (0..total)
-                .into_par_iter()
-                .map(|case| {
-                    run.go_on()?;
-                    let rows = evaluate_case(self, case, &self.experiment_with(case, set)?);
-                    run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
-                    rows
-                })
-                .collect::<Result<_>>()
-        })??;
-        let mut rows: Vec<(usize, RecordingErrors)> = cases.into_iter().flatten().collect();
-        rows.sort_by_key(|(recording, _)| *recording);
-        let rows: Vec<RecordingErrors> = rows.into_iter().map(|(_, row)| row).collect();
+        let rows = by_recording(run.each(self.cases().len(), |case| {
+            evaluate_case(self, case, &self.experiment_with(case, set)?)
+        })?);
         summarise(self, set, rows)
     }
+}
+
+/// Rows of all cases, each with the index of its recording, in the order of the recordings.
+pub(super) fn by_recording<T>(cases: Vec<Vec<(usize, T)>>) -> Vec<T> {
+    let mut rows: Vec<(usize, T)> = cases.into_iter().flatten().collect();
+    rows.sort_by_key(|(recording, _)| *recording);
+    rows.into_iter().map(|(_, row)| row).collect()
+}
+
+/// Nothing is left that a mean could be over.
+pub(super) fn all_diverged(definition: &Definition) -> Error {
+    definition.at_file(
+        Error::invalid("every simulation diverged, so there are no errors to report")
+            .hint("try a shorter timestep or more substeps"),
+    )
 }
 
 fn evaluate_case(
@@ -178,12 +179,8 @@ fn joint_deg(error_rad: Option<f64>) -> Option<f64> {
 fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> Result<Evaluation> {
     let definition = study.definition();
     let average = |value: fn(&RecordingErrors) -> Option<f64>| {
-        Average::of(rows.iter().filter_map(value).collect()).ok_or_else(|| {
-            definition.at_file(
-                Error::invalid("every simulation diverged, so there are no errors to report")
-                    .hint("try a shorter timestep or more substeps"),
-            )
-        })
+        let known = rows.iter().filter_map(value).collect();
+        Average::of(known).ok_or_else(|| all_diverged(definition))
     };
     let mut warnings = study.warnings().to_vec();
     let diverged = rows.iter().filter(|r| r.rotation_deg.is_none()).count();
@@ -228,10 +225,7 @@ fn summarise(study: &Study, set: &ParameterSet, rows: Vec<RecordingErrors>) -> R
         resting_faces: resting_faces(&rows),
         cpu_ms_per_s: 1e3 * cpu_s / simulated_s,
         start: definition.start_used(),
-        parameters: fixed
-            .iter()
-            .map(|a| (a.parameter.name.to_owned(), a.value))
-            .collect(),
+        parameters: by_name(&fixed),
         provenance: provenance(study),
         warnings,
         rows,

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::definition::Definition;
 use super::study::Study;
 use crate::calibration::identification::StartState;
 use realgap_engine::ENGINE_VERSION;
@@ -59,14 +60,18 @@ impl Study {
                 format!("{} to {}, {} points", range.from, range.to, range.points),
             );
         }
-        for (index, (recording, sha256)) in definition
-            .recordings
-            .iter()
-            .zip(&definition.recordings_sha256)
+        definition.with_recordings(print)
+    }
+}
+
+impl Definition {
+    /// The fingerprint with an entry for every recording.
+    pub(crate) fn with_recordings(&self, print: Fingerprint) -> Fingerprint {
+        let recordings = self.recordings.iter().zip(&self.recordings_sha256);
+        recordings
             .enumerate()
-        {
-            print = print.with(format!("recording {index} {}", recording.name), sha256);
-        }
-        print
+            .fold(print, |print, (index, (recording, sha256))| {
+                print.with(format!("recording {index} {}", recording.name), sha256)
+            })
     }
 }

@@ -1,15 +1,14 @@
 //! How well one setting predicts the joints of recordings that hold nothing else.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::definition::StartUsed;
-use super::evaluation::{Average, provenance};
+use super::evaluation::{Average, all_diverged, by_recording, provenance};
 use super::study::Study;
-use realgap_core::error::{Error, Result};
+use super::values::by_name;
+use realgap_core::error::Result;
 use realgap_core::warning::{Code, Warning};
 use realgap_engine::parameter::ParameterSet;
 use realgap_optimize::RunOptions;
@@ -62,29 +61,11 @@ impl Study {
         set: &ParameterSet,
         run: &RunOptions<'_>,
     ) -> Result<JointEvaluation> {
-        let (done, total) = (AtomicUsize::new(0), self.cases().len());
-        let cases: Vec<Vec<(usize, JointErrors)>> = run.install(|| {
-            (0..total)
-                .into_par_iter()
-                .map(|case| {
-                    run.go_on()?;
-                    let rows = self.joint_errors(case, set);
-                    run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
-                    rows
-                })
-                .collect::<Result<_>>()
-        })??;
-        let mut rows: Vec<(usize, JointErrors)> = cases.into_iter().flatten().collect();
-        rows.sort_by_key(|(recording, _)| *recording);
-        let rows: Vec<JointErrors> = rows.into_iter().map(|(_, row)| row).collect();
+        let cases = run.each(self.cases().len(), |case| self.joint_errors(case, set))?;
+        let rows = by_recording(cases);
         let definition = self.definition();
         let angles = rows.iter().filter_map(|row| row.angle_mrad).collect();
-        let angle_mrad = Average::of(angles).ok_or_else(|| {
-            definition.at_file(
-                Error::invalid("every simulation diverged, so there are no errors to report")
-                    .hint("try a shorter timestep or more substeps"),
-            )
-        })?;
+        let angle_mrad = Average::of(angles).ok_or_else(|| all_diverged(definition))?;
         let mut warnings = self.warnings().to_vec();
         let diverged = rows.iter().filter(|row| row.angle_mrad.is_none()).count();
         if diverged > 0 {
@@ -104,10 +85,7 @@ impl Study {
             angle_mrad,
             cpu_ms_per_s: 1e3 * cpu_s / simulated_s,
             start: definition.start_used(),
-            parameters: fixed
-                .iter()
-                .map(|a| (a.parameter.name.to_owned(), a.value))
-                .collect(),
+            parameters: by_name(&fixed),
             provenance: provenance(self),
             warnings,
             rows,

@@ -1,8 +1,5 @@
 //! Where a study's trials go: memory, or the store of a results folder that explains itself.
 
-use std::collections::BTreeSet;
-use std::ops::Range;
-
 use super::score::PointScore;
 use super::study::Study;
 use realgap_core::error::Result;
@@ -10,7 +7,7 @@ use realgap_optimize::Ending;
 use realgap_store::{Fingerprint, Memory, Mode, Part, Place, Storage, Store, Trial, TrialScore};
 
 /// What a run that keeps its results needs to know of itself.
-pub(super) struct Kept<'a> {
+pub(super) struct KeptRun<'a> {
     pub study: &'a Study,
     pub fingerprint: Fingerprint,
     /// `sweep` or `tune`.
@@ -29,7 +26,7 @@ pub(super) enum Keeping<'a> {
 
 impl Keeping<'_> {
     /// Memory, or the store of a folder as the mode asks, described.
-    pub fn open(kept: &Kept<'_>, place: Option<(Place<'_>, Mode)>) -> Result<Self> {
+    pub fn open(kept: &KeptRun<'_>, place: Option<(Place<'_>, Mode)>) -> Result<Self> {
         let Some((place, mode)) = place else {
             return Ok(Self::Memory(Memory::default()));
         };
@@ -40,9 +37,27 @@ impl Keeping<'_> {
         Ok(Self::Folder(Box::new(store)))
     }
 
+    /// Where the trials are.
+    pub fn rows(&self) -> &dyn Storage<Trial> {
+        match self {
+            Self::Memory(memory) => memory,
+            Self::Folder(store) => &**store,
+            Self::Part(part) => &**part,
+        }
+    }
+
+    /// Where the trials go.
+    pub fn rows_mut(&mut self) -> &mut dyn Storage<Trial> {
+        match self {
+            Self::Memory(memory) => memory,
+            Self::Folder(store) => &mut **store,
+            Self::Part(part) => &mut **part,
+        }
+    }
+
     /// All trials, by index.
     pub fn trials(&self) -> Result<Vec<Trial>> {
-        self.rows_within(0..i64::MAX as usize)
+        self.rows().rows_within(0..i64::MAX as usize)
     }
 
     /// Keeps scores beside the trials, for readers of the folder.
@@ -71,47 +86,8 @@ impl Keeping<'_> {
     }
 }
 
-impl Storage<Trial> for Keeping<'_> {
-    fn finished(&self) -> Result<BTreeSet<usize>> {
-        match self {
-            Self::Memory(memory) => memory.finished(),
-            Self::Folder(store) => store.finished(),
-            Self::Part(part) => part.finished(),
-        }
-    }
-
-    fn insert(&mut self, rows: &[Trial]) -> Result<()> {
-        match self {
-            Self::Memory(memory) => memory.insert(rows),
-            Self::Folder(store) => store.insert(rows),
-            Self::Part(part) => part.insert(rows),
-        }
-    }
-
-    fn rows_within(&self, range: Range<usize>) -> Result<Vec<Trial>> {
-        match self {
-            Self::Memory(memory) => memory.rows_within(range),
-            Self::Folder(store) => store.rows_within(range),
-            Self::Part(part) => part.rows_within(range),
-        }
-    }
-
-    fn begin(&mut self, rows: usize) {
-        if let Self::Part(part) = self {
-            part.begin(rows);
-        }
-    }
-
-    fn takes(&self, index: usize) -> bool {
-        match self {
-            Self::Part(part) => part.takes(index),
-            _ => true,
-        }
-    }
-}
-
 /// What somebody with nothing but the store needs to read it.
-fn describe(kept: &Kept<'_>, store: &mut Store) -> Result<()> {
+fn describe(kept: &KeptRun<'_>, store: &mut Store) -> Result<()> {
     let definition = kept.study.definition();
     let ranges = definition.grid.ranges().iter();
     let list = |names: Vec<&str>| serde_json::json!(names).to_string();

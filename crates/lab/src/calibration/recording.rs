@@ -274,11 +274,11 @@ const OF_ONE_RECORDING: [Code; 6] = [
     Code::UnlikelyTime,
 ];
 
-/// A robot goes no farther than this, in its own lengths.
+/// A robot that seems to go farther than this, in its own lengths, may have been measured in another unit.
 const FAR: f64 = 100.0;
-/// A robot goes no faster than this, in its own lengths a second.
+/// No robot is faster than this, in its own lengths a second.
 const FAST_1_S: f64 = 5.0;
-/// A robot that is measured in another unit than metres goes farther than this, in its own lengths.
+/// Who measures in another unit than metres sees a robot go farther than this.
 const NEAR: f64 = 0.05;
 
 /// Recordings whose lengths, in another unit, would fit the robot better.

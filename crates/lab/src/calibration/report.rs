@@ -13,6 +13,7 @@ use super::score::Scores;
 use super::study::Study;
 use super::uncertainty::{Uncertainty, UncertaintySource, own_score};
 use super::validation::Validation;
+use super::values::by_name;
 use super::verdict::{Verdict, verdicts};
 use realgap_core::error::Result;
 use realgap_core::unit::{Unit, counted, quantity};
@@ -133,6 +134,57 @@ pub(super) struct Evidence<'a> {
     pub validation: Option<Validation>,
 }
 
+impl Evidence<'_> {
+    /// Points without a score.
+    fn diverged(&self) -> usize {
+        let points = self.scores.points.iter();
+        points.filter(|point| point.diverged.is_some()).count()
+    }
+
+    /// What the reader should know, of a run of so many points.
+    fn warnings(&self, study: &Study, points_total: usize) -> Vec<Warning> {
+        let mut warnings = study.warnings().to_vec();
+        let (scores, diverged) = (self.scores, self.diverged());
+        if diverged > 0 {
+            warnings.push(Warning::new(
+                Code::Diverged,
+                format!(
+                    "{diverged} of {} points diverged and have no score",
+                    scores.points.len()
+                ),
+            ));
+        }
+        if self.ending == Ending::Interrupted {
+            warnings.push(Warning::new(
+                Code::Incomplete,
+                format!("only {} of {points_total} points were evaluated: the best of these may not be the best of all", scores.points.len()),
+            ));
+        }
+        if let Some(audit) = &self.audit
+            && !audit.unresolved.is_empty()
+        {
+            warnings.push(Warning::new(
+                Code::Unresolved,
+                format!(
+                    "finer timesteps, more substeps or hard contact change the best score by {}, more than the whole range of {}: these scores cannot tell",
+                    quantity(audit.largest_change, scores.unit),
+                    audit.unresolved.join(", ")
+                ),
+            ));
+        }
+        let validation = self.validation.as_ref();
+        warnings.extend(validation.and_then(Validation::warning));
+        warnings.extend(few_recordings(study.fitted_recordings()));
+        if study.fitted_recordings() == 1 {
+            warnings.push(Warning::new(
+                Code::OneRecording,
+                "one recording says nothing about how repeatable reality is; the uncertainty is that of perturbed simulated starts",
+            ));
+        }
+        warnings
+    }
+}
+
 impl fmt::Display for Report {
     /// A line for the study, and one for each thing that the report says.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -218,11 +270,7 @@ impl Report {
         let best = scores.best.and_then(|best| {
             let point = &scores.points[best];
             point.score.map(|score| Best {
-                parameters: study
-                    .parameter_set(&point.values)
-                    .iter()
-                    .map(|a| (a.parameter.name.to_owned(), a.value))
-                    .collect(),
+                parameters: by_name(&study.parameter_set(&point.values)),
                 score,
                 settings: point.runs,
                 own_score: own_score(study, scores, best),
@@ -233,52 +281,6 @@ impl Report {
             Method::Sweep => definition.grid.len(),
             Method::Tune(tuned) => tuned.budget,
         };
-        let mut warnings = study.warnings().to_vec();
-        let diverged = scores
-            .points
-            .iter()
-            .filter(|point| point.diverged.is_some())
-            .count();
-        if diverged > 0 {
-            warnings.push(Warning::new(
-                Code::Diverged,
-                format!(
-                    "{diverged} of {} points diverged and have no score",
-                    scores.points.len()
-                ),
-            ));
-        }
-        if evidence.ending == Ending::Interrupted {
-            warnings.push(Warning::new(
-                Code::Incomplete,
-                format!("only {} of {points_total} points were evaluated: the best of these may not be the best of all", scores.points.len()),
-            ));
-        }
-        if let Some(audit) = &evidence.audit
-            && !audit.unresolved.is_empty()
-        {
-            warnings.push(Warning::new(
-                Code::Unresolved,
-                format!(
-                    "finer timesteps, more substeps or hard contact change the best score by {}, more than the whole range of {}: these scores cannot tell",
-                    quantity(audit.largest_change, scores.unit),
-                    audit.unresolved.join(", ")
-                ),
-            ));
-        }
-        warnings.extend(
-            evidence
-                .validation
-                .as_ref()
-                .and_then(|validation| validation.warning()),
-        );
-        warnings.extend(few_recordings(study.fitted_recordings()));
-        if study.fitted_recordings() == 1 {
-            warnings.push(Warning::new(
-                Code::OneRecording,
-                "one recording says nothing about how repeatable reality is; the uncertainty is that of perturbed simulated starts",
-            ));
-        }
         Ok(Self {
             study: definition.name.clone(),
             description: definition.description.clone(),
@@ -290,7 +292,7 @@ impl Report {
                 Method::Tune(tuned) => Some(tuned.clone()),
                 Method::Sweep => None,
             },
-            diverged,
+            diverged: evidence.diverged(),
             recordings: definition.recordings.len(),
             metric: definition.metric.name(),
             unit: definition.metric.unit(),
@@ -325,7 +327,7 @@ impl Report {
             }),
             pose: pose(study, scores)?,
             provenance: study.fingerprint().entries().iter().cloned().collect(),
-            warnings,
+            warnings: evidence.warnings(study, points_total),
         })
     }
 }

@@ -1,13 +1,12 @@
 //! Which face ends down: how often in reality, and how often when every recording is simulated once.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::definition::{Definition, StartRule, StartUsed};
 use super::study::Study;
+use super::values::by_name;
 use crate::calibration::identification::{face_down, is_at_rest};
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::{Code, Warning};
@@ -83,6 +82,27 @@ pub(super) fn face_at_end(motion: &Trajectory, experiment: &Experiment) -> Optio
 }
 
 impl Definition {
+    /// Indices of the recordings that end at rest.
+    ///
+    /// # Errors
+    /// Runs that do not start from recordings, or no recording that ends at rest.
+    pub(crate) fn at_rest(&self) -> Result<Vec<usize>> {
+        if self.start == StartRule::Settled {
+            return Err(self.at_file(
+                Error::invalid("a settled start says nothing about how tosses come to rest")
+                    .field("start")
+                    .hint("use `start: FromRecording`"),
+            ));
+        }
+        let all = self.recordings.iter().enumerate();
+        let resting = all.filter(|(_, recording)| is_at_rest(&recording.trajectory));
+        let resting: Vec<usize> = resting.map(|(index, _)| index).collect();
+        if resting.is_empty() {
+            return Err(self.at_file(Error::invalid("no recording ends at rest")));
+        }
+        Ok(resting)
+    }
+
     /// Simulates every recording that ends at rest once, from its start to its end, with the study's fixed values and then
     /// `identified`.
     ///
@@ -90,87 +110,60 @@ impl Definition {
     /// A study whose runs do not start from recordings, no recording that ends at rest, settings that cannot be simulated, or
     /// the run was stopped.
     pub fn resting_odds(
-        self,
+        mut self,
         identified: &ParameterSet,
         run: &RunOptions<'_>,
     ) -> Result<RestingOdds> {
-        run.install(|| resting_odds(self, identified, run))?
-    }
-}
-
-fn resting_odds(
-    mut definition: Definition,
-    identified: &ParameterSet,
-    run: &RunOptions<'_>,
-) -> Result<RestingOdds> {
-    if definition.start == StartRule::Settled {
-        return Err(definition.at_file(
-            Error::invalid("a settled start says nothing about how tosses come to rest")
-                .field("start")
-                .hint("use `start: FromRecording`"),
-        ));
-    }
-    // As the real counts: over whole recordings, whatever part of them the study compares.
-    definition.duration_s = None;
-    let (recordings, sha256) = std::mem::take(&mut definition.recordings)
-        .into_iter()
-        .zip(std::mem::take(&mut definition.recordings_sha256))
-        .filter(|(recording, _)| is_at_rest(&recording.trajectory))
-        .unzip();
-    (definition.recordings, definition.recordings_sha256) = (recordings, sha256);
-    if definition.recordings.is_empty() {
-        return Err(definition.at_file(Error::invalid("no recording ends at rest")));
-    }
-    let fixed = definition.set.clone().with_all(identified);
-    let study = Study::new(definition)?;
-    let done = AtomicUsize::new(0);
-    let total = study.cases().len();
-    let ends = (0..total)
-        .into_par_iter()
-        .map(|case| {
-            run.go_on()?;
-            let end = ends_of(&study, case, &fixed);
-            run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
-            end
-        })
-        .collect::<Result<Vec<_>>>()?;
-    let free = study
-        .definition()
-        .parameters
-        .iter()
-        .filter(|parameter| fixed.value(parameter.name).is_none());
-    let (mut values, mut at_default) = (BTreeMap::new(), Vec::new());
-    for parameter in free {
-        if let Some(value) = parameter.value(&study.cases()[0].experiment) {
-            values.insert(parameter.name.to_owned(), value);
-            at_default.push(parameter.name.to_owned());
-        }
-    }
-    values.extend(fixed.iter().map(|a| (a.parameter.name.to_owned(), a.value)));
-    let mut warnings = study.warnings().to_vec();
-    if !at_default.is_empty() {
-        warnings.push(Warning::new(
-            Code::FreeParameter,
-            format!(
-                "simulated resting faces: no value is given for {}; the defaults are used",
-                at_default.join(", ")
-            ),
-        ));
-    }
-    Ok(RestingOdds {
-        simulations: ends.len(),
-        diverged: ends.iter().filter(|(_, s)| s.is_none()).count(),
-        same_face: ends.iter().filter(|(real, s)| *s == Some(*real)).count(),
-        faces: FaceOdds::count(&ends),
-        values,
-        identified: identified
+        self.at_rest()?;
+        // As the real counts: over whole recordings, whatever part of them the study compares.
+        self.duration_s = None;
+        let (recordings, sha256) = std::mem::take(&mut self.recordings)
+            .into_iter()
+            .zip(std::mem::take(&mut self.recordings_sha256))
+            .filter(|(recording, _)| is_at_rest(&recording.trajectory))
+            .unzip();
+        (self.recordings, self.recordings_sha256) = (recordings, sha256);
+        let fixed = self.set.clone().with_all(identified);
+        let study = Study::new(self)?;
+        let ends = run.each(study.cases().len(), |case| ends_of(&study, case, &fixed))?;
+        let free = study
+            .definition()
+            .parameters
             .iter()
-            .map(|a| a.parameter.name.to_owned())
-            .collect(),
-        at_default,
-        start: study.definition().start_used(),
-        warnings,
-    })
+            .filter(|parameter| fixed.value(parameter.name).is_none());
+        let (mut values, mut at_default) = (BTreeMap::new(), Vec::new());
+        for parameter in free {
+            if let Some(value) = parameter.value(&study.cases()[0].experiment) {
+                values.insert(parameter.name.to_owned(), value);
+                at_default.push(parameter.name.to_owned());
+            }
+        }
+        values.extend(by_name(&fixed));
+        let mut warnings = study.warnings().to_vec();
+        if !at_default.is_empty() {
+            warnings.push(Warning::new(
+                Code::FreeParameter,
+                format!(
+                    "simulated resting faces: no value is given for {}; the defaults are used",
+                    at_default.join(", ")
+                ),
+            ));
+        }
+        Ok(RestingOdds {
+            simulations: ends.len(),
+            diverged: ends.iter().filter(|(_, s)| s.is_none()).count(),
+            same_face: ends.iter().filter(|(real, s)| *s == Some(*real)).count(),
+            faces: FaceOdds::count(&ends),
+            values,
+            identified: identified
+                .iter()
+                .map(|a| a.parameter.name.to_owned())
+                .collect(),
+            at_default,
+            start: study.definition().start_used(),
+            warnings,
+        })
+    }
 }
 
 /// The real and the simulated face of a case with a recording of its own.

@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 
-use super::basis::basis;
 use super::study::Study;
 use realgap_core::error::Result;
 use realgap_core::statistics::mean;
@@ -56,7 +55,7 @@ impl Scores {
     /// # Errors
     /// Paths from which no basis can be built.
     pub fn new(study: &Study, trials: &[Trial]) -> Result<Self> {
-        let basis = basis(study, trials.iter().flat_map(|trial| &trial.cases))?;
+        let basis = study.basis(trials.iter().flat_map(|trial| &trial.cases))?;
         Self::with_basis(study, trials, basis)
     }
 

@@ -5,16 +5,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::basis::basis;
 use super::definition::StartRule;
 use super::score::result_scores;
 use super::study::Study;
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::statistics::{mean, standard_deviation};
 use realgap_core::warning::Warning;
-use realgap_engine::Noise;
 use realgap_engine::parameter::{self, Assignment, Parameter, ParameterSet};
+use realgap_engine::{Experiment, Noise};
 use realgap_optimize::RunOptions;
+use realgap_path::comparison::Basis;
 use realgap_store::CaseRow;
 
 /// One parameter, made a little smaller and a little larger.
@@ -80,20 +80,41 @@ impl Study {
     }
 }
 
+/// A parameter, its value, and the values next to it.
+type Nudge = (&'static Parameter, f64, [Option<f64>; 2]);
+
+/// Every parameter that acts on an experiment.
+fn nudges(experiment: &Experiment) -> Vec<Nudge> {
+    let all = parameter::all().filter_map(|parameter| {
+        let value = parameter.value(experiment)?;
+        let one = ParameterSet::new().with(Assignment { parameter, value });
+        let acts = one.without_effect(experiment).is_empty();
+        acts.then(|| (parameter, value, parameter.nudged(value)))
+    });
+    all.collect()
+}
+
+/// The mean over the recordings of all cases; `None` where one of these diverged.
+fn mean_score(
+    study: &Study,
+    basis: Option<&Basis>,
+    length_scale: f64,
+    rows: &[CaseRow],
+) -> Result<Option<f64>> {
+    let mut all = Vec::new();
+    for (case, row) in rows.iter().enumerate() {
+        let Some(result) = row.completed() else {
+            return Ok(None);
+        };
+        all.extend(result_scores(study, basis, length_scale, case, result)?);
+    }
+    Ok(Some(mean(&all)))
+}
+
 fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
     let base = ParameterSet::new();
     let experiment = study.experiment_with(0, &base)?;
-    let nudged: Vec<(&'static Parameter, f64, [Option<f64>; 2])> = parameter::all()
-        .filter_map(|parameter| {
-            let value = parameter.value(&experiment)?;
-            let one = Assignment { parameter, value };
-            let acts = ParameterSet::new()
-                .with(one)
-                .without_effect(&experiment)
-                .is_empty();
-            acts.then(|| (parameter, value, parameter.nudged(value)))
-        })
-        .collect();
+    let nudged = nudges(&experiment);
     let mut tasks = vec![base];
     for (parameter, _, values) in &nudged {
         let one = |&value: &f64| ParameterSet::new().with(Assignment { parameter, value });
@@ -125,23 +146,10 @@ fn sensitivity(study: &Study, run: &RunOptions<'_>) -> Result<Sensitivity> {
             outcome
         })
         .collect::<Result<_>>()?;
-    let basis = basis(study, outcomes.iter().flatten().flatten().chain(&starts))?;
-    let score = |set: &ParameterSet, rows: &[CaseRow]| -> Result<Option<f64>> {
+    let basis = study.basis(outcomes.iter().flatten().flatten().chain(&starts))?;
+    let score = |set: &ParameterSet, rows: &[CaseRow]| {
         let length_scale = set.apply(&experiment).recording_length_scale;
-        let mut all = Vec::new();
-        for (case, row) in rows.iter().enumerate() {
-            let Some(result) = row.completed() else {
-                return Ok(None);
-            };
-            all.extend(result_scores(
-                study,
-                basis.as_ref(),
-                length_scale,
-                case,
-                result,
-            )?);
-        }
-        Ok(Some(mean(&all)))
+        mean_score(study, basis.as_ref(), length_scale, rows)
     };
     let scores: Vec<Option<f64>> = tasks
         .iter()

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::basis::basis;
+use super::basis::BasisRule;
 use super::case::{Case, cases};
 use super::definition::{Definition, ScoreRule, StartRule};
 use super::fitted::in_sample;
@@ -16,7 +16,7 @@ use realgap_core::file::Source;
 use realgap_core::warning::Warning;
 use realgap_engine::parameter::{Assignment, ParameterSet};
 use realgap_engine::{Experiment, Noise};
-use realgap_path::comparison::{Context, Pair, Spread};
+use realgap_path::comparison::{Basis, Context, Pair, Spread};
 use realgap_path::trajectory::{Prepared, prepare};
 use realgap_store::{CaseOutcome, CaseResult, CaseRow, Trial};
 
@@ -98,7 +98,7 @@ impl Study {
         }
         if study.definition.basis.is_known() {
             // Refused before any work.
-            basis(&study, []).map_err(|e| study.definition.at_file(e))?;
+            study.basis([]).map_err(|e| study.definition.at_file(e))?;
         }
         study.check_recordings()?;
         Ok(study)
@@ -386,6 +386,46 @@ impl Study {
                 path_xy_m,
             }),
         })
+    }
+
+    /// The basis of a study's scores: of all recordings and all completed simulations, diverged ones left out, unless the study
+    /// knows it beforehand; `None` where the metric needs none.
+    ///
+    /// # Errors
+    /// Paths from which no basis can be built.
+    pub(super) fn basis<'a>(
+        &self,
+        rows: impl IntoIterator<Item = &'a CaseRow>,
+    ) -> Result<Option<Basis>> {
+        let definition = &self.definition;
+        if !definition.metric.needs().basis {
+            return Ok(None);
+        }
+        let real = self.real_paths();
+        match &definition.basis {
+            BasisRule::Saved { basis, .. } => Ok(Some((**basis).clone())),
+            BasisRule::Recordings => {
+                let fitted = self.part_of(&real, false);
+                let basis = Basis::fit(&fitted, definition.components)?;
+                if basis.kept() == 0 {
+                    return Err(Error::invalid("these recordings have no principal components")
+                        .field("basis")
+                        .found(format!("{} that do not differ", fitted.len()))
+                        .allowed("at least two different recordings")
+                        .hint("record more repeats, or let the simulations have their say: basis: Everything"));
+                }
+                Ok(Some(basis))
+            }
+            BasisRule::Everything => {
+                let simulated: Vec<Prepared> = rows
+                    .into_iter()
+                    .filter_map(CaseRow::completed)
+                    .map(|result| Prepared::from_xy_m(result.path_xy_m.clone()))
+                    .collect::<Result<_>>()?;
+                let all: Vec<&Prepared> = real.iter().copied().chain(&simulated).collect();
+                Basis::fit(&all, definition.components).map(Some)
+            }
+        }
     }
 
     /// Reality's prepared paths, by recording.

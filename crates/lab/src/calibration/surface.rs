@@ -13,7 +13,7 @@ use super::setting::Setting;
 use realgap_core::error::Result;
 use realgap_core::random::Generator;
 use realgap_core::statistics::{Resample, matern_5_2, mean, standard_deviation};
-use realgap_optimize::{Brief, default_optimizer, minimise};
+use realgap_optimize::{Brief, default_optimizer, minimise, thin};
 
 /// One run at one point.
 #[derive(Debug, Clone)]
@@ -198,13 +198,13 @@ impl Surface {
         if runs.len() < 3 || nodes.is_empty() {
             return Ok(None);
         }
-        let runs = thin(&runs.iter().collect::<Vec<_>>(), KNOWN);
+        let runs = thinned(runs.iter(), KNOWN);
         let plain = |runs: &[&ScoredRun]| -> Vec<f64> {
             runs.iter().map(|run| mean(&run.recordings)).collect()
         };
         let scores = plain(&runs);
         let scale = Scale::new(&scores);
-        let fitted = thin(&runs, FITTED);
+        let fitted = thinned(runs.iter().copied(), FITTED);
         let values = |scores: Vec<f64>| {
             DVector::from_iterator(scores.len(), scores.into_iter().map(|s| scale.of(s)))
         };
@@ -312,24 +312,10 @@ fn root(mut covariance: DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// At most `most` of the runs: the better half, the others spread evenly over the rest.
-fn thin<'a>(runs: &[&'a ScoredRun], most: usize) -> Vec<&'a ScoredRun> {
-    if runs.len() <= most {
-        return runs.to_vec();
-    }
-    let mut ranked: Vec<(f64, &ScoredRun)> = runs
-        .iter()
-        .map(|run| (mean(&run.recordings), *run))
-        .collect();
-    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (better, rest) = ranked.split_at(most / 2);
-    let wanted = most - better.len();
-    let spread = (0..wanted).map(|index| rest[index * rest.len() / wanted]);
-    better
-        .iter()
-        .copied()
-        .chain(spread)
-        .map(|(_, run)| run)
-        .collect()
+fn thinned<'a>(runs: impl Iterator<Item = &'a ScoredRun>, most: usize) -> Vec<&'a ScoredRun> {
+    let scored = runs.map(|run| (run, mean(&run.recordings)));
+    let kept = thin(scored.collect(), most).into_iter();
+    kept.map(|(run, _)| run).collect()
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
 //! The sweep: every point of a study, kept as it comes, scored at the end.
 
 use super::answer::Answer;
-use super::keeping::{Keeping, Kept};
+use super::keeping::{Keeping, KeptRun};
 use super::method::Method;
 use super::refinement::{ROUNDS, choose, runs_a_round};
 use super::score::Scores;
 use super::study::Study;
 use realgap_core::error::Result;
 use realgap_optimize::{Batch, Ending, RunOptions, drive};
-use realgap_store::{Mode, Part, Place, Storage as _};
+use realgap_store::{Mode, Part, Place};
 
 impl Study {
     /// Simulates every point of the study's grid, each with one of the equally valid settings, then those that may be the best
@@ -50,7 +50,7 @@ impl Study {
 pub(super) const WEIGHING: &str = "weighing what cannot be told apart, auditing the numerics";
 
 fn sweep(study: &Study, place: Option<(Place<'_>, Mode)>, run: &RunOptions<'_>) -> Result<Answer> {
-    let kept = Kept {
+    let kept = KeptRun {
         study,
         fingerprint: study.fingerprint(),
         kind: "sweep",
@@ -84,7 +84,7 @@ fn simulate(
     let total = points + ROUNDS * again;
     let mut ending = drive(
         &Batch::new(points, run),
-        keeping,
+        keeping.rows_mut(),
         |index| study.simulate(index),
         |done| run.tell(done, total, None),
     )?;
@@ -93,12 +93,12 @@ fn simulate(
         if ending == Ending::Interrupted || again == 0 {
             break;
         }
-        let scores = Scores::new(study, &keeping.rows_within(0..from)?)?;
+        let scores = Scores::new(study, &keeping.rows().rows_within(0..from)?)?;
         let best = scores.best.and_then(|best| scores.points[best].score);
         let chosen = run.install(|| choose(study, &scores, from, again))??;
         ending = drive(
             &Batch::new(from + chosen.len(), run),
-            keeping,
+            keeping.rows_mut(),
             |index| study.simulate_values(index, chosen[index - from].clone()),
             |done| run.tell(done, total, best),
         )?;

@@ -1,8 +1,7 @@
 //! Tuning: an optimizer chooses the points, stored as they come.
 
 use super::answer::Answer;
-use super::basis::basis;
-use super::keeping::{Keeping, Kept};
+use super::keeping::{Keeping, KeptRun};
 use super::method::{Method, Termination, Tuned};
 use super::score::{PointScore, Scores};
 use super::split::{Split, fold};
@@ -14,7 +13,7 @@ use realgap_optimize::{
     default_optimizer, drive, space_filling,
 };
 use realgap_path::comparison::Basis;
-use realgap_store::{Fingerprint, Mode, Part, Place, Storage, Trial};
+use realgap_store::{Fingerprint, Mode, Part, Place, Trial};
 
 /// How to tune.
 #[derive(Debug, Clone, Copy)]
@@ -248,7 +247,7 @@ impl<'a> Tuning<'a> {
         run: &'a RunOptions<'a>,
     ) -> Result<Self> {
         brief(study, options)?;
-        let kept = Kept {
+        let kept = KeptRun {
             study,
             fingerprint: study.tune_fingerprint(options),
             kind: "tune",
@@ -267,7 +266,7 @@ impl<'a> Tuning<'a> {
         let design = first_design(study, options);
         Ok(Self {
             study,
-            budget: options.budget.max(keeping.finished()?.len()),
+            budget: options.budget.max(keeping.rows().finished()?.len()),
             options,
             design: space_filling(brief.dimensions(), 0, design, brief.seed),
             brief,
@@ -287,8 +286,10 @@ impl<'a> Tuning<'a> {
         if self.evaluate(&design)? == Ending::Interrupted {
             return Ok(Termination::Interrupted);
         }
-        let trials = self.keeping.rows_within(0..design.len())?;
-        self.basis = basis(self.study, trials.iter().flat_map(|trial| &trial.cases))?;
+        let trials = self.keeping.rows().rows_within(0..design.len())?;
+        self.basis = self
+            .study
+            .basis(trials.iter().flat_map(|trial| &trial.cases))?;
         self.tell(&design)?;
         loop {
             if self.told.len() >= self.budget {
@@ -323,7 +324,7 @@ impl<'a> Tuning<'a> {
         let batch = Batch::new(offset + candidates.len(), self.run);
         drive(
             &batch,
-            &mut self.keeping,
+            self.keeping.rows_mut(),
             |index| {
                 let values = grid.values_at(&candidates[index - offset]);
                 match self.known.get(index) {
@@ -340,6 +341,7 @@ impl<'a> Tuning<'a> {
         let offset = self.told.len();
         let trials = self
             .keeping
+            .rows()
             .rows_within(offset..offset + candidates.len())?;
         let scores = Scores::with_basis(self.study, &trials, self.basis.clone())?;
         let grid = &self.study.definition().grid;

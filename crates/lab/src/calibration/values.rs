@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::study_file::assignments;
 use realgap_core::error::Result;
 use realgap_core::file::{Source, parse_ron, unique_keys};
-use realgap_engine::parameter::{Assignment, ParameterSet};
+use realgap_engine::parameter::ParameterSet;
 
 /// Values with where they come from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,6 +28,14 @@ pub struct BestFile {
     /// The recordings that they were fitted on ([`recording_id`](super::recording_id)); those held out are not among them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fitted_on: Vec<String>,
+}
+
+/// Values by the names of their parameters.
+pub(crate) fn by_name(set: &ParameterSet) -> BTreeMap<String, f64> {
+    let values = set.iter();
+    values
+        .map(|a| (a.parameter.name.to_owned(), a.value))
+        .collect()
 }
 
 /// The study that a parameter file names, from the current folder; `None` for any other file.
@@ -52,10 +61,6 @@ pub fn read_parameters(path: impl AsRef<Path>) -> Result<ParameterSet> {
 pub fn read_best(path: impl AsRef<Path>) -> Result<(ParameterSet, Vec<String>)> {
     let source = Source::read(path, "parameters")?;
     let file: BestFile = parse_ron(&source)?;
-    let values = file
-        .parameters
-        .iter()
-        .map(|(name, value)| Assignment::new(name, *value).map_err(|e| source.at("parameters", e)))
-        .collect::<Result<_>>()?;
+    let values = assignments(&file.parameters).map_err(|e| source.at("parameters", e))?;
     Ok((values, file.fitted_on))
 }

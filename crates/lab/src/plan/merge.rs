@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::file::Plan;
+use super::plan_file::Plan;
 use super::round::Round;
 use realgap_core::error::{Error, Result};
 use realgap_store::{FolderLock, Merger, STORE_FILE, Table};

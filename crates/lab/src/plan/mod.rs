@@ -10,17 +10,17 @@
 //! through the same two commands.
 
 mod cost;
-mod file;
 mod merge;
+mod plan_file;
 mod round;
 mod shard;
 mod work;
 
 pub use cost::{Cost, time};
-#[cfg(feature = "schema")]
-pub use file::Saved;
-pub use file::{PLAN_FILE, Plan, PlanDraft};
 pub use merge::{Merged, Refused};
+#[cfg(feature = "schema")]
+pub use plan_file::Saved;
+pub use plan_file::{PLAN_FILE, Plan, PlanDraft};
 pub use round::Round;
 pub use shard::{Shard, ShardState, Status};
 pub use work::Work;

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::file::Plan;
+use super::plan_file::{Plan, write_json};
 use realgap_core::error::{Error, Result};
-use realgap_core::file::{Source, write_atomic};
+use realgap_core::file::Source;
 use realgap_store::Share;
 
 /// Name of the file.
@@ -121,9 +121,7 @@ impl Plan {
     /// # Errors
     /// A full disk or an unwritable folder.
     pub fn write_round(&self, round: &Round) -> Result<()> {
-        let text = serde_json::to_string_pretty(round)
-            .map_err(|e| Error::invalid(format!("cannot write the round: {e}")))?;
-        write_atomic(self.folder().join(FILE), (text + "\n").as_bytes())
+        write_json(&self.folder().join(FILE), round)
     }
 
     /// Whether nobody has noted a round, or somebody has removed the note.

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::cost::Cost;
-use super::file::Plan;
+use super::plan_file::Plan;
 use super::round::Round;
 use realgap_core::error::Result;
 use realgap_store::{FolderLock, RobotRow, RunRow, STORE_FILE, Store, Table, Trial};

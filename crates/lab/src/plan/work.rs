@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use super::cost::Cost;
-use super::file::Plan;
 use super::merge::Merged;
+use super::plan_file::Plan;
 use super::round::Round;
 use crate::calibration::{Repeatable, Study, TuneOptions};
 use crate::prediction::gap::{GapOptions, StudyGap};
@@ -12,7 +12,7 @@ use crate::prediction::{EnsembleOptions, EnsembleReport};
 use crate::search::Search;
 use realgap_core::error::{Error, Result};
 use realgap_optimize::{Ending, RunOptions};
-use realgap_store::{Fingerprint, FolderLock, Part, RobotRow, Share, Table};
+use realgap_store::{Fingerprint, FolderLock, Part, RobotRow, RunRow, Share, Table, Trial};
 
 /// Something long whose rows can be made by several workers.
 pub enum Work {
@@ -28,10 +28,42 @@ pub enum Work {
     Gap(Box<Study>, GapOptions),
 }
 
-/// Runs are measured until they have taken so long together, seconds.
+/// Runs are measured until they have taken so long together.
 const MEASURED_S: f64 = 2.0;
-/// No more runs than these are measured.
+/// No more runs than this are measured.
 const MOST_MEASURED: usize = 12;
+
+/// Does the same with every kind of work, whatever its rows are; `follow` makes what a worker's part takes of the batch under
+/// way.
+macro_rules! with_rows {
+    ($work:expr, $follow:ident => $done:expr) => {
+        match $work {
+            Work::Sweep(study) => {
+                let $follow = |part: &mut _, run: &_| study.sweep_part(part, run);
+                $done
+            }
+            Work::Tune(study, options) => {
+                let $follow = |part: &mut _, run: &_| study.tune_part(part, options, run);
+                $done
+            }
+            Work::Search(search) => {
+                let $follow = |part: &mut _, run: &_| search.run_part(part, run);
+                $done
+            }
+            Work::Ensemble(study, options) => {
+                let $follow = |part: &mut Part<RunRow>, run: &_| {
+                    EnsembleReport::part(study, options, part, run)
+                };
+                $done
+            }
+            Work::Gap(study, options) => {
+                let $follow =
+                    |part: &mut Part<RunRow>, run: &_| StudyGap::part(study, options, part, run);
+                $done
+            }
+        }
+    };
+}
 
 impl Work {
     /// Name of the study or search.
@@ -66,23 +98,6 @@ impl Work {
         }
     }
 
-    /// One batch of it, with what it keeps in a worker's part.
-    fn follow<V: Visitor>(&self, visitor: V) -> Result<V::Output> {
-        match self {
-            Self::Sweep(study) => visitor.visit(|part, run| study.sweep_part(part, run)),
-            Self::Tune(study, options) => {
-                visitor.visit(|part, run| study.tune_part(part, options, run))
-            }
-            Self::Search(search) => visitor.visit(|part, run| search.run_part(part, run)),
-            Self::Ensemble(study, options) => {
-                visitor.visit(|part, run| EnsembleReport::part(study, options, part, run))
-            }
-            Self::Gap(study, options) => {
-                visitor.visit(|part, run| StudyGap::part(study, options, part, run))
-            }
-        }
-    }
-
     /// Makes the rows of one shard in the round under way. How many of them are left: none, unless it was stopped.
     ///
     /// # Errors
@@ -95,13 +110,7 @@ impl Work {
         }
         let folder = plan.shard_folder(round.number, share.number());
         let lock = FolderLock::make(&folder)?;
-        self.follow(OneShard {
-            plan,
-            round,
-            lock: &lock,
-            share,
-            run,
-        })
+        with_rows!(self, follow => one_shard(plan, round, &lock, share, |part| follow(part, run)))
     }
 
     /// Takes over what the shards have made, and finds out what is to be made next: what was merged, the round that was under
@@ -120,7 +129,11 @@ impl Work {
         if round.complete {
             return Ok((Merged::default(), round, round));
         }
-        let merged = self.follow(Absorbing { plan, round })?;
+        let merged = match self {
+            Self::Sweep(_) | Self::Tune(..) => plan.absorb::<Trial>(&round),
+            Self::Search(_) => plan.absorb::<RobotRow>(&round),
+            Self::Ensemble(..) | Self::Gap(..) => plan.absorb::<RunRow>(&round),
+        }?;
         let (asked, missing) = self.missing(plan, run)?;
         let next = round.after(asked, &missing);
         plan.write_round(&next)?;
@@ -140,7 +153,7 @@ impl Work {
 
     /// How many rows are asked for in the round under way and those before it, and which are not merged.
     fn missing(&self, plan: &Plan, run: &RunOptions<'_>) -> Result<(usize, Vec<usize>)> {
-        self.follow(Looking { plan, run })
+        with_rows!(self, follow => look(plan, |part| follow(part, run)))
     }
 
     /// Measures a few runs on one thread.
@@ -200,78 +213,31 @@ impl Work {
     }
 }
 
-/// Something that is done with every kind of work, whatever its rows are.
-trait Visitor {
-    type Output;
-
-    /// `follow` makes what a part takes of the batch under way.
-    fn visit<R: Table>(
-        self,
-        follow: impl Fn(&mut Part<R>, &RunOptions<'_>) -> Result<Ending>,
-    ) -> Result<Self::Output>;
-}
-
 /// Makes a shard's rows, and says how many are left.
-struct OneShard<'a> {
-    plan: &'a Plan,
+fn one_shard<R: Table>(
+    plan: &Plan,
     round: Round,
-    lock: &'a FolderLock,
+    lock: &FolderLock,
     share: Share,
-    run: &'a RunOptions<'a>,
-}
-
-impl Visitor for OneShard<'_> {
-    type Output = usize;
-
-    fn visit<R: Table>(
-        self,
-        follow: impl Fn(&mut Part<R>, &RunOptions<'_>) -> Result<Ending>,
-    ) -> Result<usize> {
-        let (plan, lock) = (self.plan, self.lock);
-        let mut part = Part::<R>::open(&plan.store(), lock, self.share, &plan.fingerprint())?;
-        // Rows of this round are wanted, whatever happened since the plan was looked at.
-        if plan.round()? != self.round {
-            return Err(Error::conflict("the round was merged meanwhile")
-                .at_file(plan.folder())
-                .hint("run the shard again: the next round is under way"));
-        }
-        follow(&mut part, self.run)?;
-        part.close()
+    follow: impl Fn(&mut Part<R>) -> Result<Ending>,
+) -> Result<usize> {
+    let mut part = Part::<R>::open(&plan.store(), lock, share, &plan.fingerprint())?;
+    // Rows of this round are wanted, whatever happened since the plan was looked at.
+    if plan.round()? != round {
+        return Err(Error::conflict("the round was merged meanwhile")
+            .at_file(plan.folder())
+            .hint("run the shard again: the next round is under way"));
     }
+    follow(&mut part)?;
+    part.close()
 }
 
-/// Finds out how many rows are asked for, and which are not merged.
-struct Looking<'a> {
-    plan: &'a Plan,
-    run: &'a RunOptions<'a>,
-}
-
-impl Visitor for Looking<'_> {
-    type Output = (usize, Vec<usize>);
-
-    fn visit<R: Table>(
-        self,
-        follow: impl Fn(&mut Part<R>, &RunOptions<'_>) -> Result<Ending>,
-    ) -> Result<(usize, Vec<usize>)> {
-        let mut part = Part::<R>::look(&self.plan.store(), &self.plan.fingerprint())?;
-        follow(&mut part, self.run)?;
-        Ok((part.asked(), part.missing()?))
-    }
-}
-
-/// Takes over what the shards have made.
-struct Absorbing<'a> {
-    plan: &'a Plan,
-    round: Round,
-}
-
-impl Visitor for Absorbing<'_> {
-    type Output = Merged;
-
-    fn visit<R: Table>(
-        self,
-        _: impl Fn(&mut Part<R>, &RunOptions<'_>) -> Result<Ending>,
-    ) -> Result<Merged> {
-        self.plan.absorb::<R>(&self.round)
-    }
+/// How many rows are asked for, and which are not merged.
+fn look<R: Table>(
+    plan: &Plan,
+    follow: impl Fn(&mut Part<R>) -> Result<Ending>,
+) -> Result<(usize, Vec<usize>)> {
+    let mut part = Part::<R>::look(&plan.store(), &plan.fingerprint())?;
+    follow(&mut part)?;
+    Ok((part.asked(), part.missing()?))
 }

@@ -9,6 +9,7 @@ use super::economy::Economy;
 use super::ensemble::{Ensemble, Forecast, Motion, percent};
 use super::growth::Growth;
 use super::model::{self, ModelError, SuccessRange};
+use crate::calibration::by_name;
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::Proportion;
 use realgap_core::unit::{Unit, quantity};
@@ -219,10 +220,7 @@ impl Card {
     /// The card with the fixed values that the experiment had.
     #[must_use]
     pub fn with_parameters(mut self, set: &ParameterSet) -> Self {
-        self.parameters = set
-            .iter()
-            .map(|a| (a.parameter.name.to_owned(), a.value))
-            .collect();
+        self.parameters = by_name(set);
         self
     }
 

@@ -33,8 +33,8 @@ struct Words {
 /// None of this crate's runs.
 pub(super) fn row_of(index: usize, run: &Run) -> Result<RunRow> {
     let mut numbers = vec![run.steps as f64, run.settle_steps as f64, run.servo_rms_rad];
-    if let Some(energy) = &run.energy {
-        numbers.extend(energies(energy));
+    if let Some(mut energy) = run.energy {
+        numbers.extend(ENERGIES.map(|of| *of(&mut energy)));
     }
     let mut words = Words {
         diverged: None,
@@ -96,7 +96,13 @@ pub(super) fn run_of(row: &RunRow) -> Result<Run> {
     let mut numbers = Numbers { row, from: 0 };
     let [steps, settle_steps, servo_rms_rad] = numbers.array()?;
     let energy = match words.has_energy {
-        true => Some(balance(numbers.array()?)),
+        true => {
+            let mut energy = EnergyBalance::default();
+            for (of, joules) in ENERGIES.iter().zip(numbers.array::<9>()?) {
+                *of(&mut energy) = joules;
+            }
+            Some(energy)
+        }
         false => None,
     };
     let outcome = match words.diverged {
@@ -202,44 +208,18 @@ fn no_run(row: &RunRow, why: &dyn std::fmt::Display) -> Error {
         .hint("remove the store, and make the runs again")
 }
 
-fn energies(energy: &EnergyBalance) -> [f64; 9] {
-    [
-        energy.servo_j,
-        energy.servo_positive_j,
-        energy.gravity_j,
-        energy.contact_j,
-        energy.friction_j,
-        energy.joint_j,
-        energy.slack_j,
-        energy.kinetic_j,
-        energy.residual_j,
-    ]
-}
-
-fn balance(numbers: [f64; 9]) -> EnergyBalance {
-    let [
-        servo_j,
-        servo_positive_j,
-        gravity_j,
-        contact_j,
-        friction_j,
-        joint_j,
-        slack_j,
-        kinetic_j,
-        residual_j,
-    ] = numbers;
-    EnergyBalance {
-        servo_j,
-        servo_positive_j,
-        gravity_j,
-        contact_j,
-        friction_j,
-        joint_j,
-        slack_j,
-        kinetic_j,
-        residual_j,
-    }
-}
+/// The numbers of a balance, in the order of rows.
+const ENERGIES: [fn(&mut EnergyBalance) -> &mut f64; 9] = [
+    |energy| &mut energy.servo_j,
+    |energy| &mut energy.servo_positive_j,
+    |energy| &mut energy.gravity_j,
+    |energy| &mut energy.contact_j,
+    |energy| &mut energy.friction_j,
+    |energy| &mut energy.joint_j,
+    |energy| &mut energy.slack_j,
+    |energy| &mut energy.kinetic_j,
+    |energy| &mut energy.residual_j,
+];
 
 #[cfg(test)]
 mod tests {
@@ -249,7 +229,7 @@ mod tests {
 
     #[test]
     fn a_run_comes_back_to_the_bit_and_half_a_row_is_an_error() {
-        let morphology = Morphology::read("morphologies/tripod.ron").unwrap();
+        let morphology = Morphology::read("../../morphologies/tripod.ron").unwrap();
         let mut experiment = Experiment::new(morphology.assemble());
         experiment.duration_s = 0.3;
         experiment.energy_from_s = Some(0.0);

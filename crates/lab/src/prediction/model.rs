@@ -22,9 +22,9 @@ use realgap_path::trajectory::{Prepared, prepare};
 const NUMERICS: u64 = 4;
 /// Points of the indistinguishable set that are tried, at most.
 const POINTS: usize = 8;
-/// One repeat of a model for so many of the ensemble, …
+/// One repeat of a model stands for so many of the ensemble.
 const REPEATS_A_REPEAT: usize = 25;
-/// … but no fewer and no more than this.
+/// A model has no fewer and no more repeats than this.
 const REPEATS: std::ops::RangeInclusive<usize> = 4..=40;
 /// A robot that gets less far than this share of its body length goes nowhere.
 const NOWHERE_BODY_LENGTHS: f64 = 0.1;
@@ -378,17 +378,13 @@ fn shares(
     paths: &[&Prepared],
     repeats: usize,
 ) -> Vec<f64> {
-    let list = &forecast.behaviours.list;
-    let mut counts = vec![0; list.len()];
+    let mut counts = vec![0; forecast.behaviours.list.len()];
     for path in paths {
-        let distances = list.iter().enumerate().filter_map(|(index, behaviour)| {
-            let members = ensemble.motions();
-            let members = members.filter(|(repeat, _)| behaviour.repeats.contains(&repeat.number));
-            let distances: Vec<f64> = members.map(|(_, m)| rms_m(&m.path, path)).collect();
-            (!distances.is_empty()).then(|| (mean(&distances), index))
-        });
-        let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((distance_m, index)) = nearest
+        let repeats = ensemble.motions();
+        let distances_m: Vec<(u64, f64)> = repeats
+            .map(|(repeat, motion)| (repeat.number, rms_m(&motion.path, path)))
+            .collect();
+        if let Some((distance_m, index)) = forecast.behaviours.nearest(&distances_m)
             && distance_m <= forecast.behaviours.cut_m
         {
             counts[index] += 1;

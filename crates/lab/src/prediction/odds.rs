@@ -6,14 +6,12 @@
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::ensemble::{LEVELS, Region};
-use crate::calibration::identification::{face_down, is_at_rest};
-use crate::calibration::{StartRule, Study};
+use crate::calibration::Study;
+use crate::calibration::identification::face_down;
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{
     Proportion, ReliabilityBin, brier, mean, percentile_interval, reliability, resamples,
@@ -154,42 +152,18 @@ impl Odds {
         run: &RunOptions<'_>,
     ) -> Result<Self> {
         let definition = study.definition();
-        if definition.start == StartRule::Settled {
-            return Err(Error::invalid(
-                "a settled start says nothing about how tosses come to rest",
-            )
-            .field("start")
-            .hint("use `start: FromRecording`"));
-        }
+        let at_rest = definition.at_rest()?;
         if options.runs == 0 {
             return Err(Error::invalid("odds need runs").field("runs").found(0));
         }
         options.noise.check()?;
-        let resting: Vec<usize> = (0..study.cases().len())
-            .filter(|&case| {
-                let recording = study.cases()[case].targets[0].recording;
-                is_at_rest(&definition.recordings[recording].trajectory)
-            })
+        let cases = 0..study.cases().len();
+        let resting: Vec<usize> = cases
+            .filter(|case| at_rest.contains(&study.cases()[*case].targets[0].recording))
             .collect();
-        if resting.is_empty() {
-            return Err(Error::invalid("no recording ends at rest"));
-        }
-        let done = AtomicUsize::new(0);
-        let found = run.install(|| {
-            resting
-                .par_iter()
-                .map(|&case| {
-                    run.go_on()?;
-                    let row = odds_of(study, case, set, options);
-                    run.tell(
-                        done.fetch_add(1, Ordering::Relaxed) + 1,
-                        resting.len(),
-                        None,
-                    );
-                    row
-                })
-                .collect::<Result<Vec<_>>>()
-        })??;
+        let found = run.each(resting.len(), |index| {
+            odds_of(study, resting[index], set, options)
+        })?;
         Ok(Self::over(found, options, study.warnings().to_vec()))
     }
 

@@ -6,10 +6,10 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::ensemble::{self, Ensemble, Forecast, Reality, Recall};
+use super::ensemble::{self, Draws, Ensemble, Forecast, Reality, Recall};
 use super::kept::{row_of, runs_in};
 use super::model::ModelError;
-use crate::calibration::{RepeatCase, Repeatable, few_recordings};
+use crate::calibration::{RepeatCase, Repeatable, by_name, few_recordings};
 use realgap_core::error::Result;
 use realgap_core::file::sha256;
 use realgap_core::statistics::Proportion;
@@ -127,10 +127,6 @@ impl EnsembleReport {
             .iter()
             .map(|case| format!("{:?}", case.experiment));
         let experiments: String = experiments.collect();
-        let recordings = definition
-            .recordings
-            .iter()
-            .zip(&definition.recordings_sha256);
         let fingerprint = Fingerprint::new()
             .with("realgap", env!("CARGO_PKG_VERSION"))
             .with("engine", ENGINE_VERSION)
@@ -139,11 +135,7 @@ impl EnsembleReport {
             .with("noise", format!("{:?}", options.noise))
             .with("repeats", options.repeats)
             .with("seed", options.seed);
-        recordings
-            .enumerate()
-            .fold(fingerprint, |print, (index, (recording, sha256))| {
-                print.with(format!("recording {index} {}", recording.name), sha256)
-            })
+        definition.with_recordings(fingerprint)
     }
 
     /// Simulates one worker's share of the repeats.
@@ -192,14 +184,15 @@ impl EnsembleReport {
                 progress: Some(&tell),
                 ..*run
             };
-            let repeats = ensemble::run_recalling(
-                &case.experiment,
-                &options.noise,
-                options.seed,
-                options.repeats,
-                &|number| recall(before + number),
-                &run,
-            )?;
+            let draws = Draws {
+                noise: &options.noise,
+                seed: options.seed,
+                repeats: options.repeats,
+                recall: &|number| recall(before + number),
+            };
+            let alike = |_| case.experiment.clone();
+            let repeats =
+                run.install(|| ensemble::run_each(&case.experiment, alike, &draws, &run))??;
             ensembles.push((case, repeats));
         }
         let mut report = run.install(|| Self::of(study, ensembles, &options.noise_from))??;
@@ -240,11 +233,7 @@ impl EnsembleReport {
             study: definition.name.clone(),
             morphology: definition.morphology.name().to_owned(),
             complete,
-            parameters: definition
-                .set
-                .iter()
-                .map(|a| (a.parameter.name.to_owned(), a.value))
-                .collect(),
+            parameters: by_name(&definition.set),
             noise_from: noise_from.to_owned(),
             engine: ENGINE_VERSION,
             version: env!("CARGO_PKG_VERSION"),

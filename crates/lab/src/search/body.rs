@@ -1,16 +1,15 @@
 //! From a genome to a robot: developed, or a given robot with the genome's gait.
 
-use realgap_core::Error;
-use realgap_core::Result;
+use realgap_core::{Error, Result};
 use realgap_robot::genome::{Development, Gene, Genome, Locus, Misfit};
-use realgap_robot::morphology::{Blueprint, Gait, Morphology};
+use realgap_robot::morphology::{Gait, Morphology};
 
 /// How genomes become robots.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Body {
     /// By development: body and gait.
     Developed(Development),
-    /// A given robot; gene k gives the gait of module k, the numbers of the body mean nothing.
+    /// A given robot; gene k gives the gait of module k (or of the joint that moves it), the numbers of the body mean nothing.
     Fixed(Box<Morphology>, Development),
 }
 
@@ -39,28 +38,20 @@ impl Body {
                     .allowed(format!("one per module, {}", robot.modules().len())),
             ));
         }
-        let mut modules = robot.modules().to_vec();
-        for (module, gene) in modules.iter_mut().zip(genome.genes()) {
-            if let Some(drive) = &mut module.drive {
-                drive.actuator.gait = Gait {
-                    offset_rad: gene.within(Locus::Offset, ranges.offset_rad),
-                    amplitude_rad: gene.within(Locus::Amplitude, ranges.amplitude_rad),
-                    frequency_hz: gene.within(Locus::Frequency, ranges.frequency_hz),
-                    phase_rad: gene.within(Locus::Phase, ranges.phase_rad),
-                };
-            }
-        }
-        Morphology::new(Blueprint {
-            name: name.to_owned(),
-            description: format!("{} with a gait that was searched for", robot.name()),
-            modules,
-            glue: robot.glue().to_vec(),
-            pivots: robot.pivots().to_vec(),
-            never_touch: robot.never_touch().to_vec(),
-            mount_world_m: robot.mount_world_m(),
-            track: Some(robot.track()),
-        })
-        .map_err(Misfit::Refused)
+        let gaits = robot.gaits();
+        let searched = gaits.iter().zip(genome.genes()).map(|(own, gene)| {
+            own.map(|_| Gait {
+                offset_rad: gene.within(Locus::Offset, ranges.offset_rad),
+                amplitude_rad: gene.within(Locus::Amplitude, ranges.amplitude_rad),
+                frequency_hz: gene.within(Locus::Frequency, ranges.frequency_hz),
+                phase_rad: gene.within(Locus::Phase, ranges.phase_rad),
+            })
+        });
+        let searched: Vec<_> = searched.collect();
+        let description = format!("{} with a gait that was searched for", robot.name());
+        robot
+            .with_gaits(name, &description, &searched)
+            .map_err(Misfit::Refused)
     }
 
     /// Edge length of the modules, metres.
@@ -86,9 +77,9 @@ pub(super) fn genome_of(
     searched: &[Locus],
 ) -> Result<Genome> {
     let mut genes = Vec::with_capacity(robot.modules().len());
-    for module in robot.modules() {
+    for (module, gait) in robot.modules().iter().zip(robot.gaits()) {
         let mut values = [0.0; Gene::LEN];
-        if let Some(gait) = module.drive.map(|drive| drive.actuator.gait) {
+        if let Some(gait) = gait {
             for (locus, value, (low, high)) in [
                 (Locus::Amplitude, gait.amplitude_rad, ranges.amplitude_rad),
                 (Locus::Frequency, gait.frequency_hz, ranges.frequency_hz),
@@ -123,9 +114,9 @@ pub(super) fn genome_of(
 
 /// Which modules have a gait.
 pub(super) fn driven(robot: &Morphology) -> Vec<usize> {
-    let modules = robot.modules().iter().enumerate();
-    modules
-        .filter(|(_, module)| module.drive.is_some())
+    let gaits = robot.gaits().into_iter().enumerate();
+    gaits
+        .filter(|(_, gait)| gait.is_some())
         .map(|(index, _)| index)
         .collect()
 }

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use super::body::Body;
 use super::descriptor::descriptor_named;
 use super::failure::FailureRules;
-use super::finals::FinalsSettings;
+use super::finals_settings::FinalsSettings;
 use super::objective::Objective;
 use super::problem::Search;
-use super::strategy::{Space, StrategySettings};
+use super::strategy::{Space, StrategySettings, within};
 use super::uncertain::{UncertainParameters, UncertainRange};
-use realgap_core::Error;
-use realgap_core::Result;
 use realgap_core::file::check_name;
+use realgap_core::range::Range;
+use realgap_core::{Error, Result};
 use realgap_engine::Noise;
 use realgap_engine::parameter::{Assignment, ParameterSet};
 use realgap_robot::genome::{Development, Genome};
@@ -248,43 +248,16 @@ impl SearchBuilder {
     }
 
     fn check_numbers(&self) -> Result<()> {
-        let most = REPEATS_AT_MOST as f64;
         let (finals, failures) = (&self.finals, &self.failures);
-        for (field, value, low, high) in [
-            ("duration_s", self.duration_s, 0.01, 3600.0),
-            ("repeats", self.repeats as f64, 1.0, most),
-            ("finalists.count", finals.count as f64, 1.0, 60.0),
-            ("finalists.repeats", finals.repeats as f64, 1.0, most),
-            ("finalists.tolerance", finals.tolerance, 0.0, 10.0),
-            (
-                "failures.flight_body_lengths",
-                failures.flight_body_lengths,
-                0.0,
-                1e6,
-            ),
-            (
-                "failures.overlap_body_lengths",
-                failures.overlap_body_lengths,
-                0.0,
-                1e6,
-            ),
-        ] {
-            if !(low..=high).contains(&value) {
-                return Err(Error::invalid("out of range")
-                    .field(field)
-                    .found(value)
-                    .allowed(format!("{low} to {high}")));
-            }
-        }
-        Ok(())
+        let repeats = Range::within(1.0, REPEATS_AT_MOST as f64, "");
+        let body_lengths = Range::within(0.0, 1e6, "");
+        Range::within(0.01, 3600.0, "s").check(self.duration_s, "duration_s")?;
+        repeats.check(self.repeats as f64, "repeats")?;
+        Range::within(1.0, 60.0, "").check(finals.count as f64, "finalists.count")?;
+        repeats.check(finals.repeats as f64, "finalists.repeats")?;
+        Range::within(0.0, 10.0, "").check(finals.tolerance, "finalists.tolerance")?;
+        let (flight, overlap) = (failures.flight_body_lengths, failures.overlap_body_lengths);
+        body_lengths.check(flight, "failures.flight_body_lengths")?;
+        body_lengths.check(overlap, "failures.overlap_body_lengths")
     }
-}
-
-/// The error with the name of the group before that of its field.
-fn within(group: &str, error: Error) -> Error {
-    let field = match error.field_name() {
-        Some(field) => format!("{group}.{field}"),
-        None => group.to_owned(),
-    };
-    error.field(field)
 }

@@ -1,44 +1,18 @@
 //! The best robots, looked at again: other solver settings, and draws that the search has not seen.
 
-use serde::{Deserialize, Serialize};
-
 use super::evaluate::Repeats;
 use super::objective::Travel;
 use super::problem::Search;
 use super::robot::{EvaluatedRobot, mean_displacement_m};
 use super::run::SearchResults;
-use crate::prediction::ensemble::{self, Ensemble, Forecast};
+use crate::prediction::ensemble::{self, Draws, Ensemble, Forecast};
 use crate::prediction::{Card, Economy, Finals, Growth, Rerun, Success, SuccessRule};
-use realgap_core::Error;
-use realgap_core::Result;
 use realgap_core::warning::{Code, Warning};
+use realgap_core::{Error, Result};
 use realgap_engine::parameter::ParameterSet;
 use realgap_engine::{EnergyBalance, Experiment};
 use realgap_optimize::{RunOptions, pool};
 use realgap_robot::morphology::Morphology;
-
-/// How the best are looked at again.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, default)]
-pub struct FinalsSettings {
-    /// How many robots.
-    pub count: usize,
-    /// Repeats of each with draws that the search has not seen, for its prediction card and its rank.
-    pub repeats: usize,
-    /// Largest change of the mean displacement under other solver settings that it survives, as a share.
-    pub tolerance: f64,
-}
-
-impl Default for FinalsSettings {
-    fn default() -> Self {
-        Self {
-            count: 5,
-            repeats: 50,
-            tolerance: 0.25,
-        }
-    }
-}
 
 /// A change of the settings.
 type Change = fn(&mut Experiment);
@@ -244,17 +218,19 @@ impl Search {
             .map(|number| self.uncertain.draw(seed, number))
             .collect();
         let drawn = drawn?;
-        let mut ensemble = ensemble::run_each(
-            &base,
-            |number| drawn[number as usize].apply(&base),
-            &|_| Ok(None),
+        let draws = Draws {
             // What the robot does counts here, not what somebody sees of it.
-            &self.noise.without_camera(),
+            noise: &self.noise.without_camera(),
             seed,
-            self.finals.repeats,
-            options.stop_flag(),
-            |_| (),
-        )?;
+            repeats: self.finals.repeats,
+            recall: &|_| Ok(None),
+        };
+        let quiet = RunOptions {
+            progress: None,
+            ..*options
+        };
+        let vary = |number: u64| drawn[number as usize].apply(&base);
+        let mut ensemble = ensemble::run_each(&base, vary, &draws, &quiet)?;
         if !self.uncertain.is_empty() {
             ensemble.warnings.push(Warning::new(
                 Code::UncertainParameters,

@@ -91,12 +91,13 @@ mod builder;
 mod descriptor;
 mod evaluate;
 mod failure;
-mod file;
 mod finals;
+mod finals_settings;
 mod objective;
 mod problem;
 mod robot;
 mod run;
+mod search_file;
 mod strategy;
 mod uncertain;
 
@@ -105,15 +106,16 @@ pub use body::Body;
 pub use builder::SearchBuilder;
 pub use descriptor::{Behaviour, DESCRIPTORS, Descriptor, descriptor_named};
 pub use failure::{Failure, FailureRules, Reason};
-pub use file::Overrides;
-#[cfg(feature = "schema")]
-pub use file::SearchFile;
-pub use finals::{Finalist, FinalsSettings, rank};
+pub use finals::{Finalist, rank};
+pub use finals_settings::FinalsSettings;
 pub use objective::{Aggregate, Measure, Objective, Travel};
 pub use problem::Search;
 pub use realgap_store::Mode;
 pub use robot::{EvaluatedRobot, Outcome, Performance};
 pub use run::SearchResults;
+pub use search_file::Overrides;
+#[cfg(feature = "schema")]
+pub use search_file::SearchFile;
 pub use strategy::{
     Archive, Axis, CmaEs, CmaEsSettings, Dose, Evaluated, Evolution, GeneValues, Grid,
     GridSettings, MapElites, OPERATORS, Operator, SELECTIONS, STRATEGIES, Selection, Space,

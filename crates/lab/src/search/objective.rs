@@ -2,12 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use realgap_core::Error;
 use realgap_core::Result;
+use realgap_core::range::Range;
 use realgap_core::statistics::{mean, quantile, standard_deviation};
 use realgap_core::unit::Unit;
 use realgap_engine::EnergyBalance;
 use realgap_path::trajectory::Prepared;
+pub use realgap_store::TravelRow as Travel;
 
 /// What is measured in one repeat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -57,39 +58,6 @@ impl Default for Objective {
             measure: Measure::Displacement,
             aggregate: Aggregate::LowerQuantile(0.2),
             from_s: 0.0,
-        }
-    }
-}
-
-/// What one repeat did.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Travel {
-    /// From start (or from where it counts) to end in the plane, metres.
-    pub displacement_m: f64,
-    /// Along the path, metres.
-    pub path_length_m: f64,
-    /// Change of the heading, radians, left positive.
-    pub turned_rad: f64,
-    /// What the servos gave meanwhile, joules; `None` where nobody counted.
-    pub servo_j: Option<f64>,
-}
-
-impl Travel {
-    /// Displacement per path length; 0 below one body length of displacement, where there is no direction to speak of.
-    pub fn straightness(&self, body_length_m: f64) -> f64 {
-        if self.displacement_m < body_length_m {
-            return 0.0;
-        }
-        (self.displacement_m / self.path_length_m).min(1.0)
-    }
-
-    /// Displacement per energy, m/J; 0 below one body length, and where no servo gave any or nobody counted.
-    pub fn metres_per_joule(&self, body_length_m: f64) -> f64 {
-        match self.servo_j {
-            Some(servo_j) if servo_j > 0.0 && self.displacement_m >= body_length_m => {
-                self.displacement_m / servo_j
-            }
-            _ => 0.0,
         }
     }
 }
@@ -181,24 +149,13 @@ impl Objective {
     /// # Errors
     /// A quantile's level or a factor out of range.
     pub fn check(&self) -> Result<()> {
-        if !(0.0..=3600.0).contains(&self.from_s) {
-            return Err(Error::invalid("out of range")
-                .field("from_s")
-                .found(self.from_s)
-                .allowed("0 to less than the duration"));
-        }
+        Range::within(0.0, 3600.0, "s").check(self.from_s, "from_s")?;
         let (value, highest) = match self.aggregate {
             Aggregate::Mean => return Ok(()),
             Aggregate::LowerQuantile(level) => (level, 1.0),
             Aggregate::MeanMinusSd(k) => (k, 100.0),
         };
-        if (0.0..=highest).contains(&value) {
-            return Ok(());
-        }
-        Err(Error::invalid("out of range")
-            .field("aggregate")
-            .found(value)
-            .allowed(format!("0 to {highest}")))
+        Range::within(0.0, highest, "").check(value, "aggregate")
     }
 
     /// For people, e.g. `displacement, 20 % quantile`.

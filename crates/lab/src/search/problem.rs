@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::body::Body;
 use super::failure::FailureRules;
-use super::finals::FinalsSettings;
+use super::finals_settings::FinalsSettings;
 use super::objective::Objective;
 use super::strategy::{Space, Strategy};
 use super::uncertain::UncertainParameters;

@@ -3,11 +3,10 @@
 use super::failure::{Failure, Reason};
 use super::objective::Travel;
 use super::strategy::Evaluated;
-use realgap_core::Error;
-use realgap_core::Result;
 use realgap_core::statistics::mean;
+use realgap_core::{Error, Result};
 use realgap_robot::genome::{Gene, Genome};
-use realgap_store::{RobotOutcome, RobotRow, TravelRow};
+use realgap_store::{RobotOutcome, RobotRow};
 
 /// A robot of a search with what it is worth.
 #[derive(Debug, Clone, PartialEq)]
@@ -101,16 +100,7 @@ impl From<&EvaluatedRobot> for RobotRow {
             },
             Outcome::Walked(performance) => RobotOutcome::Walked {
                 fitness: performance.fitness,
-                repeats: performance
-                    .repeats
-                    .iter()
-                    .map(|travel| TravelRow {
-                        displacement_m: travel.displacement_m,
-                        path_length_m: travel.path_length_m,
-                        turned_rad: travel.turned_rad,
-                        servo_j: travel.servo_j,
-                    })
-                    .collect(),
+                repeats: performance.repeats.clone(),
                 descriptors: performance.descriptors.clone(),
             },
         };
@@ -147,15 +137,7 @@ impl TryFrom<&RobotRow> for EvaluatedRobot {
                 descriptors,
             } => Outcome::Walked(Performance {
                 fitness: *fitness,
-                repeats: repeats
-                    .iter()
-                    .map(|travel| Travel {
-                        displacement_m: travel.displacement_m,
-                        path_length_m: travel.path_length_m,
-                        turned_rad: travel.turned_rad,
-                        servo_j: travel.servo_j,
-                    })
-                    .collect(),
+                repeats: repeats.clone(),
                 descriptors: descriptors.clone(),
             }),
         };

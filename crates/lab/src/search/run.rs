@@ -3,8 +3,7 @@
 use super::problem::Search;
 use super::robot::{EvaluatedRobot, Outcome, Performance};
 use super::strategy::{Evaluated, Strategy};
-use realgap_core::Error;
-use realgap_core::Result;
+use realgap_core::{Error, Result};
 use realgap_optimize::{Batch, Ending, RunOptions, drive};
 use realgap_robot::genome::Genome;
 use realgap_store::{Memory, Mode, Part, Place, RobotRow, Storage, Store};

@@ -5,9 +5,8 @@ use std::path::Path;
 use rand::RngExt as _;
 use serde::{Deserialize, Serialize};
 
-use realgap_core::Error;
-use realgap_core::Result;
 use realgap_core::random::Numbered;
+use realgap_core::{Error, Result};
 use realgap_engine::parameter::{Assignment, ParameterSet, by_name};
 
 /// A parameter that is only known to be in a range.

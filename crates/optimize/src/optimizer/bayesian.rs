@@ -25,8 +25,8 @@ const LAST_STEP: f64 = 1e-3;
 /// A candidate nearer than this to a known point along every axis tells nothing new: a simulation has no noise of its own.
 const APART: f64 = 1e-4;
 
-/// At most `most` of the points: the better half of them by score, the others spread evenly over the rest.
-fn thin(mut scored: Vec<(UnitPoint, f64)>, most: usize) -> Vec<(UnitPoint, f64)> {
+/// At most `most` of what was scored: the better half by score, the others spread evenly over the rest.
+pub fn thin<T: Clone>(mut scored: Vec<(T, f64)>, most: usize) -> Vec<(T, f64)> {
     if scored.len() <= most {
         return scored;
     }

@@ -22,6 +22,7 @@ use nelder_mead::NelderMead;
 use particle_swarm::Swarm;
 use random::Random;
 
+pub use bayesian::thin;
 pub use random::space_filling;
 
 use realgap_core::error::Result;

@@ -1,16 +1,10 @@
 //! A robot in motion as an animated PNG: the view of the static pictures of robots, paths growing behind.
 
-use plotters::backend::DrawingBackend;
-use plotters::style::RGBColor;
 use rayon::prelude::*;
 
-use super::block::{ACTIVE, FLOOR, PASSIVE, SPIN};
-use super::canvas::{Align, Canvas, Letter, Point, Stroke};
-use super::colour::{BLUE, FAINT_INK, GRID, INK, tint};
+use super::block::{ACTIVE, FLOOR, PASSIVE, SPIN, draw_length};
 use super::cuboid::{Cuboid, draw_cuboid, draw_outline, far_first, project, shadow};
-use super::font::{Weight, shorten};
-use super::picture::{self, Picture};
-use realgap_core::Result;
+use super::kit::*;
 use realgap_core::file::Animated;
 
 const WIDTH: f64 = 760.0;
@@ -112,9 +106,10 @@ pub fn draw_animation(animation: &Animation) -> Result<Vec<u8>> {
         let drawn: Vec<Result<Vec<u8>>> = moments
             .par_iter()
             .map(|moment| {
+                let room = &room;
                 picture::pixels(&Frame {
                     animation,
-                    room: &room,
+                    room,
                     moment,
                 })
             })
@@ -147,10 +142,8 @@ impl Room {
 
 impl Animation {
     fn room(&self) -> Room {
-        let traces = self
-            .traces
-            .iter()
-            .flat_map(|trace| trace.places_m.iter().copied());
+        let traces = self.traces.iter();
+        let traces = traces.flat_map(|trace| trace.places_m.iter().copied());
         let boxes = self.moments.iter().flat_map(|moment| {
             let boxes = moment.boxes.iter().map(|(cuboid, _)| cuboid);
             boxes.chain(&moment.outlines).flat_map(Cuboid::corners)
@@ -198,14 +191,10 @@ impl Frame<'_> {
         let corners = self.animation.floor_m;
         canvas.polygon(&corners.map(|corner| self.room.place(corner)), FLOOR);
         // Lines at whole decimetres or metres, no more than a few dozen.
-        let [low, high] = [0, 1].map(|side| {
-            let pick = if side == 0 { f64::min } else { f64::max };
+        let [low, high] = [f64::min, f64::max].map(|pick| {
             [0, 1].map(|axis| {
-                corners
-                    .map(|c| c[axis])
-                    .into_iter()
-                    .reduce(pick)
-                    .unwrap_or(0.0)
+                let along = corners.map(|c| c[axis]).into_iter();
+                along.reduce(pick).unwrap_or(0.0)
             })
         });
         let longest = (high[0] - low[0]).max(high[1] - low[1]);
@@ -242,11 +231,8 @@ impl Frame<'_> {
     fn draw_bodies<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
         let [height, rise] = self.animation.floor_rise;
         let place = |point: [f64; 3]| self.room.place(point);
-        let fixed = self
-            .animation
-            .fixed
-            .iter()
-            .map(|cuboid| (*cuboid, Look::Other));
+        let fixed = self.animation.fixed.iter();
+        let fixed = fixed.map(|cuboid| (*cuboid, Look::Other));
         let all: Vec<(Cuboid, Look)> = fixed.chain(self.moment.boxes.iter().copied()).collect();
         for (cuboid, _) in &all {
             let below = shadow(cuboid).map(|[x, y]| place([x, y, height + rise * x]));
@@ -333,21 +319,14 @@ impl Frame<'_> {
         };
         let (right, y) = (WIDTH - MARGIN, middle + 7.0);
         let left = right - length_m * self.room.scale;
-        canvas.path(&[(left, y), (right, y)], Stroke::new(2.4, INK));
-        for x in [left, right] {
-            canvas.path(&[(x, y - 5.0), (x, y + 5.0)], Stroke::new(2.4, INK));
-        }
+        draw_length(canvas, (left, right), (y, 5.0), 2.4);
         let text = if length_m < 1.0 {
             format!("{:.0} cm", 100.0 * length_m)
         } else {
             format!("{length_m:.0} m")
         };
-        canvas.text(
-            &text,
-            (0.5 * (left + right), y - 8.0),
-            Align::Centre,
-            letter,
-        );
+        let centre = 0.5 * (left + right);
+        canvas.text(&text, (centre, y - 8.0), Align::Centre, letter);
     }
 }
 

@@ -1,10 +1,8 @@
 //! What a parameter axis needs: its name and unit, its values, and the cells around them.
 
 use super::scale::{Scale, Tick};
-use realgap_core::Error;
-use realgap_core::Result;
-use realgap_core::unit::DisplayUnit;
-use realgap_core::unit::Unit;
+use realgap_core::unit::{DisplayUnit, Unit};
+use realgap_core::{Error, Result};
 
 /// Up to this many values each get a tick of their own.
 const VALUES_WITH_OWN_TICK: usize = 8;

@@ -1,10 +1,7 @@
 //! Boxes seen from the side and above: parallel projection, shaded faces, far boxes first.
 
-use plotters::backend::DrawingBackend;
-use plotters::style::RGBColor;
-
-use super::canvas::{Canvas, Point, Stroke};
-use super::colour::{INK, VERMILLION, tint};
+use super::cuboid::{Cuboid, far_first};
+use super::kit::*;
 
 /// What a box stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,21 +82,21 @@ const VISIBLE_POSITIVE: [bool; 3] = [true, false, true];
 const BRIGHTNESS: [f64; 3] = [0.72, 0.88, 1.0];
 
 impl Block {
-    fn corners(&self) -> impl Iterator<Item = [f64; 3]> {
-        (0..8).map(|corner| {
-            std::array::from_fn(|axis| {
-                if corner >> axis & 1 == 0 {
-                    self.lower_m[axis]
-                } else {
-                    self.upper_m[axis]
-                }
-            })
-        })
+    /// The same box as one that may stand anyhow.
+    fn cuboid(&self) -> Cuboid {
+        let half = |axis: usize| {
+            let mut edge = [0.0; 3];
+            edge[axis] = 0.5 * (self.upper_m[axis] - self.lower_m[axis]);
+            edge
+        };
+        Cuboid {
+            centre_m: middle(self.lower_m, self.upper_m),
+            half_m: [half(0), half(1), half(2)],
+        }
     }
 
     fn is_finite(&self) -> bool {
-        let mut all = self.lower_m.iter().chain(&self.upper_m);
-        all.all(|value| value.is_finite())
+        self.cuboid().is_finite()
     }
 
     /// Whether the way from a point to the viewer leads through the box.
@@ -114,18 +111,6 @@ impl Block {
             leaves = f64::min(leaves, a.max(b));
         }
         leaves > enters + TOUCH_M
-    }
-
-    /// True if there is a plane between the two with this one on the far side: then it cannot hide `other`.
-    fn is_beyond(&self, other: &Self) -> bool {
-        const TOUCH_M: f64 = 2e-6;
-        (0..3).any(|axis| {
-            if VISIBLE_POSITIVE[axis] {
-                self.upper_m[axis] <= other.lower_m[axis] + TOUCH_M
-            } else {
-                self.lower_m[axis] >= other.upper_m[axis] - TOUCH_M
-            }
-        })
     }
 
     /// Corners of a rectangle on the visible face of an axis; shares of the box along the other two axes.
@@ -154,7 +139,7 @@ impl Block {
 
 /// The middle of a face of this box that no block stands before: the top, else a side; else its centre.
 pub(super) fn seen_at(blocks: &[Block], lower_m: [f64; 3], upper_m: [f64; 3]) -> [f64; 3] {
-    let centre: [f64; 3] = std::array::from_fn(|axis| 0.5 * (lower_m[axis] + upper_m[axis]));
+    let centre = middle(lower_m, upper_m);
     let faces = [2, 1, 0].map(|axis| {
         let mut face = centre;
         face[axis] = if VISIBLE_POSITIVE[axis] {
@@ -171,7 +156,8 @@ pub(super) fn seen_at(blocks: &[Block], lower_m: [f64; 3], upper_m: [f64; 3]) ->
 /// Corners of the picture of all boxes and of their floor before scaling, metres; `None` without any finite box.
 pub(super) fn extent(blocks: &[Block]) -> Option<(Point, Point)> {
     let finite = blocks.iter().filter(|block| block.is_finite());
-    let corners = finite.flat_map(Block::corners).chain(floor(blocks)?);
+    let corners = finite.flat_map(|block| block.cuboid().corners());
+    let corners = corners.chain(floor(blocks)?);
     corners.map(project).fold(None, |extent, (x, y)| {
         let (low, high) = extent.unwrap_or(((x, y), (x, y)));
         Some((
@@ -199,39 +185,8 @@ fn floor(blocks: &[Block]) -> Option<[[f64; 3]; 4]> {
     ])
 }
 
-/// Far boxes first. Boxes that lie apart along an axis have a definite order; where three hide each other in a circle, the
-/// one whose centre is farthest comes first.
-fn far_first(blocks: &[Block]) -> Vec<usize> {
-    let nearness = |block: &Block| {
-        let centre: [f64; 3] =
-            std::array::from_fn(|axis| block.lower_m[axis] + block.upper_m[axis]);
-        let (sin_a, cos_a) = AZIMUTH_DEG.to_radians().sin_cos();
-        centre[0] * cos_a + centre[1] * sin_a + centre[2] * ELEVATION_DEG.to_radians().tan()
-    };
-    let mut left: Vec<usize> = (0..blocks.len())
-        .filter(|&i| blocks[i].is_finite())
-        .collect();
-    left.sort_by(|&a, &b| nearness(&blocks[a]).total_cmp(&nearness(&blocks[b])));
-    let hides = |near: usize, far: usize| {
-        blocks[far].is_beyond(&blocks[near]) && !blocks[near].is_beyond(&blocks[far])
-    };
-    nothing_hidden_later(left, hides)
-}
-
-/// The same numbers in an order in which none is drawn before what it hides: `hides(near, far)`. Where they hide each other in a
-/// circle, the first that is left comes first.
-pub(super) fn nothing_hidden_later(
-    mut left: Vec<usize>,
-    hides: impl Fn(usize, usize) -> bool,
-) -> Vec<usize> {
-    let mut order = Vec::with_capacity(left.len());
-    while !left.is_empty() {
-        let free = left
-            .iter()
-            .position(|&candidate| !left.iter().any(|&other| hides(candidate, other)));
-        order.push(left.remove(free.unwrap_or(0)));
-    }
-    order
+fn middle(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|axis| 0.5 * (a[axis] + b[axis]))
 }
 
 /// Draws boxes on a piece of floor; `place` takes projected metres to the picture.
@@ -242,7 +197,8 @@ pub(super) fn draw_blocks<B: DrawingBackend>(
     line: f64,
 ) {
     draw_floor(canvas, blocks, place);
-    for index in far_first(blocks) {
+    let cuboids: Vec<Cuboid> = blocks.iter().map(Block::cuboid).collect();
+    for index in far_first(&cuboids) {
         draw_block(canvas, &blocks[index], place, line);
     }
 }
@@ -354,6 +310,19 @@ fn draw_turn<B: DrawingBackend>(
     canvas.polygon(&[at(276.0, 0.17), tip, at(276.0, 0.38)], white);
 }
 
+/// A bar with ends: what a length of the picture is.
+pub(super) fn draw_length<B: DrawingBackend>(
+    canvas: &mut Canvas<B>,
+    (left, right): Point,
+    (y, half): Point,
+    width: f64,
+) {
+    canvas.path(&[(left, y), (right, y)], Stroke::new(width, INK));
+    for x in [left, right] {
+        canvas.path(&[(x, y - half), (x, y + half)], Stroke::new(width, INK));
+    }
+}
+
 pub(super) fn darken(colour: RGBColor, share: f64) -> RGBColor {
     let scale = |channel: u8| (f64::from(channel) * share).round() as u8;
     RGBColor(scale(colour.0), scale(colour.1), scale(colour.2))
@@ -362,35 +331,6 @@ pub(super) fn darken(colour: RGBColor, share: f64) -> RGBColor {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn cube(cell: [f64; 3]) -> Block {
-        Block {
-            lower_m: cell,
-            upper_m: cell.map(|c| c + 1.0),
-            kind: BlockKind::Passive,
-            driven: None,
-        }
-    }
-
-    #[test]
-    fn nothing_is_drawn_before_what_it_hides() {
-        let mut blocks = Vec::new();
-        for x in 0..3 {
-            for y in 0..3 {
-                for z in 0..3 {
-                    blocks.push(cube([x, y, z].map(f64::from)));
-                }
-            }
-        }
-        let order = far_first(&blocks);
-        assert_eq!(order.len(), 27);
-        for (rank, &near) in order.iter().enumerate() {
-            for &far in &order[rank + 1..] {
-                let (a, b) = (&blocks[near], &blocks[far]);
-                assert!(a.is_beyond(b), "{a:?} hides {b:?} but is drawn before");
-            }
-        }
-    }
 
     #[test]
     fn right_is_right_and_up_is_up() {

@@ -8,8 +8,7 @@ use plotters::style::{
 
 use super::colour::line;
 use super::font::{self, CAPITAL_HEIGHT_EM, Weight};
-use realgap_core::Error;
-use realgap_core::Result;
+use realgap_core::{Error, Result};
 
 /// A point in picture units, y downwards.
 pub(super) type Point = (f64, f64);
@@ -103,7 +102,7 @@ impl<B: DrawingBackend> Canvas<B> {
 
     /// Hands the picture over; the first failure of any drawing step is returned here.
     pub(super) fn finish(mut self) -> Result<()> {
-        let presented = self.backend.present().map_err(|error| error.to_string());
+        let presented = self.backend.present();
         self.keep(presented);
         match self.failure {
             None => Ok(()),
@@ -113,9 +112,9 @@ impl<B: DrawingBackend> Canvas<B> {
         }
     }
 
-    fn keep(&mut self, outcome: std::result::Result<(), String>) {
+    fn keep<E: std::fmt::Display>(&mut self, outcome: std::result::Result<(), E>) {
         if let Err(failure) = outcome {
-            self.failure.get_or_insert(failure);
+            self.failure.get_or_insert(failure.to_string());
         }
     }
 
@@ -131,7 +130,7 @@ impl<B: DrawingBackend> Canvas<B> {
         let (a, b) = (self.at(from), self.at(to));
         let (a, b) = ((a.0.min(b.0), a.1.min(b.1)), (a.0.max(b.0), a.1.max(b.1)));
         let outcome = self.backend.draw_rect(a, b, &style, true);
-        self.keep(outcome.map_err(|e| e.to_string()));
+        self.keep(outcome);
     }
 
     /// A filled rectangle whose edges are moved to whole pixels: neighbours meet without a seam.
@@ -154,7 +153,7 @@ impl<B: DrawingBackend> Canvas<B> {
         let points: Vec<_> = points.iter().map(|&p| self.at(p)).collect();
         let style = ShapeStyle::from(colour).filled();
         let outcome = self.backend.fill_polygon(points, &style);
-        self.keep(outcome.map_err(|e| e.to_string()));
+        self.keep(outcome);
     }
 
     /// A filled circle.
@@ -163,7 +162,7 @@ impl<B: DrawingBackend> Canvas<B> {
         let radius = (radius * self.per_unit).round().max(1.0) as u32;
         let style = ShapeStyle::from(colour).filled();
         let outcome = self.backend.draw_circle(centre, radius, &style, true);
-        self.keep(outcome.map_err(|e| e.to_string()));
+        self.keep(outcome);
     }
 
     /// A circle drawn with a line of `width`.
@@ -219,7 +218,7 @@ impl<B: DrawingBackend> Canvas<B> {
         match self.medium {
             Medium::Vector => {
                 let outcome = self.backend.draw_path(kept_at, &style);
-                self.keep(outcome.map_err(|e| e.to_string()));
+                self.keep(outcome);
             }
             // plotters' own thick paths grow spikes at sharp corners: draw piece by piece, and
             // round off the joints.
@@ -234,15 +233,10 @@ impl<B: DrawingBackend> Canvas<B> {
                         -(pair[1].1 - pair[0].1) / length * half,
                         (pair[1].0 - pair[0].0) / length * half,
                     );
-                    self.polygon(
-                        &[
-                            (pair[0].0 + x, pair[0].1 + y),
-                            (pair[1].0 + x, pair[1].1 + y),
-                            (pair[1].0 - x, pair[1].1 - y),
-                            (pair[0].0 - x, pair[0].1 - y),
-                        ],
-                        colour,
-                    );
+                    let [a, b] = [pair[0], pair[1]];
+                    let one = [(a.0 + x, a.1 + y), (b.0 + x, b.1 + y)];
+                    let other = [(b.0 - x, b.1 - y), (a.0 - x, a.1 - y)];
+                    self.polygon(&[one, other].concat(), colour);
                 }
                 for &point in &kept {
                     self.disc(point, half, colour);
@@ -276,10 +270,7 @@ impl<B: DrawingBackend> Canvas<B> {
         upwards: bool,
     ) {
         // Control characters have no glyph and are not allowed in SVG.
-        let text: String = text
-            .chars()
-            .map(|c| if c.is_control() { ' ' } else { c })
-            .collect();
+        let text = text.replace(char::is_control, " ");
         match self.medium {
             Medium::Pixels => self.raster_text(&text, anchor, align, letter, upwards),
             Medium::Vector => self.vector_text(&text, anchor, align, letter, upwards),
@@ -358,7 +349,7 @@ impl<B: DrawingBackend> Canvas<B> {
             .pos(Pos::new(h_pos, VPos::Top));
         let position = self.at(position);
         let outcome = self.backend.draw_text(text, &style, position);
-        self.keep(outcome.map_err(|e| e.to_string()));
+        self.keep(outcome);
     }
 }
 

@@ -1,11 +1,6 @@
 //! The frame of a plot: axes with ticks, and where a value lies in the picture.
 
-use plotters::backend::DrawingBackend;
-
-use super::canvas::{Align, Canvas, Letter, Point};
-use super::colour::{FAINT_INK, GRID, INK, WHITE};
-use super::font::{Weight, shorten};
-use super::scale::{Scale, Tick};
+use super::kit::*;
 
 pub(super) const TICK_SIZE: f64 = 20.0;
 pub(super) const LABEL_SIZE: f64 = 23.0;

@@ -1,7 +1,8 @@
 //! Pictures of robots in rows, all to one scale.
 
 use super::block::{
-    ACTIVE, BEND, Block, BlockKind, Motion, PASSIVE, SPIN, draw_blocks, extent, project, seen_at,
+    ACTIVE, BEND, Block, BlockKind, Motion, PASSIVE, SPIN, draw_blocks, draw_length, extent,
+    project, seen_at,
 };
 use super::kit::*;
 
@@ -314,12 +315,9 @@ impl Gallery {
             .fold(1e-4, f64::max);
         let left = right - round_m * scale;
         let y = middle + 12.0;
-        canvas.path(&[(left, y), (right, y)], Stroke::new(3.0, INK));
-        for x in [left, right] {
-            canvas.path(&[(x, y - 7.0), (x, y + 7.0)], Stroke::new(3.0, INK));
-        }
         let text = format!("{} cm", (round_m * 1e6).round() / 1e4);
         let letter = Letter::new(19.0, Weight::Regular, INK);
+        draw_length(canvas, (left, right), (y, 7.0), 3.0);
         let centre = 0.5 * (left + right);
         canvas.text(&text, (centre, y - 12.0), Align::Centre, letter);
     }

@@ -1,11 +1,6 @@
 //! Title and subtitle of a picture.
 
-use plotters::backend::DrawingBackend;
-
-use super::canvas::{Align, Canvas, Letter};
-use super::colour::{FAINT_INK, INK};
-use super::font::{Weight, wrap};
-use super::legend::{Legend, Symbol};
+use super::kit::*;
 
 /// Title sizes to try, largest first: a long title becomes smaller before it is broken into more lines.
 const TITLE_SIZES: [f64; 3] = [30.0, 26.0, 22.0];

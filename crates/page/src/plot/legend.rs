@@ -1,12 +1,6 @@
 //! The legend: symbols with a text, in as many rows as they need.
 
-use plotters::backend::DrawingBackend;
-use plotters::style::RGBColor;
-
-use super::canvas::{Align, Canvas, Letter, Point, Stroke};
-use super::colour::{DIVERGED, DIVERGED_LINE, INK, VERMILLION, WHITE, score_colour};
-use super::font::{Weight, shorten};
-use realgap_core::unit::DisplayUnit;
+use super::kit::*;
 
 const SIZE: f64 = 21.0;
 const ROW_HEIGHT: f64 = 33.0;

@@ -72,6 +72,7 @@ pub use animation::{Animation, Look, Moment, Trace, draw_animation};
 pub use axis::{AxisSpec, Truth};
 pub use bar::{Bar, BarChart, draw_bars};
 pub use block::{Block, BlockKind, DrivenFace, Motion};
+pub(crate) use colour::score_hex;
 pub use column::{ColumnChart, ColumnSeries, draw_columns};
 pub use cuboid::Cuboid;
 pub use curve::{Curve, draw_curve};

@@ -88,10 +88,8 @@ impl PanelGrid {
         let rows = self.panels.len().div_ceil(self.columns) as f64;
 
         // A diverged path leads anywhere and would shrink all others to a dot.
-        let good = self
-            .panels
-            .iter()
-            .filter(|panel| panel.finite_score().is_some());
+        let all = self.panels.iter();
+        let good = all.filter(|panel| panel.finite_score().is_some());
         let simulated = good.flat_map(|panel| &panel.simulated_m);
         let (x, y) = bounds_cm(self.reality_m.iter().chain(simulated).map(Vec::as_slice));
         let shape = ((y.1 - y.0) / (x.1 - x.0)).clamp(*SHAPE.start(), *SHAPE.end());
@@ -103,10 +101,8 @@ impl PanelGrid {
         let panel_width = ((WIDTH - MARGIN - left - GAP * (columns - 1.0)) / columns).floor();
         let panel_height = (panel_width.min(560.0) * shape).round();
         let (x, y) = equal_aspect(x, y, panel_width / panel_height);
-        let note_lines = self
-            .panels
-            .iter()
-            .map(|panel| panel.note_lines(panel_width).len());
+        let panels = self.panels.iter();
+        let note_lines = panels.map(|panel| panel.note_lines(panel_width).len());
         let head = TITLE + NOTE_LINE * note_lines.max().unwrap_or(0) as f64;
         let top = (14.0 + heading.height() + 10.0).round();
         let legend_top =

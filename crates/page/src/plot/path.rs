@@ -2,12 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use plotters::backend::DrawingBackend;
-
-use super::canvas::{Canvas, Point, Stroke};
-use super::frame::{Frame, left_of_label};
-use super::legend::draw_start;
-use super::scale::Scale;
+use super::kit::*;
 
 /// A point (x, y) of a path, in metres; points that are not finite are left out.
 pub type PathPoint = [f64; 2];

@@ -7,9 +7,8 @@ use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use super::canvas::{Canvas, Medium};
 use super::colour::WHITE;
 use super::font;
-use realgap_core::Error;
-use realgap_core::Result;
 use realgap_core::file::{check_writable, png_bytes, write_atomic};
+use realgap_core::{Error, Result};
 
 /// PNG pixels are averages of this many by this many: smooth lines, evenly spaced letters.
 const PNG_OVERSAMPLING: u32 = 3;

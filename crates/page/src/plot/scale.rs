@@ -3,17 +3,15 @@
 /// How scores are spread over colours or heights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ScoreScale {
-    /// Logarithmic where the scores span more than 1.5 decades, linear otherwise. Where they span
-    /// that much but some are negative: linear, ending at the 98th percentile.
+    /// Logarithmic where the scores span more than 1.5 decades, linear otherwise: over at most four
+    /// decades of colours, or twelve of an axis, below the largest score; scores below that range, or
+    /// 0, are drawn at its lower end. Where some are negative: linear, ending at the 98th percentile.
     #[default]
     Auto,
     /// Linear from the smallest to the largest score.
     Linear,
     /// Linear, a unit as long as one of the horizontal axis: maps. Colours take it as linear.
     LikeX,
-    /// Logarithmic over at most four decades of colours, or twelve of an axis, below the largest
-    /// score; scores below that range, or not positive, are drawn at its lower end.
-    Log,
 }
 
 /// Decades of scores from which on [`ScoreScale::Auto`] is logarithmic.
@@ -78,7 +76,6 @@ impl Scale {
             }
         };
         match (wanted, positive) {
-            (ScoreScale::Log, Some(p)) if high > p => as_log(p),
             (ScoreScale::Auto, Some(p)) if spans_decades && low >= 0.0 => as_log(p),
             (ScoreScale::Auto, _) if spans_decades => {
                 let last = ((sorted.len() - 1) as f64 * ROBUST_SHARE).floor() as usize;

@@ -65,6 +65,11 @@ fn grid(count: usize, from: f64, to: f64) -> Vec<f64> {
     (0..count).map(|i| from + step * i as f64).collect()
 }
 
+fn truth(y: f64) -> Option<Truth> {
+    let label = "hidden value".into();
+    Some(Truth { x: 0.47, y, label })
+}
+
 /// A bowl with a valley from high friction and low restitution to the opposite corner.
 fn valley(nx: usize, ny: usize) -> HeatMap {
     let (x_values, y_values) = (grid(nx, 0.05, 1.0), grid(ny, 0.0, 0.9));
@@ -89,31 +94,23 @@ fn valley(nx: usize, ny: usize) -> HeatMap {
             }
         }
     }
+    let axis = |name: &str| AxisSpec::new(name, Unit::One);
     HeatMap {
-        missing: "diverged".to_owned(),
-        caption: Caption::new(
-            "tripod_floor: which floor makes the simulation match reality?",
-            "4 stand-in recordings, not hardware · 441 points · rapier 0.36.1, 1/240 s, 4 substeps",
-        ),
-        x: AxisSpec::new("friction", Unit::One),
-        y: AxisSpec::new("restitution", Unit::One),
-        x_values,
-        y_values,
-        scores,
-        score_label: "PCA discrepancy".into(),
-        score_unit: Unit::Metre,
-        scale: ScoreScale::Auto,
         best: Some((best % nx, best / nx)),
-        best_at: None,
-        evaluated: Vec::new(),
-        larger_is_better: false,
-        lines: Vec::new(),
         indistinguishable,
-        truth: Some(Truth {
-            x: 0.47,
-            y: 0.31,
-            label: "hidden value".into(),
-        }),
+        truth: truth(0.31),
+        ..HeatMap::new(
+            Caption::new(
+                "tripod_floor: which floor makes the simulation match reality?",
+                "4 stand-in recordings, not hardware · 441 points · rapier 0.36.1, 1/240 s, 4 substeps",
+            ),
+            [
+                (axis("friction"), x_values),
+                (axis("restitution"), y_values),
+            ],
+            scores,
+            ("PCA discrepancy", Unit::Metre),
+        )
     }
 }
 
@@ -206,11 +203,7 @@ fn curve(count: usize) -> Curve {
         score_unit: Unit::Metre,
         scale: ScoreScale::Auto,
         best,
-        truth: Some(Truth {
-            x: 0.47,
-            y: 0.0,
-            label: "hidden value".into(),
-        }),
+        truth: truth(0.0),
     }
 }
 
@@ -379,43 +372,25 @@ fn overlays() {
 #[test]
 fn wrong_data_are_refused() {
     let path = Path::new("/nonexistent/map.png");
-    let kinds = |error: realgap_core::Error| error.kind();
-    let mut map = valley(3, 3);
-    map.scores.pop();
-    assert_eq!(
-        kinds(draw_heat_map(&map, path).unwrap_err()),
-        ErrorKind::Invalid
-    );
-    let mut map = valley(3, 3);
-    map.x_values[1] = f64::NAN;
-    assert_eq!(
-        kinds(draw_heat_map(&map, path).unwrap_err()),
-        ErrorKind::Invalid
-    );
-    let mut map = valley(3, 3);
-    map.x_values.clear();
-    assert_eq!(
-        kinds(draw_heat_map(&map, path).unwrap_err()),
-        ErrorKind::Invalid
-    );
-    let mut map = valley(3, 3);
-    map.best = Some((3, 0));
-    assert_eq!(
-        kinds(draw_heat_map(&map, path).unwrap_err()),
-        ErrorKind::Invalid
-    );
+    let changes: [fn(&mut HeatMap); 4] = [
+        |map| map.scores.truncate(8),
+        |map| map.x_values[1] = f64::NAN,
+        |map| map.x_values.clear(),
+        |map| map.best = Some((3, 0)),
+    ];
+    let maps = changes.map(|change| {
+        let mut map = valley(3, 3);
+        change(&mut map);
+        draw_heat_map(&map, path)
+    });
     let mut grid = nine_panels();
     grid.panels.clear();
-    assert_eq!(
-        kinds(draw_panels(&grid, path).unwrap_err()),
-        ErrorKind::Invalid
-    );
     let mut nothing = overlay(0);
     nothing.reference.points_m.clear();
-    assert_eq!(
-        kinds(draw_overlay(&nothing, path).unwrap_err()),
-        ErrorKind::Invalid
-    );
+    let others = [draw_panels(&grid, path), draw_overlay(&nothing, path)];
+    for drawn in maps.into_iter().chain(others) {
+        assert_eq!(drawn.unwrap_err().kind(), ErrorKind::Invalid);
+    }
 }
 
 #[test]

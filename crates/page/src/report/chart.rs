@@ -107,7 +107,7 @@ impl Chart {
     }
 
     /// The same with the upright axis from 0.
-    pub fn from_zero(self) -> Self {
+    pub fn upwards(self) -> Self {
         let from_zero = true;
         Self { from_zero, ..self }
     }

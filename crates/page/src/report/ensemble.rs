@@ -7,10 +7,7 @@ use serde_json::Value;
 use super::chart::{Chart, key};
 use super::section::{Section, figures, pictures};
 use super::story::Story;
-use super::value::{
-    at, first_text, float, floats, is, list, measured, noted, percent, proportion, span, text_of,
-    titled,
-};
+use super::value::*;
 use realgap_core::error::Result;
 use realgap_core::unit::{counted, decimals, number};
 
@@ -20,36 +17,31 @@ const CLASSES: [&str; 6] = ["b0", "b1", "b2", "b3", "b4", "b5"];
 const STARTS: usize = 6;
 
 pub(super) fn ensemble(folder: &Path, report: &Value) -> Result<Story> {
-    let cases = list(report, "cases");
+    let cases = report.list("cases");
     let first = cases
         .first()
-        .map_or(&Value::Null, |case| at(case, "summary"));
+        .map_or(&Value::Null, |case| case.at("summary"));
     let mut motion = String::new();
     for case in cases.iter().take(STARTS) {
-        let name = if cases.len() > 1 {
-            text_of(case, "case")
-        } else {
-            ""
-        };
-        motion += &charts(name, at(case, "summary"));
+        let name = case.text("case");
+        let name = if cases.len() > 1 { name } else { "" };
+        motion += &charts(name, case.at("summary"));
     }
     if cases.len() > STARTS {
-        motion += &format!(
-            "<p class=\"note\">{} of {} starts; ensemble.json holds all.</p>",
-            STARTS,
-            cases.len()
-        );
+        let all = cases.len();
+        let note = format!("{STARTS} of {all} starts; ensemble.json holds all.");
+        motion += &format!("<p class=\"note\">{note}</p>");
     }
-    let reality = at(report, "reality");
+    let reality = report.at("reality");
     let mut said = answer(first, "");
-    if let Some(coverage) = list(reality, "coverage").last() {
-        let end = at(coverage, "at_end");
+    if let Some(coverage) = reality.list("coverage").last() {
+        let end = coverage.at("at_end");
         said += &format!(
             " Of {}, {} end in the region that should hold {}: {}.",
-            runs(report, float(end, "trials")),
+            runs(report, end.float("trials")),
             end.get("count").map_or_else(String::new, Value::to_string),
-            percent(float(coverage, "level")),
-            match is(coverage, "is_honest") {
+            coverage.percent("level"),
+            match coverage.is("is_honest") {
                 Some(true) => "these confidences are honest as far as so few runs can tell",
                 Some(false) =>
                     "these confidences are NOT honest, and the simulation knows too little",
@@ -57,18 +49,13 @@ pub(super) fn ensemble(folder: &Path, report: &Value) -> Result<Story> {
             }
         );
     }
+    let does = behaviour_table(first, cases);
     Ok(Story {
         kind: "ensemble",
-        name: first_text(report, &["study"])
-            .unwrap_or("ensemble")
-            .to_owned(),
+        name: report.named("study", "ensemble"),
         answer: said,
         sections: vec![
-            Section::new(
-                "behaviours",
-                "What it does, and how likely",
-                behaviour_table(first, cases),
-            ),
+            Section::new("behaviours", "What it does, and how likely", does),
             Section::new("motion", "Where it will be", motion),
             Section::new("distance", "How far", distances(cases)),
             Section::new("reality", "How honest that is", honesty(reality)),
@@ -81,7 +68,7 @@ pub(super) fn ensemble(folder: &Path, report: &Value) -> Result<Story> {
 }
 
 fn runs(report: &Value, count: Option<f64>) -> String {
-    let what = match text_of(report, "source") {
+    let what = match report.text("source") {
         "StandIn" => "stand-in run",
         _ => "real run",
     };
@@ -89,92 +76,91 @@ fn runs(report: &Value, count: Option<f64>) -> String {
 }
 
 pub(super) fn answer(summary: &Value, sure: &str) -> String {
-    let far = at(summary, "displacement_m");
-    let behaviours = list(at(summary, "behaviours"), "list");
+    let far = summary.at("displacement_m");
+    let behaviours = summary.list("behaviours.list");
     let likely = behaviours
         .iter()
         .max_by(|a, b| share(a).total_cmp(&share(b)))
         .map_or_else(String::new, |behaviour| {
-            format!(
-                "; the most likely of {} is “{}” with {}",
-                counted(behaviours.len(), "behaviour"),
-                text_of(behaviour, "name"),
-                percent(Some(share(behaviour)))
-            )
+            let which = match behaviours.len() {
+                1 => "its one behaviour".to_owned(),
+                many => format!("the most likely of {many} behaviours"),
+            };
+            let (name, share) = (behaviour.text("name"), percent(Some(share(behaviour))));
+            format!("; {which} is “{name}” with {share}")
         });
-    let seconds = float(summary, "duration_s").map_or_else(String::new, |s| decimals(s, 1));
+    let seconds = summary.float("duration_s").map(|s| decimals(s, 1));
+    let seconds = seconds.unwrap_or_default();
     format!(
         "In {seconds} s it goes {} in nine of ten repeats, {} in the middle one{likely}.{sure}",
-        span(float(far, "q05"), float(far, "q95"), "m"),
-        measured(float(far, "q50"), "m"),
+        far.span(["q05", "q95"], "m"),
+        far.measured("q50", "m"),
     )
 }
 
 fn share(behaviour: &Value) -> f64 {
-    float(at(behaviour, "probability"), "share").unwrap_or(0.0)
+    behaviour.float("probability.share").unwrap_or(0.0)
 }
 
 pub(super) fn behaviour_table(first: &Value, cases: &[Value]) -> String {
     let many = cases.len() > 1;
     let rows = cases.iter().take(40).flat_map(|case| {
-        let list = list(at(at(case, "summary"), "behaviours"), "list");
+        let list = case.list("summary.behaviours.list");
         list.iter().map(move |behaviour| {
             let mut row = vec![
-                text_of(behaviour, "name").to_owned(),
-                proportion(at(behaviour, "probability")),
-                measured(float(behaviour, "mean_displacement_m"), "m"),
-                behaviour
-                    .get("representative")
-                    .and_then(Value::as_u64)
-                    .map_or("–".to_owned(), |n| n.to_string()),
+                behaviour.owned("name"),
+                behaviour.proportion("probability"),
+                behaviour.measured("mean_displacement_m", "m"),
+                behaviour.number("representative"),
             ];
             if many {
-                row.insert(0, text_of(case, "case").to_owned());
+                row.insert(0, case.owned("case"));
             }
             row
         })
     });
     let head = "behaviour | probability (95 %) | net displacement | typical repeat";
     let head = if many { "start | " } else { "" }.to_owned() + head;
-    let diverged = at(first, "diverged");
-    let lost = match float(diverged, "count") {
-        Some(count) if count > 0.0 => {
-            format!("<p>{} of the repeats diverged.</p>", proportion(diverged))
-        }
+    let share = first.proportion("diverged");
+    let lost = match first.count("diverged.count") {
+        Some(1..) => format!("<p>{share} of the repeats diverged.</p>"),
         _ => String::new(),
     };
     format!(
         "{}{lost}<p class=\"note\">Repeats are one behaviour where their paths are nearer than {} to each other. More repeats narrow the probabilities; only other noise or another model moves them.</p>",
         titled(&head, rows),
-        measured(float(at(first, "behaviours"), "cut_m"), "m"),
+        first.measured("behaviours.cut_m", "m"),
     )
 }
 
 /// Paths of the behaviours with the region of the end, and the regions over time.
 pub(super) fn charts(name: &str, summary: &Value) -> String {
-    let behaviours = list(at(summary, "behaviours"), "list");
-    let regions = list(at(summary, "envelope"), "regions");
+    let behaviours = summary.list("behaviours.list");
+    let regions = summary.list("envelope.regions");
     let alt = "A typical path of each behaviour, and where half and nine of ten repeats end";
     let ends = regions.last().into_iter();
     let ends = ends.flat_map(|end| [0, 2].map(|level| ellipse(end, level)));
     let mut map = Chart::map(alt).lines("edge", ends);
     for (index, behaviour) in behaviours.iter().enumerate().rev() {
-        let places = list(behaviour, "path_xy_m").iter();
+        let places = behaviour.list("path_xy_m").iter();
         let points =
             places.filter_map(|place| Some([place.get(0)?.as_f64()?, place.get(1)?.as_f64()?]));
         map = map.line(CLASSES[index % CLASSES.len()], points.collect());
     }
-    let times = floats(at(summary, "envelope"), "times_s");
+    let times = summary.floats("envelope.times_s");
     let over_time = |axis: usize, label: &str| {
-        let number = |region: &Value, name: &str, at: usize| floats(region, name).get(at).copied();
         // The ellipse's shadow on the axis.
         let band = |level: usize| -> Vec<[f64; 3]> {
             let at_time = times.iter().zip(regions);
             at_time
                 .map(|(t, region)| {
-                    let middle = number(region, "centre_m", axis).unwrap_or(f64::NAN);
-                    let spread = number(region, "covariance_m2", 2 * axis).unwrap_or(0.0);
-                    let radius = number(region, "radii", level).unwrap_or(0.0);
+                    let middle = region
+                        .float(&format!("centre_m.{axis}"))
+                        .unwrap_or(f64::NAN);
+                    let spread = region
+                        .float(&format!("covariance_m2.{}", 2 * axis))
+                        .unwrap_or(0.0);
+                    let radius = region.float(&format!("radii.{level}")).unwrap_or(0.0);
                     let half = radius * spread.max(0.0).sqrt();
                     [*t, middle - half, middle + half]
                 })
@@ -204,7 +190,7 @@ pub(super) fn charts(name: &str, summary: &Value) -> String {
         .take(CLASSES.len())
         .enumerate()
         .map(|(index, behaviour)| {
-            let name = text_of(behaviour, "name");
+            let name = behaviour.text("name");
             let share = percent(Some(share(behaviour)));
             key(CLASSES[index], &format!("{name} ({share})"))
         })
@@ -222,8 +208,8 @@ pub(super) fn charts(name: &str, summary: &Value) -> String {
 
 /// The edge of a region: those points whose Mahalanobis distance is its radius.
 fn ellipse(region: &Value, level: usize) -> Vec<[f64; 2]> {
-    let (centre, c) = (floats(region, "centre_m"), floats(region, "covariance_m2"));
-    let radius = floats(region, "radii").get(level).copied().unwrap_or(0.0);
+    let (centre, c) = (region.floats("centre_m"), region.floats("covariance_m2"));
+    let radius = region.float(&format!("radii.{level}")).unwrap_or(0.0);
     let ([x, y], [xx, xy, yy]) = (centre.as_slice(), c.as_slice()) else {
         return Vec::new();
     };
@@ -249,19 +235,15 @@ pub(super) fn distances(cases: &[Value]) -> String {
     ];
     let many = cases.len() > 1;
     let rows = cases.iter().take(40).flat_map(|case| {
-        let summary = at(case, "summary");
+        let summary = case.at("summary");
         quantities.iter().filter_map(move |(name, field, unit)| {
             let found = summary.get(*field).filter(|found| found.is_object())?;
-            let quantile = |q: &str| measured(float(found, q), unit);
-            let free = if *field == "displacement_m" {
-                measured(float(summary, "noise_free_displacement_m"), unit)
-            } else {
-                "–".to_owned()
-            };
-            let name = if many {
-                format!("{}: {name}", text_of(case, "case"))
-            } else {
-                (*name).to_owned()
+            let quantile = |q: &str| measured(found.float(q), unit);
+            let free = summary.float("noise_free_displacement_m");
+            let free = measured(free.filter(|_| *field == "displacement_m"), unit);
+            let name = match many {
+                true => format!("{}: {name}", case.text("case")),
+                false => (*name).to_owned(),
             };
             Some(vec![
                 name,
@@ -279,41 +261,41 @@ pub(super) fn distances(cases: &[Value]) -> String {
 }
 
 fn honesty(reality: &Value) -> String {
-    let coverage = list(reality, "coverage");
+    let coverage = reality.list("coverage");
     if coverage.is_empty() {
         return String::new();
     }
     let rows = coverage.iter().map(|level| {
         vec![
-            percent(float(level, "level")),
-            percent(float(level, "over_time")),
-            proportion(at(level, "at_end")),
-            match is(level, "is_honest") {
+            level.percent("level"),
+            level.percent("over_time"),
+            level.proportion("at_end"),
+            match level.is("is_honest") {
                 Some(true) => "yes",
                 Some(false) => "NO: region too narrow or too wide",
                 None => "–",
             }
             .to_owned(),
-            proportion(at(level, "whole_path")),
+            level.proportion("whole_path"),
         ]
     });
     let first = titled(
         "region of | recorded runs inside, over time | at the end (95 %) | honest | whole paths in their band",
         rows,
     );
-    let runs = list(reality, "runs").iter().map(|run| {
+    let runs = reality.list("runs").iter().map(|run| {
         vec![
-            text_of(run, "recording").to_owned(),
-            text_of(run, "behaviour").to_owned(),
-            measured(float(run, "net_displacement_m"), "m"),
-            measured(float(run, "distance_m"), "m"),
-            measured(float(run, "energy_score_m"), "m"),
+            run.owned("recording"),
+            run.owned("behaviour"),
+            run.measured("net_displacement_m", "m"),
+            run.measured("distance_m", "m"),
+            run.measured("energy_score_m", "m"),
         ]
     });
     format!(
         "{first}<p class=\"note\">Energy score {}; if reality were one more repeat it would be {}. More recordings make this sharper.</p><details><summary>Recording by recording</summary>{}</details>",
-        measured(float(reality, "energy_score_m"), "m"),
-        measured(float(reality, "expected_energy_score_m"), "m"),
+        reality.measured("energy_score_m", "m"),
+        reality.measured("expected_energy_score_m", "m"),
         titled(
             "recording | does | net displacement | from its behaviour | energy score",
             runs
@@ -322,7 +304,7 @@ fn honesty(reality: &Value) -> String {
 }
 
 pub(super) fn noise(summary: &Value) -> String {
-    let noise = at(summary, "noise");
+    let noise = summary.at("noise");
     let size_of = |size: &Value| match size.as_array().map(Vec::as_slice) {
         Some([low, high]) => Some(span(low.as_f64(), high.as_f64(), "")),
         _ => size.as_f64().filter(|size| *size != 0.0).map(number),
@@ -338,6 +320,6 @@ pub(super) fn noise(summary: &Value) -> String {
             .collect()
     };
     let mut rows = fields(noise, "");
-    rows.extend(fields(at(noise, "camera"), "camera: "));
+    rows.extend(fields(noise.at("camera"), "camera: "));
     noted("what | drawn from | size", rows, "")
 }

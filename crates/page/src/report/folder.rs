@@ -6,17 +6,13 @@ use serde_json::Value;
 
 use super::kept::Kept;
 use super::section::{Section, numbers, provenance, warnings};
-use super::value::{read_json, text_of};
+use super::value::*;
 use super::{ensemble, gap, prediction, replay, search, study};
+use crate::results::kind::file;
 use realgap_core::error::{Error, Result};
 
 /// Reports that folders hold.
-const REPORTS: [&str; 4] = [
-    "summary.json",
-    "ensemble.json",
-    "gap.json",
-    "prediction.json",
-];
+const REPORTS: [&str; 4] = [file::SUMMARY, file::ENSEMBLE, file::GAP, file::PREDICTION];
 
 /// The page of a results folder; `command` is said to have made the page.
 ///
@@ -33,13 +29,15 @@ pub fn folder_page(folder: &Path, command: &str) -> Result<String> {
     let kept = Kept::read(folder)?;
     let kept = kept.as_ref();
     let mut story = match *file {
-        "ensemble.json" => ensemble::ensemble(folder, &report)?,
-        "gap.json" => gap::gap(folder, &report)?,
-        "prediction.json" => prediction::prediction(folder, &report)?,
+        file::ENSEMBLE => ensemble::ensemble(folder, &report)?,
+        file::GAP => gap::gap(folder, &report)?,
+        file::PREDICTION => prediction::prediction(folder, &report)?,
         _ if report.get("search").is_some() => search::search(folder, &report)?,
         _ => study::story(folder, &report, kept)?,
     };
-    text_of(&report, "description").clone_into(&mut story.description);
+    report
+        .text("description")
+        .clone_into(&mut story.description);
     if let Some(shown) = kept.and_then(|kept| kept.replay.as_ref()) {
         let seen = Section::new("replay", "In motion", replay::stage(&shown.scene));
         let at = story.sections.len().min(2);

@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 
 use super::page::html;
+use super::value::measured;
+use crate::plot::score_hex as colour;
 use realgap_core::unit::number;
 
 /// A point of a sweep.
@@ -16,28 +18,13 @@ pub(super) struct Point {
     pub is_in: bool,
 }
 
-/// Colours of viridis, from the best score to the worst: light to dark, in any colour blindness.
-const COLOURS: [[f64; 3]; 9] = [
-    [253.0, 231.0, 37.0],
-    [170.0, 220.0, 50.0],
-    [94.0, 201.0, 98.0],
-    [39.0, 173.0, 129.0],
-    [33.0, 145.0, 140.0],
-    [44.0, 114.0, 142.0],
-    [59.0, 82.0, 139.0],
-    [71.0, 45.0, 123.0],
-    [68.0, 1.0, 84.0],
-];
-
-fn colour(share: f64) -> String {
-    let at = share.clamp(0.0, 1.0) * (COLOURS.len() - 1) as f64;
-    let below = (at.floor() as usize).min(COLOURS.len() - 2);
-    let mix = |channel: usize| {
-        let (a, b) = (COLOURS[below][channel], COLOURS[below + 1][channel]);
-        (a + (b - a) * (at - below as f64)).round() as u8
-    };
-    format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
-}
+/// Where the map is in its picture, and its size.
+const LEFT: f64 = 60.0;
+const TOP: f64 = 12.0;
+const WIDE: f64 = 440.0;
+const TALL: f64 = 340.0;
+/// Steps of the colour bar.
+const STEPS: u32 = 32;
 
 /// The values that a parameter takes, in order.
 fn values(points: &[Point], parameter: usize) -> Vec<f64> {
@@ -47,121 +34,133 @@ fn values(points: &[Point], parameter: usize) -> Vec<f64> {
     all
 }
 
+/// Points that are a grid of two parameters.
+struct Grid<'a> {
+    points: &'a [Point],
+    names: [String; 2],
+    unit: &'a str,
+    x_values: Vec<f64>,
+    y_values: Vec<f64>,
+    low: f64,
+    high: f64,
+}
+
 /// The map of the first two parameters; `None` where the points are no grid of two parameters.
 pub(super) fn heat_map(points: &[Point], names: &[String], unit: &str) -> Option<String> {
     if names.len() != 2 || points.is_empty() {
         return None;
     }
-    let (xs, ys) = (values(points, 0), values(points, 1));
-    if xs.len() * ys.len() != points.len() || xs.len() > 200 || ys.len() > 200 {
+    let (x_values, y_values) = (values(points, 0), values(points, 1));
+    let (columns, rows) = (x_values.len(), y_values.len());
+    if columns * rows != points.len() || columns > 200 || rows > 200 {
         return None;
     }
     let scores = || points.iter().filter_map(|point| point.score);
-    let low = scores().fold(f64::INFINITY, f64::min);
-    let high = scores().fold(f64::NEG_INFINITY, f64::max);
-    let (left, top, wide, tall) = (60.0, 12.0, 440.0, 340.0);
-    let (cell_x, cell_y) = (wide / xs.len() as f64, tall / ys.len() as f64);
-    let place = |all: &[f64], value: f64| all.iter().position(|v| *v == value).unwrap_or(0) as f64;
-    let mut svg = format!(
-        "<svg class=\"chart heat\" id=\"heat\" viewBox=\"0 0 580 410\" role=\"img\" tabindex=\"0\" aria-label=\"Score over {} and {}; the same numbers are in the table of points\">",
-        html(&names[0]),
-        html(&names[1]),
-    );
-    let best = points.iter().position(|point| point.score == Some(low));
-    let mut frames = String::new();
-    for (index, point) in points.iter().enumerate() {
-        let x = left + place(&xs, point.values[0]) * cell_x;
-        let y = top + tall - (place(&ys, point.values[1]) + 1.0) * cell_y;
-        let shown = point.score.map_or_else(
-            || "diverged".to_owned(),
-            |score| format!("{} {unit}", number(score)),
-        );
-        let (class, fill) = match point.score {
-            Some(score) => (
-                "cell",
-                colour((score - low) / (high - low).max(f64::MIN_POSITIVE)),
-            ),
-            None => ("cell lost", "#888888".to_owned()),
-        };
-        let _infallible = write!(
-            svg,
-            "<rect class=\"{class}\" data-point=\"{index}\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{cell_x:.1}\" height=\"{cell_y:.1}\" fill=\"{fill}\"><title>{} = {}, {} = {}: {}{}</title></rect>",
-            html(&names[0]),
-            number(point.values[0]),
-            html(&names[1]),
-            number(point.values[1]),
-            html(&shown),
-            if point.is_in {
-                ", cannot be told from the best"
-            } else {
-                ""
-            },
-        );
-        if point.is_in || best == Some(index) {
-            let class = if best == Some(index) { "best" } else { "in" };
-            let _infallible = write!(
-                frames,
-                "<rect class=\"frame {class}\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>",
-                x + 1.5,
-                y + 1.5,
-                (cell_x - 3.0).max(1.0),
-                (cell_y - 3.0).max(1.0),
-            );
-        }
+    let grid = Grid {
+        points,
+        names: [html(&names[0]), html(&names[1])],
+        unit,
+        x_values,
+        y_values,
+        low: scores().fold(f64::INFINITY, f64::min),
+        high: scores().fold(f64::NEG_INFINITY, f64::max),
+    };
+    let [x, y] = &grid.names;
+    let (cells, axes, bar) = (grid.cells(), grid.axes(), grid.bar());
+    Some(format!(
+        "<svg class=\"chart heat\" id=\"heat\" viewBox=\"0 0 612 410\" role=\"img\" tabindex=\"0\" aria-label=\"Score over {x} and {y}; the same numbers are in the table of points\">{cells}{axes}{bar}</svg>"
+    ))
+}
+
+impl Grid<'_> {
+    /// Sides of a cell.
+    fn cell(&self) -> [f64; 2] {
+        [
+            WIDE / self.x_values.len() as f64,
+            TALL / self.y_values.len() as f64,
+        ]
     }
-    svg.push_str(&frames);
-    for (all, is_x) in [(&xs, true), (&ys, false)] {
-        let every = all.len().div_ceil(6);
-        for (index, value) in all.iter().enumerate().step_by(every) {
-            let (x, y, anchor) = if is_x {
-                (
-                    left + (index as f64 + 0.5) * cell_x,
-                    top + tall + 16.0,
-                    "middle",
-                )
-            } else {
-                (
-                    left - 6.0,
-                    top + tall - (index as f64 + 0.5) * cell_y + 4.0,
-                    "end",
-                )
+
+    /// The cells with what they stand for, and above them the frames.
+    fn cells(&self) -> String {
+        let [wide, tall] = self.cell();
+        let place = |all: &[f64], value| all.iter().position(|v| *v == value).unwrap_or(0) as f64;
+        let best = (self.points.iter()).position(|point| point.score == Some(self.low));
+        let (mut cells, mut frames) = (String::new(), String::new());
+        for (index, point) in self.points.iter().enumerate() {
+            let x = LEFT + place(&self.x_values, point.values[0]) * wide;
+            let y = TOP + TALL - (place(&self.y_values, point.values[1]) + 1.0) * tall;
+            let (class, fill, shown) = match point.score {
+                Some(score) => {
+                    let share = (score - self.low) / (self.high - self.low).max(f64::MIN_POSITIVE);
+                    let shown = format!("{} {}", number(score), self.unit);
+                    ("cell", colour(share), html(&shown))
+                }
+                None => ("cell lost", "#888888".to_owned(), "diverged".to_owned()),
             };
+            let alike = match point.is_in {
+                true => ", cannot be told from the best",
+                false => "",
+            };
+            let [x_name, y_name] = &self.names;
+            let [x_value, y_value] = [0, 1].map(|axis| number(point.values[axis]));
             let _infallible = write!(
-                svg,
-                "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{}</text>",
-                number(*value)
+                cells,
+                "<rect class=\"{class}\" data-point=\"{index}\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{wide:.1}\" height=\"{tall:.1}\" fill=\"{fill}\"><title>{x_name} = {x_value}, {y_name} = {y_value}: {shown}{alike}</title></rect>",
             );
+            let is_best = best == Some(index);
+            if point.is_in || is_best {
+                let class = if is_best { "best" } else { "in" };
+                let (x, y) = (x + 1.5, y + 1.5);
+                let [wide, tall] = [wide, tall].map(|side| (side - 3.0).max(1.0));
+                let _infallible = write!(
+                    frames,
+                    "<rect class=\"frame {class}\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{wide:.1}\" height=\"{tall:.1}\"/>",
+                );
+            }
         }
+        cells + &frames
     }
-    let _infallible = write!(
-        svg,
-        "<text class=\"axis\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text><text class=\"axis\" transform=\"translate(13 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-        left + 0.5 * wide,
-        top + tall + 38.0,
-        html(&names[0]),
-        top + 0.5 * tall,
-        html(&names[1]),
-    );
-    for step in 0..32 {
-        let y = top + tall * f64::from(step) / 32.0;
-        let _infallible = write!(
-            svg,
-            "<rect x=\"516\" y=\"{y:.1}\" width=\"14\" height=\"{:.1}\" fill=\"{}\"/>",
-            tall / 32.0 + 0.5,
-            colour(1.0 - f64::from(step) / 31.0),
-        );
+
+    /// Values and names along both sides.
+    fn axes(&self) -> String {
+        let [wide, tall] = self.cell();
+        let below = |k: f64| (LEFT + k * wide, TOP + TALL + 16.0, "middle");
+        let beside = |k: f64| (LEFT - 6.0, TOP + TALL - k * tall + 4.0, "end");
+        let texts = |all: &[f64], at: &dyn Fn(f64) -> (f64, f64, &'static str)| -> String {
+            let some = all.iter().enumerate().step_by(all.len().div_ceil(6));
+            some.map(|(index, value)| {
+                let (x, y, anchor) = at(index as f64 + 0.5);
+                let value = number(*value);
+                format!("<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{value}</text>")
+            })
+            .collect()
+        };
+        let [x, y] = &self.names;
+        let (middle, low, up) = (LEFT + 0.5 * WIDE, TOP + TALL + 38.0, TOP + 0.5 * TALL);
+        let along = texts(&self.x_values, &below) + &texts(&self.y_values, &beside);
+        format!(
+            "{along}<text class=\"axis\" x=\"{middle:.1}\" y=\"{low:.1}\" text-anchor=\"middle\">{x}</text><text class=\"axis\" transform=\"translate(13 {up:.1}) rotate(-90)\" text-anchor=\"middle\">{y}</text>",
+        )
     }
-    let _infallible = write!(
-        svg,
-        "<text x=\"535\" y=\"{:.1}\">{}</text><text x=\"535\" y=\"{:.1}\">{}</text><text x=\"535\" y=\"{:.1}\">{}</text></svg>",
-        top + 10.0,
-        number(high),
-        top + tall,
-        number(low),
-        top + 0.5 * tall,
-        html(unit),
-    );
-    Some(svg)
+
+    /// What colours mean.
+    fn bar(&self) -> String {
+        let height = TALL / f64::from(STEPS);
+        let steps = (0..STEPS).map(|step| {
+            let (y, tall) = (TOP + height * f64::from(step), height + 0.5);
+            let fill = colour(1.0 - f64::from(step) / f64::from(STEPS - 1));
+            format!(
+                "<rect x=\"516\" y=\"{y:.1}\" width=\"14\" height=\"{tall:.1}\" fill=\"{fill}\"/>"
+            )
+        });
+        let said = [(TOP + 10.0, self.high), (TOP + TALL, self.low)];
+        let said = said.map(|(y, score)| {
+            let score = html(&measured(Some(score), self.unit));
+            format!("<text x=\"535\" y=\"{y:.1}\">{score}</text>")
+        });
+        steps.chain(said).collect()
+    }
 }
 
 #[cfg(test)]
@@ -182,7 +181,7 @@ mod tests {
         assert_eq!(svg.matches("data-point=").count(), 6);
         assert_eq!(svg.matches("frame best").count(), 1);
         assert_eq!(svg.matches("cell lost").count(), 1);
-        assert!(!svg.contains("a<b") && svg.contains("#fde725"));
+        assert!(!svg.contains("a<b") && svg.contains(&colour(0.0)));
         roxmltree::Document::parse(&svg).unwrap();
         assert!(heat_map(&points[1..], &names, "m").is_none(), "no grid");
     }

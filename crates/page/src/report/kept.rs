@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::value::read_json;
+use crate::results::kind::file;
 use realgap_core::error::{Error, ErrorKind, Result};
 use realgap_core::file::write_atomic;
 use realgap_core::text::escaped_json;
@@ -14,7 +15,7 @@ use realgap_core::text::escaped_json;
 pub const KEPT_RECORDINGS: usize = 12;
 
 /// Name of the page in a results folder.
-pub const PAGE_FILE: &str = "report.html";
+pub const PAGE_FILE: &str = file::PAGE[0];
 
 /// What a command keeps for the page of its results folder, beside its other files.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -59,7 +60,7 @@ pub struct KeptReplay {
 
 impl Kept {
     /// Name of the file.
-    pub const FILE: &'static str = "page.json";
+    pub const FILE: &'static str = file::PAGE[1];
 
     /// Writes it into the folder.
     ///

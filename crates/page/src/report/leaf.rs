@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::page::html;
 use super::section::{Section, beside, embedded, numbers, provenance, warnings};
 use super::story::Story;
-use super::value::{scalar, table};
+use super::value::*;
 use realgap_core::error::Result;
 
 /// Longer tables are in the report itself.

@@ -144,8 +144,9 @@ pub(super) fn push_film(block: &mut Block, film: &Film, scene: &[SceneBody], mos
     let picks = picks(samples, every);
     let (times_s, places) = (film.track.times_s(), film.track.positions_world_m());
     block.push(picks.iter().map(|k| times_s[*k] - times_s[0]), TIME_STEP_S);
+    let place = |sample: usize, axis: usize| places[sample][axis];
     for axis in 0..3 {
-        block.push(picks.iter().map(|k| places[*k][axis]), LENGTH_STEP_M);
+        block.push(picks.iter().map(|k| place(*k, axis)), LENGTH_STEP_M);
     }
     for poses in known {
         for axis in 0..3 {

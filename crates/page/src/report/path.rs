@@ -83,7 +83,7 @@ pub(super) fn over_time(paths: Option<&Paths>, best: Option<usize>, kept: Option
     if !recorded.is_empty() {
         let alt = "Distance to each recorded run at equal times";
         let lines = recorded.iter().map(|path| apart(own, duration_s, path));
-        let error = over_time(alt, "distance to recorded [m]").from_zero();
+        let error = over_time(alt, "distance to recorded [m]").upwards();
         let error = error.lines("sim", lines);
         all.push(figure(
             "Distance to each recorded run",

@@ -7,7 +7,8 @@ use serde_json::{Value, json};
 use super::block::Block;
 use super::heat::{Point, heat_map};
 use super::sheet::Sheet;
-use super::value::text_of;
+use super::value::*;
+use crate::results::kind::file;
 use realgap_core::error::{Error, Result};
 use realgap_store::{STORE_FILE, Store, Trial};
 
@@ -34,7 +35,7 @@ pub(super) struct Paths {
 
 impl Points {
     pub fn read(folder: &Path) -> Result<Self> {
-        let sheet = Sheet::read(folder, "points.csv")?;
+        let sheet = Sheet::read(folder, file::POINTS)?;
         let header = sheet.header();
         let Some(score) = header.iter().position(|name| *name == "score") else {
             return Ok(Self::default());
@@ -47,7 +48,7 @@ impl Points {
             let fail = || {
                 let error = Error::invalid("a value is not a number");
                 error
-                    .at_file(folder.join("points.csv"))
+                    .at_file(folder.join(file::POINTS))
                     .at_line(index + 2, 1)
             };
             Ok(Point {
@@ -65,7 +66,7 @@ impl Points {
 
     /// The map of scores over two parameters.
     pub fn map(&self, report: &Value) -> Option<String> {
-        heat_map(&self.points, &self.names, text_of(report, "unit"))
+        heat_map(&self.points, &self.names, report.text("unit"))
     }
 
     /// The point that the report calls the best, else that of the lowest score.

@@ -290,7 +290,7 @@ impl Replay<'_> {
             let chart = Chart::over_time(alt, "distance to recorded [m]").band(noise.to_vec());
             chart.lines("sim", ghosts.iter().map(|ghost| ghost.apart.clone()))
         };
-        let over_time = over_time.from_zero();
+        let over_time = over_time.upwards();
         let caption = if ghosts.is_empty() {
             "How far the tracked module is from where it started."
         } else {

@@ -9,14 +9,12 @@ use super::page::html;
 use super::section::{Section, figures, pictures};
 use super::sheet::Sheet;
 use super::story::Story;
-use super::value::{
-    at, count, first_text, float, floats, is, list, measured, noted, percent, proportion,
-    read_json, span, table, text_of, titled,
-};
+use super::value::*;
+use crate::results::kind::file;
 use realgap_core::error::Result;
 
 pub(super) fn search(folder: &Path, report: &Value) -> Result<Story> {
-    let history = Sheet::read(folder, "history.csv")?;
+    let history = Sheet::read(folder, file::HISTORY)?;
     let drawn = |stem: &str| ["gallery", "fitness", "archive", "paths"].contains(&stem);
     let picture =
         |id, title, name: &'static str| pictures(folder, id, title, move |stem| stem == name);
@@ -26,9 +24,7 @@ pub(super) fn search(folder: &Path, report: &Value) -> Result<Story> {
     archive_section.html += &archive;
     Ok(Story {
         kind: "search",
-        name: first_text(report, &["search"])
-            .unwrap_or("search")
-            .to_owned(),
+        name: report.named("search", "search"),
         answer: answer(report),
         sections: vec![
             picture("gallery", "The best robots", "gallery")?,
@@ -48,130 +44,110 @@ pub(super) fn search(folder: &Path, report: &Value) -> Result<Story> {
 }
 
 fn answer(report: &Value) -> String {
-    let unit = text_of(report, "unit");
-    let best = list(report, "best");
+    let unit = report.text("unit");
+    let best = report.list("best");
     let survivors = best
         .iter()
-        .filter(|robot| is(robot, "survives") == Some(true))
+        .filter(|robot| robot.is("survives") == Some(true))
         .count();
     let Some(first) = best.first() else {
         return "Not determined: no robot was looked at again. What was found so far is in the history below.".to_owned();
     };
-    let holds = if is(first, "survives") == Some(true) {
+    let holds = if first.is("survives") == Some(true) {
         "and walks the same under other numerics"
     } else {
         "but does NOT walk the same under other numerics"
     };
-    let beats = match (
-        float(at(report, "baseline"), "fitness"),
-        float(first, "fitness"),
-    ) {
-        (Some(base), Some(own)) => format!(
-            " What it started from is worth {}: {}.",
-            measured(Some(base), unit),
-            if own > base {
-                "it was beaten"
-            } else {
-                "it was not beaten"
-            }
-        ),
-        _ => String::new(),
-    };
+    let base = report.float("baseline.fitness");
+    let beats = base.zip(first.float("fitness")).map(|(base, own)| {
+        let outcome = if own > base { "beaten" } else { "not beaten" };
+        let worth = measured(Some(base), unit);
+        format!(" What it started from is worth {worth}: it was {outcome}.")
+    });
+    let beats = beats.unwrap_or_default();
     format!(
         "The best robot, {}, is worth {} with new draws ({}), {holds}. It gets at least {} far with a probability of {}, and {survivors} of {} finalists survive.{beats}",
-        text_of(first, "file"),
-        measured(float(first, "fitness"), unit),
-        text_of(report, "objective"),
-        measured(float(first, "success_m"), "m"),
-        percent(float(first, "success")),
+        first.text("file"),
+        first.measured("fitness", unit),
+        report.text("objective"),
+        first.measured("success_m", "m"),
+        first.percent("success"),
         best.len(),
     )
 }
 
 fn finalists(report: &Value) -> String {
-    let unit = text_of(report, "unit");
-    let rows = list(report, "best").iter().map(|robot| {
-        let range = floats(robot, "displacement_q05_q95_m");
-        let survives = match (is(robot, "survives"), float(robot, "largest_change")) {
+    let unit = report.text("unit");
+    let rows = report.list("best").iter().map(|robot| {
+        let range = ["displacement_q05_q95_m.0", "displacement_q05_q95_m.1"];
+        let survives = match (robot.is("survives"), robot.float("largest_change")) {
             (Some(true), change) => format!("yes (changes by at most {})", percent(change)),
             (_, Some(change)) => format!(
                 "NO: changes by {} at {}",
                 percent(Some(change)),
-                text_of(robot, "worst_rerun")
+                robot.text("worst_rerun")
             ),
-            _ => format!("NO: fails at {}", text_of(robot, "worst_rerun")),
+            _ => format!("NO: fails at {}", robot.text("worst_rerun")),
         };
         vec![
-            text_of(robot, "file").to_owned(),
-            count(robot, "modules").map_or_else(String::new, |n| n.to_string()),
-            count(robot, "servos").map_or_else(String::new, |n| n.to_string()),
-            measured(float(robot, "search_fitness"), unit),
-            measured(float(robot, "fitness"), unit),
-            span(range.first().copied(), range.get(1).copied(), "m"),
-            measured(float(robot, "joules_per_metre"), "J/m"),
+            robot.owned("file"),
+            robot.number("modules"),
+            robot.number("servos"),
+            robot.measured("search_fitness", unit),
+            robot.measured("fitness", unit),
+            robot.span(range, "m"),
+            robot.measured("joules_per_metre", "J/m"),
             survives,
         ]
     });
-    let rows: Vec<_> = rows.collect();
-    if rows.is_empty() {
-        return String::new();
+    let table = noted(
+        "robot | modules | servos | in the search | new draws | net displacement, 90 % | energy | survives other numerics",
+        rows,
+        "",
+    );
+    if table.is_empty() {
+        return table;
     }
-    let baseline = at(report, "baseline");
-    let from = if baseline.is_object() {
-        let worth = match (text_of(baseline, "failure"), float(baseline, "fitness")) {
-            ("", fitness) => measured(fitness, unit),
-            (failure, _) => format!("nothing: {failure}"),
-        };
-        format!(
-            "<p>What the search started from, {}, is worth {} with the same draws.</p>",
-            html(text_of(baseline, "robot")),
-            html(&worth)
-        )
-    } else {
-        String::new()
+    let baseline = report.at("baseline");
+    let worth = match (baseline.text("failure"), baseline.float("fitness")) {
+        ("", fitness) => measured(fitness, unit),
+        (failure, _) => format!("nothing: {failure}"),
+    };
+    let (robot, worth) = (html(baseline.text("robot")), html(&worth));
+    let from = match baseline.is_object() {
+        true => format!(
+            "<p>What the search started from, {robot}, is worth {worth} with the same draws.</p>"
+        ),
+        false => String::new(),
     };
     format!(
-        "{}{from}<p class=\"note\">What was best in the search is partly luck; new draws show how much. A robot that walks otherwise at another timestep, with other substeps, joints or contacts is ranked last: build none of these.</p>",
-        titled(
-            "robot | modules | servos | in the search | new draws | net displacement, 90 % | energy | survives other numerics",
-            rows
-        )
+        "{table}{from}<p class=\"note\">What was best in the search is partly luck; new draws show how much. A robot that walks otherwise at another timestep, with other substeps, joints or contacts is ranked last: build none of these.</p>"
     )
 }
 
 fn cards(folder: &Path, report: &Value) -> Result<String> {
     let mut all = String::new();
-    for robot in list(report, "best") {
-        let file = text_of(robot, "file");
+    for robot in report.list("best") {
+        let file = robot.text("file");
         // A name from a report is no path.
-        if file.is_empty()
-            || !file
-                .chars()
-                .all(|c| c.is_ascii_alphanumeric() || "_-".contains(c))
-        {
-            continue;
-        }
+        let is_name = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
         let path = folder.join("best").join(format!("{file}.json"));
-        if !path.is_file() {
+        if file.is_empty() || !file.chars().all(is_name) || !path.is_file() {
             continue;
         }
-        let card: Value = read_json(&path, "a card")?;
-        all += &format!(
-            "<details><summary>{}</summary>{}</details>",
-            html(file),
-            one_card(&card)
-        );
+        let (name, card) = (html(file), one_card(&read_json(&path, "a card")?));
+        all += &format!("<details><summary>{name}</summary>{card}</details>");
     }
     Ok(all)
 }
 
 fn one_card(card: &Value) -> String {
-    let reruns = list(card, "reruns").iter().map(|rerun| {
+    let reruns = card.list("reruns").iter().map(|rerun| {
         vec![
-            text_of(rerun, "settings").to_owned(),
-            measured(float(rerun, "mean_displacement_m"), "m"),
-            percent(float(rerun, "change")),
-            match (text_of(rerun, "failure"), is(rerun, "survives")) {
+            rerun.owned("settings"),
+            rerun.measured("mean_displacement_m", "m"),
+            rerun.percent("change"),
+            match (rerun.text("failure"), rerun.is("survives")) {
                 ("", Some(true)) => "yes".to_owned(),
                 ("", _) => "NO".to_owned(),
                 (failure, _) => format!("NO: {failure}"),
@@ -179,24 +155,23 @@ fn one_card(card: &Value) -> String {
         ]
     });
     let reruns = titled("under | mean displacement | changes by | survives", reruns);
-    let behaviours = list(at(card, "prediction.behaviours"), "list")
-        .iter()
-        .map(|behaviour| {
-            vec![
-                text_of(behaviour, "name").to_owned(),
-                proportion(at(behaviour, "probability")),
-                measured(float(behaviour, "mean_displacement_m"), "m"),
-            ]
-        });
+    let behaviours = card.list("prediction.behaviours.list").iter();
+    let behaviours = behaviours.map(|behaviour| {
+        vec![
+            behaviour.owned("name"),
+            behaviour.proportion("probability"),
+            behaviour.measured("mean_displacement_m", "m"),
+        ]
+    });
     let head = "behaviour | probability (95 %) | net displacement";
     let behaviours = titled(head, behaviours);
-    let success = at(card, "success");
+    let success = card.at("success");
     let success = if success.is_object() {
         format!(
             "<p>At least {} far ({}): {}.</p>",
-            measured(float(success, "least_displacement_m"), "m"),
-            html(text_of(success, "rule")),
-            proportion(at(success, "probability"))
+            success.measured("least_displacement_m", "m"),
+            html(success.text("rule")),
+            success.proportion("probability")
         )
     } else {
         String::new()
@@ -227,16 +202,16 @@ fn progress(history: &Sheet, report: &Value) -> String {
     let every = all.len().div_ceil(1500).max(1);
     let marks = all.into_iter().step_by(every).collect();
     let alt = "Fitness of each robot in order, and the best so far";
-    let label = format!("fitness [{}]", text_of(report, "unit"));
+    let label = format!("fitness [{}]", report.text("unit"));
     let chart = Chart::plain(alt, "robot", label).line("sim", line);
     figures(&[chart.dots("grey", marks).figure(
-        text_of(report, "objective"),
+        report.text("objective"),
         "Line: the best so far. A line that still climbs at its end asks for a larger budget.",
     )])
 }
 
 fn archive(folder: &Path) -> Result<String> {
-    let sheet = Sheet::read(folder, "archive.csv")?;
+    let sheet = Sheet::read(folder, file::ARCHIVE)?;
     if sheet.rows().is_empty() {
         return Ok(String::new());
     }
@@ -249,7 +224,7 @@ fn archive(folder: &Path) -> Result<String> {
 }
 
 fn failures(report: &Value) -> String {
-    let all = at(report, "failures").as_object();
+    let all = report.at("failures").as_object();
     let rows = all.into_iter().flatten();
     let rows = rows.map(|(reason, count)| vec![reason.clone(), count.to_string()]);
     noted("why | robots", rows, "")

@@ -1,5 +1,6 @@
 //! Sections of a report, and those that every report has.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
@@ -7,7 +8,8 @@ use serde_json::Value;
 
 use super::base64;
 use super::page::html;
-use super::value::{definitions, list, pairs_of, scalar, scalars, text_of};
+use super::value::*;
+use crate::results::kind::picture_stem;
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::Code;
 
@@ -42,9 +44,9 @@ pub(super) fn body(sections: &[Section]) -> String {
 /// Links to the sections.
 pub(super) fn contents(sections: &[Section]) -> String {
     let there = sections.iter().filter(|section| !section.html.is_empty());
-    let links: String = there
-        .map(|Section { id, title, .. }| format!("<li><a href=\"#{id}\">{title}</a></li>"))
-        .collect();
+    let link =
+        |Section { id, title, .. }: &Section| format!("<li><a href=\"#{id}\">{title}</a></li>");
+    let links: String = there.map(link).collect();
     format!("<nav class=\"contents\" aria-label=\"Contents\"><ol>{links}</ol></nav>")
 }
 
@@ -62,6 +64,14 @@ pub(super) fn figures(all: &[String]) -> String {
     format!("<div class=\"figures\">{}</div>", all.concat())
 }
 
+/// An element with this content; nothing of none.
+fn within(tag: &str, content: String) -> String {
+    match content.as_str() {
+        "" => content,
+        _ => format!("<{tag}>{content}</{tag}>"),
+    }
+}
+
 /// What the reader should know, with what to do about it; those of parts of the report, too.
 pub(super) fn warnings(report: &Value) -> Section {
     let mut all: Vec<(String, String)> = Vec::new();
@@ -74,24 +84,14 @@ pub(super) fn warning_section<'a>(all: impl Iterator<Item = (&'a str, &'a str)>)
     let items: String = all
         .map(|(code, message)| {
             let remedy = Code::by_name(code).map_or_else(String::new, |code| {
-                format!(
-                    "<span class=\"remedy\">What to do: {}.</span>",
-                    html(code.remedy())
-                )
+                let remedy = html(code.remedy());
+                format!("<span class=\"remedy\">What to do: {remedy}.</span>")
             });
-            format!(
-                "<li><code>{}</code> {} {remedy}</li>",
-                html(code),
-                html(message)
-            )
+            let (code, message) = (html(code), html(message));
+            format!("<li><code>{code}</code> {message} {remedy}</li>")
         })
         .collect();
-    let list = if items.is_empty() {
-        String::new()
-    } else {
-        format!("<ul>{items}</ul>")
-    };
-    Section::new("warnings", "Warnings", list)
+    Section::new("warnings", "Warnings", within("ul", items))
 }
 
 /// Warnings of a report and of what it holds, each once.
@@ -99,11 +99,8 @@ fn collect(value: &Value, depth: usize, all: &mut Vec<(String, String)>) {
     if depth > 4 {
         return;
     }
-    for warning in list(value, "warnings") {
-        let pair = (
-            text_of(warning, "code").to_owned(),
-            text_of(warning, "message").to_owned(),
-        );
+    for warning in value.list("warnings") {
+        let pair = (warning.owned("code"), warning.owned("message"));
         if !all.contains(&pair) {
             all.push(pair);
         }
@@ -123,12 +120,7 @@ pub(super) fn numbers(report: &Value, said: &[&str]) -> Section {
     let always = ["description", "provenance", "warnings", "engine", "version"];
     let said: Vec<&str> = said.iter().copied().chain(always).collect();
     let all = scalars(report, &said);
-    let list = if all.is_empty() {
-        String::new()
-    } else {
-        definitions(pairs_of(&all))
-    };
-    Section::new("numbers", "Numbers", list)
+    Section::new("numbers", "Numbers", within("dl", entries(pairs_of(&all))))
 }
 
 /// Versions, settings, hashes, and the command that does it again.
@@ -143,8 +135,8 @@ pub(super) fn provenance(report: &Value, command: Option<&str>, page: Option<&st
             pairs.push((shown.to_owned(), text));
         }
     }
-    let entries = report.get("provenance").and_then(Value::as_object);
-    for (name, value) in entries.into_iter().flatten() {
+    let origins = report.get("provenance").and_then(Value::as_object);
+    for (name, value) in origins.into_iter().flatten() {
         pairs.push((
             name.clone(),
             scalar(value).unwrap_or_else(|| value.to_string()),
@@ -156,7 +148,7 @@ pub(super) fn provenance(report: &Value, command: Option<&str>, page: Option<&st
     Section::new(
         "provenance",
         "How this was made",
-        definitions(pairs_of(&pairs)),
+        within("dl", entries(pairs_of(&pairs))),
     )
 }
 
@@ -171,35 +163,22 @@ pub(super) fn pictures(
     title: &'static str,
     wanted: impl Fn(&str) -> bool,
 ) -> Result<Section> {
-    let mut stems = Vec::new();
     let entries =
         fs::read_dir(folder).map_err(|e| Error::io("look into the results folder", folder, &e))?;
-    for entry in entries.flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let Some(stem) = name.strip_suffix(".png").or(name.strip_suffix(".svg")) else {
-            continue;
-        };
-        let is_there = stems.iter().any(|s| s == stem);
-        if wanted(stem) && !is_there {
-            stems.push(stem.to_owned());
-        }
-    }
-    stems.sort();
+    let names = entries.flatten().map(|entry| entry.file_name());
+    let names = names.map(|name| name.to_string_lossy().into_owned());
+    let stems = names.filter_map(|name| picture_stem(&name).map(str::to_owned));
+    let stems: BTreeSet<String> = stems.filter(|stem| wanted(stem)).collect();
     let mut figures = String::new();
     for stem in stems {
-        let size = |ending: &str| {
-            let path = folder.join(format!("{stem}.{ending}"));
-            fs::metadata(&path)
-                .ok()
-                .filter(|m| m.is_file() && m.len() <= LARGEST_PICTURE)
-                .map(|_| path)
-        };
-        let chosen = size("png").map(|path| (path, "image/png"));
-        let Some((path, kind)) = chosen.or_else(|| size("svg").map(|path| (path, "image/svg+xml")))
-        else {
-            continue;
-        };
-        figures += &embedded(&path, kind, &stem.replace('_', " "))?;
+        let kinds = [("png", "image/png"), ("svg", "image/svg+xml")];
+        let files = kinds.map(|(ending, kind)| (folder.join(format!("{stem}.{ending}")), kind));
+        let chosen = files.into_iter().find(|(path, _)| {
+            fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() <= LARGEST_PICTURE)
+        });
+        if let Some((path, kind)) = chosen {
+            figures += &embedded(&path, kind, &stem.replace('_', " "))?;
+        }
     }
     Ok(Section::new(id, title, beside(&figures)))
 }
@@ -216,10 +195,10 @@ pub(super) fn embedded(path: &Path, kind: &str, name: &str) -> Result<String> {
 
 /// Figures of pictures beside each other; nothing of none.
 pub(super) fn beside(figures: &str) -> String {
-    if figures.is_empty() {
-        return String::new();
+    match figures {
+        "" => String::new(),
+        _ => format!("<div class=\"pictures\">{figures}</div>"),
     }
-    format!("<div class=\"pictures\">{figures}</div>")
 }
 
 #[cfg(test)]

@@ -13,9 +13,8 @@ use super::points::{PATH_STEP_M, Points, push_path};
 use super::section::{Section, figures, pictures};
 use super::sheet::Sheet;
 use super::story::Story;
-use super::value::{
-    at, count, first_text, float, floats, is, list, measured, percent, span, table, text_of, titled,
-};
+use super::value::*;
+use crate::results::kind::file;
 use realgap_core::error::Result;
 use realgap_core::unit::{counted, number};
 
@@ -36,65 +35,15 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
     let paths = points.paths(folder)?;
     let best = points.best(report);
     let map = points.map(report);
-    let has_map = map.is_some();
-    let mut story = Story {
-        kind: if report.get("tuning").is_some_and(|tuning| !tuning.is_null()) {
-            "tuning"
-        } else {
-            "sweep"
-        },
-        name: first_text(report, &["study"])
-            .unwrap_or("results")
-            .to_owned(),
-        answer: answer(report, kept),
-        sections: vec![
-            Section::new(
-                "map",
-                "Scores, and the path of each point",
-                heat(
-                    &points,
-                    report,
-                    map,
-                    &from_above(&points, paths.as_ref(), best, kept),
-                ),
-            ),
-            Section::new(
-                "over-time",
-                "The chosen point over time",
-                over_time(paths.as_ref(), best, kept),
-            ),
-        ],
-        said: SAID.to_vec(),
-        ..Story::default()
-    };
-    story.sections.push(Section::new(
-        "verdicts",
-        "What the recordings say about each parameter",
-        verdicts(folder, report)?,
-    ));
-    story.sections.push(Section::new(
-        "convergence",
-        "How the optimizer came there",
-        convergence(folder, report)?,
-    ));
+    let (has_map, has_paths) = (map.is_some(), paths.is_some() && best.is_some());
+    let is_tuned = !report.at("tuning").is_null();
+    let chosen = from_above(&points, paths.as_ref(), best, kept);
+    let map = heat(&points, report, map, &chosen);
+    let over_time = over_time(paths.as_ref(), best, kept);
+    let verdicts = verdicts(folder, report)?;
+    let came = convergence(folder, report)?;
     let is_plane = |stem: &str| stem == "components";
-    story.sections.push(pictures(
-        folder,
-        "components",
-        "Every run in the first two principal components",
-        is_plane,
-    )?);
-    story.sections.push(Section::new(
-        "validation",
-        "On recordings that were held out",
-        validation(report),
-    ));
-    story.sections.push(Section::new(
-        "audit",
-        "Numerical audit: what no recording can tell",
-        audit(report),
-    ));
-    let has_paths = paths.is_some() && best.is_some();
+    let plane_title = "Every run in the first two principal components";
     let is_drawn = move |stem: &str| {
         stem.starts_with("profile_")
             || is_plane(stem)
@@ -102,11 +51,30 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
             || (has_paths && stem == "trajectories")
             || stem == "convergence"
     };
-    story
-        .sections
-        .push(pictures(folder, "pictures", "More pictures", |stem| {
-            !is_drawn(stem)
-        })?);
+    let audit_title = "Numerical audit: what no recording can tell";
+    let verdict_title = "What the recordings say about each parameter";
+    let sections = vec![
+        Section::new("map", "Scores, and the path of each point", map),
+        Section::new("over-time", "The chosen point over time", over_time),
+        Section::new("verdicts", verdict_title, verdicts),
+        Section::new("convergence", "How the optimizer came there", came),
+        pictures(folder, "components", plane_title, is_plane)?,
+        Section::new(
+            "validation",
+            "On recordings that were held out",
+            validation(report),
+        ),
+        Section::new("audit", audit_title, audit(report)),
+        pictures(folder, "pictures", "More pictures", |stem| !is_drawn(stem))?,
+    ];
+    let mut story = Story {
+        kind: if is_tuned { "tuning" } else { "sweep" },
+        name: report.named("study", "results"),
+        answer: answer(report, kept),
+        sections,
+        said: SAID.to_vec(),
+        ..Story::default()
+    };
     if let (Some(paths), Some(best)) = (paths, best) {
         let mut block = Block::default();
         paths.push(&mut block);
@@ -136,17 +104,17 @@ fn answer(report: &Value, kept: Option<&Kept>) -> String {
         "reality" => "reality".to_owned(),
         stand_in => format!("the {stand_in}"),
     };
-    let best = at(report, "best");
+    let best = report.at("best");
     let Some(parameters) = best.get("parameters").and_then(Value::as_object) else {
         return "Not determined: no point has a score.".to_owned();
     };
-    let unit = text_of(report, "unit");
-    let verdicts = list(report, "verdicts");
+    let unit = report.text("unit");
+    let verdicts = report.list("verdicts");
     let names = |identified: bool| -> Vec<&str> {
         verdicts
             .iter()
-            .filter(|v| is(v, "identified") == Some(identified))
-            .map(|v| text_of(v, "parameter"))
+            .filter(|v| v.is("identified") == Some(identified))
+            .map(|v| v.text("parameter"))
             .collect()
     };
     let (known, open) = (names(true), names(false));
@@ -154,23 +122,18 @@ fn answer(report: &Value, kept: Option<&Kept>) -> String {
         .iter()
         .map(|(name, value)| {
             let value = value.as_f64().map_or_else(String::new, number);
-            let interval = verdicts
-                .iter()
-                .find(|verdict| {
-                    text_of(verdict, "parameter") == name && known.contains(&name.as_str())
-                })
-                .map(|verdict| floats(verdict, "interval"));
-            match interval.as_deref() {
-                Some([low, high]) => format!(
-                    "{name} = {value} (90 %: {} to {})",
-                    number(*low),
-                    number(*high)
-                ),
-                _ => format!("{name} = {value}"),
-            }
+            let is_known = known.contains(&name.as_str());
+            let mut found = verdicts.iter().filter(|_| is_known);
+            let verdict = found.find(|verdict| verdict.text("parameter") == name);
+            let interval = verdict.map(|verdict| verdict.floats("interval"));
+            let interval = match interval.as_deref() {
+                Some([low, high]) => format!(" (90 %: {} to {})", number(*low), number(*high)),
+                _ => String::new(),
+            };
+            format!("{name} = {value}{interval}")
         })
         .collect();
-    let over = match count(best, "settings") {
+    let over = match best.count("settings") {
         Some(settings) if settings > 1 => {
             format!(" on average over {settings} equally valid numerical settings")
         }
@@ -179,8 +142,8 @@ fn answer(report: &Value, kept: Option<&Kept>) -> String {
     let mut text = format!(
         "The simulation comes nearest to {reality} at {}: {} {}{over}.",
         values.join(", "),
-        text_of(report, "metric"),
-        measured(float(best, "score"), unit),
+        report.text("metric"),
+        best.measured("score", unit),
     );
     text += &match (known.is_empty(), open.is_empty()) {
         (true, true) => " Nothing is said about how sure that is.".to_owned(),
@@ -188,7 +151,7 @@ fn answer(report: &Value, kept: Option<&Kept>) -> String {
             " {} narrowed down by {}.",
             listed(&known),
             counted(
-                count(report, "recordings").unwrap_or(0) as usize,
+                report.count("recordings").unwrap_or(0) as usize,
                 "recording"
             )
         ),
@@ -199,7 +162,7 @@ fn answer(report: &Value, kept: Option<&Kept>) -> String {
             listed(&open)
         ),
     };
-    if is(report, "complete") == Some(false) {
+    if report.is("complete") == Some(false) {
         text += " Unfinished: this is what there is so far.";
     }
     text
@@ -218,7 +181,7 @@ fn heat(points: &Points, report: &Value, map: Option<String>, path: &str) -> Str
     if points.points.is_empty() {
         return String::new();
     }
-    let unit = text_of(report, "unit");
+    let unit = report.text("unit");
     let mut order: Vec<_> = points.points.iter().collect();
     order.sort_by(|a, b| {
         let key = |score: Option<f64>| score.unwrap_or(f64::INFINITY);
@@ -253,23 +216,20 @@ fn heat(points: &Points, report: &Value, map: Option<String>, path: &str) -> Str
 }
 
 fn verdicts(folder: &Path, report: &Value) -> Result<String> {
-    let verdicts = list(report, "verdicts");
+    let verdicts = report.list("verdicts");
     if verdicts.is_empty() {
         return Ok(String::new());
     }
     let rows = verdicts.iter().map(|verdict| {
-        let interval = floats(verdict, "interval");
         vec![
-            text_of(verdict, "parameter").to_owned(),
-            measured(float(verdict, "best"), text_of(verdict, "unit")),
-            span(interval.first().copied(), interval.get(1).copied(), ""),
-            if is(verdict, "identified") == Some(true) {
-                "narrowed down"
-            } else {
-                "not determined"
-            }
-            .to_owned(),
-            text_of(verdict, "text").to_owned(),
+            verdict.owned("parameter"),
+            measured(verdict.float("best"), verdict.text("unit")),
+            verdict.span(["interval.0", "interval.1"], ""),
+            match verdict.is("identified") {
+                Some(true) => "narrowed down".to_owned(),
+                _ => "not determined".to_owned(),
+            },
+            verdict.owned("text"),
         ]
     });
     let table = titled("parameter | best | 90 % interval | | verdict", rows);
@@ -279,7 +239,7 @@ fn verdicts(folder: &Path, report: &Value) -> Result<String> {
 
 /// The best score along each parameter, from `profiles.csv`.
 fn profiles(folder: &Path, report: &Value) -> Result<Vec<String>> {
-    let sheet = Sheet::read(folder, "profiles.csv")?;
+    let sheet = Sheet::read(folder, file::PROFILES)?;
     let (x, y) = (sheet.numbers("value"), sheet.numbers("lowest_score"));
     let (names, alike) = (sheet.texts("parameter"), sheet.texts("indistinguishable"));
     // Name, points, and those of them that cannot be told from the best.
@@ -298,8 +258,8 @@ fn profiles(folder: &Path, report: &Value) -> Result<Vec<String>> {
             }
         }
     }
-    let unit = text_of(report, "unit");
-    let score = format!("lowest {} [{unit}]", text_of(report, "metric"));
+    let unit = report.text("unit");
+    let score = format!("lowest {} [{unit}]", report.text("metric"));
     Ok(all
         .into_iter()
         .map(|(name, [points, alike])| {
@@ -312,7 +272,7 @@ fn profiles(folder: &Path, report: &Value) -> Result<Vec<String>> {
 
 /// Every score in the order of the optimizer, and the best so far as steps.
 fn convergence(folder: &Path, report: &Value) -> Result<String> {
-    let sheet = Sheet::read(folder, "trials.csv")?;
+    let sheet = Sheet::read(folder, file::TRIALS)?;
     let (scores, best) = (sheet.numbers("score"), sheet.numbers("best_so_far"));
     if best.is_empty() {
         return Ok(String::new());
@@ -325,13 +285,9 @@ fn convergence(folder: &Path, report: &Value) -> Result<String> {
     };
     let best = numbered(&best).into_iter();
     let best = steps(best.filter(|[_, value]| value.is_finite()));
-    let label = format!(
-        "{} [{}]",
-        text_of(report, "metric"),
-        text_of(report, "unit")
-    );
+    let label = format!("{} [{}]", report.text("metric"), report.text("unit"));
     let alt = "Score of each point in order, and the best so far";
-    let chart = Chart::plain(alt, "point", label).from_zero();
+    let chart = Chart::plain(alt, "point", label).upwards();
     let chart = chart.line("sim", best).dots("grey", numbered(&scores));
     Ok(figures(&[chart.figure(
         "Score point by point",
@@ -340,40 +296,38 @@ fn convergence(folder: &Path, report: &Value) -> Result<String> {
 }
 
 fn validation(report: &Value) -> String {
-    let validation = at(report, "validation");
+    let validation = report.at("validation");
     let Some(fields) = validation.as_object() else {
         return String::new();
     };
-    let unit = text_of(report, "unit");
+    let unit = report.text("unit");
     let rows = fields.iter().filter_map(|(name, value)| {
         let shown = value
             .as_f64()
             .map(|v| measured(Some(v), unit))
-            .or_else(|| super::value::scalar(value))?;
+            .or_else(|| scalar(value))?;
         Some(vec![name.replace('_', " "), shown])
     });
     table(&["", "value"], rows)
 }
 
 fn audit(report: &Value) -> String {
-    let audit = at(report, "audit");
-    let rows = list(audit, "rows");
+    let audit = report.at("audit");
+    let rows = audit.list("rows");
     if rows.is_empty() {
         return String::new();
     }
-    let unit = text_of(report, "unit");
-    let score = float(at(report, "best"), "score");
+    let unit = report.text("unit");
+    let score = report.float("best.score");
     let cells = rows.iter().map(|row| {
-        let change = float(row, "change");
+        let change = row.float("change");
         vec![
-            text_of(row, "setting").to_owned(),
-            if is(row, "coarser") == Some(true) {
-                "coarser"
-            } else {
-                "as fine or finer"
-            }
-            .to_owned(),
-            measured(float(row, "score"), unit),
+            row.owned("setting"),
+            match row.is("coarser") {
+                Some(true) => "coarser".to_owned(),
+                _ => "as fine or finer".to_owned(),
+            },
+            row.measured("score", unit),
             measured(change, unit),
             percent(change.zip(score).map(|(change, score)| change / score)),
         ]

@@ -19,45 +19,90 @@ pub(super) fn read_json<T: DeserializeOwned>(path: &Path, whose: &str) -> Result
         .map_err(|e| Error::invalid(format!("not {whose}: {e}")).at_file(path))
 }
 
-pub(super) fn text_of<'a>(value: &'a Value, name: &str) -> &'a str {
-    value.get(name).and_then(Value::as_str).unwrap_or_default()
+/// What a report says under a name, whatever else it holds.
+pub(super) trait Found {
+    /// The value at `a.b.2`; null where there is none.
+    fn at(&self, path: &str) -> &Value;
+
+    fn text(&self, name: &str) -> &str {
+        self.at(name).as_str().unwrap_or_default()
+    }
+
+    fn owned(&self, name: &str) -> String {
+        self.text(name).to_owned()
+    }
+
+    /// A text, or another where there is none.
+    fn named(&self, name: &str, otherwise: &str) -> String {
+        match self.text(name) {
+            "" => otherwise.to_owned(),
+            text => text.to_owned(),
+        }
+    }
+
+    fn list(&self, name: &str) -> &[Value] {
+        self.at(name).as_array().map_or(&[], Vec::as_slice)
+    }
+
+    fn float(&self, name: &str) -> Option<f64> {
+        self.at(name).as_f64()
+    }
+
+    fn count(&self, name: &str) -> Option<u64> {
+        self.at(name).as_u64()
+    }
+
+    /// A count for people, or a dash.
+    fn number(&self, name: &str) -> String {
+        self.count(name).map_or("–".to_owned(), |n| n.to_string())
+    }
+
+    fn is(&self, name: &str) -> Option<bool> {
+        self.at(name).as_bool()
+    }
+
+    /// Numbers of a list.
+    fn floats(&self, name: &str) -> Vec<f64> {
+        let values = self.list(name).iter();
+        values.map(|v| v.as_f64().unwrap_or(f64::NAN)).collect()
+    }
+
+    /// A number with its unit as people write it, or a dash.
+    fn measured(&self, name: &str, unit: &str) -> String {
+        measured(self.float(name), unit)
+    }
+
+    /// A share as whole percent, or a dash.
+    fn percent(&self, name: &str) -> String {
+        percent(self.float(name))
+    }
+
+    /// From one number to another, or a dash.
+    fn span(&self, [low, high]: [&str; 2], unit: &str) -> String {
+        span(self.float(low), self.float(high), unit)
+    }
+
+    /// A proportion: its share with the interval of sampling.
+    fn proportion(&self, name: &str) -> String {
+        let found = self.at(name);
+        match found.float("share") {
+            None => "–".to_owned(),
+            share => {
+                let (low, high) = (found.percent("low"), found.percent("high"));
+                format!("{} ({low} to {high})", percent(share))
+            }
+        }
+    }
 }
 
-pub(super) fn first_text<'a>(value: &'a Value, names: &[&str]) -> Option<&'a str> {
-    let texts = names.iter().map(|name| text_of(value, name));
-    texts.into_iter().find(|text| !text.is_empty())
-}
-
-pub(super) fn list<'a>(value: &'a Value, name: &str) -> &'a [Value] {
-    value
-        .get(name)
-        .and_then(Value::as_array)
-        .map_or(&[], Vec::as_slice)
-}
-
-pub(super) fn float(value: &Value, name: &str) -> Option<f64> {
-    value.get(name).and_then(Value::as_f64)
-}
-
-pub(super) fn count(value: &Value, name: &str) -> Option<u64> {
-    value.get(name).and_then(Value::as_u64)
-}
-
-pub(super) fn is(value: &Value, name: &str) -> Option<bool> {
-    value.get(name).and_then(Value::as_bool)
-}
-
-/// The value at `a.b.c`; null where there is none.
-pub(super) fn at<'a>(value: &'a Value, path: &str) -> &'a Value {
-    path.split('.')
-        .try_fold(value, |value, name| value.get(name))
-        .unwrap_or(&Value::Null)
-}
-
-/// Numbers of a list.
-pub(super) fn floats(value: &Value, name: &str) -> Vec<f64> {
-    let values = list(value, name).iter();
-    values.map(|v| v.as_f64().unwrap_or(f64::NAN)).collect()
+impl Found for Value {
+    fn at(&self, path: &str) -> &Value {
+        let found = path.split('.').try_fold(self, |value, name| match value {
+            Self::Array(all) => all.get(name.parse::<usize>().ok()?),
+            _ => value.get(name),
+        });
+        found.unwrap_or(&Self::Null)
+    }
 }
 
 /// A number with its unit as people write it, or a dash.
@@ -81,19 +126,6 @@ pub(super) fn span(low: Option<f64>, high: Option<f64>, unit: &str) -> String {
 /// A share as whole percent, or a dash.
 pub(super) fn percent(share: Option<f64>) -> String {
     share.map_or_else(|| "–".to_owned(), |share| format!("{:.0} %", 100.0 * share))
-}
-
-/// A proportion of a report: its share with the interval of sampling.
-pub(super) fn proportion(value: &Value) -> String {
-    match float(value, "share") {
-        None => "–".to_owned(),
-        share => format!(
-            "{} ({} to {})",
-            percent(share),
-            percent(float(value, "low")),
-            percent(float(value, "high"))
-        ),
-    }
 }
 
 /// A value without parts, for people; `None` for what has parts or is nothing.
@@ -190,11 +222,6 @@ pub(super) fn pairs_of(pairs: &[(String, String)]) -> impl Iterator<Item = (&str
     pairs.map(|(name, text)| (name.as_str(), text.as_str()))
 }
 
-/// Names and values.
-pub(super) fn definitions<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
-    format!("<dl>{}</dl>", entries(pairs))
-}
-
 /// What stands in a list of names and values.
 pub(super) fn entries<'a>(pairs: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
     let entry = |(name, value)| format!("<dt>{}</dt><dd>{}</dd>", html(name), html(value));
@@ -208,12 +235,12 @@ mod tests {
     #[test]
     fn whatever_is_missing_is_a_dash() {
         let report = serde_json::json!({ "a": { "b": { "low": 0.25 } }, "n": [1.0, null] });
-        assert_eq!(float(at(&report, "a.b"), "low"), Some(0.25));
-        assert!(at(&report, "a.x.low").is_null());
+        assert_eq!(report.float("a.b.low"), Some(0.25));
+        assert!(report.at("a.x.low").is_null());
         assert_eq!(measured(None, "m"), "–");
         assert_eq!(measured(Some(0.118), "m"), "11.8 cm");
         assert_eq!(span(Some(0.01), None, "m"), "1.00 cm to –");
-        assert!(floats(&report, "n")[1].is_nan());
+        assert!(report.floats("n")[1].is_nan());
         assert_eq!(percent(Some(0.123)), "12 %");
     }
 

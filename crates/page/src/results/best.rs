@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::kind::file;
 use realgap_core::error::Result;
 use realgap_core::file::{write_atomic, write_ron};
 use realgap_core::unit::counted;
@@ -41,5 +42,5 @@ pub(super) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()>
             .map(|(_, recording)| recording_id(recording))
             .collect(),
     };
-    write_atomic(folder.join("best.ron"), write_ron(&file)?.as_bytes())
+    write_atomic(folder.join(file::BEST), write_ron(&file)?.as_bytes())
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::kind::file;
 use super::table::{names, number, write};
 use crate::plot::{AxisSpec, Caption, LinePlot, ScoreScale, Series, SeriesKind, both, draw_lines};
 use realgap_core::error::Result;
@@ -105,5 +106,5 @@ pub(super) fn write_trials(
         row.push(number(best));
         row
     });
-    write(&folder.join("trials.csv"), &header, rows)
+    write(&folder.join(file::TRIALS), &header, rows)
 }

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::kind::{Kind, PAGE};
-use super::timing;
+use super::kind::Kind;
+use super::kind::file::{PAGE, TIMING};
 use realgap_core::error::{Error, Result};
 
 /// Where results wait until all of them are written. Nobody else calls a folder like this.
@@ -47,7 +47,7 @@ pub(super) fn publish<T>(
     }
     remove_draft(&draft)?;
     for name in files(folder)?.difference(&new) {
-        let stays = |name: &str| name == timing::FILE || (is_as_before && PAGE.contains(&name));
+        let stays = |name: &str| name == TIMING || (is_as_before && PAGE.contains(&name));
         if name
             .to_str()
             .is_some_and(|name| kind.has(name) && !stays(name))

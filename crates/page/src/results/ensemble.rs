@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::draft::publish;
-use super::kind::Kind;
+use super::kind::{Kind, file};
 use super::table::{number, write};
 use crate::plot::{Caption, EnsembleBand, EnsembleGroup, EnsemblePlot, both, draw_ensemble};
 use realgap_core::error::{Error, Result};
@@ -72,7 +72,7 @@ pub fn write_ensemble(folder: &Path, report: &EnsembleReport) -> Result<()> {
         .collect();
     make(folder)?;
     publish(folder, Kind::Ensemble, |draft| {
-        write_report(draft, "ensemble.json", report)?;
+        write_report(draft, file::ENSEMBLE, report)?;
         write_repeats(draft, &results)?;
         for (index, (_, result)) in results.iter().enumerate().take(PICTURES) {
             // The first has the name that is always there; more than one are numbered.
@@ -100,7 +100,7 @@ pub fn write_prediction(folder: &Path, card: &Card, repeats: &Ensemble) -> Resul
     };
     make(folder)?;
     publish(folder, Kind::Prediction, |draft| {
-        write_report(draft, "prediction.json", card)?;
+        write_report(draft, file::PREDICTION, card)?;
         draw_repeats(draft, "prediction", &result)?;
         write_repeats(draft, &[(&card.robot, result)])
     })
@@ -119,7 +119,7 @@ fn write_repeats(folder: &Path, cases: &[(&str, EnsembleResult<'_>)]) -> Result<
     let columns = all.peek().cloned().unwrap_or_default();
     let columns: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
     let rows = all.map(|row| row.into_iter().map(|(_, value)| value).collect());
-    write(&folder.join("repeats.csv"), &columns, rows)
+    write(&folder.join(file::REPEATS), &columns, rows)
 }
 
 fn row(case_name: &str, case: &EnsembleResult<'_>, repeat: &Repeat) -> Vec<(String, String)> {
@@ -189,10 +189,12 @@ pub(super) fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>)
         return Ok(());
     };
     let summary = case.summary;
+    // Sums of steps have digits that nobody set.
+    let duration_s = (1e3 * summary.duration_s).round() / 1e3;
     let incomplete = if summary.complete { "" } else { "INCOMPLETE: " };
     let mut subtitle = format!(
         "{incomplete}{} of {} repeats of {} s, seed {}",
-        summary.repeats, summary.repeats_asked, summary.duration_s, summary.seed
+        summary.repeats, summary.repeats_asked, duration_s, summary.seed
     );
     if summary.diverged.count > 0 {
         subtitle += &format!(", {} diverged", summary.diverged.count);

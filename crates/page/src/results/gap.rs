@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::draft::publish;
 use super::ensemble::{make, write_report};
-use super::kind::Kind;
+use super::kind::{Kind, file};
 use crate::plot::{AxisSpec, Caption, LinePlot, Series, SeriesKind, both, draw_lines};
 use realgap_core::error::Result;
 use realgap_core::unit::{Unit, counted};
@@ -17,7 +17,7 @@ use realgap_lab::prediction::gap::{FloorReport, StudyGap};
 pub fn write_gap(folder: &Path, gap: &StudyGap) -> Result<()> {
     make(folder)?;
     publish(folder, Kind::Gap, |draft| {
-        write_report(draft, "gap.json", gap)?;
+        write_report(draft, file::GAP, gap)?;
         let drawn = [("confidence", confidence(gap)), ("rmse", rmse(gap))];
         for (stem, plot) in drawn {
             if let Some(plot) = plot {
@@ -35,7 +35,7 @@ pub fn write_gap(folder: &Path, gap: &StudyGap) -> Result<()> {
 pub fn write_floor(folder: &Path, floor: &FloorReport) -> Result<()> {
     make(folder)?;
     publish(folder, Kind::Gap, |draft| {
-        write_report(draft, "gap.json", floor)
+        write_report(draft, file::GAP, floor)
     })
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{draft, search, timing};
+use super::{draft, search};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_engine::parameter;
 use realgap_store::{FolderLock, STORE_FILE};
@@ -23,83 +23,98 @@ pub enum Kind {
     Prediction,
 }
 
-/// What a command leaves for people to open, and what it keeps for that.
-pub(super) const PAGE: [&str; 2] = ["report.html", "page.json"];
+/// Files of results folders: whoever writes or reads one takes its name from here.
+pub(crate) mod file {
+    pub(crate) const SUMMARY: &str = "summary.json";
+    pub(crate) const POINTS: &str = "points.csv";
+    pub(crate) const INDISTINGUISHABLE: &str = "indistinguishable.csv";
+    pub(crate) const SCORES: &str = "scores.csv";
+    pub(crate) const PROFILES: &str = "profiles.csv";
+    pub(crate) const TRIALS: &str = "trials.csv";
+    pub(crate) const BASIS: &str = "basis.json";
+    pub(crate) const BEST: &str = "best.ron";
+    pub(crate) const HISTORY: &str = "history.csv";
+    pub(crate) const ARCHIVE: &str = "archive.csv";
+    pub(crate) const ENSEMBLE: &str = "ensemble.json";
+    pub(crate) const REPEATS: &str = "repeats.csv";
+    pub(crate) const GAP: &str = "gap.json";
+    pub(crate) const PREDICTION: &str = "prediction.json";
+    pub(crate) const TIMING: &str = "timing.json";
+    /// What a command leaves for people to open, and what it keeps for that.
+    pub(crate) const PAGE: [&str; 2] = ["report.html", "page.json"];
+}
 
 impl Kind {
+    /// Tables and reports of this kind, and its pictures without their endings.
+    fn names(self) -> (&'static [&'static str], &'static [&'static str]) {
+        use file::*;
+        match self {
+            Self::Study => (
+                &[
+                    SUMMARY,
+                    POINTS,
+                    INDISTINGUISHABLE,
+                    SCORES,
+                    PROFILES,
+                    TRIALS,
+                    BASIS,
+                    BEST,
+                ],
+                &[
+                    "heatmap",
+                    "heatmap_fitness",
+                    "curve",
+                    "trajectories",
+                    "convergence",
+                    "components",
+                ],
+            ),
+            Self::Search => (
+                &[SUMMARY, HISTORY, ARCHIVE],
+                &["fitness", "archive", "gallery", "paths"],
+            ),
+            Self::Ensemble => (&[ENSEMBLE, REPEATS], &["ensemble"]),
+            Self::Gap => (&[GAP], &["confidence", "rmse"]),
+            Self::Prediction => (&[PREDICTION, REPEATS], &["prediction"]),
+        }
+    }
+
     /// Whether results of this kind are in a file of this name (its path inside of the folder).
     pub(super) fn has(self, name: &str) -> bool {
-        if name == timing::FILE || PAGE.contains(&name) {
-            return true;
-        }
+        let (files, pictures) = self.names();
+        let is_drawn = |stem: &str| pictures.contains(&stem) || self.draws_many(stem);
+        name == file::TIMING
+            || file::PAGE.contains(&name)
+            || files.contains(&name)
+            || picture_stem(name).is_some_and(is_drawn)
+            || (self == Self::Search && search::is_ours(name))
+    }
+
+    /// Whether this picture is one of several of this kind that differ by a number or a parameter.
+    fn draws_many(self, stem: &str) -> bool {
+        let rest = |start: &str| stem.strip_prefix(start);
         match self {
-            Self::Study => is_of_a_study(name),
-            Self::Search => search::is_of_a_search(name),
-            Self::Ensemble => {
-                ["ensemble.json", "repeats.csv"].contains(&name)
-                    || picture(name).is_some_and(|stem| is_numbered(stem, "ensemble"))
+            Self::Study => {
+                let is_number = |text: &str| text.parse::<usize>().is_ok();
+                let is_pair = |rest: &str| {
+                    let pair = rest.split_once('_');
+                    pair.is_some_and(|(a, b)| is_number(a) && is_number(b))
+                };
+                let is_parameter =
+                    |rest: &str| parameter::all().any(|p| p.name.replace('.', "_") == rest);
+                rest("heatmap_").is_some_and(is_pair) || rest("profile_").is_some_and(is_parameter)
             }
-            Self::Gap => {
-                name == "gap.json"
-                    || picture(name).is_some_and(|stem| ["confidence", "rmse"].contains(&stem))
-            }
-            Self::Prediction => {
-                ["prediction.json", "repeats.csv"].contains(&name)
-                    || picture(name) == Some("prediction")
-            }
+            Self::Ensemble => rest("ensemble_").is_some_and(|number| {
+                number.len() >= 3 && number.bytes().all(|b| b.is_ascii_digit())
+            }),
+            _ => false,
         }
     }
 }
 
 /// The name of a picture without its ending.
-fn picture(name: &str) -> Option<&str> {
+pub(crate) fn picture_stem(name: &str) -> Option<&str> {
     name.strip_suffix(".png").or(name.strip_suffix(".svg"))
-}
-
-/// `STEM` or `STEM_001`.
-fn is_numbered(name: &str, stem: &str) -> bool {
-    let digits = |text: &str| text.len() >= 3 && text.bytes().all(|b| b.is_ascii_digit());
-    name.strip_prefix(stem)
-        .is_some_and(|rest| rest.is_empty() || rest.strip_prefix('_').is_some_and(digits))
-}
-
-fn is_of_a_study(name: &str) -> bool {
-    let Some((stem, ending)) = name.rsplit_once('.') else {
-        return false;
-    };
-    match ending {
-        "csv" => [
-            "points",
-            "indistinguishable",
-            "scores",
-            "profiles",
-            "trials",
-        ]
-        .contains(&stem),
-        "json" => ["summary", "basis"].contains(&stem),
-        "ron" => stem == "best",
-        "png" | "svg" => {
-            let is_pair = |rest: &str| {
-                let number = |text: &str| text.parse::<usize>().is_ok();
-                rest.split_once('_')
-                    .is_some_and(|(a, b)| number(a) && number(b))
-            };
-            let is_parameter =
-                |rest: &str| parameter::all().any(|p| p.name.replace('.', "_") == rest);
-            [
-                "heatmap",
-                "heatmap_fitness",
-                "curve",
-                "trajectories",
-                "convergence",
-                "components",
-            ]
-            .contains(&stem)
-                || stem.strip_prefix("heatmap_").is_some_and(is_pair)
-                || stem.strip_prefix("profile_").is_some_and(is_parameter)
-        }
-        _ => false,
-    }
 }
 
 /// Checks, before the work, that results of this kind replace nothing of others in `folder`: a folder that nobody has written

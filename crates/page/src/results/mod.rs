@@ -32,7 +32,7 @@ mod convergence;
 mod draft;
 mod ensemble;
 mod gap;
-mod kind;
+pub(crate) mod kind;
 mod odds;
 mod over_time;
 mod picture;
@@ -81,7 +81,7 @@ pub fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
         if let Method::Tune(tuned) = &answer.method {
             convergence::write_trials(draft, study, answer, tuned)?;
         }
-        write_report(draft, "summary.json", &answer.report)?;
+        write_report(draft, kind::file::SUMMARY, &answer.report)?;
         best::write(draft, study, answer)?;
         plane::write_basis(draft, answer)?;
         picture::draw(draft, study, answer)

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::ensemble::write_report;
+use super::kind::file;
 use crate::plot::{Caption, Cloud, both, draw_lines, plane};
 use realgap_core::error::Result;
 use realgap_lab::calibration::{Answer, PointScore, Study};
@@ -12,7 +13,7 @@ use realgap_path::trajectory::Prepared;
 /// The basis of the scores as `basis.json`, where the metric has one: `--basis` takes it in another study.
 pub(super) fn write_basis(folder: &Path, answer: &Answer) -> Result<()> {
     match &answer.scores.basis {
-        Some(basis) => write_report(folder, "basis.json", basis),
+        Some(basis) => write_report(folder, file::BASIS, basis),
         None => Ok(()),
     }
 }

@@ -9,6 +9,7 @@ use crate::plot::{
     draw_gallery, number,
 };
 use realgap_core::Result;
+use realgap_core::unit::counted;
 use realgap_robot::morphology::{DriveAxis, Morphology, Role, Solid};
 
 /// Time over which a gait is drawn, seconds, and its points.
@@ -110,12 +111,10 @@ pub fn portrait(robot: &Morphology, note: impl Into<String>) -> GalleryRobot {
 pub fn draw(robot: &Morphology, path: impl AsRef<Path>) -> Result<()> {
     let summary = robot.summary();
     let size_m = summary.size_m();
-    let count =
-        |count: usize, one: &str| format!("{count} {one}{}", if count == 1 { "" } else { "s" });
     let note = format!(
         "{}, {}, {} g, {} × {} × {} cm, at zero servo angles",
-        count(summary.modules, "module"),
-        count(summary.servos, "servo"),
+        counted(summary.modules, "module"),
+        counted(summary.servos, "servo"),
         number(1e3 * summary.mass_kg),
         number(1e2 * size_m.x),
         number(1e2 * size_m.y),

@@ -92,10 +92,8 @@ pub fn draw_error_map(found: &Evaluation, arena: &Arena, path: impl AsRef<Path>)
     for (at_m, error_db) in &found.errors {
         let [ix, iy] = at_m.map(|v| (v / CELL_M).floor());
         let is_in = ix >= 0.0 && iy >= 0.0 && (ix as usize) < columns;
-        if let Some(score) = is_in
-            .then(|| map.scores.get_mut(iy as usize * columns + ix as usize))
-            .flatten()
-        {
+        let score = map.scores.get_mut(iy as usize * columns + ix as usize);
+        if let Some(score) = score.filter(|_| is_in) {
             *score = Some(*error_db);
         }
     }

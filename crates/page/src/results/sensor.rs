@@ -8,7 +8,9 @@ use realgap_core::unit::{LengthUnit, Unit};
 use realgap_sense::arena::Arena;
 use realgap_sense::belief::{BeliefReport, TrialSet};
 use realgap_sense::graph::{Scan, ScanLog, Sensorgraph};
-use realgap_sense::range::{Beam, Characterisation, RangeSensor, ReadingLog, ReadingUnit};
+use realgap_sense::range::{
+    Beam, Characterisation, DistanceReport, RangeSensor, ReadingLog, ReadingUnit,
+};
 
 /// Points of a drawn curve.
 const POINTS: usize = 300;
@@ -39,23 +41,19 @@ pub fn draw_sensor(found: &Characterisation, path: impl AsRef<Path>) -> Result<(
     let beam = |d: &f64| Beam::straight(d * metres);
     let of = |value: &dyn Fn(&f64) -> f64| along.iter().map(|d| (*d, value(d))).collect::<Vec<_>>();
     let (mean, sd) = (|d: &f64| model.mean(&beam(d)), |d: &f64| model.sd(&beam(d)));
-    let read =
-        |value: fn(&realgap_sense::range::DistanceReport) -> Option<f64>| -> Vec<(f64, f64)> {
-            found
-                .distances
-                .iter()
-                .filter_map(|d| Some((d.distance, value(d)?)))
-                .collect()
-        };
+    let read = |value: fn(&DistanceReport) -> Option<f64>| -> Vec<(f64, f64)> {
+        let distances = found.distances.iter();
+        let read = distances.filter_map(|d| Some((d.distance, value(d)?)));
+        read.collect()
+    };
     // Logarithmic like most such curves, unless the band goes below 0.
     let is_positive = along.iter().all(|d| mean(d) - 1.645 * sd(d) > 0.0);
     let upper = along.iter().map(|d| mean(d) + 1.645 * sd(d)).collect();
     let lower = of(&|d| mean(d) - 1.645 * sd(d));
     let plot = LinePlot {
-        scale: if is_positive {
-            ScoreScale::Auto
-        } else {
-            ScoreScale::Linear
+        scale: match is_positive {
+            true => ScoreScale::Auto,
+            false => ScoreScale::Linear,
         },
         ..LinePlot::new(
             Caption::new(
@@ -81,18 +79,12 @@ pub fn draw_sensor(found: &Characterisation, path: impl AsRef<Path>) -> Result<(
 
 /// The distances of the histograms where none are named: near both ends and the middle.
 fn usual_distances(found: &Characterisation) -> Vec<f64> {
-    let mut distances: Vec<f64> = found
-        .distances
-        .iter()
-        .filter(|d| d.readings > 1)
-        .map(|d| d.distance)
-        .collect();
+    let several = found.distances.iter().filter(|d| d.readings > 1);
+    let mut distances: Vec<f64> = several.map(|d| d.distance).collect();
     distances.dedup();
     let last = distances.len().saturating_sub(1);
-    let mut chosen: Vec<f64> = [last / 20, last / 2, last - last / 20]
-        .iter()
-        .filter_map(|i| distances.get(*i).copied())
-        .collect();
+    let places = [last / 20, last / 2, last - last / 20].into_iter();
+    let mut chosen: Vec<f64> = places.filter_map(|i| distances.get(i).copied()).collect();
     chosen.dedup();
     chosen
 }
@@ -109,10 +101,9 @@ pub fn draw_histograms(
     path: impl AsRef<Path>,
 ) -> Result<()> {
     let model = &found.model;
-    let at = if at.is_empty() {
-        usual_distances(found)
-    } else {
-        at.to_vec()
+    let at = match at {
+        [] => usual_distances(found),
+        named => named.to_vec(),
     };
     let length = model.distance_unit.symbol();
     let (mut bars, mut lines) = (Vec::new(), Vec::new());
@@ -158,10 +149,8 @@ fn stairs(values: &[f64], width: f64, (low, high): (f64, f64)) -> (Vec<(f64, f64
     let mut counts = vec![0_usize; count];
     for value in values {
         let place = (value / width).floor() as i64 - first;
-        if let Some(bin) = usize::try_from(place)
-            .ok()
-            .and_then(|place| counts.get_mut(place))
-        {
+        let bin = usize::try_from(place).ok();
+        if let Some(bin) = bin.and_then(|place| counts.get_mut(place)) {
             *bin += 1;
         }
     }
@@ -193,10 +182,8 @@ pub fn draw_segment(
     };
     let (centre, width) = (degrees.to_radians(), model.width_deg.to_radians());
     let along = |of: &dyn Fn(&Scan) -> f64| -> Vec<(f64, f64)> {
-        log.scans
-            .iter()
-            .map(|scan| (scan.time_s - log.scans[0].time_s, of(scan)))
-            .collect()
+        let since = |scan: &Scan| scan.time_s - log.scans[0].time_s;
+        log.scans.iter().map(|s| (since(s), of(s))).collect()
     };
     let actual = along(&|scan| log.median_m(scan, centre, width).unwrap_or(f64::NAN));
     let predicted = along(&|scan| model.range_m(scan.position_world_m, scan.heading_rad, segment));
@@ -223,12 +210,9 @@ pub fn draw_belief(found: &BeliefReport, index: usize, path: impl AsRef<Path>) -
     let Some(side) = found.distances.get(index) else {
         return Err(Error::usage("no belief at such a distance").found(index));
     };
-    let along = |values: &[f64]| {
-        side.cells
-            .iter()
-            .copied()
-            .zip(values.iter().copied())
-            .collect::<Vec<_>>()
+    let along = |values: &[f64]| -> Vec<(f64, f64)> {
+        let cells = side.cells.iter().copied();
+        cells.zip(values.iter().copied()).collect()
     };
     let mut all = Vec::new();
     let mut add = |name: &str, colour: usize, set: &TrialSet| {
@@ -243,13 +227,9 @@ pub fn draw_belief(found: &BeliefReport, index: usize, path: impl AsRef<Path>) -
         add("log", 1, real);
     }
     // Where nothing is believed nothing is drawn.
-    let most = side
-        .simulated
-        .mean
-        .iter()
-        .chain(side.real.iter().flat_map(|r| &r.mean))
-        .copied()
-        .fold(0.0, f64::max);
+    let real = side.real.iter().flat_map(|r| &r.mean);
+    let means = side.simulated.mean.iter().chain(real).copied();
+    let most = means.fold(0.0, f64::max);
     let seen = |k: &usize| {
         let of = |set: &TrialSet| set.q95[*k] > 0.002 * most;
         of(&side.simulated) || side.real.as_ref().is_some_and(of)

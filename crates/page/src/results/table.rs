@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use super::kind::file;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::write_atomic;
 use realgap_core::text::cell;
@@ -27,7 +28,7 @@ pub(super) fn write_points(folder: &Path, study: &Study, answer: &Answer) -> Res
         row.push(point.runs.to_string());
         row
     });
-    write(&folder.join("points.csv"), &header, rows)
+    write(&folder.join(file::POINTS), &header, rows)
 }
 
 /// One row a cell of the grid with points that cannot be told apart from the best, where an optimizer may have crowded, and one
@@ -69,7 +70,7 @@ pub(super) fn write_indistinguishable(folder: &Path, study: &Study, answer: &Ans
             let all = values.chain(fixed.iter().map(|a| a.value));
             all.map(|value| value.to_string()).collect()
         });
-    write(&folder.join("indistinguishable.csv"), &header, rows)
+    write(&folder.join(file::INDISTINGUISHABLE), &header, rows)
 }
 
 /// One row a point and recording, where there are several recordings.
@@ -91,7 +92,7 @@ pub(super) fn write_scores(folder: &Path, study: &Study, answer: &Answer) -> Res
                 row
             })
     });
-    write(&folder.join("scores.csv"), &header, rows)
+    write(&folder.join(file::SCORES), &header, rows)
 }
 
 /// One row a parameter and value: the lowest score that it allows.
@@ -109,7 +110,7 @@ pub(super) fn write_profiles(folder: &Path, answer: &Answer) -> Result<()> {
             ]
         })
     });
-    write(&folder.join("profiles.csv"), &header, rows)
+    write(&folder.join(file::PROFILES), &header, rows)
 }
 
 /// Names of the parameters that are varied.

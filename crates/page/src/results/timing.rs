@@ -4,11 +4,9 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::kind::file;
 use super::write_report;
 use realgap_core::error::Result;
-
-/// Name of the file.
-pub(super) const FILE: &str = "timing.json";
 
 /// What a run took; of a run that was resumed, what its last part took.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -27,5 +25,5 @@ pub struct Timing {
 /// # Errors
 /// A full disk or an unwritable folder.
 pub fn write_timing(folder: &Path, timing: &Timing) -> Result<()> {
-    write_report(folder, FILE, timing)
+    write_report(folder, file::TIMING, timing)
 }

@@ -86,7 +86,7 @@ pub fn draw_vision(report: &VisionReport, folder: impl AsRef<Path>) -> Result<Ve
         if chart.series.is_empty() {
             continue;
         }
-        let stem = extractor.extractor.as_ref();
+        let stem = extractor.extractor;
         both(folder.as_ref(), stem, |path| draw_columns(&chart, path))?;
         drawn.push(folder.as_ref().join(format!("{stem}.png")));
     }

@@ -3,30 +3,21 @@
 use std::fmt;
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
-use serde::{Deserialize, Serialize};
 
 use super::Trajectory;
 use realgap_core::error::{Error, Result};
 
-/// Axes of the world and of the body in a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Axes {
-    /// The axes are as everywhere here: z points up.
-    World,
+realgap_core::spelled! {
+    /// Axes of the world and of the body in a file.
+    Axes.name, "names no axes";
+    /// As here: z up.
+    World "world";
     /// Those of a camera, in KITTI's own files and many of visual odometry: x to the right, y down, z forward; both of the body
     /// and of the world, which is where the first camera was.
-    Camera,
+    Camera "camera";
 }
 
 impl Axes {
-    /// How it is written.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::World => "world",
-            Self::Camera => "camera",
-        }
-    }
-
     /// The same motion with x forward, y to the left, z up.
     pub(super) fn to_world(self, trajectory: Trajectory) -> Result<Trajectory> {
         match self {
@@ -67,30 +58,5 @@ fn from_camera(camera: &Trajectory) -> Result<Trajectory> {
 impl fmt::Display for Axes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "axes of the {}", self.name())
-    }
-}
-
-impl std::str::FromStr for Axes {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        match text {
-            "world" => Ok(Self::World),
-            "camera" => Ok(Self::Camera),
-            other => Err(format!("`{other}` names no axes; allowed: world, camera")),
-        }
-    }
-}
-
-impl Serialize for Axes {
-    fn serialize<S: serde::Serializer>(&self, s: S) -> std::result::Result<S::Ok, S::Error> {
-        s.serialize_str(self.name())
-    }
-}
-
-impl<'de> Deserialize<'de> for Axes {
-    fn deserialize<D: serde::Deserializer<'de>>(d: D) -> std::result::Result<Self, D::Error> {
-        let text = String::deserialize(d)?;
-        text.parse().map_err(serde::de::Error::custom)
     }
 }

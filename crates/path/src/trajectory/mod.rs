@@ -28,6 +28,7 @@ mod schema;
 mod several;
 mod state;
 mod suspicion;
+mod table;
 mod text;
 mod tum;
 

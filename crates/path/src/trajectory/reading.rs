@@ -14,57 +14,22 @@ use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, parse_ron};
 use realgap_core::unit::{AngleUnit, LengthUnit, TimeUnit};
 
-/// Order of the four numbers of a quaternion, in the order of their columns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum QuaternionOrder {
+realgap_core::spelled! {
+    /// Order of the four numbers of a quaternion, in the order of their columns.
+    QuaternionOrder.name, "is no order of a quaternion";
     /// Real part first, as here and in most papers.
-    Wxyz,
+    Wxyz "wxyz";
     /// Real part last, as in ROS, TUM files and most motion capture.
-    Xyzw,
+    Xyzw "xyzw";
 }
 
 impl QuaternionOrder {
-    /// How it is written.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Wxyz => "wxyz",
-            Self::Xyzw => "xyzw",
-        }
-    }
-
     /// Columns that hold w, x, y, z, of four that stand in this order.
     pub(super) fn wxyz(self, [a, b, c, d]: [usize; 4]) -> [usize; 4] {
         match self {
             Self::Wxyz => [a, b, c, d],
             Self::Xyzw => [d, a, b, c],
         }
-    }
-}
-
-impl std::str::FromStr for QuaternionOrder {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        match text {
-            "wxyz" => Ok(Self::Wxyz),
-            "xyzw" => Ok(Self::Xyzw),
-            other => Err(format!(
-                "`{other}` is no order of a quaternion; allowed: wxyz, xyzw"
-            )),
-        }
-    }
-}
-
-impl Serialize for QuaternionOrder {
-    fn serialize<S: serde::Serializer>(&self, s: S) -> std::result::Result<S::Ok, S::Error> {
-        s.serialize_str(self.name())
-    }
-}
-
-impl<'de> Deserialize<'de> for QuaternionOrder {
-    fn deserialize<D: serde::Deserializer<'de>>(d: D) -> std::result::Result<Self, D::Error> {
-        let text = String::deserialize(d)?;
-        text.parse().map_err(serde::de::Error::custom)
     }
 }
 

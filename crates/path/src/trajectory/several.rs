@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
-use super::csv::Table;
 use super::header::excerpt_list;
 use super::reading::Reading;
+use super::table::Table;
 use super::text::excerpt;
 use realgap_core::error::{Advice, Error};
 use realgap_core::warning::{Code, Warning};

@@ -9,7 +9,7 @@ use realgap_core::warning::{Code, Warning};
 
 /// Trackers take more than one sample in this time, seconds.
 const SLOW_S: f64 = 2.0;
-/// Nobody samples more often than once in this time, seconds.
+/// There is no more than one sample in this time, seconds.
 const FAST_S: f64 = 1e-5;
 /// Samples a second that a tracker may well take.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.5..=5000.0;
@@ -17,7 +17,7 @@ const RATES_HZ: std::ops::RangeInclusive<f64> = 0.5..=5000.0;
 const HOLE: f64 = 5.5;
 /// Waiting is noticed where it is longer than this, seconds.
 const WAIT_S: f64 = 1.0;
-/// Waiting is noticed where it is longer than this share of the recording, too.
+/// It is also longer than this share of the recording.
 const WAIT_SHARE: f64 = 0.05;
 /// Who waits has gone less than this share of the farthest distance from the start.
 const WAIT_DISTANCE: f64 = 0.02;
@@ -25,13 +25,13 @@ const WAIT_DISTANCE: f64 = 0.02;
 const WAIT_TURN_RAD: f64 = 0.05;
 /// Who waits is slower than this share of its usual speed later on.
 const WAIT_SPEED: f64 = 0.1;
-/// Speeds of who waits are taken over this time, seconds, because trackers tremble from sample to sample.
+/// A speed is one over this time, seconds: trackers tremble from sample to sample.
 const WAIT_WINDOW_S: f64 = 0.5;
 /// So many of the windows have to be that slow.
 const WAIT_WINDOWS: f64 = 0.8;
 /// A robot whose orientations lie in the other order stays upright within this, radians.
 const UPRIGHT_RAD: f64 = 0.175;
-/// Such a robot seems to tilt by more than this as its orientations are read, radians.
+/// It seems to tilt by more than this as they are read, radians.
 const TILTED_RAD: f64 = 0.524;
 
 /// What the reader of this recording should know; its quaternions were read in the order `read_as`.

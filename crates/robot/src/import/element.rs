@@ -22,6 +22,11 @@ impl Place<'_> {
             .field(node.tag_name().name())
     }
 
+    /// The line of an element.
+    pub fn line(&self, node: Node<'_, '_>) -> Option<usize> {
+        Some(node.document().text_pos_at(node.range().start).row as usize)
+    }
+
     /// An attribute that must be there.
     pub fn text<'n>(&self, node: Node<'n, '_>, name: &str) -> Result<&'n str> {
         node.attribute(name).ok_or_else(|| {
@@ -43,6 +48,10 @@ impl Place<'_> {
                 let error = Error::invalid(format!("`{name}` is not what it must be"))
                     .found(text)
                     .allowed(format!("{N} finite numbers"));
+                let error = match text.contains("${") {
+                    true => error.hint("this is xacro: `xacro FILE` turns it into a URDF"),
+                    false => error,
+                };
                 self.at(node, error)
             })
     }

@@ -1,25 +1,146 @@
-//! Robots of other programs: URDF of boxes and hinges.
+//! Robots of other programs: URDF and MJCF.
 //!
-//! What a robot here cannot be (meshes, wheels on ground planes, sliding joints) is refused or left out, and whatever is left out
-//! is said. Export, which knows experiments, goes the other way.
+//! Nothing is dropped unsaid: what was left out, changed, assumed or looks wrong is a [`Note`] with its line and remedy. Values are
+//! read here rather than by `urdf-rs`: that crate names no lines, fills in what is missing, and refuses files that simulators take
+//! (docs/robots.md). MJCF is read by `mjcf-rs`, which resolves includes, defaults and angles.
 //!
 //! ```
 //! use realgap_core::file::Source;
-//! use realgap_robot::import::from_urdf;
+//! use realgap_robot::import::{Options, import};
 //! use realgap_robot::morphology::Morphology;
 //!
 //! let urdf = r#"<robot name="one"><link name="body">
 //!     <inertial><mass value="0.3"/></inertial>
-//!     <collision><geometry><box size="0.1 0.06 0.04"/></geometry></collision>
+//!     <collision><geometry><sphere radius="0.1"/></geometry></collision>
 //! </link></robot>"#;
-//! let imported = from_urdf(&Source::new("one.urdf", urdf))?;
-//! let robot = Morphology::parse(&Source::new("one.ron", &imported.text))?;
+//! let imported = import(&Source::new("one.urdf", urdf), &Options::default())?;
+//! assert!(imported.notes[0].what.contains("inertia"));
+//! let robot = Morphology::of_bodies(imported.structure)?;
 //! assert_eq!(robot.name(), "one");
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 
 mod element;
-mod link;
+mod mesh;
+mod mjcf;
+mod mjcf_mass;
+mod note;
+mod package;
+mod tidy;
 mod urdf;
+mod urdf_link;
 
-pub use urdf::{Imported, from_urdf};
+use std::path::{Path, PathBuf};
+
+use roxmltree::Document;
+
+pub use note::{Note, Sort};
+
+use crate::morphology::body::Structure;
+use note::Notes;
+use realgap_core::error::{Error, Result};
+use realgap_core::file::Source;
+
+/// What a person says about a robot beside its file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Options {
+    /// Folders of packages, by name: where `package://NAME/` is.
+    pub packages: Vec<(String, PathBuf)>,
+    /// Whether the root is held where it is, whatever the file says.
+    pub mounted: bool,
+    /// Whether joints are left without the servos that URDF gives only the limits of.
+    pub passive: bool,
+}
+
+/// A robot from another format.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Imported {
+    /// The robot.
+    pub structure: Structure,
+    /// What was left out, changed, assumed or looks wrong, by line.
+    pub notes: Vec<Note>,
+}
+
+/// Whether a file's name says that it is a robot of another program.
+pub fn is_foreign(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| {
+        ["urdf", "xml", "mjcf"].contains(&ending.to_string_lossy().to_lowercase().as_str())
+    })
+}
+
+/// Reads a URDF or an MJCF; meshes and included files are looked for around the source's path.
+///
+/// # Errors
+/// Text that is neither; trees that are none; numbers that no robot can have; always with file and, where it is known, line.
+pub fn import(source: &Source, options: &Options) -> Result<Imported> {
+    let mut notes = Notes::default();
+    let text = readable(source, &mut notes)?;
+    let document = Document::parse(&text).map_err(|error| not_xml(source, &error))?;
+    let root = document.root_element();
+    let mut structure = match root.tag_name().name() {
+        "robot" => urdf::read(source, root, options, &mut notes)?,
+        "mujoco" => mjcf::read(source, root, options, &mut notes)?,
+        other => {
+            let place = element::Place { source };
+            let error = Error::invalid("neither a URDF nor an MJCF")
+                .found(format!("<{other}>"))
+                .allowed("<robot>, <mujoco>")
+                .hint("a xacro file is turned into a URDF by: xacro FILE; SDF and mujocoinclude are not read");
+            return Err(place.at(root, error));
+        }
+    };
+    tidy::tidy(&mut structure, options, &mut notes);
+    Ok(Imported {
+        structure,
+        notes: notes.sorted(),
+    })
+}
+
+/// The text as strict XML: what other readers of URDF forgive is mended, without moving anything to another place.
+fn readable(source: &Source, notes: &mut Notes) -> Result<String> {
+    let mut text = source.text().to_owned();
+    if let Some(at) = text.find("<?xml").filter(|at| *at > 0)
+        && let Some(length) = text[at..].find("?>")
+    {
+        // A declaration that does not stand at the very beginning is no XML.
+        text.replace_range(at..at + length + 2, &" ".repeat(length + 2));
+        notes.changed(
+            None,
+            "the XML declaration does not stand first",
+            "move it to the first line",
+        );
+    }
+    // Each round mends one prefix that nobody declares.
+    for _ in 0..32 {
+        match Document::parse(&text) {
+            Err(roxmltree::Error::UnknownNamespace(prefix, place)) if !prefix.is_empty() => {
+                let line = place.row as usize;
+                notes.changed(
+                    Some(line),
+                    format!("the prefix `{prefix}:` is declared nowhere"),
+                    "declare it with xmlns, or leave these elements out",
+                );
+                for (old, new) in [("<", "<"), ("</", "</"), (" ", " ")] {
+                    text = text.replace(&format!("{old}{prefix}:"), &format!("{new}{prefix}_"));
+                }
+            }
+            Ok(_) => return Ok(text),
+            Err(error) => return Err(not_xml(source, &error)),
+        }
+    }
+    Ok(text)
+}
+
+fn not_xml(source: &Source, error: &roxmltree::Error) -> Error {
+    let place = error.pos();
+    let hint = match error {
+        roxmltree::Error::DtdDetected => {
+            "entities are not expanded here: xmllint --noent FILE writes the file without them"
+        }
+        _ => "xmllint FILE says more",
+    };
+    Error::invalid(format!("not XML: {error}"))
+        .at_file(source.path())
+        .at_line(place.row as usize, place.col as usize)
+        .hint(hint)
+}

@@ -1,392 +1,534 @@
-//! The Unified Robot Description Format of ROS: boxes and hinges of it.
+//! The Unified Robot Description Format of ROS.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write as _;
 
 use nalgebra::{Isometry3, Vector3};
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
+use super::Options;
 use super::element::{Place, child, children};
-use super::link::Body;
-use crate::morphology::{Module, Morphology};
+use super::note::Notes;
+use super::urdf_link::Reader;
+use crate::morphology::body::{
+    Body, Driver, Follow, Joint, JointKind, Pose, Structure, TurnSpring,
+};
+use crate::morphology::{Servo, ServoLaw};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
 
-/// Longest chain of joints.
-const DEEPEST: usize = 1000;
+/// How strongly the servo that stands in for the one URDF does not describe answers an error of its angle, 1/s.
+const GAIN_1_S: f64 = 20.0;
+/// Largest torque and speed that a servo may have.
+const MOST: f64 = 1e4;
 
-/// A robot from another format.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Imported {
-    /// The robot in RON.
-    pub text: String,
-    /// What was left out or changed.
-    pub left_out: Vec<String>,
-}
-
-/// A joint, as it is written.
-struct Joint<'n, 'd> {
-    node: Node<'n, 'd>,
-    name: &'n str,
-    kind: &'n str,
-    child: &'n str,
-}
-
-/// What has been made of the robot so far.
-#[derive(Default)]
-struct Robot {
-    bodies: Vec<Body>,
-    hinges: Vec<Hinge>,
-    left_out: Vec<String>,
-    /// Where the root is fixed to the world.
-    mount_m: Option<Vector3<f64>>,
-}
-
-struct Hinge {
-    name: String,
-    parent: usize,
-    child: usize,
-    /// In the frame of the parent's body, robot's axes.
-    at_m: Vector3<f64>,
-    axis: Vector3<f64>,
-    limits_rad: Option<[f64; 2]>,
-    viscous_nm_s_rad: f64,
-    dry_nm: f64,
-}
-
-/// Reads a URDF of boxes and hinges: links become modules of boxes with their masses and moments, revolute and continuous joints
-/// become hinges, links behind fixed joints become part of what they are fixed to.
-///
-/// # Errors
-/// Text that is no URDF; a tree that is none; joints that slide; boxes askew to each other; links without a shape or a mass.
-pub fn from_urdf(source: &Source) -> Result<Imported> {
-    let document = Document::parse(source.text()).map_err(|e| {
-        let place = e.pos();
-        Error::invalid(format!("not XML: {e}"))
-            .at_file(source.path())
-            .at_line(place.row as usize, place.col as usize)
-    })?;
+/// Reads the robot under the root element.
+pub(super) fn read(
+    source: &Source,
+    root: Node<'_, '_>,
+    options: &Options,
+    notes: &mut Notes,
+) -> Result<Structure> {
     let place = Place { source };
-    let root = document.root_element();
-    if !root.has_tag_name("robot") {
-        let error = Error::invalid("not a URDF")
-            .found(format!("<{}>", root.tag_name().name()))
-            .allowed("<robot>")
-            .hint("a xacro file is turned into one by: xacro FILE");
-        return Err(place.at(root, error));
-    }
-    let name = place.text(root, "name")?;
-    let mut links: BTreeMap<&str, Node<'_, '_>> = BTreeMap::new();
-    for link in children(root, "link") {
-        if links.insert(place.text(link, "name")?, link).is_some() {
-            return Err(place.at(link, Error::invalid("two links have the same name")));
+    let name = match root.attribute("name") {
+        Some(name) => name.to_owned(),
+        None => {
+            let stem = source.path().file_stem().unwrap_or_default();
+            notes.assumed(
+                place.line(root),
+                "the robot has no name: the file's is taken",
+                "add name=\"...\" to <robot>",
+            );
+            stem.to_string_lossy().into_owned()
         }
-    }
-    let mut below: BTreeMap<&str, Vec<Joint<'_, '_>>> = BTreeMap::new();
-    let mut parents: BTreeMap<&str, &str> = BTreeMap::new();
-    for node in children(root, "joint") {
-        let end = |tag: &'static str| -> Result<&str> {
-            let end = child(node, tag).ok_or_else(|| {
-                place.at(node, Error::invalid(format!("a joint without `{tag}`")))
-            })?;
-            let link = place.text(end, "link")?;
-            match links.contains_key(link) {
-                true => Ok(link),
-                false => Err(place.at(end, Error::invalid("no such link").found(link))),
-            }
-        };
-        let (parent, child) = (end("parent")?, end("child")?);
-        if parents.insert(child, parent).is_some() {
-            let error = Error::invalid("a link hangs on two joints: this is no tree").found(child);
-            return Err(place.at(node, error));
-        }
-        below.entry(parent).or_default().push(Joint {
-            node,
-            name: place.text(node, "name")?,
-            kind: place.text(node, "type")?,
-            child,
-        });
-    }
-    let mut roots = links.keys().filter(|link| !parents.contains_key(*link));
-    let (Some(first), None) = (roots.next(), roots.next()) else {
-        let error = Error::invalid("a robot has one link that hangs on nothing")
-            .found(links.keys().filter(|l| !parents.contains_key(*l)).count());
-        return Err(place.at(root, error));
     };
-    let mut robot = Robot::default();
-    robot.grow(&place, &links, &below, first)?;
-    robot.rename();
-    let text = robot.ron(name, source)?;
-    // What is written is a robot, or says what is not.
-    let checked = Source::new(source.path(), &text);
-    Morphology::parse(&checked).map_err(|error| {
-        error.or_hint("this is said of the robot as it was read; see what was left out")
-    })?;
-    Ok(Imported {
-        text,
-        left_out: robot.left_out,
-    })
+    let collides = children(root, "link").any(|link| child(link, "collision").is_some());
+    if !collides {
+        notes.assumed(
+            None,
+            "no link has collision shapes: the visual ones are taken",
+            "add <collision> elements",
+        );
+    }
+    let reader = Reader {
+        place,
+        options,
+        visuals_collide: !collides,
+    };
+    let mut robot = Robot {
+        reader,
+        structure: Structure {
+            name,
+            description: format!("read from {}", file_name(source)),
+            bodies: Vec::new(),
+            joints: Vec::new(),
+            actuators: Vec::new(),
+            marks: Vec::new(),
+            never_touch: Vec::new(),
+            mount: None,
+            track: None,
+        },
+        lines: BTreeMap::new(),
+        servos: 0,
+    };
+    robot.links(root, notes)?;
+    robot.joints(root, notes)?;
+    robot.roots(root, notes)?;
+    robot.others(root, notes);
+    Ok(robot.structure)
 }
 
-impl Robot {
-    /// All links from the first on, parents before children.
-    fn grow(
-        &mut self,
-        place: &Place<'_>,
-        links: &BTreeMap<&str, Node<'_, '_>>,
-        below: &BTreeMap<&str, Vec<Joint<'_, '_>>>,
-        first: &str,
-    ) -> Result<()> {
-        let mut first = first;
-        let root = Body::new(
-            place,
-            links[first],
-            &Isometry3::identity().rotation,
-            &mut self.left_out,
-        )?;
-        let mut start = Isometry3::identity();
-        // A link of nothing with one fixed joint is the world.
-        let mut base = root;
-        if let (true, Some([only])) = (
-            base.blocks.is_empty() && base.mass_kg == 0.0,
-            below.get(first).map(Vec::as_slice),
-        ) && only.kind == "fixed"
-        {
-            start = place.origin(only.node)?;
-            self.mount_m = Some(start.translation.vector);
-            start.translation.vector = Vector3::zeros();
-            first = only.child;
-            base = Body::new(place, links[first], &start.rotation, &mut self.left_out)?;
-        }
-        self.bodies.push(base);
-        // Link, its body, and the pose of its frame in that body (robot's axes).
-        let mut open = vec![(first, 0_usize, start, 0_usize)];
-        while let Some((link, body, pose, depth)) = open.pop() {
-            if depth > DEEPEST {
-                return Err(place.at(
-                    links[link],
-                    Error::invalid("the joints go round in a circle"),
-                ));
+fn file_name(source: &Source) -> String {
+    let name = source.path().file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}
+
+/// A robot in the making.
+struct Robot<'a> {
+    reader: Reader<'a>,
+    structure: Structure,
+    /// Where links stand, by name.
+    lines: BTreeMap<String, usize>,
+    servos: usize,
+}
+
+impl Robot<'_> {
+    fn links(&mut self, root: Node<'_, '_>, notes: &mut Notes) -> Result<()> {
+        for link in children(root, "link") {
+            let body = self.reader.body(link, notes)?;
+            let line = self.reader.place.line(link).unwrap_or(0);
+            if let Some(first) = self.lines.insert(body.name.clone(), line) {
+                let error = Error::invalid("two links have the same name")
+                    .found(format!("`{}`, also in line {first}", body.name));
+                return Err(self.reader.place.at(link, error));
             }
-            for joint in below.get(link).into_iter().flatten() {
-                let frame = pose * place.origin(joint.node)?;
-                let grown = Body::new(
-                    place,
-                    links[joint.child],
-                    &frame.rotation,
-                    &mut self.left_out,
-                )?;
-                match joint.kind {
-                    "fixed" => {
-                        let whole = self.bodies[body].clone();
-                        self.bodies[body] = whole.with(&grown, &frame.translation.vector);
-                        open.push((joint.child, body, frame, depth + 1));
-                    }
-                    "revolute" | "continuous" => {
-                        let child = self.bodies.len();
-                        self.bodies.push(grown);
-                        let hinge = self.hinge(place, joint, body, child, &frame)?;
-                        self.hinges.push(hinge);
-                        let own = Isometry3::from_parts(Vector3::zeros().into(), frame.rotation);
-                        open.push((joint.child, child, own, depth + 1));
-                    }
-                    other => {
-                        let error = Error::invalid("a joint that is no hinge")
-                            .found(format!("{other} `{}`", joint.name))
-                            .allowed("revolute, continuous, fixed");
-                        return Err(place.at(joint.node, error));
-                    }
-                }
-            }
+            self.structure.bodies.push(body);
         }
         Ok(())
     }
 
-    /// Gives modules and hinges names that they can have here.
-    fn rename(&mut self) {
-        let modules = self.bodies.iter_mut().map(|body| &mut body.name);
-        let mut changed = usable(modules);
-        changed.extend(usable(self.hinges.iter_mut().map(|hinge| &mut hinge.name)));
-        let changed = changed.into_iter();
-        self.left_out
-            .extend(changed.map(|(old, new)| format!("the name `{old}`: here it is `{new}`")));
+    fn joints(&mut self, root: Node<'_, '_>, notes: &mut Notes) -> Result<()> {
+        let mut names = BTreeSet::new();
+        for (index, node) in children(root, "joint").enumerate() {
+            let name = match node.attribute("name") {
+                Some(name) => name.to_owned(),
+                None => format!("joint{index}"),
+            };
+            if !names.insert(name.clone()) {
+                let error =
+                    Error::invalid("two joints have the same name").found(format!("`{name}`"));
+                return Err(self.reader.place.at(node, error));
+            }
+            self.joint(node, name, notes)?;
+        }
+        if self.servos > 0 {
+            notes.assumed(
+                None,
+                format!(
+                    "the servos of {} joints: URDF has their limits only; each turns to its command at {GAIN_1_S} 1/s times its error, and holds 0 where nothing else is said",
+                    self.servos
+                ),
+                "state laws and gaits in `actuators`, or leave them out with --passive",
+            );
+        }
+        Ok(())
     }
 
-    fn hinge(
-        &mut self,
-        place: &Place<'_>,
-        joint: &Joint<'_, '_>,
-        parent: usize,
-        child_body: usize,
-        frame: &Isometry3<f64>,
-    ) -> Result<Hinge> {
-        let axis = match child(joint.node, "axis") {
+    fn joint(&mut self, node: Node<'_, '_>, name: String, notes: &mut Notes) -> Result<()> {
+        let place = self.reader.place;
+        let line = place.line(node);
+        let end = |tag: &'static str| -> Result<String> {
+            let end = child(node, tag).ok_or_else(|| {
+                place.at(
+                    node,
+                    Error::invalid(format!("the joint `{name}` has no <{tag}>")),
+                )
+            })?;
+            let link = place.text(end, "link")?;
+            if self.lines.contains_key(link) {
+                return Ok(link.to_owned());
+            }
+            let names = self.lines.keys().map(String::as_str);
+            Err(place.at(end, realgap_core::file::unknown_name("link", link, names)))
+        };
+        let (parent, child_name) = (end("parent")?, end("child")?);
+        let pose = Pose::of(&place.origin(node)?);
+        let axis = match child(node, "axis") {
             Some(axis) => place.vector(axis, "xyz")?,
             None => Vector3::x(),
         };
-        let (mut viscous_nm_s_rad, mut dry_nm) = (0.0, 0.0);
-        if let Some(dynamics) = child(joint.node, "dynamics") {
-            viscous_nm_s_rad = place.number(dynamics, "damping")?.unwrap_or(0.0);
-            dry_nm = place.number(dynamics, "friction")?.unwrap_or(0.0);
-        }
-        let mut limits_rad = None;
-        if let Some(limit) = child(joint.node, "limit") {
-            if joint.kind == "revolute" {
-                let lower = place.number(limit, "lower")?.unwrap_or(0.0);
-                limits_rad = Some([lower, place.number(limit, "upper")?.unwrap_or(0.0)]);
-            }
-            if place.number(limit, "effort")?.unwrap_or(0.0) > 0.0 {
-                self.left_out.push(format!(
-                    "the servo of joint `{}`: URDF says its limits, not its law or gait; add `servo` and `gait` to the hinge",
-                    joint.name
-                ));
-            }
-        }
-        if child(joint.node, "mimic").is_some() {
-            self.left_out
-                .push(format!("that joint `{}` mimics another", joint.name));
-        }
-        Ok(Hinge {
-            name: joint.name.to_owned(),
-            parent,
-            child: child_body,
-            at_m: frame.translation.vector,
-            axis: frame.rotation * axis,
-            limits_rad,
-            viscous_nm_s_rad,
-            dry_nm,
-        })
-    }
-
-    /// The robot as people write it.
-    fn ron(&self, name: &str, source: &Source) -> Result<String> {
-        let file = source.path().file_name().unwrap_or_default();
-        let mut text = String::new();
-        // Writing into a text does not fail.
-        let _ = writeln!(
-            text,
-            "// Read from {}.",
-            file.display().to_string().escape_debug()
-        );
-        for left_out in &self.left_out {
-            let plain: String = left_out.chars().filter(|c| !c.is_control()).collect();
-            let _ = writeln!(text, "// Left out or changed: {plain}.");
-        }
-        let _ = writeln!(text, "(\n    name: {name:?},\n    modules: [");
-        for body in &self.bodies {
-            if body.blocks.is_empty() || body.mass_kg <= 0.0 {
-                return Err(Error::invalid("a link that moves has a box and a mass")
-                    .at_file(source.path())
-                    .found(format!("link `{}`", body.name))
-                    .hint("add them, or fix the link to another"));
-            }
-            let bounds = body.bounds();
-            let _ = write!(
-                text,
-                "        (name: {:?}, kind: Passive(sides_m: {}, mass_kg: {:?}",
-                body.name,
-                triple(&bounds.sides_m),
-                body.mass_kg
-            );
-            if body.blocks.len() > 1 {
-                let boxes: Vec<String> = body
-                    .blocks
-                    .iter()
-                    .map(|block| {
-                        let centre_m = block.centre_m - bounds.centre_m;
-                        format!(
-                            "(sides_m: {}, centre_m: {})",
-                            triple(&block.sides_m),
-                            triple(&centre_m)
-                        )
-                    })
-                    .collect();
-                let _ = write!(text, ", boxes: [{}]", boxes.join(", "));
-            }
-            let centre_m = body.moment_kg_m / body.mass_kg - bounds.centre_m;
-            let _ = write!(text, ", centre_of_mass_m: {}", triple(&centre_m));
-            if let Some([x, y, z]) = body.moments_kg_m2() {
-                let _ = write!(text, ", inertia_kg_m2: ({x:?}, {y:?}, {z:?})");
-            }
-            text.push_str(")),\n");
-        }
-        text.push_str("    ],\n");
-        if !self.hinges.is_empty() {
-            text.push_str("    hinges: [\n");
-            for hinge in &self.hinges {
-                let parent_centre_m = self.bodies[hinge.parent].bounds().centre_m;
-                let child_centre_m = self.bodies[hinge.child].bounds().centre_m;
-                let _ = write!(
-                    text,
-                    "        (name: {:?}, parent: {:?}, child: {:?}, anchor_m: {}, child_anchor_m: {}, axis: {}",
-                    hinge.name,
-                    self.bodies[hinge.parent].name,
-                    self.bodies[hinge.child].name,
-                    triple(&(hinge.at_m - parent_centre_m)),
-                    triple(&-child_centre_m),
-                    triple(&hinge.axis)
-                );
-                if hinge.viscous_nm_s_rad > 0.0 {
-                    let _ = write!(text, ", viscous_nm_s_rad: {:?}", hinge.viscous_nm_s_rad);
-                }
-                if hinge.dry_nm > 0.0 {
-                    let _ = write!(text, ", dry_nm: {:?}", hinge.dry_nm);
-                }
-                if let Some([low, high]) = hinge.limits_rad {
-                    let _ = write!(text, ", limits_rad: ({low:?}, {high:?})");
-                }
-                text.push_str("),\n");
-            }
-            text.push_str("    ],\n");
-        }
-        if let Some(mount_m) = &self.mount_m {
-            let centre_m = self.bodies[0].bounds().centre_m;
-            let _ = writeln!(text, "    mount_m: {},", triple(&(mount_m + centre_m)));
-        }
-        text.push_str(")\n");
-        Ok(text)
-    }
-}
-
-/// Turns names into letters, digits, `_` and `-`, each another one; old and new of those that changed.
-fn usable<'a>(names: impl Iterator<Item = &'a mut String>) -> Vec<(String, String)> {
-    let mut taken = BTreeSet::new();
-    let mut changed = Vec::new();
-    for name in names {
-        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-        let clean: String = name
-            .chars()
-            .take(Module::MAX_NAME - 4)
-            .map(|c| if plain(c) { c } else { '_' })
-            .collect();
-        let clean = match clean.strip_prefix('-') {
-            Some(rest) => format!("_{rest}"),
-            None if clean.is_empty() => "_".to_owned(),
-            None => clean,
+        let kind = place.text(node, "type")?;
+        let joint = |kind: JointKind| Joint {
+            name: name.clone(),
+            parent: parent.clone(),
+            child: child_name.clone(),
+            pose,
+            kind,
         };
-        let mut new = clean.clone();
-        let mut number = 1;
-        while !taken.insert(new.clone()) {
-            number += 1;
-            new = format!("{clean}_{number}");
+        let moves = matches!(kind, "revolute" | "continuous" | "prismatic");
+        if moves && axis.norm() < 1e-9 {
+            return Err(place.at(
+                node,
+                Error::invalid(format!("the axis of joint `{name}` has no direction"))
+                    .found("0 0 0"),
+            ));
         }
-        if *name != new {
-            changed.push((std::mem::replace(name, new.clone()), new));
+        let bearing = self.bearing(node, kind, &name, notes)?;
+        match kind {
+            "fixed" => self.structure.joints.push(joint(JointKind::Fixed)),
+            "revolute" | "continuous" => self.structure.joints.push(joint(bearing.turn(&axis))),
+            "prismatic" => self.structure.joints.push(joint(bearing.slide(&axis))),
+            "floating" | "planar" | "spherical" => {
+                self.many(&joint(JointKind::Fixed), kind, line, notes);
+            }
+            other => {
+                let error = Error::invalid("no such type of joint")
+                    .found(format!("{other} of `{name}`"))
+                    .allowed("fixed, revolute, continuous, prismatic, floating, planar, spherical");
+                return Err(place.at(node, error));
+            }
+        }
+        if moves && !self.reader.options.passive {
+            self.servo(node, &name, bearing.effort, bearing.velocity, notes)?;
+        }
+        Ok(())
+    }
+
+    /// Friction and limits of a joint.
+    fn bearing(
+        &self,
+        node: Node<'_, '_>,
+        kind: &str,
+        name: &str,
+        notes: &mut Notes,
+    ) -> Result<Bearing> {
+        let place = self.reader.place;
+        let mut bearing = Bearing::default();
+        if let Some(dynamics) = child(node, "dynamics") {
+            let mut read = |attribute: &str| -> Result<f64> {
+                let value = place.number(dynamics, attribute)?.unwrap_or(0.0);
+                if value < 0.0 {
+                    let what = format!("the {attribute} of joint `{name}` is {value}: 0 is taken");
+                    notes.changed(
+                        place.line(dynamics),
+                        what,
+                        "friction takes energy: state 0 or more",
+                    );
+                }
+                Ok(value.max(0.0))
+            };
+            (bearing.viscous, bearing.dry) = (read("damping")?, read("friction")?);
+            let stiffness = place
+                .number(dynamics, "stiffness")?
+                .or(place.number(dynamics, "spring_stiffness")?);
+            let rest = place.number(dynamics, "spring_reference")?.unwrap_or(0.0);
+            bearing.spring = stiffness.filter(|k| *k > 0.0).map(|k| (k, rest));
+        }
+        let Some(limit) = child(node, "limit") else {
+            if kind == "prismatic" || kind == "revolute" {
+                let what = format!("the {kind} joint `{name}` has no limits");
+                notes.assumed(
+                    place.line(node),
+                    what,
+                    "add <limit lower=... upper=... effort=... velocity=.../>",
+                );
+            }
+            return Ok(bearing);
+        };
+        bearing.effort = place.number(limit, "effort")?.unwrap_or(0.0);
+        bearing.velocity = place.number(limit, "velocity")?.unwrap_or(0.0);
+        let (lower, upper) = (
+            place.number(limit, "lower")?.unwrap_or(0.0),
+            place.number(limit, "upper")?.unwrap_or(0.0),
+        );
+        let is_limited = kind == "revolute" || kind == "prismatic";
+        bearing.limits = (is_limited && lower < upper).then_some((lower, upper));
+        if is_limited && lower >= upper {
+            let what = format!(
+                "the limits {lower} to {upper} of joint `{name}` leave nothing: it has none here"
+            );
+            notes.changed(place.line(limit), what, "state the range, or make it fixed");
+        }
+        Ok(bearing)
+    }
+
+    /// A joint with several freedoms as a chain of single ones, with links of nothing between them.
+    fn many(&mut self, joint: &Joint, kind: &str, line: Option<usize>, notes: &mut Notes) {
+        let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
+        let free = Bearing::default();
+        let chain: Vec<(&str, JointKind)> = match kind {
+            "planar" => vec![
+                ("x", free.slide(&x)),
+                ("y", free.slide(&y)),
+                ("turn", free.turn(&z)),
+            ],
+            "spherical" => vec![
+                ("roll", free.turn(&x)),
+                ("pitch", free.turn(&y)),
+                ("yaw", free.turn(&z)),
+            ],
+            _ => vec![
+                ("x", free.slide(&x)),
+                ("y", free.slide(&y)),
+                ("z", free.slide(&z)),
+                ("roll", free.turn(&x)),
+                ("pitch", free.turn(&y)),
+                ("yaw", free.turn(&z)),
+            ],
+        };
+        let what = format!(
+            "the {kind} joint `{}` is a chain of {} joints with one freedom each",
+            joint.name,
+            chain.len()
+        );
+        notes.changed(
+            line,
+            what,
+            "at a pitch of 90 degrees it loses one freedom: keep away from there",
+        );
+        chained(&mut self.structure, joint, chain);
+    }
+
+    fn servo(
+        &mut self,
+        node: Node<'_, '_>,
+        name: &str,
+        effort: f64,
+        velocity: f64,
+        notes: &mut Notes,
+    ) -> Result<()> {
+        let place = self.reader.place;
+        let mimic = child(node, "mimic");
+        if effort <= 0.0 {
+            if let Some(mimic) = mimic {
+                let what =
+                    format!("that joint `{name}` mimics another: it has no effort to do it with");
+                notes.left_out(place.line(mimic), what, "give its limit an effort");
+            }
+            return Ok(());
+        }
+        if effort > MOST || velocity > MOST {
+            let what = format!(
+                "the effort {effort} or velocity {velocity} of joint `{name}`: at most {MOST} here"
+            );
+            notes.changed(place.line(node), what, "state what its motor can do");
+        }
+        let follows = match mimic {
+            None => None,
+            Some(mimic) => Some(Follow {
+                joint: place.text(mimic, "joint")?.to_owned(),
+                factor: place.number(mimic, "multiplier")?.unwrap_or(1.0),
+                offset_rad: place.number(mimic, "offset")?.unwrap_or(0.0),
+            }),
+        };
+        if let (Some(follow), Some(mimic)) = (&follows, mimic) {
+            let what = format!(
+                "joint `{name}` is not geared to `{}`: a servo of its own copies that one's command",
+                follow.joint
+            );
+            notes.changed(
+                place.line(mimic),
+                what,
+                "the two part where a load parts them",
+            );
+        }
+        let servo = Servo {
+            law: ServoLaw::Velocity { gain_1_s: GAIN_1_S },
+            max_torque_nm: effort.min(MOST),
+            max_speed_rad_s: if velocity > 0.0 {
+                velocity.min(MOST)
+            } else {
+                f64::INFINITY
+            },
+            delay_s: 0.0,
+        };
+        self.servos += 1;
+        self.structure.actuators.push(Driver {
+            joint: name.to_owned(),
+            servo: servo.into(),
+            gait: None,
+            follows,
+        });
+        Ok(())
+    }
+
+    /// Whether the root is the world, and followers whose leaders have no servo.
+    fn roots(&mut self, root: Node<'_, '_>, notes: &mut Notes) -> Result<()> {
+        let structure = &mut self.structure;
+        let driven: BTreeSet<String> = structure
+            .actuators
+            .iter()
+            .map(|d| d.joint.clone())
+            .collect();
+        for driver in &mut structure.actuators {
+            if let Some(follow) = driver
+                .follows
+                .take_if(|follow| !driven.contains(&follow.joint))
+            {
+                let what = format!(
+                    "that joint `{}` mimics `{}`, which has no servo",
+                    driver.joint, follow.joint
+                );
+                notes.left_out(None, what, "give the limit of that joint an effort");
+            }
+        }
+        if structure.bodies.is_empty() {
+            return Err(self
+                .reader
+                .place
+                .at(root, Error::invalid("a robot without links")));
+        }
+        let children: BTreeSet<&str> = structure.joints.iter().map(|j| j.child.as_str()).collect();
+        let mut parents = BTreeMap::new();
+        for joint in &structure.joints {
+            if let Some(first) = parents.insert(joint.child.as_str(), &joint.name) {
+                let line = self.lines.get(&joint.child).copied().unwrap_or(1);
+                return Err(Error::invalid(format!(
+                    "link `{}` hangs on two joints: a closed loop",
+                    joint.child
+                ))
+                .at_file(self.reader.place.source.path())
+                .at_line(line, 1)
+                .found(format!("`{first}` and `{}`", joint.name))
+                .allowed("one joint above every link")
+                .hint("open the loop: remove one of the two joints"));
+            }
+        }
+        let roots: Vec<&Body> = structure
+            .bodies
+            .iter()
+            .filter(|b| !children.contains(b.name.as_str()))
+            .collect();
+        let [only] = roots.as_slice() else {
+            let names: Vec<String> = roots
+                .iter()
+                .take(8)
+                .map(|body| {
+                    let line = self.lines.get(&body.name).copied().unwrap_or(0);
+                    format!("`{}` (line {line})", body.name)
+                })
+                .collect();
+            let error = match roots.is_empty() {
+                true => Error::invalid("the joints go round in a circle")
+                    .found("no link that hangs on nothing"),
+                false => Error::invalid("a robot has one link that hangs on nothing: its root")
+                    .found(format!("{}: {}", roots.len(), names.join(", ")))
+                    .hint("join the others to it, or put them into a file of their own"),
+            };
+            return Err(self.reader.place.at(root, error));
+        };
+        if only.name == "world" || self.reader.options.mounted {
+            structure.mount = Some(Pose::of(&Isometry3::identity()));
+        }
+        Ok(())
+    }
+
+    /// Everything that is neither link nor joint, and what is unknown in them, one note a kind.
+    fn others(&self, root: Node<'_, '_>, notes: &mut Notes) {
+        let mut seen: BTreeMap<String, (usize, Option<usize>)> = BTreeMap::new();
+        let known = |parent: &str, tag: &str| match parent {
+            "robot" => ["link", "joint", "material"].contains(&tag),
+            "link" => ["inertial", "visual", "collision"].contains(&tag),
+            "joint" => [
+                "origin", "parent", "child", "axis", "limit", "dynamics", "mimic",
+            ]
+            .contains(&tag),
+            _ => true,
+        };
+        let elements = root.descendants().filter(Node::is_element);
+        for node in elements {
+            let Some(parent) = node.parent_element() else {
+                continue;
+            };
+            let (above, tag) = (parent.tag_name().name(), node.tag_name().name());
+            let is_inside = parent == root || parent.parent_element() == Some(root);
+            if is_inside && !known(above, tag) {
+                let entry = seen.entry(format!("<{tag}> in <{above}>"));
+                entry.or_insert((0, self.reader.place.line(node))).0 += 1;
+            }
+        }
+        for (what, (count, line)) in seen {
+            notes.left_out(
+                line,
+                format!("{what} ({count})"),
+                "state what matters of it in the RON",
+            );
         }
     }
-    changed
 }
 
-/// A vector as RON, without the noise of turning it there and back.
-fn triple(vector: &Vector3<f64>) -> String {
-    let clean = |x: f64| {
-        let rounded = (x * 1e12).round() / 1e12;
-        if rounded == 0.0 { 0.0 } else { rounded }
-    };
-    format!(
-        "({:?}, {:?}, {:?})",
-        clean(vector.x),
-        clean(vector.y),
-        clean(vector.z)
-    )
+/// Friction, limits and motor of a joint, in radians or metres.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Bearing {
+    pub viscous: f64,
+    pub dry: f64,
+    pub armature: f64,
+    pub spring: Option<(f64, f64)>,
+    pub limits: Option<(f64, f64)>,
+    pub effort: f64,
+    pub velocity: f64,
+}
+
+impl Bearing {
+    /// A joint that turns.
+    pub fn turn(&self, axis: &Vector3<f64>) -> JointKind {
+        JointKind::Turn {
+            axis: (axis.x, axis.y, axis.z),
+            anchor_m: (0.0, 0.0, 0.0),
+            limits_rad: self.limits,
+            viscous_nm_s_rad: self.viscous,
+            dry_nm: self.dry,
+            armature_kg_m2: self.armature,
+            spring: self.spring.map(|(stiffness_nm_rad, rest_rad)| TurnSpring {
+                stiffness_nm_rad,
+                rest_rad,
+            }),
+        }
+    }
+
+    /// A joint that slides.
+    pub fn slide(&self, axis: &Vector3<f64>) -> JointKind {
+        JointKind::Slide {
+            axis: (axis.x, axis.y, axis.z),
+            limits_m: self.limits,
+            viscous_n_s_m: self.viscous,
+            dry_n: self.dry,
+            armature_kg: self.armature,
+            spring: self.spring.map(|(stiffness_n_m, rest_m)| {
+                crate::morphology::body::SlideSpring {
+                    stiffness_n_m,
+                    rest_m,
+                }
+            }),
+        }
+    }
+}
+
+/// Adds a chain of joints in place of one, with bodies of nothing between them; the pose is that of the first.
+pub(super) fn chained(structure: &mut Structure, joint: &Joint, chain: Vec<(&str, JointKind)>) {
+    let count = chain.len();
+    let mut parent = joint.parent.clone();
+    for (index, (name, kind)) in chain.into_iter().enumerate() {
+        let is_last = index + 1 == count;
+        let child = match is_last {
+            true => joint.child.clone(),
+            false => format!("{}_{name}", joint.child),
+        };
+        if !is_last {
+            structure.bodies.push(Body {
+                name: child.clone(),
+                ..Body::default()
+            });
+        }
+        structure.joints.push(Joint {
+            name: format!("{}_{name}", joint.name),
+            parent: std::mem::replace(&mut parent, child.clone()),
+            child,
+            pose: if index == 0 {
+                joint.pose
+            } else {
+                Pose::default()
+            },
+            kind,
+        });
+    }
 }

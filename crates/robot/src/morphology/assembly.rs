@@ -3,7 +3,7 @@
 //! Everything is given in the robot frame at zero joint coordinates: of cubes the frame of the root module (origin at its centre,
 //! x, y, z along its faces), of bodies the frame of the root body.
 
-use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 
 use super::motor::Motor;
 use super::shape::Shape;
@@ -45,6 +45,14 @@ impl Solid {
     /// Half extents of the box around it, along its own axes, metres.
     pub fn half_extents_m(&self) -> Vector3<f64> {
         self.shape.half_extents_m()
+    }
+
+    /// Lower and upper corner of the box around it along the robot's axes, metres.
+    pub fn bounds_robot_m(&self) -> (Vector3<f64>, Vector3<f64>) {
+        let turn = self.robot_from_solid.rotation.to_rotation_matrix();
+        let half_m = turn.matrix().abs() * self.half_extents_m();
+        let centre_m = self.robot_from_solid.translation.vector;
+        (centre_m - half_m, centre_m + half_m)
     }
 
     /// Whether anything can touch it.
@@ -143,6 +151,8 @@ pub enum ServoLaw {
     },
     /// A motor behind a gear: what a servo is made of.
     Motor(Motor),
+    /// The command is the torque itself, N m.
+    Direct,
 }
 
 impl ServoLaw {
@@ -155,6 +165,8 @@ impl ServoLaw {
                 stiffness_nm_rad, ..
             } => *stiffness_nm_rad *= factor,
             Self::Motor(motor) => motor.position_gain *= factor,
+            // A command that is a torque is answered by as much.
+            Self::Direct => {}
         }
     }
 }
@@ -168,6 +180,8 @@ pub struct Servo {
     pub max_torque_nm: f64,
     /// Largest commanded speed, rad/s; infinite for a servo without a speed limit.
     pub max_speed_rad_s: f64,
+    /// Age of the command that it acts on, seconds.
+    pub delay_s: f64,
 }
 
 /// What moves a hinge.
@@ -246,6 +260,18 @@ pub struct Hinge {
     pub is_stated: bool,
 }
 
+impl Hinge {
+    /// Turn about the axis, or slide along it, in the robot frame.
+    pub fn motion(&self, coordinate: f64) -> Isometry3<f64> {
+        if self.freedom == Freedom::Slide {
+            return Translation3::from(self.axis_robot.into_inner() * coordinate).into();
+        }
+        let there = Translation3::from(self.anchor_robot_m);
+        let rotation = UnitQuaternion::from_axis_angle(&self.axis_robot, coordinate);
+        there * rotation * there.inverse()
+    }
+}
+
 /// A frame that is fixed to a part, by name: what is tracked, or carries a sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
@@ -298,6 +324,15 @@ impl Assembly {
             robot_from_track: Isometry3::identity(),
             body_length_m: 1.0,
         }
+    }
+
+    /// How each part has moved from its place at zero, robot frame, when the joints are at these coordinates; part 0 has not.
+    pub fn moved(&self, coordinates: &[f64]) -> Vec<Isometry3<f64>> {
+        let mut moved = vec![Isometry3::identity(); self.parts.len()];
+        for (hinge, &coordinate) in self.hinges.iter().zip(coordinates) {
+            moved[hinge.child_part] = moved[hinge.parent_part] * hinge.motion(coordinate);
+        }
+        moved
     }
 
     /// Whether two modules are stated never to touch.

@@ -110,6 +110,8 @@
 
 mod assemble;
 mod assembly;
+pub mod body;
+mod dynamics;
 mod face;
 mod file;
 mod flaw;
@@ -127,6 +129,7 @@ mod tree;
 
 use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 
@@ -134,6 +137,7 @@ pub use assembly::{
     Actuator, Assembly, Bearing, ClusterMass, Freedom, Gait, Hinge, Mark, Part, Role, Servo,
     ServoLaw, Solid, Spring,
 };
+pub use dynamics::Dynamics;
 pub use face::Face;
 pub use glue::Glue;
 pub use module::{Drive, DriveAxis, Module, ModuleBox, Plate};
@@ -142,6 +146,8 @@ pub use pivot::Pivot;
 pub use shape::Shape;
 pub use summary::Summary;
 
+use crate::import::{Note, Options, import, is_foreign};
+use body::Structure;
 pub use file::MorphologyFile;
 use flaw::{Checked, Flaw};
 use layout::Placement;
@@ -184,6 +190,14 @@ pub struct Morphology {
     track: usize,
     tree: Tree,
     placements: Vec<Placement>,
+    built: Option<Arc<Built>>,
+}
+
+/// A robot that was stated as bodies.
+#[derive(Debug, PartialEq)]
+struct Built {
+    structure: Structure,
+    assembly: Assembly,
 }
 
 impl Morphology {
@@ -198,7 +212,7 @@ impl Morphology {
         Self::check(blueprint).map_err(Flaw::without_file)
     }
 
-    /// Reads a RON file.
+    /// Reads a RON file; or a URDF or MJCF, by its ending.
     ///
     /// # Errors
     /// As [`Source::read`] and [`Morphology::parse`].
@@ -212,6 +226,13 @@ impl Morphology {
     /// Text that is not RON of the form described on the [module page](self), or a robot that cannot be
     /// built; always with file, line and column.
     pub fn parse(source: &Source) -> Result<Self> {
+        if is_foreign(source.path()) {
+            return Ok(Self::import(source, &Options::default())?.0);
+        }
+        if Structure::is_in(source) {
+            let structure: Structure = parse_ron(source)?;
+            return Self::check_structure(structure).map_err(|flaw| flaw.in_file(source));
+        }
         parse_ron::<MorphologyFile>(source)?
             .into_blueprint()
             .and_then(Self::check)
@@ -223,7 +244,123 @@ impl Morphology {
     /// # Errors
     /// None is known: every validated morphology can be written.
     pub fn to_ron(&self) -> Result<String> {
+        if let Some(built) = &self.built {
+            return write_ron(&built.structure);
+        }
         write_ron(&MorphologyFile::from_morphology(self))
+    }
+
+    /// A robot of another program, URDF or MJCF, and what there is to say about it.
+    ///
+    /// # Errors
+    /// As [`import`], and of what is no robot here.
+    pub fn import(source: &Source, options: &Options) -> Result<(Self, Vec<Note>)> {
+        let imported = import(source, options)?;
+        let robot = Self::of_bodies(imported.structure).map_err(|error| {
+            error
+                .at_file(source.path())
+                .or_hint("this is said of the robot as it was read: `bodies[0]` is its first link")
+        })?;
+        Ok((robot, imported.notes))
+    }
+
+    /// A robot of bodies.
+    ///
+    /// # Errors
+    /// Whatever the [page of bodies](body) says is refused; the error names the place as in a file, e.g. `joints[2].child`.
+    pub fn of_bodies(structure: Structure) -> Result<Self> {
+        Self::check_structure(structure).map_err(Flaw::without_file)
+    }
+
+    fn check_structure(structure: Structure) -> Checked<Self> {
+        let assembly = structure.build()?;
+        let track = body::tracked(&structure, &assembly);
+        Ok(Self {
+            name: structure.name.clone(),
+            description: structure.description.clone(),
+            modules: body::modules(&structure, &assembly),
+            glue: Vec::new(),
+            pivots: Vec::new(),
+            never_touch: assembly.apart.clone(),
+            mount_world_m: assembly
+                .world_from_mount
+                .map(|pose| pose.translation.vector),
+            track,
+            tree: Tree::nothing(),
+            placements: Vec::new(),
+            built: Some(Arc::new(Built {
+                structure,
+                assembly,
+            })),
+        })
+    }
+
+    /// The robot as bodies and joints, where its file states it so.
+    pub fn structure(&self) -> Option<&Structure> {
+        self.built.as_deref().map(|built| &built.structure)
+    }
+
+    /// The gait of every module, in their order: of its servo, or of the joint that moves it; `None` for what nothing
+    /// drives, or follows another joint.
+    pub fn gaits(&self) -> Vec<Option<Gait>> {
+        let mut gaits = vec![None; self.modules.len()];
+        for hinge in self.assemble().hinges {
+            let follows = self.structure().is_some_and(|structure| {
+                let mut drivers = structure.actuators.iter();
+                drivers.any(|driver| driver.joint == hinge.name && driver.follows.is_some())
+            });
+            if let Some(actuator) = hinge.actuator.filter(|_| !follows) {
+                gaits[hinge.module].get_or_insert(actuator.gait);
+            }
+        }
+        gaits
+    }
+
+    /// The same robot under another name and description with other gaits, in the order of the modules; what nothing drives has none.
+    ///
+    /// # Errors
+    /// Gaits that no servo may have.
+    pub fn with_gaits(
+        &self,
+        name: &str,
+        description: &str,
+        gaits: &[Option<Gait>],
+    ) -> Result<Self> {
+        let gait_of = |module: usize| gaits.get(module).copied().flatten();
+        let (name, description) = (name.to_owned(), description.to_owned());
+        if let Some(built) = &self.built {
+            let mut structure = built.structure.clone();
+            (structure.name, structure.description) = (name, description);
+            for hinge in &built.assembly.hinges {
+                let mut drivers = structure.actuators.iter_mut();
+                if let Some(driver) = drivers.find(|driver| driver.joint == hinge.name)
+                    && let Some(gait) = gait_of(hinge.module).filter(|_| driver.follows.is_none())
+                {
+                    driver.gait = Some(gait.into());
+                }
+            }
+            return Self::of_bodies(structure);
+        }
+        let mut modules = self.modules.clone();
+        let mut pivots = self.pivots.clone();
+        for (index, module) in modules.iter_mut().enumerate() {
+            let pivot = pivots.iter_mut().find(|pivot| pivot.child == index);
+            let own = module.drive.as_mut().map(|drive| &mut drive.actuator);
+            let actuator = own.or_else(|| pivot.and_then(|pivot| pivot.actuator.as_mut()));
+            if let (Some(actuator), Some(gait)) = (actuator, gait_of(index)) {
+                actuator.gait = gait;
+            }
+        }
+        Self::new(Blueprint {
+            name,
+            description,
+            modules,
+            glue: self.glue.clone(),
+            pivots,
+            never_touch: self.never_touch.clone(),
+            mount_world_m: self.mount_world_m,
+            track: Some(self.track),
+        })
     }
 
     fn check(blueprint: Blueprint) -> Checked<Self> {
@@ -282,6 +419,7 @@ impl Morphology {
             track,
             tree,
             placements,
+            built: None,
         })
     }
 
@@ -303,7 +441,7 @@ impl Morphology {
         &self.description
     }
 
-    /// The modules, in the order of the file.
+    /// The modules, in the order of the file; of a robot of bodies the box around each body.
     pub fn modules(&self) -> &[Module] {
         &self.modules
     }
@@ -335,7 +473,10 @@ impl Morphology {
 
     /// Index of the module that is nobody's child.
     pub fn root(&self) -> usize {
-        self.tree.root
+        match &self.built {
+            Some(built) => built.assembly.parts[0].solids[0].module,
+            None => self.tree.root,
+        }
     }
 
     /// Index of the module whose motion is recorded.
@@ -348,7 +489,10 @@ impl Morphology {
     /// Part 0 contains the root. Parts are numbered from the root outwards, at each module first its free
     /// plate, then its children in the order of the glue, then those of stated hinges; hinge *k* moves part *k* + 1.
     pub fn assemble(&self) -> Assembly {
-        assemble::assemble(self)
+        match &self.built {
+            Some(built) => built.assembly.clone(),
+            None => assemble::assemble(self),
+        }
     }
 
     /// The robot in a few numbers.
@@ -359,6 +503,9 @@ impl Morphology {
     /// Free plates that overlap another module at some angle of their gait, all other servos at zero: pairs of the module with
     /// the plate and the module that it hits. Such a servo is blocked, or a run starts with bodies inside each other.
     pub fn blocked_plates(&self) -> Vec<(usize, usize)> {
+        if self.built.is_some() {
+            return Vec::new();
+        }
         sweep::blocked_plates(self)
     }
 }

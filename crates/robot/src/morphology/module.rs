@@ -278,7 +278,9 @@ fn check_servo(servo: &Servo, at: &str) -> Checked<()> {
         law,
         max_torque_nm,
         max_speed_rad_s,
+        delay_s,
     } = *servo;
+    Range::within(0.0, 10.0, "s").check(delay_s, &format!("{at}.delay_s"))?;
     match law {
         ServoLaw::Velocity { gain_1_s } => {
             Range::above(0.0, 1e5, "1/s").check(gain_1_s, &format!("{at}.law.gain_1_s"))?;
@@ -293,6 +295,7 @@ fn check_servo(servo: &Servo, at: &str) -> Checked<()> {
                 .check(damping_nm_s_rad, &format!("{at}.law.damping_nm_s_rad"))?;
         }
         ServoLaw::Motor(motor) => check_motor(&motor, &format!("{at}.law"))?,
+        ServoLaw::Direct => {}
     }
     Range::above(0.0, 1e4, "N m").check(max_torque_nm, &format!("{at}.max_torque_nm"))?;
     // Infinity is the documented way to say "no limit"; files say it by leaving the field out.

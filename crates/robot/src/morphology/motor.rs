@@ -106,7 +106,7 @@ impl ServoLaw {
     pub fn motor(&self) -> Option<&Motor> {
         match self {
             Self::Motor(motor) => Some(motor),
-            Self::Velocity { .. } | Self::Torque { .. } => None,
+            Self::Velocity { .. } | Self::Torque { .. } | Self::Direct => None,
         }
     }
 
@@ -114,7 +114,7 @@ impl ServoLaw {
     pub fn motor_mut(&mut self) -> Option<&mut Motor> {
         match self {
             Self::Motor(motor) => Some(motor),
-            Self::Velocity { .. } | Self::Torque { .. } => None,
+            Self::Velocity { .. } | Self::Torque { .. } | Self::Direct => None,
         }
     }
 }

@@ -89,7 +89,8 @@ impl Morphology {
         hinges
             .filter(|hinge| {
                 let (light_kg, heavy_kg) = of(hinge);
-                heavy_kg > MASS_RATIO * light_kg
+                // A link without mass is meant to have none.
+                light_kg > 0.0 && heavy_kg > MASS_RATIO * light_kg
             })
             .map(|hinge| {
                 let (light_kg, heavy_kg) = of(hinge);

@@ -5,10 +5,11 @@ use serde::{Deserialize, Serialize};
 use super::assembly::{Gait, Servo, ServoLaw};
 use super::motor::{GearFriction, Motor};
 
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+/// A servo as files state it.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "servo")]
-pub(super) struct ServoFile {
+pub struct ServoFile {
     /// Control law.
     law: LawFile,
     /// Largest torque, N m.
@@ -16,12 +17,16 @@ pub(super) struct ServoFile {
     /// Largest commanded speed, rad/s; without it there is no limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     max_speed_rad_s: Option<f64>,
+    /// Age of the command that it acts on, seconds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    delay_s: Option<f64>,
 }
 
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+/// A control law as files state it.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "law")]
-pub(super) enum LawFile {
+pub enum LawFile {
     /// Velocity command `clamp(gain error, +- max speed)`, followed within the torque.
     Velocity {
         /// Gain, 1/s.
@@ -59,13 +64,15 @@ pub(super) enum LawFile {
         #[serde(default)]
         friction: FrictionFile,
     },
+    /// The command is the torque itself, N m.
+    Direct,
 }
 
 /// What is left out is zero, but for the form of the Stribeck curve.
-#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default, rename = "friction")]
-pub(super) struct FrictionFile {
+pub struct FrictionFile {
     /// Coulomb friction, N m.
     dry_nm: f64,
     /// Viscous friction, N m s/rad.
@@ -130,10 +137,11 @@ impl From<GearFriction> for FrictionFile {
     }
 }
 
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+/// A gait as files state it.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "gait")]
-pub(super) struct GaitFile {
+pub struct GaitFile {
     /// Mean angle, radians.
     #[serde(default)]
     offset_rad: f64,
@@ -179,9 +187,11 @@ impl From<ServoFile> for Servo {
                     slew_1_s: slew_1_s.unwrap_or(f64::INFINITY),
                     friction: friction.into(),
                 }),
+                LawFile::Direct => ServoLaw::Direct,
             },
             max_torque_nm: file.max_torque_nm,
             max_speed_rad_s: file.max_speed_rad_s.unwrap_or(f64::INFINITY),
+            delay_s: file.delay_s.unwrap_or(0.0),
         }
     }
 }
@@ -209,24 +219,31 @@ impl From<Servo> for ServoFile {
                     slew_1_s: motor.slew_1_s.is_finite().then_some(motor.slew_1_s),
                     friction: motor.friction.into(),
                 },
+                ServoLaw::Direct => LawFile::Direct,
             },
             max_torque_nm: servo.max_torque_nm,
             max_speed_rad_s: servo
                 .max_speed_rad_s
                 .is_finite()
                 .then_some(servo.max_speed_rad_s),
+            delay_s: (servo.delay_s != 0.0).then_some(servo.delay_s),
         }
     }
 }
 
 impl GaitFile {
     /// The gait of a servo that is given none: hold 0 rad.
-    pub(super) const HOLD: Self = Self {
-        offset_rad: 0.0,
-        amplitude_rad: 0.0,
-        frequency_hz: 0.0,
-        phase_rad: 0.0,
-    };
+    pub(super) const HOLD: Self = Self::hold(0.0);
+
+    /// The gait of a servo that holds an angle.
+    pub(super) const fn hold(offset_rad: f64) -> Self {
+        Self {
+            offset_rad,
+            amplitude_rad: 0.0,
+            frequency_hz: 0.0,
+            phase_rad: 0.0,
+        }
+    }
 }
 
 impl From<GaitFile> for Gait {

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::Morphology;
+use super::assembly::Solid;
 use super::layout::blocks;
 
 /// What `check` prints about a robot. Robot frame: origin at the centre of the root module, zero servo angles.
@@ -44,24 +45,19 @@ pub(super) fn summarise(morphology: &Morphology) -> Summary {
         let centre = solid.robot_from_solid * nalgebra::Point3::from(solid.centre_of_mass_solid_m);
         moment += centre.coords * solid.mass_kg;
     }
-    let (lower_robot_m, upper_robot_m) = blocks(
-        morphology.modules(),
-        morphology.glue(),
-        &morphology.placements,
-    )
-    .iter()
-    .fold(
-        (
-            Vector3::repeat(f64::INFINITY),
-            Vector3::repeat(f64::NEG_INFINITY),
-        ),
-        |(lower, upper), block| {
-            (
-                lower.inf(&(block.centre_robot_m - block.half_robot_m)),
-                upper.sup(&(block.centre_robot_m + block.half_robot_m)),
-            )
-        },
+    let nothing = (
+        Vector3::repeat(f64::INFINITY),
+        Vector3::repeat(f64::NEG_INFINITY),
     );
+    let (lower_robot_m, upper_robot_m) = if assembly.is_modular {
+        box_of_modules(morphology, nothing)
+    } else {
+        let solids = assembly.parts.iter().flat_map(|part| &part.solids);
+        let surfaces = solids.filter(|solid| solid.has_surface());
+        let bounds = surfaces.map(Solid::bounds_robot_m);
+        let bounds = bounds.reduce(|(a, b), (low, high)| (a.inf(&low), b.sup(&high)));
+        bounds.unwrap_or_default()
+    };
     Summary {
         modules: morphology.modules().len(),
         parts: assembly.parts.len(),
@@ -77,4 +73,22 @@ pub(super) fn summarise(morphology: &Morphology) -> Summary {
         upper_robot_m,
         body_length_m: assembly.body_length_m,
     }
+}
+
+/// The box around everything of modules that can touch.
+fn box_of_modules(
+    morphology: &Morphology,
+    nothing: (Vector3<f64>, Vector3<f64>),
+) -> (Vector3<f64>, Vector3<f64>) {
+    let all = blocks(
+        morphology.modules(),
+        morphology.glue(),
+        &morphology.placements,
+    );
+    all.iter().fold(nothing, |(lower, upper), block| {
+        (
+            lower.inf(&(block.centre_robot_m - block.half_robot_m)),
+            upper.sup(&(block.centre_robot_m + block.half_robot_m)),
+        )
+    })
 }

@@ -65,6 +65,16 @@ pub(super) struct Tree {
 }
 
 impl Tree {
+    /// That of no modules.
+    pub(super) const fn nothing() -> Self {
+        Self {
+            root: 0,
+            order: Vec::new(),
+            parent: Vec::new(),
+            children: Vec::new(),
+        }
+    }
+
     pub(super) fn grow(modules: &[Module], links: Links<'_>) -> Checked<Self> {
         let name = |index: usize| modules[index].name.as_str();
         let mut parent: Vec<Option<Edge>> = vec![None; modules.len()];

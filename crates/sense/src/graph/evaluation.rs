@@ -74,9 +74,9 @@ pub struct Evaluation {
     pub mann_whitney_p: f64,
     /// From so many scans to as many later the errors of every segment are nearly independent.
     pub every: usize,
-    /// This is the number of scans of the log.
+    /// Scans of the log.
     pub scans: usize,
-    /// This is the number of segments in which something came back.
+    /// Segments in which something came back.
     pub samples: usize,
     /// Share of scans at places outside of the rectangle that the fit has seen.
     pub outside: f64,

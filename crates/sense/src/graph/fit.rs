@@ -6,41 +6,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::model::{Frame, Polynomial, Sensorgraph};
+use super::option::GraphOptions;
 use super::polynomial::{FOLDS, SAMPLES_PER_TERM, fold, polynomial};
 use super::regression::{Stop, monomials};
 use super::sample::{frame_of_log, logged, samples};
 use super::scan::ScanLog;
 use realgap_core::error::{Error, Result};
-use realgap_core::range::Range;
 use realgap_core::statistics::mean;
 use realgap_core::warning::{Code, Warning};
-
-/// How a log becomes a sensorgraph.
-#[derive(Debug, Clone, PartialEq)]
-pub struct GraphOptions {
-    /// Largest degree of the polynomials.
-    pub degree: u32,
-    /// Ranges of headings, or directions of the world.
-    pub headings: usize,
-    /// Width of a segment of the scan, degrees.
-    pub width_deg: f64,
-    /// When no more terms are taken.
-    pub stop: Stop,
-    /// What the polynomials are of; where there is none, what foretells parts of the way that are left out better.
-    pub frame: Option<Frame>,
-}
-
-impl Default for GraphOptions {
-    fn default() -> Self {
-        Self {
-            degree: 4,
-            headings: 12,
-            width_deg: 30.0,
-            stop: Stop::Validation,
-            frame: None,
-        }
-    }
-}
 
 /// A fitted sensorgraph and what chose it.
 #[derive(Debug, Clone, Serialize)]
@@ -54,13 +27,13 @@ pub struct FittedGraph {
     /// Mean absolute error over parts of the way that were left out, metres, with polynomials of headings and segments; `None` where it
     /// was not tried.
     pub robot_frame_error_m: Option<f64>,
-    /// This is the same error with polynomials of directions of the world.
+    /// The same with polynomials of directions of the world.
     pub world_frame_error_m: Option<f64>,
     /// Which was taken.
     pub frame: Frame,
-    /// This is the number of polynomials.
+    /// Number of polynomials.
     pub polynomials: usize,
-    /// This is the number of all their terms.
+    /// Number of all their terms.
     pub terms: usize,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
@@ -71,7 +44,7 @@ pub struct FittedGraph {
 /// # Errors
 /// Options out of range, a log too short or without a return, a robot that never moved.
 pub fn fit(log: &ScanLog, options: &GraphOptions) -> Result<FittedGraph> {
-    check(options)?;
+    options.check()?;
     if log.scans.len() < 2 * FOLDS {
         return Err(Error::invalid("too few scans for a sensorgraph")
             .found(log.scans.len())
@@ -140,20 +113,6 @@ pub fn fit(log: &ScanLog, options: &GraphOptions) -> Result<FittedGraph> {
         warnings,
         model,
     })
-}
-
-fn check(options: &GraphOptions) -> Result<()> {
-    let range = |field: &str, found: f64, low: f64, high: f64, unit: &'static str| {
-        Range::within(low, high, unit).check(found, field)
-    };
-    range("degree", f64::from(options.degree), 0.0, 8.0, "")?;
-    range("headings", options.headings as f64, 1.0, 360.0, "")?;
-    range("width", options.width_deg, 1.0, 180.0, "degrees")?;
-    match options.stop {
-        Stop::Err(share) => range("error reduction ratio", share, 0.0, 1.0, ""),
-        Stop::Terms(terms) => range("terms", terms as f64, 1.0, 100.0, ""),
-        _ => Ok(()),
-    }
 }
 
 fn with_polynomials(

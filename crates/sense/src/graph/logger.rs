@@ -28,7 +28,7 @@ pub struct Logger {
     pub radius_m: f64,
     /// A random walk turns where something ahead is nearer than this, metres.
     pub avoid_m: f64,
-    /// A random walk turns by a random angle after so many seconds.
+    /// It also turns by a random angle after so many seconds.
     pub turn_every_s: f64,
 }
 

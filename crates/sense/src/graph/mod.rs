@@ -9,6 +9,7 @@ mod export;
 mod fit;
 mod logger;
 mod model;
+mod option;
 mod polynomial;
 pub mod regression;
 mod sample;
@@ -16,7 +17,8 @@ mod scan;
 
 pub use evaluation::{Evaluation, SegmentReport};
 pub use export::{Language, functions};
-pub use fit::{FittedGraph, GraphOptions, fit};
+pub use fit::{FittedGraph, fit};
 pub use logger::Logger;
 pub use model::{Frame, LoggedPose, Polynomial, Sensorgraph, Term};
+pub use option::GraphOptions;
 pub use scan::{Scan, ScanLog};

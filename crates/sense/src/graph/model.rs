@@ -1,14 +1,12 @@
 //! A sensorgraph: what a scanner reads at a place, as polynomials (paper 001).
 
 use std::fmt;
-use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use super::regression::{Powers, monomial};
 use super::scan::wrapped;
 use realgap_core::error::{Error, Result};
-use realgap_core::file::{Source, parse_ron, write_ron};
 
 /// What the polynomials are of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -104,26 +102,9 @@ pub struct Sensorgraph {
 /// Missing, in numbers of a [`LoggedPose`].
 pub(super) const NOTHING: f64 = -1.0;
 
+realgap_core::ron_file!(Sensorgraph, "sensorgraph");
+
 impl Sensorgraph {
-    /// Reads a model's file.
-    ///
-    /// # Errors
-    /// A missing file, or anything that is not a model.
-    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
-        let source = Source::read(path, "sensorgraph")?;
-        let graph: Self = parse_ron(&source)?;
-        graph.check().map_err(|e| e.at_file(source.path()))?;
-        Ok(graph)
-    }
-
-    /// The model as a file's text.
-    ///
-    /// # Errors
-    /// None for a model of ours.
-    pub fn to_ron(&self) -> Result<String> {
-        write_ron(self)
-    }
-
     fn check(&self) -> Result<()> {
         let segments = self.segments_deg.len();
         let polynomials = match self.frame {

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::fit::GraphOptions;
 use super::model::{Polynomial, Term};
+use super::option::GraphOptions;
 use super::regression::{Powers, Stop, count, estimate, monomial, monomials, order};
 use super::sample::Sample;
 use realgap_core::statistics::mean;

@@ -1,7 +1,7 @@
 //! From a log of scans to the samples of each polynomial.
 
-use super::fit::GraphOptions;
 use super::model::{Frame, LoggedPose, NOTHING, Sensorgraph};
+use super::option::GraphOptions;
 use super::scan::ScanLog;
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::mean;

@@ -1,23 +1,10 @@
-//! Whether log, arena, anchors and options belong together.
+//! Whether log, arena and anchors belong together.
 
-use super::fit::RadioOptions;
 use super::log::RadioLog;
 use crate::arena::{Anchor, Arena};
 use realgap_core::error::{Error, Result};
-use realgap_core::range::Range;
 use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
-
-pub(super) fn check_options(options: &RadioOptions) -> Result<()> {
-    for (field, value, least) in [
-        ("reference distance", options.reference_distance_m, 1e-3),
-        ("robot height", options.robot_height_m, 0.0),
-    ] {
-        let range = Range::within(least, 1e3, "m");
-        range.check(value, field).map_err(Error::into_usage)?;
-    }
-    Ok(())
-}
 
 /// Readings and anchors that are where they can hardly be.
 pub(super) fn check_places(

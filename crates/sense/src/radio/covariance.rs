@@ -5,7 +5,17 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector};
 
 use super::log::RadioLog;
-use super::shadow::{SPOT_M, Spread};
+
+/// Two readings this near to each other were taken at the same spot, metres.
+pub(super) const SPOT_M: f64 = 0.25;
+
+/// How errors of strengths lie: a part of the place and a part of the reading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Spread {
+    pub(super) shadowing_sd_db: f64,
+    pub(super) shadowing_distance_m: f64,
+    pub(super) fading_sd_db: f64,
+}
 
 /// Covariance of least squares parameters whose errors have the covariance s² exp(−h/L) between places of one anchor and a part of
 /// each reading: (X'X)⁻¹ X'ΣX (X'X)⁻¹. Readings of one spot (a quarter of a metre) count as taken at its middle. `None` where X'X

@@ -50,11 +50,11 @@ pub struct Guess {
 pub struct Evaluation {
     /// The model's name.
     pub propagation: String,
-    /// This is the root mean square error, dB.
+    /// Root mean square error, dB.
     pub rmse_db: f64,
-    /// This is the lower end of its 90 % interval over resampled places, dB.
+    /// Where its 90 % interval over resampled places begins, dB.
     pub rmse_low_db: f64,
-    /// This is the upper end of that interval, dB.
+    /// Where that interval ends, dB.
     pub rmse_high_db: f64,
     /// Mean of measured minus predicted, dB.
     pub bias_db: f64,
@@ -66,9 +66,9 @@ pub struct Evaluation {
     pub anchors: Vec<AnchorReport>,
     /// The same log by other models of the same fit, the mean strength of that fit, and fingerprints where they were given.
     pub guesses: Vec<Guess>,
-    /// This is the number of strengths.
+    /// Strengths of the log.
     pub readings: usize,
-    /// This is the number of strengths that are missing.
+    /// Strengths that are missing.
     pub missing: usize,
     /// Middle of each quarter of a metre (metres) and the root mean square error there, dB: the map of what is not explained.
     #[serde(skip)]

@@ -1,44 +1,21 @@
 //! From a log of strengths to a radio model: every propagation model, chosen by places that were left out.
 
-use super::check::{check_options, check_places};
-use super::covariance::covariance;
+use super::check::check_places;
+use super::covariance::{Spread, covariance};
 use super::fitted::{Candidate, FittedParameter, FittedRadio};
 use super::interval::grouped_quantile;
 use super::link::Link;
 use super::log::RadioLog;
-use super::model::{LogBase, OtherFit, RadioModel, SENSITIVITY_DBM};
+use super::model::{OtherFit, RadioModel, SENSITIVITY_DBM};
+use super::option::RadioOptions;
 use super::place::{ByPlace, PLACE_M, places};
 use super::propagation::{PROPAGATIONS, Propagation};
-use super::shadow::{self, Spread};
+use super::shadow;
 use crate::arena::{Anchor, Arena};
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{mean, standard_deviation, student_quantile};
 use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
-
-/// How a log is fitted.
-#[derive(Debug, Clone)]
-pub struct RadioOptions {
-    /// The model; `None` for the one that foretells places that were left out best.
-    pub propagation: Option<&'static dyn Propagation>,
-    /// This is the distance d₀, metres.
-    pub reference_distance_m: f64,
-    /// Base of the logarithm.
-    pub log_base: LogBase,
-    /// Height of the robot's antenna, metres.
-    pub robot_height_m: f64,
-}
-
-impl Default for RadioOptions {
-    fn default() -> Self {
-        Self {
-            propagation: None,
-            reference_distance_m: 1.0,
-            log_base: LogBase::Ten,
-            robot_height_m: 0.3,
-        }
-    }
-}
 
 /// Fewest places of a log.
 const FEWEST_PLACES: usize = 3;
@@ -85,7 +62,7 @@ pub fn fit(
     anchors: &[Anchor],
     options: &RadioOptions,
 ) -> Result<FittedRadio> {
-    check_options(options)?;
+    options.check()?;
     let anchors = log.placed(anchors)?;
     let mut warnings = log.warnings.clone();
     warnings.extend(check_places(log, arena, &anchors)?);

@@ -18,11 +18,11 @@ pub struct FittedParameter {
     pub name: String,
     /// Its unit, empty for none.
     pub unit: &'static str,
-    /// This is its value.
+    /// Its value.
     pub value: f64,
-    /// This is the lower end of its 90 % interval.
+    /// Where its 90 % interval begins.
     pub low: f64,
-    /// This is the upper end of its 90 % interval.
+    /// Where that interval ends.
     pub high: f64,
     /// Whether the log says what it is: an interval narrower than the value (a loss, an exponent) or than 10 dB (a strength), and
     /// without 0.
@@ -52,37 +52,37 @@ pub struct FittedRadio {
     /// The model.
     #[serde(skip)]
     pub model: RadioModel,
-    /// This is the name of the model.
+    /// Its name.
     pub propagation: &'static str,
-    /// This is its formula.
+    /// Its formula.
     pub formula: &'static str,
-    /// This is the base of the logarithm in the formula, `10` or `e`.
+    /// Base of the logarithm in it, `10` or `e`.
     pub log_base: &'static str,
-    /// This is the distance at which its first parameter holds, metres.
+    /// Distance at which its first parameter holds, metres.
     pub reference_distance_m: f64,
-    /// These are its parameters.
+    /// Its parameters.
     pub parameters: Vec<FittedParameter>,
     /// C; `None` for models without walls.
     pub cap: Option<usize>,
     /// Everything that was tried, best first.
     pub candidates: Vec<Candidate>,
-    /// This is the root mean square error at places that were left out, dB.
+    /// Root mean square error at places that were left out, dB.
     pub left_out_rmse_db: f64,
-    /// This is the root mean square error on the log itself, dB.
+    /// Root mean square error on the log itself, dB.
     pub rmse_db: f64,
-    /// This is the standard deviation of what a place adds, dB.
+    /// Standard deviation of what a place adds, dB.
     pub shadowing_sd_db: f64,
-    /// This is the distance at which places share 1/e of what a place adds, metres.
+    /// Distance at which places share 1/e of it, metres.
     pub shadowing_distance_m: f64,
-    /// This is the standard deviation of what a reading adds, dB.
+    /// Standard deviation of what a reading adds, dB.
     pub fading_sd_db: f64,
     /// Half width of the interval for 90 % of strengths at new places, dB.
     pub interval_90_db: f64,
-    /// This is the number of strengths.
+    /// Strengths of the log.
     pub readings: usize,
-    /// This is the number of strengths that are missing.
+    /// Strengths that are missing.
     pub missing: usize,
-    /// This is the number of places (squares of one metre) of the log.
+    /// Places (squares of one metre) of the log.
     pub places: usize,
     /// What the reader should know.
     pub warnings: Vec<Warning>,

@@ -40,15 +40,6 @@ impl Link {
         }
     }
 
-    /// The same walls at another distance.
-    #[must_use]
-    pub fn at_distance(self, distance_m: f64) -> Self {
-        Self {
-            distance_m: distance_m.max(NEAREST_M),
-            ..self
-        }
-    }
-
     /// How many walls are between.
     pub fn walls(&self) -> usize {
         self.crossed.len()

@@ -28,9 +28,9 @@ pub struct RadioLog {
     pub anchors: Vec<String>,
     /// What was heard.
     pub readings: Vec<PlaceReading>,
-    /// This is the number of poses of the log.
+    /// Poses of the log.
     pub poses: usize,
-    /// This is the number of strengths that are missing.
+    /// How many strengths are missing.
     pub missing: usize,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
@@ -99,36 +99,17 @@ impl RadioLog {
                 .found(table.header().join(", "))
                 .hint(COLUMNS));
         }
-        let session = table.column("session");
-        if let (Some(wanted), None) = (&options.session, session) {
-            return Err(Error::invalid("the log has no column `session`")
-                .at_file(path)
-                .field("session")
-                .found(wanted));
-        }
+        let wanted = options.session.as_deref();
+        let (rows, sessions) = table.chosen("session", wanted)?;
         let mut log = Self {
             anchors: columns.iter().map(|(_, name)| name.clone()).collect(),
             readings: Vec::new(),
-            poses: 0,
+            poses: rows.len(),
             missing: 0,
             warnings: Vec::new(),
         };
-        let (mut sessions, mut impossible) = (Vec::<&str>::new(), 0);
-        for row in 0..table.row_count() {
-            if let Some(column) = session {
-                let found = table.text(row, column);
-                if !sessions.contains(&found) {
-                    sessions.push(found);
-                }
-                if options
-                    .session
-                    .as_deref()
-                    .is_some_and(|wanted| wanted != found)
-                {
-                    continue;
-                }
-            }
-            log.poses += 1;
+        let mut impossible = 0;
+        for row in rows {
             let position_m = [table.number(row, x)?, table.number(row, y)?];
             for (anchor, (column, _)) in columns.iter().enumerate() {
                 match table.optional(row, *column)? {
@@ -144,16 +125,6 @@ impl RadioLog {
                     None => log.missing += 1,
                 }
             }
-        }
-        if log.poses == 0 {
-            let error = Error::invalid("the log has no rows").at_file(path);
-            return Err(match &options.session {
-                Some(wanted) => error
-                    .field("session")
-                    .found(wanted)
-                    .allowed(sessions.join(", ")),
-                None => error,
-            });
         }
         log.missing += impossible;
         if log.readings.is_empty() {
@@ -175,7 +146,7 @@ impl RadioLog {
                 ),
             ));
         }
-        if options.session.is_none() && sessions.len() > 1 {
+        if wanted.is_none() && sessions.len() > 1 {
             log.warnings.push(Warning::new(
                 Code::SeveralSessions,
                 format!(

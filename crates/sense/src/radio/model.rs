@@ -1,13 +1,10 @@
 //! A radio model: a propagation model with its numbers, and how far strengths lie about it.
 
-use std::path::Path;
-
 use serde::{Deserialize, Serialize};
 
 use super::link::Link;
 use super::propagation::{Parameter, Propagation, Terms, Walls};
 use realgap_core::error::{Error, Result};
-use realgap_core::file::{Source, parse_ron, write_ron};
 use realgap_core::range::Range;
 
 /// Base of the logarithm of distances.
@@ -123,33 +120,9 @@ fn sensitivity() -> f64 {
 /// Weakest signal of commercial receivers, dBm (paper 002, section IV).
 pub(super) const SENSITIVITY_DBM: f64 = -92.0;
 
+realgap_core::ron_file!(RadioModel, "radio model");
+
 impl RadioModel {
-    /// Reads a model's file.
-    ///
-    /// # Errors
-    /// A missing file, anything that is not a radio model, and as [`RadioModel::check`].
-    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
-        Self::parse(&Source::read(path, "radio model")?)
-    }
-
-    /// The model in a text.
-    ///
-    /// # Errors
-    /// As [`RadioModel::read`].
-    pub fn parse(source: &Source) -> Result<Self> {
-        let model: Self = parse_ron(source)?;
-        model.check().map_err(|e| source.at_field(e))?;
-        Ok(model)
-    }
-
-    /// The model as a file's text.
-    ///
-    /// # Errors
-    /// None for a model of ours.
-    pub fn to_ron(&self) -> Result<String> {
-        write_ron(self)
-    }
-
     /// The model of another fit to the same log.
     pub(super) fn with(&self, other: &OtherFit) -> Self {
         Self {

@@ -28,9 +28,9 @@ pub struct ServiceOptions {
     pub loss_half_db: f64,
     /// Decibels over which the loss falls from 73 % to 27 %; 0 for a sharp edge, as in the paper.
     pub loss_width_db: f64,
-    /// This is the mean time from sending to arriving, seconds.
+    /// Mean time from sending to arriving, seconds.
     pub latency_s: f64,
-    /// This is the standard deviation of that time, seconds.
+    /// Standard deviation of that time, seconds.
     pub latency_sd_s: f64,
 }
 
@@ -186,13 +186,13 @@ impl<'a> Service<'a> {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ServiceReport {
-    /// This is the number of messages.
+    /// Messages that were sent.
     pub sent: usize,
-    /// This is the number of messages that arrived.
+    /// Messages that arrived.
     pub delivered: usize,
-    /// This is the number of messages below the sensitivity.
+    /// Messages below the sensitivity.
     pub too_weak: usize,
-    /// This is the number of messages that were lost above the sensitivity.
+    /// Messages that were lost above it.
     pub lost: usize,
     /// Mean strength of all, dBm.
     pub mean_strength_dbm: f64,

@@ -6,24 +6,14 @@ use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
-use super::covariance::covariance;
+use super::covariance::{SPOT_M, Spread, covariance};
 use super::log::RadioLog;
 use realgap_core::random::Numbered;
 
-/// Two readings this near to each other were taken at the same spot, metres.
-pub(super) const SPOT_M: f64 = 0.25;
 /// Distances beyond this say nothing of the correlation, metres.
 const FAR_M: f64 = 4.0;
 /// Most spots of one anchor that are compared with each other.
 const MOST_SPOTS: usize = 2000;
-
-/// How errors of strengths lie: a part of the place and a part of the reading.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Spread {
-    pub(super) shadowing_sd_db: f64,
-    pub(super) shadowing_distance_m: f64,
-    pub(super) fading_sd_db: f64,
-}
 
 /// Times that residuals are corrected for what the fit has taken from them.
 const CORRECTIONS: usize = 4;

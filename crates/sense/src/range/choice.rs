@@ -20,9 +20,9 @@ pub struct Candidate {
     /// Mean logarithm of the density of a reading at a distance that was left out of the fit; higher is better. `None` where the
     /// form cannot be fitted.
     pub log_score: Option<f64>,
-    /// This says by how much that is less than the best candidate's.
+    /// How much less that is than the best candidate's.
     pub behind: Option<f64>,
-    /// This is the standard error of that difference over the distances.
+    /// The standard error of that difference over the distances.
     pub behind_error: Option<f64>,
     /// The chosen one.
     pub is_chosen: bool,

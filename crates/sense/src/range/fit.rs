@@ -13,9 +13,9 @@ use super::form::{Curve, Form, Point};
 pub(super) struct Plan {
     pub mean: &'static dyn Form,
     pub spread: &'static dyn Form,
-    /// This says whether the mean has a term in the angle of incidence.
+    /// Whether the mean has a term in the angle of incidence.
     pub incidence: bool,
-    /// This says whether the mean has a term in the angle of offset.
+    /// Whether the mean has a term in the angle of offset.
     pub offset: bool,
     /// Spreads are at least this: the rounding of readings.
     pub least_spread: f64,

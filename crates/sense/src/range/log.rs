@@ -95,36 +95,19 @@ impl ReadingLog {
             .find_map(|(column, degrees)| Some((table.column(&column)?, degrees)))
         };
         let (incidence, offset) = (angle("incidence"), angle("offset"));
-        let material = table.column("material");
-        if options.material.is_some() && material.is_none() {
-            return Err(Error::invalid("the log has no column `material`")
-                .at_file(path)
-                .field("material"));
-        }
+        let wanted = options.material.as_deref();
+        let (rows, materials) = table.chosen("material", wanted)?;
         let time = table.column("t_s");
         let mut log = Self {
             distance_unit,
             reading_unit,
-            readings: Vec::with_capacity(table.row_count()),
+            readings: Vec::with_capacity(rows.len()),
             material: options.material.clone(),
             sampling_time_s: None,
             warnings: Vec::new(),
         };
-        let (mut materials, mut times_s, mut impossible) = (Vec::<&str>::new(), Vec::new(), 0);
-        for row in 0..table.row_count() {
-            if let Some(column) = material {
-                let found = table.text(row, column);
-                if options
-                    .material
-                    .as_ref()
-                    .is_some_and(|wanted| wanted != found)
-                {
-                    continue;
-                }
-                if !materials.contains(&found) {
-                    materials.push(found);
-                }
-            }
+        let (mut times_s, mut impossible) = (Vec::new(), 0);
+        for row in rows {
             let distance_found = table.number(row, distance)?;
             if distance_found <= 0.0 {
                 let error = Error::invalid("a distance must be above 0")
@@ -155,13 +138,6 @@ impl ReadingLog {
                 value,
             });
         }
-        if log.readings.is_empty() {
-            let error = Error::invalid("the log has no readings").at_file(path);
-            return Err(match &options.material {
-                Some(wanted) => error.found(format!("no row of material {wanted}")),
-                None => error,
-            });
-        }
         let steps_s: Vec<f64> = times_s
             .windows(2)
             .map(|w| w[1] - w[0])
@@ -170,7 +146,7 @@ impl ReadingLog {
         if !steps_s.is_empty() {
             log.sampling_time_s = Some(realgap_core::statistics::median(&steps_s));
         }
-        if materials.len() > 1 {
+        if wanted.is_none() && materials.len() > 1 {
             log.warnings.push(Warning::new(
                 Code::SeveralMaterials,
                 format!(

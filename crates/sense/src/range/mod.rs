@@ -6,6 +6,7 @@
 mod cell;
 mod characterisation;
 mod choice;
+mod drawn;
 mod fit;
 pub mod form;
 mod log;
@@ -14,6 +15,7 @@ mod sample_size;
 
 pub use characterisation::{Characterisation, DistanceReport, LEVEL, Normality, Options, Value};
 pub use choice::Candidate;
+pub use drawn::{DrawOptions, DrawnLog};
 pub use log::{LogOptions, Reading, ReadingLog};
 pub use model::{
     Beam, Outliers, RangeModel, RangeSensor, ReadingUnit, find_sensor, sensor_by_name,

@@ -1,14 +1,12 @@
 //! A range sensor's model: what it reads, on average and in spread, and how often nothing or nonsense.
 
-use std::path::Path;
-
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
 
 use super::form::Curve;
 use realgap_core::error::{Error, Result};
-use realgap_core::file::{Source, look_up, parse_ron, write_ron};
+use realgap_core::file::{Source, look_up};
 use realgap_core::range::Range;
 use realgap_core::unit::LengthUnit;
 use realgap_core::warning::{Code, Warning};
@@ -98,9 +96,9 @@ impl ReadingUnit {
 pub struct Outliers {
     /// Their share of the readings that come.
     pub share: f64,
-    /// They lie evenly from here on, in the reading's unit.
+    /// Where they begin, in the reading's unit; they lie evenly from there on.
     pub low: f64,
-    /// They lie evenly up to here, in the reading's unit.
+    /// Where they end.
     pub high: f64,
 }
 
@@ -145,33 +143,9 @@ pub struct RangeModel {
 /// Where a spread that must be positive is looked at, between the ends of the range.
 const CHECKED: usize = 200;
 
+realgap_core::ron_file!(RangeModel, "sensor model");
+
 impl RangeModel {
-    /// Reads a model's file.
-    ///
-    /// # Errors
-    /// A missing file, anything that is not a model, and as [`RangeModel::check`].
-    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
-        Self::parse(&Source::read(path, "sensor model")?)
-    }
-
-    /// The model in a text.
-    ///
-    /// # Errors
-    /// As [`RangeModel::read`].
-    pub fn parse(source: &Source) -> Result<Self> {
-        let model: Self = parse_ron(source)?;
-        model.check().map_err(|e| source.at_field(e))?;
-        Ok(model)
-    }
-
-    /// The model as a file's text.
-    ///
-    /// # Errors
-    /// None for a model of ours.
-    pub fn to_ron(&self) -> Result<String> {
-        write_ron(self)
-    }
-
     /// Checks what no single number says.
     ///
     /// # Errors

@@ -18,9 +18,9 @@ use realgap_core::warning::{Code, Warning};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SideReport {
-    /// This is the number of trials.
+    /// How many trials there are.
     pub trials: usize,
-    /// This is the number of trials that were finished.
+    /// How many of them were finished.
     pub finished: usize,
     /// When half was finished, seconds (Kaplan and Meier); `None` where it never was.
     pub median_s: Option<f64>,
@@ -28,9 +28,9 @@ pub struct SideReport {
     pub median_low_s: Option<f64>,
     /// The upper end of that interval.
     pub median_high_s: Option<f64>,
-    /// This is when a quarter was finished, seconds.
+    /// When a quarter was finished, seconds.
     pub quartile_low_s: Option<f64>,
-    /// This is when three quarters were finished, seconds.
+    /// When three quarters were finished, seconds.
     pub quartile_high_s: Option<f64>,
     /// The share that was not finished, over time.
     #[serde(skip)]
@@ -56,9 +56,9 @@ pub struct ConditionReport {
     /// Cliff's δ: how much likelier a simulated trial takes longer than a real one than the reverse, −1 to 1; pairs of which nobody
     /// knows are neither (Gehan).
     pub effect: f64,
-    /// This is the lower end of its 90 % interval over resampled trials.
+    /// Where its 90 % interval over resampled trials begins.
     pub effect_low: f64,
-    /// This is the upper end of that interval.
+    /// Where that interval ends.
     pub effect_high: f64,
 }
 

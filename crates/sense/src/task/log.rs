@@ -41,7 +41,7 @@ const NUMBERS: [&str; 8] = [
 ];
 /// Times beyond this are not seconds of a task (a week).
 const LONG_S: f64 = 604_800.0;
-/// Times above this, seconds, are not times of a task at all (thirty years).
+/// Longer ones are not times of a task at all (thirty years).
 const LONGEST_S: f64 = 1e9;
 
 impl TaskLog {

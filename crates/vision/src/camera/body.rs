@@ -4,8 +4,9 @@ use std::borrow::Cow;
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::face::Faces;
-use super::scene::{Block, Mount, Scene, Vector};
+use super::scene::Faces;
+use super::scene::{Block, Mount, Scene};
+use super::vector::Vector;
 use realgap_core::error::{Error, Result};
 use realgap_path::trajectory::{Interpolator, Trajectory};
 

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::exposure::Sensor;
 use super::lens::Lens;
+use super::reader::Reader;
 use super::scene::Camera;
-use super::scene_file::Reader;
 use realgap_core::error::Result;
 use realgap_core::file::{Source, parse_ron, write_ron};
 

@@ -1,6 +1,7 @@
 //! What a ray meets: the room's inside, boxes and posters, found through a tree of boxes around them.
 
-use super::scene::{Block, Poster, Scene, Vector, add, dot, less, times};
+use super::scene::{Block, Poster, Scene};
+use super::vector::{Vector, add, dot, less, times};
 
 /// What a ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]

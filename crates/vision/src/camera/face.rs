@@ -1,17 +1,7 @@
 //! What the faces of a box show, so that it can be seen how it stands.
 
-use super::scene::{Block, Vector};
-
-/// What the faces of a box show.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub enum Faces {
-    /// Nothing.
-    #[default]
-    Plain,
-    /// A dark rim and the dots of a die: one where its x axis points, two for y, three for z, six, five and four on the other sides.
-    Die,
-}
+use super::scene::Block;
+use super::vector::Vector;
 
 /// Width of a rim and radius of a dot, as shares of half the shorter side of a face.
 const RIM: f64 = 0.1;

@@ -1,6 +1,6 @@
 //! Pinhole, lens and where the camera is: from pixels to rays and back.
 
-use super::scene::{Vector, add, cross, dot, less, times, unit};
+use super::vector::{Vector, add, cross, dot, less, times, unit};
 
 /// A pinhole with radial distortion: a ray at radius r (1 at 45 degrees) is seen at r (1 + k1 r² + k2 r⁴), as OpenCV's.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -15,25 +15,26 @@ mod exposure;
 mod face;
 mod lens;
 mod poster;
+mod reader;
 mod render;
 mod ride;
 mod scene;
 mod scene_file;
 mod smear;
 mod truth;
+mod vector;
 mod watch;
 
 pub use body::{Body, BodyBox};
 #[cfg(feature = "schema")]
 pub use camera_file::CameraFile;
 pub use exposure::Sensor;
-pub use face::Faces;
 pub use lens::{Lens, Pose};
 pub use poster::Motif;
 pub use render::focused;
 pub use render::{expose, luminance, met_m, take};
 pub use ride::Ride;
-pub use scene::{Block, Camera, Lamp, Light, Mount, Poster, Scene, View};
+pub use scene::{Block, Camera, Faces, Lamp, Light, Mount, Poster, Scene, View};
 #[cfg(feature = "schema")]
 pub use scene_file::SceneFile;
 pub use truth::{ALPHABET_TEXT, alphabet_picture, known};

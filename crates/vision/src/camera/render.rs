@@ -9,9 +9,10 @@ use rayon::prelude::*;
 use super::super::filter::gauss;
 use super::super::picture::{Grey, Picture};
 use super::cast::{BEFORE_M, Caster, Hit, Thing, meet_poster};
-use super::face::{Faces, tone};
+use super::face::tone;
 use super::lens::Pose;
-use super::scene::{Camera, Light, Scene, Vector, View, add, dot, less, times};
+use super::scene::{Camera, Faces, Light, Scene, View};
+use super::vector::{Vector, add, dot, less, times};
 use realgap_core::error::Result;
 use realgap_core::random::Numbered;
 

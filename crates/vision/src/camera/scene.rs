@@ -1,40 +1,9 @@
 //! What a scene holds.
 
 use super::exposure::Sensor;
-use super::face::Faces;
 use super::lens::{Lens, Pose};
 use super::poster::{Motif, Texture};
-
-/// A point or direction of the world, z up.
-pub(super) type Vector = [f64; 3];
-
-pub(super) fn add(a: Vector, b: Vector) -> Vector {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-pub(super) fn less(a: Vector, b: Vector) -> Vector {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-pub(super) fn times(a: Vector, factor: f64) -> Vector {
-    [a[0] * factor, a[1] * factor, a[2] * factor]
-}
-
-pub(super) fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(super) fn cross(a: Vector, b: Vector) -> Vector {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-pub(super) fn unit(a: Vector) -> Vector {
-    times(a, 1.0 / dot(a, a).sqrt())
-}
+use super::vector::{Vector, add, cross, dot, less, times, unit};
 
 /// A room with what stands in it, its lights, and cameras.
 #[derive(Debug, Clone)]
@@ -63,6 +32,17 @@ pub struct Scene {
     pub views: Vec<View>,
     /// How cameras ride on bodies, by name.
     pub mounts: Vec<Mount>,
+}
+
+/// What the faces of a box show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Faces {
+    /// Nothing.
+    #[default]
+    Plain,
+    /// A dark rim and the dots of a die: one where its x axis points, two for y, three for z, six, five and four on the other sides.
+    Die,
 }
 
 /// A box.

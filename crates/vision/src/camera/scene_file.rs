@@ -6,13 +6,13 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::camera_file::CameraFile;
-use super::face::Faces;
 use super::lens::Pose;
 use super::poster::{Motif, Texture};
+use super::reader::Reader;
+use super::scene::Faces;
 use super::scene::{Block, Camera, Lamp, Light, Mount, Poster, Scene, View};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, check_name, look_up, orientation, parse_ron};
-use realgap_core::range::Range;
 
 /// A place, a direction or a colour.
 type Three = [f64; 3];
@@ -150,33 +150,7 @@ fn light_grey() -> Three {
 const LARGEST_M: f64 = 1000.0;
 const MOST: usize = 10_000;
 
-/// A text with the error of one of its values.
-pub(super) struct Reader<'a>(pub &'a Source);
-
 impl Reader<'_> {
-    pub(super) fn wrong(
-        &self,
-        field: &str,
-        message: &str,
-        found: impl std::fmt::Display,
-        allowed: &str,
-    ) -> Error {
-        let error = Error::invalid(message.to_owned()).field(field);
-        self.0.at(field, error.found(found).allowed(allowed))
-    }
-
-    pub(super) fn within(
-        &self,
-        field: &str,
-        value: f64,
-        low: f64,
-        high: f64,
-        unit: &'static str,
-    ) -> Result<f64> {
-        let checked = Range::within(low, high, unit).check(value, field);
-        checked.map(|()| value).map_err(|e| self.0.at_field(e))
-    }
-
     fn colour(&self, field: &str, colour: Three) -> Result<Three> {
         if colour.iter().all(|share| (0.0..=1.0).contains(share)) {
             return Ok(colour);

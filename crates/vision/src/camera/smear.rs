@@ -5,7 +5,8 @@ use super::body::Company;
 use super::cast::{Caster, Thing};
 use super::lens::Pose;
 use super::render::{expose, luminance, met_m};
-use super::scene::{Camera, Light, Vector, add, times};
+use super::scene::{Camera, Light};
+use super::vector::{Vector, add, times};
 use realgap_core::error::Result;
 
 /// Places within one exposure: at most one pixel apart, and at most so many.

@@ -6,7 +6,8 @@ use super::super::views::ViewFile;
 use super::cast::{Caster, Thing};
 use super::lens::Pose;
 use super::poster::Motif;
-use super::scene::{Camera, Poster, Scene, less};
+use super::scene::{Camera, Poster, Scene};
+use super::vector::less;
 use realgap_core::error::Result;
 
 /// The characters of the learning picture that is written beside pictures.
@@ -47,8 +48,8 @@ fn seen(
             let [x, y] = camera.lens.project_px(pose, point)?;
             let is_inside = x >= 0.0 && y >= 0.0 && x <= width - 1.0 && y <= height - 1.0;
             let away = less(point, pose.place_m);
-            let length = super::scene::dot(away, away).sqrt();
-            let hit = caster.first(pose.place_m, super::scene::times(away, 1.0 / length));
+            let length = super::vector::dot(away, away).sqrt();
+            let hit = caster.first(pose.place_m, super::vector::times(away, 1.0 / length));
             let is_free = hit.thing == Thing::Poster(index) || hit.distance_m > length - 1e-3;
             (is_inside && is_free).then_some((x, y))
         })

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 
 use super::extrinsics::{Extrinsics, Prior};
 use super::lens::in_degrees;
-use super::shot::{Room, Shot, extrinsics_of};
+use super::room::Room;
+use super::shot::{Shot, extrinsics_of};
 use crate::camera::{Camera, expose, luminance};
 use realgap_core::error::Result;
 use realgap_core::statistics::{mean, standard_deviation, student_quantile};

@@ -1,6 +1,6 @@
 //! Where points of a scene are seen in a real picture: patches of the simulated picture, looked for in the real one.
 
-use super::shot::Room;
+use super::room::Room;
 use crate::camera::{Camera, Pose, luminance, met_m};
 use crate::{Grey, gauss, sobel};
 use realgap_core::error::Result;

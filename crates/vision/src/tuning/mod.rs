@@ -9,6 +9,7 @@ mod correspondence;
 mod extrinsics;
 mod lens;
 mod look;
+mod room;
 mod sensor;
 mod shot;
 
@@ -32,8 +33,9 @@ use bias::lens_bias;
 use compression::compression;
 use extrinsics::{Prior, reprojection_error_px};
 use lens::{corrected, lens_settings};
+use room::Room;
 use sensor::{Search, apart, draws, mismatch, settings};
-use shot::{Room, Shot, extrinsics_of, read, reals_of, split};
+use shot::{Shot, extrinsics_of, read, reals_of, split};
 
 /// How a camera is tuned.
 #[derive(Debug, Clone)]

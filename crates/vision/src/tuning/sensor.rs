@@ -30,9 +30,9 @@ pub(super) struct Real {
 pub(super) struct Setting {
     pub name: &'static str,
     pub unit: &'static str,
-    /// This is the range that is searched.
+    /// The value is between these.
     pub range: (f64, f64),
-    /// This says whether it is searched by factors instead of differences.
+    /// Whether it is sought by factors instead of differences.
     pub by_factor: bool,
     set: fn(&mut Camera, f64),
 }

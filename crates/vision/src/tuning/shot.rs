@@ -8,19 +8,13 @@ use super::CameraOptions;
 use super::correspondence::correspondences;
 use super::extrinsics::{Extrinsics, Prior, resect};
 use super::look::{Parts, look};
+use super::room::Room;
 use super::sensor::Real;
-use crate::camera::{Camera, Light, Scene, luminance};
+use crate::camera::{Camera, luminance};
 use crate::{Grey, Picture, Shots};
 use realgap_core::error::{Error, Result};
 use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
-
-/// The room of the pictures, and how it was lit.
-#[derive(Clone, Copy)]
-pub(super) struct Room<'a> {
-    pub scene: &'a Scene,
-    pub light: &'a Light,
-}
 
 /// A real picture.
 pub(super) struct Shot {

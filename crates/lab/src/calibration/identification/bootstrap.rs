@@ -65,6 +65,13 @@ pub(super) fn intervals<const N: usize>(
     }))
 }
 
+/// A quantity that is the mean over recordings.
+pub(super) fn weighted_mean(weights: &[f64], values: &[f64]) -> Option<[f64; 1]> {
+    let total: f64 = weights.iter().sum();
+    let sum: f64 = weights.iter().zip(values).map(|(w, v)| w * v).sum();
+    (total > 0.0).then(|| [sum / total])
+}
+
 /// What `estimate` gives for recordings drawn again; `None` is left out, and a single recording gives nothing.
 pub(super) fn draws_of<T>(
     recordings: usize,

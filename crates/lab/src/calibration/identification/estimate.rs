@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 
-use super::bootstrap::{Interval, intervals};
+use super::bootstrap::{Interval, intervals, weighted_mean};
 use super::flight::{Body, EQUAL_MOMENTS};
 use super::rest::RestReport;
 use super::solve::Equations;
@@ -13,8 +13,8 @@ use super::start::{LEAST_SAMPLES, fit_flight};
 use realgap_core::error::{Error, Result};
 use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
-use realgap_engine::Experiment;
-use realgap_path::trajectory::{Recording, Trajectory};
+use realgap_engine::{Experiment, JointState};
+use realgap_path::trajectory::{Recording, State, Trajectory};
 
 /// How an apparent gravity other than the stated one is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -61,6 +61,29 @@ pub struct FlightStart {
     /// Root mean square distance of the centre of mass from its parabola, metres; of jointed robots: of the tracked point from
     /// where the fit has it.
     pub residual_m: f64,
+}
+
+impl FlightStart {
+    pub(super) fn new(
+        recording: &Recording,
+        flight_samples: usize,
+        state: &State,
+        joints: &[JointState],
+        residual_m: f64,
+    ) -> Self {
+        let q = state.orientation_world_from_body;
+        Self {
+            recording: recording.name.clone(),
+            flight_samples,
+            position_world_m: state.position_world_m.into(),
+            orientation_world_from_body_wxyz: [q.w, q.i, q.j, q.k],
+            velocity_world_m_s: state.velocity_world_m_s.into(),
+            angular_velocity_body_rad_s: state.angular_velocity_body_rad_s.into(),
+            joint_angles_rad: joints.iter().map(|joint| joint.angle_rad).collect(),
+            joint_speeds_rad_s: joints.iter().map(|joint| joint.speed_rad_s).collect(),
+            residual_m,
+        }
+    }
 }
 
 /// What the estimate would be without the first samples, where trackers have transients.
@@ -132,19 +155,10 @@ pub fn identify(
             Error::invalid("the robot has hinges").hint("`identify_joints` is for jointed robots")
         );
     }
-    let mut grounded = Vec::new();
-    let mut flights: Vec<(&Recording, usize)> = Vec::new();
-    for recording in recordings {
-        let samples = body.flight_samples(&recording.trajectory);
-        if samples < LEAST_SAMPLES {
-            grounded.push(Grounded {
-                recording: recording.name.clone(),
-                flight_samples: samples,
-            });
-        } else {
-            flights.push((recording, samples));
-        }
-    }
+    let counted_samples = recordings
+        .iter()
+        .map(|recording| (recording, body.flight_samples(&recording.trajectory)));
+    let (flights, grounded) = part_flights(counted_samples);
     if flights.is_empty() {
         return Err(Error::invalid("none of the recordings has a flight")
             .found(format!("{}, on or near the floor (or without orientations) from the start", counted(recordings.len(), "recording")))
@@ -178,32 +192,8 @@ pub fn identify(
     let mut fitted_body = body.clone();
     fitted_body.centre_track_m = Vector3::new(cx.value, cy.value, cz.value);
     fitted_body.gravity_m_s2 = apparent.value;
-    let mut starts = Vec::new();
-    let mut lags = Vec::new();
-    for (recording, _) in &flights {
-        let motion = &recording.trajectory;
-        if let Some(fit) = fit_flight(&fitted_body, motion) {
-            let q = fit.state.orientation_world_from_body;
-            starts.push(FlightStart {
-                recording: recording.name.clone(),
-                flight_samples: fit.samples,
-                position_world_m: fit.state.position_world_m.into(),
-                orientation_world_from_body_wxyz: [q.w, q.i, q.j, q.k],
-                velocity_world_m_s: fit.state.velocity_world_m_s.into(),
-                angular_velocity_body_rad_s: fit.state.angular_velocity_body_rad_s.into(),
-                joint_angles_rad: Vec::new(),
-                joint_speeds_rad_s: Vec::new(),
-                residual_m: fit.residual_m,
-            });
-            // v(t − lag) = v(t) + g·lag: what a late velocity is too high by.
-            lags.extend(
-                motion.velocities_world_m_s().map(|recorded| {
-                    (recorded[0].z - fit.state.velocity_world_m_s.z) / apparent.value
-                }),
-            );
-        }
-    }
-    let velocity_lag_s = intervals(lags.len(), seed, |weights| mean(weights, &lags));
+    let (starts, lags) = starts_and_lags(&fitted_body, &flights);
+    let velocity_lag_s = intervals(lags.len(), seed, |weights| weighted_mean(weights, &lags));
     let half_sample_s = {
         let motion = &flights[0].0.trajectory;
         0.5 * motion.duration_s() / (motion.len() - 1) as f64
@@ -233,10 +223,43 @@ pub fn identify(
     Ok(found)
 }
 
-fn mean(weights: &[f64], values: &[f64]) -> Option<[f64; 1]> {
-    let total: f64 = weights.iter().sum();
-    let sum: f64 = weights.iter().zip(values).map(|(w, v)| w * v).sum();
-    (total > 0.0).then(|| [sum / total])
+/// Recordings with as many samples of flight as an estimate needs, and the others.
+pub(super) fn part_flights<'a>(
+    counted: impl Iterator<Item = (&'a Recording, usize)>,
+) -> (Vec<(&'a Recording, usize)>, Vec<Grounded>) {
+    let (flights, grounded): (Vec<_>, Vec<_>) =
+        counted.partition(|(_, samples)| *samples >= LEAST_SAMPLES);
+    let grounded = grounded
+        .into_iter()
+        .map(|(recording, flight_samples)| Grounded {
+            recording: recording.name.clone(),
+            flight_samples,
+        });
+    (flights, grounded.collect())
+}
+
+/// The start of every flight that can be fitted with this body, and by how much its recorded velocities are late, seconds.
+fn starts_and_lags(body: &Body, flights: &[(&Recording, usize)]) -> (Vec<FlightStart>, Vec<f64>) {
+    let mut starts = Vec::new();
+    let mut lags = Vec::new();
+    for (recording, _) in flights {
+        let motion = &recording.trajectory;
+        if let Some(fit) = fit_flight(body, motion) {
+            let (samples, residual_m) = (fit.samples, fit.residual_m);
+            starts.push(FlightStart::new(
+                recording,
+                samples,
+                &fit.state,
+                &[],
+                residual_m,
+            ));
+            // v(t − lag) = v(t) + g·lag: what a late velocity is too high by.
+            lags.extend(motion.velocities_world_m_s().map(|recorded| {
+                (recorded[0].z - fit.state.velocity_world_m_s.z) / body.gravity_m_s2
+            }));
+        }
+    }
+    (starts, lags)
 }
 
 /// The estimate without the first samples.

@@ -7,17 +7,17 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::bootstrap::{Interval, draws_of};
-use super::estimate::{FlightStart, Grounded, LengthReading};
+use super::estimate::{FlightStart, Grounded, LengthReading, part_flights};
 use super::flight::Body;
 use super::joint_flight::{JointFit, Left, Samples, fit, flown, slopes};
 use super::joint_prior::{Prior, priors, set};
-use super::linkage::Linkage;
+use super::linkage::{Attitude, Linkage};
 use super::start::LEAST_SAMPLES;
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{mean, median, percentile_interval};
 use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
-use realgap_engine::{Experiment, JointState};
+use realgap_engine::Experiment;
 use realgap_path::trajectory::Recording;
 
 /// A parameter whose deviation flights do not shrink below this share of the prior's is not determined by them.
@@ -103,19 +103,18 @@ pub fn identify_joints(
     seed: u64,
 ) -> Result<JointIdentification> {
     let priors = priors(experiment, reading)?;
-    let mut flights = Vec::new();
-    let mut grounded = Vec::new();
+    let body = Body::new(experiment)?;
+    let mut counted_samples = Vec::new();
     for recording in recordings {
-        let flight = Flight::new(experiment, recording)?;
-        if flight.count < LEAST_SAMPLES {
-            grounded.push(Grounded {
-                recording: recording.name.clone(),
-                flight_samples: flight.count,
-            });
-        } else {
-            flights.push(flight);
-        }
+        let scale = 1.0 / experiment.recording_length_scale;
+        let motion = recording.trajectory.scaled(scale)?;
+        counted_samples.push((recording, body.flight_samples(&motion)));
     }
+    let (flights, grounded) = part_flights(counted_samples.into_iter());
+    let flights = flights.into_iter();
+    let mut flights: Vec<Flight<'_>> = flights
+        .map(|(recording, count)| Flight { recording, count })
+        .collect();
     let all: Vec<usize> = (0..priors.len()).collect();
     let nothing = || {
         Error::invalid("none of the recordings has a flight that can be fitted")
@@ -211,23 +210,64 @@ struct Flight<'a> {
     count: usize,
 }
 
-impl<'a> Flight<'a> {
-    fn new(experiment: &Experiment, recording: &'a Recording) -> Result<Self> {
-        let body = Body::new(experiment)?;
-        let motion = recording
-            .trajectory
-            .scaled(1.0 / experiment.recording_length_scale)?;
-        Ok(Self {
-            recording,
-            count: body.flight_samples(&motion),
-        })
-    }
-
+impl Flight<'_> {
     /// The first `count` samples in true lengths.
     fn samples(&self, model: &Model, count: usize) -> Result<Option<Samples>> {
         let motion = self.recording.trajectory.scaled(1.0 / model.length_scale)?;
         Ok(Samples::new(&model.linkage, &motion, count))
     }
+
+    /// What it says about the parameters that differ in the nudged models, with its own start eliminated; `None` where it cannot
+    /// be fitted.
+    fn equations(
+        &self,
+        model: &Model,
+        nudged: &[Model],
+        from: Option<&Attitude>,
+    ) -> Result<Option<FlightEquations>> {
+        let Some(samples) = self.samples(model, self.count)? else {
+            return Ok(None);
+        };
+        let Some(found) = fit(&model.linkage, model.gravity_m_s2, &samples, from) else {
+            return Ok(None);
+        };
+        let here = found.weighted();
+        let Some(own) = slopes(&model.linkage, model.gravity_m_s2, &samples, &found) else {
+            return Ok(None);
+        };
+        let mut shared = DMatrix::zeros(here.len(), nudged.len());
+        for (k, other) in nudged.iter().enumerate() {
+            let Some(samples) = self.samples(other, self.count)? else {
+                continue;
+            };
+            let there = flown(&other.linkage, other.gravity_m_s2, &samples, &found.start);
+            if let Some(there) = there {
+                shared.set_column(k, &((there.weighted() - &here) / NUDGE));
+            }
+        }
+        let Some(factors) = (own.transpose() * &own).cholesky() else {
+            return Ok(None);
+        };
+        let across = own.transpose() * &shared;
+        let clear = &shared - &own * factors.solve(&across);
+        Ok(Some(FlightEquations {
+            matrix: clear.transpose() * &clear,
+            slope: clear.transpose() * &here,
+            squares: here.norm_squared(),
+            // Translation costs six more.
+            freedom: (here.len() as f64 - own.ncols() as f64 - 6.0).max(0.0),
+            fit: found,
+        }))
+    }
+}
+
+/// What one flight says about the shared parameters.
+struct FlightEquations {
+    matrix: DMatrix<f64>,
+    slope: DVector<f64>,
+    squares: f64,
+    freedom: f64,
+    fit: JointFit,
 }
 
 /// What an experiment says about flight.
@@ -285,38 +325,14 @@ fn solve(
         equations.clear();
         let (mut squares, mut freedom) = (0.0, 0.0);
         for (flight, known) in flights.iter().zip(&mut fits) {
-            let Some(samples) = flight.samples(&model, flight.count)? else {
-                continue;
-            };
             let from = known.as_ref().map(|fit| &fit.start);
-            let Some(found) = fit(&model.linkage, model.gravity_m_s2, &samples, from) else {
+            let Some(one) = flight.equations(&model, &nudged, from)? else {
                 continue;
             };
-            let here = found.weighted();
-            let Some(own) = slopes(&model.linkage, model.gravity_m_s2, &samples, &found) else {
-                continue;
-            };
-            let mut shared = DMatrix::zeros(here.len(), size);
-            for (k, other) in nudged.iter().enumerate() {
-                let Some(samples) = flight.samples(other, flight.count)? else {
-                    continue;
-                };
-                if let Some(there) =
-                    flown(&other.linkage, other.gravity_m_s2, &samples, &found.start)
-                {
-                    shared.set_column(k, &((there.weighted() - &here) / NUDGE));
-                }
-            }
-            let Some(factors) = (own.transpose() * &own).cholesky() else {
-                continue;
-            };
-            let across = own.transpose() * &shared;
-            let clear = &shared - &own * factors.solve(&across);
-            equations.push((clear.transpose() * &clear, clear.transpose() * &here));
-            squares += here.norm_squared();
-            // Translation costs six more.
-            freedom += (here.len() as f64 - own.ncols() as f64 - 6.0).max(0.0);
-            *known = Some(found);
+            squares += one.squares;
+            freedom += one.freedom;
+            equations.push((one.matrix, one.slope));
+            *known = Some(one.fit);
         }
         if equations.is_empty() {
             return Ok(None);
@@ -433,17 +449,7 @@ fn ahead(model: &Model, whole: &Samples, found: &JointFit) -> Option<Left> {
     let fall = nalgebra::Vector3::z() * (0.5 * model.gravity_m_s2 * time_s * time_s);
     let centre = found.centre_m + found.velocity_m_s * time_s - fall;
     let at = centre - end.world_from_body * model.linkage.centre_m(&end.angles_rad);
-    let wrapped = |e: f64| e - std::f64::consts::TAU * (e / std::f64::consts::TAU).round();
-    Some(Left {
-        position_m: whole.positions_m[last] - at,
-        turn_rad: (end.world_from_body.inverse() * whole.orientations[last]).scaled_axis(),
-        joints_rad: whole
-            .angles_rad
-            .iter()
-            .zip(&end.angles_rad)
-            .map(|(recorded, fitted)| wrapped(recorded[last] - fitted))
-            .collect(),
-    })
+    Some(Left::of(whole, last, whole.positions_m[last] - at, &end))
 }
 
 fn rms(fits: &[Option<JointFit>]) -> f64 {
@@ -465,20 +471,10 @@ fn starts(
     let pairs = pairs.filter_map(|(flight, fit)| Some((flight, fit.as_ref()?)));
     Ok(pairs
         .map(|(flight, fit)| {
-            let (state, joints): (_, Vec<JointState>) = fit.state(&model.linkage);
+            let (state, joints) = fit.state(&model.linkage);
             let state = state.scaled(model.length_scale);
-            let q = state.orientation_world_from_body;
-            FlightStart {
-                recording: flight.recording.name.clone(),
-                flight_samples: flight.count,
-                position_world_m: state.position_world_m.into(),
-                orientation_world_from_body_wxyz: [q.w, q.i, q.j, q.k],
-                velocity_world_m_s: state.velocity_world_m_s.into(),
-                angular_velocity_body_rad_s: state.angular_velocity_body_rad_s.into(),
-                joint_angles_rad: joints.iter().map(|joint| joint.angle_rad).collect(),
-                joint_speeds_rad_s: joints.iter().map(|joint| joint.speed_rad_s).collect(),
-                residual_m: fit.residual_m(),
-            }
+            let residual_m = fit.residual_m();
+            FlightStart::new(flight.recording, flight.count, &state, &joints, residual_m)
         })
         .collect())
 }

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 
 use super::linkage::{Attitude, Linkage};
+use super::solve::line;
 use realgap_engine::JointState;
 use realgap_path::trajectory::{State, Trajectory};
 
@@ -117,6 +118,27 @@ pub(super) struct Left {
 }
 
 impl Left {
+    /// Of one sample, where a fit turns like this.
+    pub fn of(
+        samples: &Samples,
+        sample: usize,
+        position_m: Vector3<f64>,
+        fitted: &Attitude,
+    ) -> Self {
+        let turned = fitted.world_from_body.inverse() * samples.orientations[sample];
+        let joints = samples.angles_rad.iter().zip(&fitted.angles_rad);
+        Self {
+            position_m,
+            turn_rad: turned.scaled_axis(),
+            joints_rad: joints
+                .map(|(recorded, fitted)| {
+                    let error = recorded[sample] - fitted;
+                    error - TAU * (error / TAU).round()
+                })
+                .collect(),
+        }
+    }
+
     fn weighted(&self) -> impl Iterator<Item = f64> {
         let position = self.position_m / POSITION_M;
         let turn = self.turn_rad / ROTATION_RAD;
@@ -175,10 +197,7 @@ pub(super) fn flown(
     start: &Attitude,
 ) -> Option<JointFit> {
     let flight = linkage.fly(start, &samples.times_s)?;
-    let n = samples.len() as f64;
     let times_s = &samples.times_s;
-    let mean_s = times_s.iter().sum::<f64>() / n;
-    let spread: f64 = times_s.iter().map(|t| (t - mean_s).powi(2)).sum();
     let arms: Vec<Vector3<f64>> = flight
         .iter()
         .map(|a| a.world_from_body * linkage.centre_m(&a.angles_rad))
@@ -190,26 +209,11 @@ pub(super) fn flown(
         .zip(&arms)
         .map(|((t, p), arm)| p + arm + fall(*t))
         .collect();
-    let velocity_m_s = times_s
-        .iter()
-        .zip(&centres)
-        .map(|(t, c)| c * (t - mean_s))
-        .sum::<Vector3<f64>>()
-        / spread;
-    let centre_m = centres.iter().sum::<Vector3<f64>>() / n - velocity_m_s * mean_s;
+    let (centre_m, velocity_m_s) = line(times_s, &centres);
     let left = (0..samples.len())
-        .map(|k| Left {
-            position_m: centres[k] - centre_m - velocity_m_s * times_s[k],
-            turn_rad: (flight[k].world_from_body.inverse() * samples.orientations[k]).scaled_axis(),
-            joints_rad: samples
-                .angles_rad
-                .iter()
-                .zip(&flight[k].angles_rad)
-                .map(|(recorded, fitted)| {
-                    let error = recorded[k] - fitted;
-                    error - TAU * (error / TAU).round()
-                })
-                .collect(),
+        .map(|k| {
+            let position_m = centres[k] - centre_m - velocity_m_s * times_s[k];
+            Left::of(samples, k, position_m, &flight[k])
         })
         .collect();
     Some(JointFit {

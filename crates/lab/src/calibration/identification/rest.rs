@@ -3,7 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::Serialize;
 
-use super::bootstrap::{Interval, intervals};
+use super::bootstrap::{Interval, intervals, weighted_mean};
 use super::flight::Body;
 use realgap_path::trajectory::Trajectory;
 use realgap_robot::morphology::Face;
@@ -91,11 +91,7 @@ impl RestReport {
             ratios.push(height_m / body.reach_m(&face.normal()));
         }
         let at_rest = counts.iter().sum();
-        let height_ratio = intervals(ratios.len(), seed, |weights| {
-            let total: f64 = weights.iter().sum();
-            let sum: f64 = weights.iter().zip(&ratios).map(|(w, r)| w * r).sum();
-            (total > 0.0).then(|| [sum / total])
-        });
+        let height_ratio = intervals(ratios.len(), seed, |w| weighted_mean(w, &ratios));
         Self {
             at_rest,
             moving: motions.len() - at_rest,

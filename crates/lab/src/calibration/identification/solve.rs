@@ -92,6 +92,20 @@ impl Equations {
     }
 }
 
+/// Place at time 0 and velocity of the straight line through places over time that fits them best.
+pub(super) fn line(times_s: &[f64], places_m: &[Vector3<f64>]) -> (Vector3<f64>, Vector3<f64>) {
+    let n = times_s.len() as f64;
+    let mean_s = times_s.iter().sum::<f64>() / n;
+    let spread: f64 = times_s.iter().map(|t| (t - mean_s).powi(2)).sum();
+    let places = times_s.iter().zip(places_m);
+    let velocity = places
+        .map(|(t, place)| place * (t - mean_s))
+        .sum::<Vector3<f64>>()
+        / spread;
+    let start = places_m.iter().sum::<Vector3<f64>>() / n - velocity * mean_s;
+    (start, velocity)
+}
+
 /// The values less the straight line over time that fits them best.
 fn without_line(times_s: &[f64], values: impl Iterator<Item = f64>) -> Vec<f64> {
     let values: Vec<f64> = values.collect();

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::flight::Body;
 use super::joint_flight::{self, Samples};
+use super::solve::line;
 use realgap_core::error::Result;
 use realgap_engine::{Experiment, JointState, Start};
 use realgap_path::trajectory::{State, Trajectory};
@@ -90,7 +91,6 @@ pub fn fit_flight(body: &Body, motion: &Trajectory) -> Option<FlightFit> {
     let attitude = |t_s: f64| UnitQuaternion::from_scaled_axis(rate_world * t_s) * turned;
 
     let n = samples as f64;
-    let mean_s = times_s.iter().sum::<f64>() / n;
     let centres: Vec<Vector3<f64>> = times_s
         .iter()
         .zip(motion.positions_world_m())
@@ -99,14 +99,7 @@ pub fn fit_flight(body: &Body, motion: &Trajectory) -> Option<FlightFit> {
             p + attitude(t) * body.centre_track_m + fall
         })
         .collect();
-    let spread: f64 = times_s.iter().map(|t| (t - mean_s).powi(2)).sum();
-    let velocity = times_s
-        .iter()
-        .zip(&centres)
-        .map(|(t, c)| c * (t - mean_s))
-        .sum::<Vector3<f64>>()
-        / spread;
-    let centre = centres.iter().sum::<Vector3<f64>>() / n - velocity * mean_s;
+    let (centre, velocity) = line(&times_s, &centres);
     let squares: f64 = times_s
         .iter()
         .zip(&centres)

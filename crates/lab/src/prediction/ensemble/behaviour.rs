@@ -5,22 +5,23 @@ use serde::Serialize;
 
 use super::distance::rms_m;
 use super::run::{Ensemble, Motion};
-use realgap_core::statistics::{Proportion, median};
+use realgap_core::statistics::{Proportion, mean, median};
 use realgap_path::trajectory::Prepared;
 
 /// At most so many behaviours: more are no description any more.
 pub const BEHAVIOURS: usize = 5;
 /// Confidence level of the probabilities' intervals.
 const LEVEL: f64 = 0.95;
-/// Two paths further apart than the larger of this share of the body length and …
+/// Two paths are two behaviours where they are further apart than this share of the body length, and than
+/// [`CUT_DISPLACEMENTS`] says.
 const CUT_BODY_LENGTHS: f64 = 0.5;
-/// … this share of the median path's net displacement are two behaviours.
+/// The same as a share of the median path's net displacement.
 const CUT_DISPLACEMENTS: f64 = 0.25;
-/// A robot that gets less far than half its body length …
+/// A robot that gets less far than this share of its body length may turn in place.
 const IN_PLACE_BODY_LENGTHS: f64 = 0.5;
-/// … or a tenth of its path …
+/// So may one that gets less far than this share of its path.
 const IN_PLACE_PATHS: f64 = 0.1;
-/// … and turns at least this much turns in place, radians.
+/// It does where it turns at least this much, radians.
 const IN_PLACE_TURN_RAD: f64 = std::f64::consts::FRAC_PI_4;
 
 /// What a behaviour is.
@@ -154,6 +155,22 @@ pub fn behaviours(ensemble: &Ensemble) -> Behaviours {
 }
 
 impl Behaviours {
+    /// The behaviour whose repeats are nearest on average, and how far they are, metres. Of every repeat its number and how far
+    /// it is.
+    pub(in crate::prediction) fn nearest(
+        &self,
+        distances_m: &[(u64, f64)],
+    ) -> Option<(f64, usize)> {
+        let all = self.list.iter().enumerate();
+        all.filter_map(|(index, behaviour)| {
+            let members = distances_m.iter();
+            let of = members.filter(|(number, _)| behaviour.repeats.contains(number));
+            let of: Vec<f64> = of.map(|(_, distance_m)| *distance_m).collect();
+            (!of.is_empty()).then(|| (mean(&of), index))
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
     /// Index of the behaviour of a repeat.
     pub fn of_repeat(&self, number: u64) -> Option<usize> {
         self.list.iter().position(|b| b.repeats.contains(&number))

@@ -87,20 +87,12 @@ impl Reality {
         let runs: Vec<RealRun> = real
             .par_iter()
             .map(|(name, path)| {
-                let distances_m: Vec<f64> = repeats.iter().map(|(_, r)| rms_m(r, path)).collect();
-                let nearest = behaviours
-                    .list
+                let distances_m: Vec<(u64, f64)> = repeats
                     .iter()
-                    .filter_map(|behaviour| {
-                        let of: Vec<f64> = repeats
-                            .iter()
-                            .zip(&distances_m)
-                            .filter(|((number, _), _)| behaviour.repeats.contains(number))
-                            .map(|(_, d)| *d)
-                            .collect();
-                        (!of.is_empty()).then(|| (mean(&of), behaviour))
-                    })
-                    .min_by(|a, b| a.0.total_cmp(&b.0));
+                    .map(|(number, repeat)| (*number, rms_m(repeat, path)))
+                    .collect();
+                let nearest = behaviours.nearest(&distances_m);
+                let distances_m: Vec<f64> = distances_m.iter().map(|(_, d)| *d).collect();
                 let distance_m = nearest.map_or(f64::NAN, |(distance_m, _)| distance_m);
                 let last = path.xy_m().len() - 1;
                 RealRun {
@@ -108,7 +100,7 @@ impl Reality {
                     net_displacement_m: path.net_displacement_m(),
                     behaviour: nearest
                         .filter(|(distance_m, _)| *distance_m <= behaviours.cut_m)
-                        .map(|(_, behaviour)| behaviour.name.clone()),
+                        .map(|(_, index)| behaviours.list[index].name.clone()),
                     distance_m,
                     time_inside: std::array::from_fn(|level| {
                         let inside = envelope.inside(level, &[path]);

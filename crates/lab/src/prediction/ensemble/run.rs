@@ -1,6 +1,6 @@
 //! Simulating the repeats.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use rayon::prelude::*;
@@ -100,53 +100,48 @@ pub fn run(
     repeats: usize,
     run: &RunOptions<'_>,
 ) -> Result<Ensemble> {
-    run_recalling(experiment, noise, seed, repeats, &|_| Ok(None), run)
+    let recall: Recall<'_> = &|_| Ok(None);
+    let draws = Draws {
+        noise,
+        seed,
+        repeats,
+        recall,
+    };
+    run.install(|| run_each(experiment, |_| experiment.clone(), &draws, run))?
 }
 
-/// As [`run`]; a repeat that `recall` knows is not simulated again.
-///
-/// # Errors
-/// As [`run`], and those of `recall`.
-pub fn run_recalling(
-    experiment: &Experiment,
-    noise: &Noise,
-    seed: u64,
-    repeats: usize,
-    recall: Recall<'_>,
-    run: &RunOptions<'_>,
-) -> Result<Ensemble> {
-    let same = |_| experiment.clone();
-    let tell = |done| run.tell(done, repeats, None);
-    let stop = run.stop_flag();
-    run.install(|| run_each(experiment, same, recall, noise, seed, repeats, stop, tell))?
+/// How the repeats of an ensemble are drawn.
+#[derive(Clone, Copy)]
+pub struct Draws<'a> {
+    /// How they differ.
+    pub noise: &'a Noise,
+    /// Seed of all draws.
+    pub seed: u64,
+    /// How many there are.
+    pub repeats: usize,
+    /// What is known already is not simulated again.
+    pub recall: Recall<'a>,
 }
 
 /// As [`run`] on the current rayon pool, with an experiment of its own for every repeat: `vary` gives that of a repeat by its number, e.g. with another draw of
 /// uncertain parameters. `experiment` is the one without noise.
 ///
 /// # Errors
-/// As [`run`].
-#[expect(
-    clippy::too_many_arguments,
-    reason = "two callers, both here and in the search's finals"
-)]
+/// As [`run`], and those of the recall.
 pub fn run_each(
     experiment: &Experiment,
     vary: impl Fn(u64) -> Experiment + Sync,
-    recall: Recall<'_>,
-    noise: &Noise,
-    seed: u64,
-    repeats: usize,
-    stop: &AtomicBool,
-    progress: impl Fn(usize) + Sync,
+    draws: &Draws<'_>,
+    run: &RunOptions<'_>,
 ) -> Result<Ensemble> {
+    let Draws {
+        noise,
+        seed,
+        repeats,
+        recall,
+    } = *draws;
     noise.check()?;
-    if repeats == 0 {
-        return Err(Error::invalid("an ensemble needs repeats")
-            .field("repeats")
-            .found(0)
-            .allowed("1 or more"));
-    }
+    must_repeat(repeats)?;
     let intended = Experiment {
         perturbation: Perturbation::default(),
         ..experiment.clone()
@@ -158,16 +153,16 @@ pub fn run_each(
     let all: Vec<Option<(Repeat, Duration)>> = (0..repeats as u64)
         .into_par_iter()
         .map(|number| {
-            if stop.load(Ordering::Relaxed) {
+            if run.is_stopped() {
                 return Ok(None);
             }
             let drawn = noise.perturb(&vary(number), seed, number);
-            let run = match recall(number as usize)? {
-                Some(run) => run,
+            let simulated = match recall(number as usize)? {
+                Some(known) => known,
                 None => recorded(realgap_engine::run(&drawn)?, noise, seed, number)?,
             };
-            let (outcome, cpu) = outcome(run)?;
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1);
+            let (outcome, cpu) = outcome(simulated)?;
+            run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, repeats, None);
             let repeat = Repeat {
                 number,
                 perturbation: drawn.perturbation,
@@ -195,6 +190,17 @@ pub fn run_each(
     let own = warnings(&ensemble);
     ensemble.warnings.extend(own);
     Ok(ensemble)
+}
+
+/// Refuses an ensemble of nothing.
+pub(in crate::prediction) fn must_repeat(repeats: usize) -> Result<()> {
+    if repeats > 0 {
+        return Ok(());
+    }
+    Err(Error::invalid("an ensemble needs repeats")
+        .field("repeats")
+        .found(0)
+        .allowed("1 or more"))
 }
 
 /// Simulates one repeat of an ensemble in full, as the noise's camera records it: the same run as repeat `number` of [`run`].

@@ -23,11 +23,11 @@ mod distance;
 mod estimate;
 mod fitness;
 mod floor;
+mod gap_text;
 mod over_time;
 mod sample;
 mod set;
 mod study;
-mod words;
 
 pub use confidence::{Confidence, LEVEL_INDEX};
 pub use distance::{Distances, GapAndRatio, MetricGap, distances};

@@ -194,16 +194,90 @@ fn study_gap(
     run: &RunOptions<'_>,
 ) -> Result<StudyGap> {
     let definition = study.definition();
-    if options.repeats == 0 {
-        return Err(Error::invalid("an ensemble needs repeats")
-            .field("repeats")
-            .found(0)
-            .allowed("1 or more"));
-    }
+    ensemble::must_repeat(options.repeats)?;
     let mut warnings = study.warnings().to_vec();
     let noise = usable_noise(options.noise, &mut warnings)?;
     let repeats = noise.map_or(0, |_| options.repeats);
-    let mut real: Vec<Option<Sample>> = vec![None; definition.recordings.len()];
+    let total = study.cases().len() * (repeats + 1);
+    let Simulated {
+        real,
+        cases,
+        begun,
+        diverged,
+    } = simulated(study, options, noise, recall, run)?;
+    if diverged == begun {
+        return Err(
+            definition.at_file(Error::invalid("every run diverged").hint(
+                "simulate the robot alone first, then try a shorter timestep or more substeps",
+            )),
+        );
+    }
+    if diverged > 0 {
+        warnings.push(Warning::new(
+            Code::Diverged,
+            format!("{diverged} of {begun} runs diverged; they are in no number here"),
+        ));
+    }
+    if begun < total {
+        warnings.push(Warning::new(
+            Code::Incomplete,
+            format!("stopped after {begun} of {total} runs"),
+        ));
+    }
+    warnings.extend(different_durations(&real));
+    let body_length_m = definition.morphology.assemble().body_length_m;
+    let scoring = Scoring {
+        metrics: options.metrics.clone(),
+        components: definition.components,
+        body_length_m: Some(body_length_m),
+        seed: options.seed,
+    };
+    let found = distances(&real, &cases, &scoring)?;
+    warnings.extend(found.warnings);
+    warnings.sort();
+    warnings.dedup();
+    Ok(StudyGap {
+        study: definition.name.clone(),
+        morphology: definition.morphology.name().to_owned(),
+        parameters: definition
+            .set
+            .iter()
+            .map(|a| (a.parameter.name.to_owned(), a.value))
+            .collect(),
+        complete: begun == total,
+        recordings: real.len(),
+        source: definition.source(),
+        starts: cases.len(),
+        repeats,
+        seed: options.seed,
+        metrics: found.metrics,
+        displacement: Fitness::new(&real, &cases)?,
+        over_time: OverTime::new(&real, &cases),
+        confidence: Confidence::new(&real, &cases, body_length_m)?,
+        noise,
+        engine: ENGINE_VERSION,
+        version: env!("CARGO_PKG_VERSION"),
+        warnings,
+    })
+}
+
+/// The runs that a study was asked for, as far as they were begun.
+struct Simulated {
+    real: Vec<Sample>,
+    cases: Vec<CaseRuns>,
+    begun: usize,
+    diverged: usize,
+}
+
+fn simulated(
+    study: &Study,
+    options: &GapOptions,
+    noise: Option<Noise>,
+    recall: Recall<'_>,
+    run: &RunOptions<'_>,
+) -> Result<Simulated> {
+    let repeats = noise.map_or(0, |_| options.repeats);
+    let mut real: Vec<Option<Sample>> = vec![None; study.definition().recordings.len()];
     let mut cases = Vec::new();
     let total = study.cases().len() * (repeats + 1);
     let done = AtomicUsize::new(0);
@@ -213,7 +287,7 @@ fn study_gap(
         for target in &case.targets {
             let there = target.in_true_lengths(experiment.recording_length_scale)?;
             real[target.recording] = Some(Sample {
-                name: definition.recordings[target.recording].name.clone(),
+                name: study.definition().recordings[target.recording].name.clone(),
                 motion: there.motion.clone(),
                 prepared: there.prepared.clone(),
             });
@@ -251,60 +325,11 @@ fn study_gap(
             repeats: ended,
         });
     }
-    if diverged == begun {
-        return Err(
-            definition.at_file(Error::invalid("every run diverged").hint(
-                "simulate the robot alone first, then try a shorter timestep or more substeps",
-            )),
-        );
-    }
-    if diverged > 0 {
-        warnings.push(Warning::new(
-            Code::Diverged,
-            format!("{diverged} of {begun} runs diverged; they are in no number here"),
-        ));
-    }
-    if begun < total {
-        warnings.push(Warning::new(
-            Code::Incomplete,
-            format!("stopped after {begun} of {total} runs"),
-        ));
-    }
-    let real: Vec<Sample> = real.into_iter().flatten().collect();
-    warnings.extend(different_durations(&real));
-    let body_length_m = definition.morphology.assemble().body_length_m;
-    let scoring = Scoring {
-        metrics: options.metrics.clone(),
-        components: definition.components,
-        body_length_m: Some(body_length_m),
-        seed: options.seed,
-    };
-    let found = distances(&real, &cases, &scoring)?;
-    warnings.extend(found.warnings);
-    warnings.sort();
-    warnings.dedup();
-    Ok(StudyGap {
-        study: definition.name.clone(),
-        morphology: definition.morphology.name().to_owned(),
-        parameters: definition
-            .set
-            .iter()
-            .map(|a| (a.parameter.name.to_owned(), a.value))
-            .collect(),
-        complete: begun == total,
-        recordings: real.len(),
-        source: definition.source(),
-        starts: cases.len(),
-        repeats,
-        seed: options.seed,
-        metrics: found.metrics,
-        displacement: Fitness::new(&real, &cases)?,
-        over_time: OverTime::new(&real, &cases),
-        confidence: Confidence::new(&real, &cases, body_length_m)?,
-        noise,
-        engine: ENGINE_VERSION,
-        version: env!("CARGO_PKG_VERSION"),
-        warnings,
+    Ok(Simulated {
+        real: real.into_iter().flatten().collect(),
+        cases,
+        begun,
+        diverged,
     })
 }
 

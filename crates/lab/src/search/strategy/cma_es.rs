@@ -4,8 +4,7 @@ use serde::Deserialize;
 
 use super::{Evaluated, Space, Strategy, StrategySettings};
 use crate::search::body::GAIT;
-use realgap_core::Error;
-use realgap_core::Result;
+use realgap_core::{Error, Result};
 use realgap_optimize::{Brief, History, Proposal, Told, optimizer_by_name};
 use realgap_robot::genome::{Gene, Genome, Locus};
 

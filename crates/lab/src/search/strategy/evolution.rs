@@ -2,10 +2,11 @@
 
 use serde::Deserialize;
 
-use super::space::within_strategy;
-use super::{Evaluated, Space, Strategy, StrategySettings, Variation, generator, selection_named};
-use realgap_core::Error;
-use realgap_core::Result;
+use super::{
+    Evaluated, Space, Strategy, StrategySettings, Variation, generator, must_not_be_0,
+    selection_named, within,
+};
+use realgap_core::{Error, Result};
 use realgap_robot::genome::Genome;
 
 /// A population over generations: the elites stay, children of selected parents take the other places.
@@ -48,17 +49,8 @@ impl Evolution {
     /// # Errors
     /// The first that cannot be used.
     pub fn check(&self) -> Result<()> {
-        for (field, value) in [
-            ("population", self.population),
-            ("generations", self.generations),
-        ] {
-            if value == 0 {
-                return Err(Error::invalid("must not be 0")
-                    .field(field)
-                    .found(value)
-                    .allowed("1 or more"));
-            }
-        }
+        must_not_be_0("population", self.population)?;
+        must_not_be_0("generations", self.generations)?;
         if self.elites >= self.population {
             return Err(Error::invalid("no place is left for children")
                 .field("elites")
@@ -94,13 +86,13 @@ impl Evolution {
 impl StrategySettings for Evolution {
     fn strategy(&self, space: &Space) -> Result<Box<dyn Strategy>> {
         space.must_be_free()?;
-        let strategy = Self {
-            seed: space.seed(),
+        self.check().map_err(|e| within("strategy", e))?;
+        space.must_hold(&self.variation)?;
+        let seed = space.seed();
+        Ok(Box::new(Self {
+            seed,
             ..self.clone()
-        };
-        strategy.check().map_err(within_strategy)?;
-        space.must_hold(&strategy.variation)?;
-        Ok(Box::new(strategy))
+        }))
     }
 }
 

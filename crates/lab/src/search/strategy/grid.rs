@@ -2,10 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::space::within_strategy;
-use super::{Evaluated, Space, Strategy, StrategySettings};
-use realgap_core::Error;
-use realgap_core::Result;
+use super::{Evaluated, Space, Strategy, StrategySettings, within};
+use realgap_core::{Error, Result};
 use realgap_robot::genome::{Gene, Genome, Locus};
 
 /// Values of one number of a gene, of one module or of all alike.
@@ -39,7 +37,7 @@ impl StrategySettings for GridSettings {
         space.must_leave_the_body(&named)?;
         let axes = self.genes.clone();
         let grid = Grid { base, axes };
-        grid.check().map_err(within_strategy)?;
+        grid.check().map_err(|e| within("strategy", e))?;
         Ok(Box::new(grid))
     }
 }

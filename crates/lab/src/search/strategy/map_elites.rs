@@ -5,10 +5,11 @@
 use rand::RngExt as _;
 use serde::Deserialize;
 
-use super::space::within_strategy;
-use super::{Archive, Axis, Evaluated, Space, Strategy, StrategySettings, Variation, generator};
-use realgap_core::Error;
-use realgap_core::Result;
+use super::{
+    Archive, Axis, Evaluated, Space, Strategy, StrategySettings, Variation, generator,
+    must_not_be_0, within,
+};
+use realgap_core::{Error, Result};
 use realgap_robot::genome::Genome;
 
 /// Random robots first, then children of the elites of randomly chosen cells.
@@ -83,18 +84,9 @@ impl MapElites {
                 .field("axes")
                 .allowed(format!("at most {CELLS_AT_MOST} in all")));
         }
-        for (field, value) in [
-            ("initial", self.initial),
-            ("batch", self.batch),
-            ("evaluations", self.evaluations),
-        ] {
-            if value == 0 {
-                return Err(Error::invalid("must not be 0")
-                    .field(field)
-                    .found(value)
-                    .allowed("1 or more"));
-            }
-        }
+        must_not_be_0("initial", self.initial)?;
+        must_not_be_0("batch", self.batch)?;
+        must_not_be_0("evaluations", self.evaluations)?;
         self.variation.check()
     }
 }
@@ -102,13 +94,13 @@ impl MapElites {
 impl StrategySettings for MapElites {
     fn strategy(&self, space: &Space) -> Result<Box<dyn Strategy>> {
         space.must_be_free()?;
-        let strategy = Self {
-            seed: space.seed(),
+        self.check().map_err(|e| within("strategy", e))?;
+        space.must_hold(&self.variation)?;
+        let seed = space.seed();
+        Ok(Box::new(Self {
+            seed,
             ..self.clone()
-        };
-        strategy.check().map_err(within_strategy)?;
-        space.must_hold(&strategy.variation)?;
-        Ok(Box::new(strategy))
+        }))
     }
 }
 

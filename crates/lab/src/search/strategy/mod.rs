@@ -20,7 +20,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use realgap_core::Result;
+use realgap_core::{Error, Result};
 use realgap_robot::genome::Genome;
 
 pub use archive::{Archive, Axis};
@@ -34,6 +34,7 @@ pub use registry::STRATEGIES;
 pub(super) use registry::StrategyFile;
 pub use selection::{SELECTIONS, Selection, selection_named};
 pub use space::Space;
+pub(super) use space::within;
 pub use variation::Variation;
 
 /// A genome and how it did.
@@ -55,6 +56,17 @@ impl Evaluated {
             .filter(|fitness| !fitness.is_nan())
             .unwrap_or(f64::NEG_INFINITY)
     }
+}
+
+/// Refuses a number of things that is none.
+fn must_not_be_0(field: &str, value: usize) -> Result<()> {
+    if value > 0 {
+        return Ok(());
+    }
+    Err(Error::invalid("must not be 0")
+        .field(field)
+        .found(value)
+        .allowed("1 or more"))
 }
 
 /// Proposes genomes. Pure: the same history gives the same proposals, so that a search is resumed by replaying it.

@@ -2,8 +2,7 @@
 
 use super::Variation;
 use crate::search::body::{Body, GAIT, driven, genome_of};
-use realgap_core::Error;
-use realgap_core::Result;
+use realgap_core::{Error, Result};
 use realgap_robot::genome::{Genome, Locus};
 
 /// The space of a search: how genomes become robots, where they start, and the seed. No simulator.
@@ -116,11 +115,11 @@ impl Space {
     }
 }
 
-/// Says where in the file: strategies know their own fields only.
-pub(super) fn within_strategy(error: Error) -> Error {
+/// Says where in the file: what stands in a group knows its own fields only.
+pub fn within(group: &str, error: Error) -> Error {
     let field = match error.field_name() {
-        Some(field) => format!("strategy.{field}"),
-        None => "strategy".to_owned(),
+        Some(field) => format!("{group}.{field}"),
+        None => group.to_owned(),
     };
     error.field(field)
 }

@@ -4,8 +4,7 @@ use rand::Rng;
 use serde::{Deserialize, Serialize};
 
 use super::{Dose, operator_named};
-use realgap_core::Error;
-use realgap_core::Result;
+use realgap_core::{Error, Result};
 use realgap_robot::genome::Genome;
 
 /// Crossover and mutation of a strategy.

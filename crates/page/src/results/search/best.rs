@@ -43,7 +43,7 @@ pub(super) fn write(folder: &Path, search: &Search, finalist: &Finalist) -> Resu
 }
 
 /// Whether [`write`] calls a file like this: `best/01_robot_00042.genome.ron`.
-pub(super) fn is_ours(name: &str) -> bool {
+pub(in crate::results) fn is_ours(name: &str) -> bool {
     let digits =
         |text: &str, least: usize| text.len() >= least && text.bytes().all(|b| b.is_ascii_digit());
     let file = Path::new(name).strip_prefix(FOLDER).ok();

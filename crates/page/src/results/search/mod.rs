@@ -9,11 +9,12 @@ mod table;
 use std::path::Path;
 
 use super::draft::publish;
-use super::kind::Kind;
+use super::kind::{Kind, file};
 use super::write_report;
 use realgap_core::error::Result;
 use realgap_lab::search::{Baseline, Finalist, Search, SearchResults};
 
+pub(super) use best::is_ours;
 pub use summary::{BestRobot, SearchSummary};
 
 /// Writes everything into `folder`, next to the store, and returns the summary. Without finalists there are no best robots; `baseline` is what they
@@ -42,17 +43,7 @@ pub fn write_search(
         }
         picture::draw(draft, search, results, archive.as_ref(), finalists)?;
         let summary = SearchSummary::new(search, results, best, baseline)?;
-        write_report(draft, "summary.json", &summary)?;
+        write_report(draft, file::SUMMARY, &summary)?;
         Ok(summary)
     })
-}
-
-/// Whether [`write_search`] calls a file like this.
-pub(super) fn is_of_a_search(name: &str) -> bool {
-    let pictures = ["fitness", "archive", "gallery", "paths"];
-    match name.rsplit_once('.') {
-        Some((stem, "png" | "svg")) => pictures.contains(&stem),
-        _ if ["history.csv", "archive.csv", "summary.json"].contains(&name) => true,
-        _ => best::is_ours(name),
-    }
 }

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::plot::{
-    AxisSpec, Caption, Gallery, HeatMap, LinePlot, ScoreScale, Series, SeriesKind, draw_gallery,
-    draw_heat_map, draw_lines, number,
+    AxisSpec, Caption, Gallery, HeatMap, LinePlot, ScoreScale, Series, SeriesKind, both,
+    draw_gallery, draw_heat_map, draw_lines, number,
 };
 use crate::results::ensemble::{EnsembleResult, draw_repeats};
 use crate::results::portrait::{GAIT_S, portrait};
@@ -24,17 +24,15 @@ pub(super) fn draw(
     let fitness = fitness(search, results);
     let elites = elites.map(|elites| archive(search, results, elites));
     let elites = elites.transpose()?.flatten();
-    for extension in ["png", "svg"] {
-        let at = |stem: &str| folder.join(format!("{stem}.{extension}"));
-        if let Some(plot) = &fitness {
-            draw_lines(plot, at("fitness"))?;
-        }
-        if let Some(map) = &elites {
-            draw_heat_map(map, at("archive"))?;
-        }
-        if !finalists.is_empty() {
-            draw_gallery(&gallery(search, finalists), at("gallery"))?;
-        }
+    if let Some(plot) = &fitness {
+        both(folder, "fitness", |path| draw_lines(plot, path))?;
+    }
+    if let Some(map) = &elites {
+        both(folder, "archive", |path| draw_heat_map(map, path))?;
+    }
+    if !finalists.is_empty() {
+        let gallery = gallery(search, finalists);
+        both(folder, "gallery", |path| draw_gallery(&gallery, path))?;
     }
     let Some(best) = finalists.first() else {
         return Ok(());
@@ -93,19 +91,22 @@ fn fitness(search: &Search, results: &SearchResults) -> Option<LinePlot> {
         .iter()
         .filter(|robot| robot.failure().is_some())
         .count();
-    let series = |label: &str, points, kind, colour| Series {
-        label: label.to_owned(),
-        points,
-        kind,
-        colour,
-    };
-    let incomplete = if results.robots.len() < strategy.budget() {
-        "INCOMPLETE: "
-    } else {
-        ""
-    };
-    Some(LinePlot {
-        caption: Caption::new(
+    let is_whole = results.robots.len() >= strategy.budget();
+    let incomplete = if is_whole { "" } else { "INCOMPLETE: " };
+    let series = [
+        ("a robot", dots, SeriesKind::Dots, 4),
+        ("mean of those that walked", means, SeriesKind::Line, 1),
+        ("best so far", best, SeriesKind::Steps, 0),
+    ];
+    let series = series.into_iter();
+    let series = series.filter(|(_, points, ..)| !points.is_empty());
+    let series =
+        series.map(|(label, points, kind, colour)| Series::new(label, kind, points).colour(colour));
+    let batch = strategy.batch_name();
+    let axis = AxisSpec::new(if one_batch { "robot" } else { batch }, Unit::One);
+    let objective = search.objective();
+    Some(LinePlot::new(
+        Caption::new(
             format!("{}: fitness over {}", search.name(), strategy.name()),
             format!(
                 "{incomplete}{}, {} each of {} s, {failed} failed and are not shown, seed {}",
@@ -115,28 +116,10 @@ fn fitness(search: &Search, results: &SearchResults) -> Option<LinePlot> {
                 search.seed()
             ),
         ),
-        x: AxisSpec::new(
-            if one_batch {
-                "robot"
-            } else {
-                strategy.batch_name()
-            },
-            Unit::One,
-        ),
-        y_label: search.objective().label(),
-        y_unit: search.objective().measure.unit(),
-        scale: ScoreScale::Linear,
-        y_range: None,
-        series: [
-            ("a robot", dots, SeriesKind::Dots, 4),
-            ("mean of those that walked", means, SeriesKind::Line, 1),
-            ("best so far", best, SeriesKind::Steps, 0),
-        ]
-        .into_iter()
-        .filter(|(_, points, ..)| !points.is_empty())
-        .map(|(label, points, kind, colour)| series(label, points, kind, colour))
-        .collect(),
-    })
+        axis,
+        (&objective.label(), objective.measure.unit()),
+        series.collect(),
+    ))
 }
 
 /// Index of the first robot of a batch.
@@ -192,7 +175,12 @@ fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Resul
             spec
         })
     };
+    let objective = search.objective();
     Ok(Some(HeatMap {
+        missing: "no robot".to_owned(),
+        scale: ScoreScale::Linear,
+        best: best.map(|(cell, _)| cell),
+        larger_is_better: true,
         caption: Caption::new(
             format!("{}: the best robot of every kind", search.name()),
             format!(
@@ -204,65 +192,44 @@ fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Resul
                 search.seed()
             ),
         ),
-        x: spec(x)?,
-        y: spec(y)?,
-        x_values: centres(x),
-        y_values: centres(y),
-        scores,
-        missing: "no robot".to_owned(),
-        score_label: search.objective().label(),
-        score_unit: search.objective().measure.unit(),
-        scale: ScoreScale::Linear,
-        best: best.map(|(cell, _)| cell),
-        best_at: None,
-        evaluated: Vec::new(),
-        larger_is_better: true,
-        lines: Vec::new(),
-        indistinguishable: Vec::new(),
-        truth: None,
+        ..HeatMap::new(
+            Caption::default(),
+            [(spec(x)?, centres(x)), (spec(y)?, centres(y))],
+            scores,
+            (&objective.label(), objective.measure.unit()),
+        )
     }))
 }
 
 fn gallery(search: &Search, finalists: &[Finalist]) -> Gallery {
-    let robots = finalists
-        .iter()
-        .enumerate()
-        .map(|(index, finalist)| {
-            let far = finalist.prediction().displacement_m.map_or(
-                "every repeat diverged".to_owned(),
-                |d| {
-                    let [q05, q50, q95] = [d.q05, d.q50, d.q95].map(|m| number(100.0 * m));
-                    format!("{q50} cm (90 %: {q05} to {q95} cm)")
-                },
-            );
-            let success = finalist.success().map_or(String::new(), |s| {
-                format!(
-                    ", P(over {} cm) {:.0} %",
-                    number(100.0 * s.least_displacement_m),
-                    100.0 * s.probability.share
-                )
-            });
-            let survives = if finalist.finals.survives {
-                ""
-            } else {
-                ", does NOT survive reruns"
-            };
-            let mut drawn = portrait(&finalist.robot, format!("{far}{success}{survives}"));
-            drawn.title = format!("{}. {}", index + 1, finalist.robot.name());
-            drawn
-        })
-        .collect();
+    let robots = finalists.iter().enumerate().map(|(index, finalist)| {
+        let far = finalist.prediction().displacement_m.map(|d| {
+            let [q05, q50, q95] = [d.q05, d.q50, d.q95].map(|m| number(100.0 * m));
+            format!("{q50} cm (90 %: {q05} to {q95} cm)")
+        });
+        let far = far.unwrap_or_else(|| "every repeat diverged".to_owned());
+        let success = finalist.success().map(|s| {
+            let least_cm = number(100.0 * s.least_displacement_m);
+            let share = 100.0 * s.probability.share;
+            format!(", P(over {least_cm} cm) {share:.0} %")
+        });
+        let success = success.unwrap_or_default();
+        let survives = match finalist.finals.survives {
+            true => "",
+            false => ", does NOT survive reruns",
+        };
+        let mut drawn = portrait(&finalist.robot, format!("{far}{success}{survives}"));
+        drawn.title = format!("{}. {}", index + 1, finalist.robot.name());
+        drawn
+    });
+    let remark = match finalists.iter().any(|finalist| finalist.finals.survives) {
+        true => "",
+        false => ", none of which walks the same in other settings",
+    };
     Gallery {
         gait_s: GAIT_S,
         caption: Caption::new(
-            if finalists.iter().any(|finalist| finalist.finals.survives) {
-                format!("{}: the best robots", search.name())
-            } else {
-                format!(
-                    "{}: the best robots, none of which walks the same in other settings",
-                    search.name()
-                )
-            },
+            format!("{}: the best robots{remark}", search.name()),
             format!(
                 "{} of {}, {}, in {} s; at zero servo angles",
                 search.strategy().name(),
@@ -272,6 +239,6 @@ fn gallery(search: &Search, finalists: &[Finalist]) -> Gallery {
             ),
         ),
         columns: finalists.len().min(4),
-        robots,
+        robots: robots.collect(),
     }
 }

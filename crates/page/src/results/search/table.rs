@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::results::kind::file;
 use crate::results::table::{number, write};
 use realgap_core::error::Result;
 use realgap_lab::search::{Archive, Search, SearchResults};
@@ -42,7 +43,7 @@ pub(super) fn write_history(folder: &Path, search: &Search, results: &SearchResu
         row.push(genes.map(f64::to_string).collect::<Vec<_>>().join(" "));
         row
     });
-    write(&folder.join("history.csv"), &header, rows)
+    write(&folder.join(file::HISTORY), &header, rows)
 }
 
 /// One row an elite.
@@ -74,5 +75,5 @@ pub(super) fn write_archive(
         ]);
         row
     });
-    write(&folder.join("archive.csv"), &header, rows)
+    write(&folder.join(file::ARCHIVE), &header, rows)
 }

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::stream::{Frames, Kinds, Log, Said, Sample};
+use super::message::{Content, Frames, Kinds, Sample};
 
 #[derive(Deserialize)]
 struct Time {
@@ -86,37 +86,21 @@ fn transform(transform: FrameTransform, log_ns: i64) -> Option<(Frames, Sample)>
     Some((Some(frames), sample))
 }
 
-/// Adds what a message says to the log; `None` where it is not what its schema says.
-pub(super) fn push(
-    log: &mut Log<'_>,
-    said: Said<'_>,
-    kind: Kind,
-    log_ns: i64,
-    data: &[u8],
-) -> Option<()> {
-    match kind {
+/// What a message says; `None` where it is not what its schema says.
+pub(super) fn content(kind: Kind, log_ns: i64, data: &[u8]) -> Option<Content> {
+    let all = match kind {
         Kind::Pose => {
-            let message: PoseInFrame = serde_json::from_slice(data).ok()?;
-            let pose = &message.pose;
-            let sample = sample(
-                &message.timestamp,
-                &pose.position,
-                &pose.orientation,
-                log_ns,
-            )?;
-            log.push(said, None, sample);
+            let PoseInFrame { timestamp, pose } = serde_json::from_slice(data).ok()?;
+            let sample = sample(&timestamp, &pose.position, &pose.orientation, log_ns)?;
+            vec![(None, sample)]
         }
-        Kind::Transform => {
-            let (frames, sample) = transform(serde_json::from_slice(data).ok()?, log_ns)?;
-            log.push(said, frames, sample);
-        }
+        Kind::Transform => vec![transform(serde_json::from_slice(data).ok()?, log_ns)?],
         Kind::Transforms => {
             let message: FrameTransforms = serde_json::from_slice(data).ok()?;
-            for one in message.transforms {
-                let (frames, sample) = transform(one, log_ns)?;
-                log.push(said, frames, sample);
-            }
+            let all = message.transforms.into_iter();
+            all.map(|one| transform(one, log_ns))
+                .collect::<Option<_>>()?
         }
-    }
-    Some(())
+    };
+    Some(Content::Poses(all))
 }

@@ -5,6 +5,7 @@
 mod cdr;
 mod foxglove;
 mod mcap;
+mod message;
 mod ros;
 mod rosbag;
 mod stream;

@@ -1,7 +1,7 @@
 //! Messages of ROS 2 that hold poses.
 
 use super::cdr::Cdr;
-use super::stream::{Frames, Kinds, Log, Said, Sample};
+use super::message::{Content, Frames, Kinds, Sample};
 
 /// What a message says, by the name of its type; the last part of `geometry_msgs/msg/PoseStamped`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,19 +47,13 @@ fn transform(cdr: &mut Cdr<'_>, log_ns: i64) -> Option<(Frames, Sample)> {
     Some((Some((parent, child)), pose(cdr, stamp_ns, log_ns)?))
 }
 
-/// Adds what a message says to the log; `None` where it is not whole.
-pub(super) fn push(
-    log: &mut Log<'_>,
-    said: Said<'_>,
-    kind: Kind,
-    log_ns: i64,
-    data: &[u8],
-) -> Option<()> {
+/// What a message says; `None` where it is not whole.
+pub(super) fn content(kind: Kind, log_ns: i64, data: &[u8]) -> Option<Content> {
     let mut cdr = Cdr::new(data)?;
-    match kind {
+    let all = match kind {
         Kind::Pose => {
             let (stamp_ns, _) = header(&mut cdr)?;
-            log.push(said, None, pose(&mut cdr, stamp_ns, log_ns)?);
+            vec![(None, pose(&mut cdr, stamp_ns, log_ns)?)]
         }
         Kind::Odometry => {
             let (stamp_ns, _) = header(&mut cdr)?;
@@ -67,27 +61,20 @@ pub(super) fn push(
             let mut sample = pose(&mut cdr, stamp_ns, log_ns)?;
             let _covariance: [f64; 36] = cdr.numbers()?;
             sample.twist = Some(cdr.numbers()?);
-            log.push(said, None, sample);
+            vec![(None, sample)]
         }
-        Kind::Transform => {
-            let (frames, sample) = transform(&mut cdr, log_ns)?;
-            log.push(said, frames, sample);
-        }
-        Kind::Transforms => {
-            for _ in 0..cdr.u32()? {
-                let (frames, sample) = transform(&mut cdr, log_ns)?;
-                log.push(said, frames, sample);
-            }
-        }
+        Kind::Transform => vec![transform(&mut cdr, log_ns)?],
+        Kind::Transforms => (0..cdr.u32()?)
+            .map(|_| transform(&mut cdr, log_ns))
+            .collect::<Option<_>>()?,
         Kind::Path => {
             header(&mut cdr)?;
-            let mut samples = Vec::new();
-            for _ in 0..cdr.u32()? {
+            let samples = (0..cdr.u32()?).map(|_| {
                 let (stamp_ns, _) = header(&mut cdr)?;
-                samples.push(pose(&mut cdr, stamp_ns, log_ns)?);
-            }
-            log.replace(said, samples);
+                pose(&mut cdr, stamp_ns, log_ns)
+            });
+            return samples.collect::<Option<_>>().map(Content::Path);
         }
-    }
-    Some(())
+    };
+    Some(Content::Poses(all))
 }

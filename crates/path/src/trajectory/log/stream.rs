@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
+use super::message::{Content, Frames, Sample};
 use super::{foxglove, ros};
 use crate::trajectory::Reading;
 use crate::trajectory::text::{MAX_ROWS, excerpt, push_number};
@@ -13,43 +14,12 @@ use realgap_core::unit::counted;
 /// Most streams that a message lists.
 const LISTED: usize = 12;
 
-/// Names of the types of messages that hold poses, and what each says.
-pub(super) struct Kinds<K: 'static>(pub(super) &'static [(&'static str, K)]);
-
-impl<K: Copy> Kinds<K> {
-    fn names(&self) -> impl Iterator<Item = &'static str> {
-        self.0.iter().map(|(name, _)| *name)
-    }
-
-    /// `None` for all that are no poses.
-    fn of(&self, name: &str) -> Option<K> {
-        let known = self.0.iter().find(|(known, _)| *known == name);
-        known.map(|(_, kind)| *kind)
-    }
-}
-
-/// One pose.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Sample {
-    /// What the message says, nanoseconds; 0 where it says nothing.
-    pub(super) stamp_ns: i64,
-    /// When it was recorded, nanoseconds.
-    pub(super) log_ns: i64,
-    pub(super) place_m: [f64; 3],
-    pub(super) turn_xyzw: [f64; 4],
-    /// Linear and angular velocity, both in the frame of the body.
-    pub(super) twist: Option<[f64; 6]>,
-}
-
 /// Where a message was said, and of which type it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Said<'a> {
     pub(super) topic: &'a str,
     pub(super) kind: &'a str,
 }
-
-/// Parent and child of a transform.
-pub(super) type Frames = Option<(String, String)>;
 
 /// Poses of one thing.
 #[derive(Debug, Clone, Default)]
@@ -101,10 +71,10 @@ impl<'a> Log<'a> {
         let done = match encoding {
             "cdr" => ros::KINDS
                 .of(said.kind)
-                .map(|kind| ros::push(self, said, kind, log_ns, data)),
+                .map(|kind| ros::content(kind, log_ns, data)),
             "json" => foxglove::KINDS
                 .of(said.kind)
-                .map(|kind| foxglove::push(self, said, kind, log_ns, data)),
+                .map(|kind| foxglove::content(kind, log_ns, data)),
             _ => None,
         };
         match done {
@@ -115,7 +85,13 @@ impl<'a> Log<'a> {
                 let found = format!("{} bytes, said to be {}", data.len(), excerpt(said.kind));
                 self.broken.get_or_insert(error.found(found));
             }
-            Some(_) => {}
+            Some(None) => {}
+            Some(Some(Content::Poses(all))) => {
+                for (frames, sample) in all {
+                    self.push(said, frames, sample);
+                }
+            }
+            Some(Some(Content::Path(samples))) => self.replace(said, samples),
         }
         if self.kept > MAX_ROWS {
             return Err(Error::invalid("too many poses")
@@ -156,7 +132,7 @@ impl<'a> Log<'a> {
     }
 
     /// Adds one pose.
-    pub(super) fn push(&mut self, said: Said<'_>, frames: Frames, sample: Sample) {
+    fn push(&mut self, said: Said<'_>, frames: Frames, sample: Sample) {
         let child = self.reading.child_frame.as_deref();
         let is_wanted = self.is_wanted(said.topic)
             && child.is_none_or(|child| frames.as_ref().is_none_or(|(_, own)| own == child));
@@ -169,7 +145,7 @@ impl<'a> Log<'a> {
     }
 
     /// Puts a path in the place of what the topic said before: each message holds all of it so far.
-    pub(super) fn replace(&mut self, said: Said<'_>, samples: Vec<Sample>) {
+    fn replace(&mut self, said: Said<'_>, samples: Vec<Sample>) {
         let is_wanted = self.is_wanted(said.topic);
         let stream = self.stream(said, None);
         stream.is_path = true;

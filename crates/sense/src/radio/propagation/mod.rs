@@ -12,10 +12,8 @@ pub use material::Materials;
 pub use thickness::Thickness;
 pub use wall::Walls;
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
 use super::link::Link;
-use realgap_core::error::{Error, Result};
+use realgap_core::error::Result;
 use realgap_core::file::look_up;
 
 /// Every model that a log is fitted with, simplest first.
@@ -93,29 +91,7 @@ pub trait Propagation: Sync {
     }
 }
 
-impl PartialEq for dyn Propagation {
-    fn eq(&self, other: &Self) -> bool {
-        self.name() == other.name()
-    }
-}
-
-impl Serialize for dyn Propagation {
-    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
-    }
-}
-
-impl<'de> Deserialize<'de> for &'static dyn Propagation {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
-        propagation_by_name(&String::deserialize(deserializer)?).map_err(Error::through_serde)
-    }
-}
-
-impl std::fmt::Debug for dyn Propagation {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
-    }
-}
+realgap_core::named!(dyn Propagation, propagation_by_name);
 
 /// The capped number of walls, as equation 2 of paper 002 has it.
 fn counted_walls(link: &Link, cap: usize) -> f64 {

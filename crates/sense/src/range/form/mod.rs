@@ -6,7 +6,7 @@ mod power;
 mod table;
 
 use nalgebra::{DMatrix, DVector};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 pub use exponential::Exponential;
 pub use linear::Linear;
@@ -69,29 +69,7 @@ pub trait Form: Sync {
     fn start(&self, knots: &[f64], points: &[Point]) -> Option<Vec<f64>>;
 }
 
-impl std::fmt::Debug for dyn Form {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl PartialEq for dyn Form {
-    fn eq(&self, other: &Self) -> bool {
-        self.name() == other.name()
-    }
-}
-
-impl Serialize for dyn Form {
-    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
-    }
-}
-
-impl<'de> Deserialize<'de> for &'static dyn Form {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
-        form_by_name(&String::deserialize(deserializer)?).map_err(Error::through_serde)
-    }
-}
+realgap_core::named!(dyn Form, form_by_name);
 
 /// A form with its parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -18,10 +18,6 @@ impl Operator for Gaussian {
         "adds a normal change to each number, with the probability `rate`"
     }
 
-    fn is_crossover(&self) -> bool {
-        false
-    }
-
     fn vary(&self, first: &Genome, _second: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome {
         let genes = first.genes().iter().map(|gene| {
             let mut values = *gene.values();

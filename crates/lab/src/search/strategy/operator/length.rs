@@ -36,10 +36,6 @@ impl Operator for Length {
         }
     }
 
-    fn is_crossover(&self) -> bool {
-        false
-    }
-
     fn vary(&self, first: &Genome, _second: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome {
         let mut genes = first.genes().to_vec();
         let has_room = match self {

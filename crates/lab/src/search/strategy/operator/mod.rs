@@ -9,9 +9,9 @@ mod uniform;
 
 use rand::Rng;
 
-use realgap_core::Error;
 use realgap_core::Result;
 use realgap_core::file::look_up;
+use realgap_core::range::Range;
 use realgap_robot::genome::{Gene, Genome};
 
 /// How much an operator may change.
@@ -32,24 +32,11 @@ impl Dose {
     /// # Errors
     /// The first that is out of range.
     pub fn check(&self) -> Result<()> {
-        for (field, value) in [
-            ("rate", self.rate),
-            ("standard_deviation", self.standard_deviation),
-        ] {
-            if !(0.0..=1.0).contains(&value) {
-                return Err(Error::invalid("out of range")
-                    .field(field)
-                    .found(value)
-                    .allowed("0 to 1"));
-            }
-        }
-        if !(1..=Genome::MAX_MODULES).contains(&self.max_modules) {
-            return Err(Error::invalid("out of range")
-                .field("max_modules")
-                .found(self.max_modules)
-                .allowed(format!("1 to {}", Genome::MAX_MODULES)));
-        }
-        Ok(())
+        let share = Range::within(0.0, 1.0, "");
+        share.check(self.rate, "rate")?;
+        share.check(self.standard_deviation, "standard_deviation")?;
+        let modules = Range::within(1.0, Genome::MAX_MODULES as f64, "");
+        modules.check(self.max_modules as f64, "max_modules")
     }
 }
 
@@ -63,7 +50,9 @@ pub trait Operator: Sync {
     fn doc(&self) -> &'static str;
 
     /// True if it needs two different parents; the second is not looked at otherwise.
-    fn is_crossover(&self) -> bool;
+    fn is_crossover(&self) -> bool {
+        false
+    }
 
     /// The child.
     fn vary(&self, first: &Genome, second: &Genome, dose: &Dose, rng: &mut dyn Rng) -> Genome;

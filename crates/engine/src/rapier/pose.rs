@@ -2,8 +2,8 @@
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, UnitQuaternion, Vector3};
 
-use crate::engine::math::{Matrix, Pose, Rotation, Vector};
-use crate::engine::{narrow, wide};
+use super::precision::math::{Matrix, Pose, Rotation, Vector};
+use super::precision::{narrow, wide};
 
 pub(crate) fn to_vector(v: &Vector3<f64>) -> Vector {
     Vector::new(narrow(v.x), narrow(v.y), narrow(v.z))
@@ -13,7 +13,7 @@ pub(crate) fn from_vector(v: Vector) -> Vector3<f64> {
     Vector3::new(wide(v.x), wide(v.y), wide(v.z))
 }
 
-pub(super) fn to_matrix(m: &Matrix3<f64>) -> Matrix {
+pub(crate) fn to_matrix(m: &Matrix3<f64>) -> Matrix {
     Matrix::from_cols(
         to_vector(&m.column(0).into_owned()),
         to_vector(&m.column(1).into_owned()),
@@ -50,7 +50,7 @@ fn from_quaternion(rotation: Quaternion<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::new_normalize(rotation)
 }
 
-pub(super) fn from_pose(pose: &Pose) -> Isometry3<f64> {
+pub(crate) fn from_pose(pose: &Pose) -> Isometry3<f64> {
     Isometry3::from_parts(
         from_vector(pose.translation).into(),
         from_rotation(&pose.rotation),

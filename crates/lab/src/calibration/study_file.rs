@@ -16,7 +16,7 @@ use super::scene_file::BodyFile;
 use crate::calibration::identification::StartState;
 use realgap_core::error::{Error, ErrorKind, Result};
 use realgap_core::file::{Source, name_of_file, parse_ron, sha256, unique_keys};
-use realgap_engine::parameter::{Assignment, ParameterSet, by_name};
+use realgap_engine::parameter::{Assignment, Parameter, ParameterSet, by_name};
 use realgap_engine::{Noise, SceneBody, Vehicle};
 use realgap_optimize::{Grid, MAX_POINTS, Range};
 use realgap_path::comparison::{self, Components};
@@ -76,7 +76,8 @@ pub struct StudyFile {
     /// What the principal components of the metric `pca` are fitted on.
     basis: Option<BasisFile>,
     /// How many principal components are kept.
-    components: Option<ComponentsFile>,
+    #[serde(default)]
+    components: Components,
     /// What the score of a point is the mean over.
     #[serde(default)]
     score: ScoreRule,
@@ -108,15 +109,6 @@ enum Joint {
     Multibody,
     /// A constraint between two bodies.
     Impulse,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-enum ComponentsFile {
-    /// As many as explain this share of the variance.
-    Variance(f64),
-    /// Exactly so many.
-    Count(usize),
 }
 
 #[derive(Debug, Clone, Deserialize)]
@@ -206,66 +198,10 @@ impl Definition {
     pub fn parse_without_recordings(source: &Source, overrides: &Overrides) -> Result<Self> {
         let path = source.path();
         let file: StudyFile = parse_ron(source)?;
-
         let folder = path.parent().unwrap_or(Path::new(""));
-        let (morphology, morphology_sha256, vehicle) = match (&file.morphology, &file.vehicle) {
-            (Some(named), None) => {
-                let robot = morphology_source(source, &folder.join(named))?;
-                (Morphology::parse(&robot)?, robot.sha256(), None)
-            }
-            (None, Some(named)) => {
-                let vehicle = Vehicle::read(folder.join(&named.file), named.sensor.as_deref())?;
-                let sha256 = sha256(vehicle.text.as_bytes());
-                (outside_of(&vehicle)?, sha256, Some(Arc::new(vehicle)))
-            }
-            _ => {
-                return Err(Error::invalid("a study is of one robot")
-                    .at_file(path)
-                    .allowed("`morphology: \"...\"`, or `vehicle: (file: \"...\")`")
-                    .hint("add `morphology: ...`"));
-            }
-        };
-
-        let mut set = ParameterSet::new();
-        let named = [
-            ("timestep_s", file.timestep_s),
-            ("solver.substeps", file.substeps.map(|n| n as f64)),
-            (
-                "solver.joint",
-                file.joint
-                    .map(|joint| f64::from(u8::from(matches!(joint, Joint::Multibody)))),
-            ),
-        ];
-        for (name, value) in named {
-            if let Some(value) = value {
-                set = set.with(
-                    Assignment::new(name, value)
-                        .map_err(|e| source.at(name.trim_start_matches("solver."), e))?,
-                );
-            }
-        }
-        for (name, value) in &file.set {
-            set = set.with(Assignment::new(name, *value).map_err(|e| source.at("set", e))?);
-        }
-        set = set.with_all(&overrides.set);
-
-        let (mut ranges, mut parameters) = (Vec::new(), Vec::new());
-        for (index, range) in file.parameters.iter().enumerate() {
-            let checked = by_name(&range.name)
-                .and_then(|p| {
-                    let points = overrides.points.unwrap_or(range.points);
-                    Ok((p, Range::new(p, range.from, range.to, points)?))
-                })
-                .map_err(|e| match overrides.points {
-                    Some(points) if !(2..=MAX_POINTS).contains(&points) => {
-                        e.field("points").into_usage()
-                    }
-                    _ => source.at(&format!("parameters[{index}]"), e),
-                })?;
-            parameters.push(checked.0);
-            ranges.push(checked.1);
-        }
-        let grid = Grid::new(ranges).map_err(|e| source.at("parameters", e))?;
+        let robot = file.robot(source, folder)?;
+        let set = file.fixed(source)?.with_all(&overrides.set);
+        let (grid, parameters) = file.varied(source, overrides)?;
         let metric = match overrides.metric {
             Some(metric) => metric,
             None => comparison::by_name(&file.metric).map_err(|e| source.at("metric", e))?,
@@ -276,73 +212,25 @@ impl Definition {
             (None, Some(BasisFile::Recordings)) => BasisRule::Recordings,
             (None, Some(BasisFile::File(saved))) => BasisRule::read(folder.join(saved))?,
         };
-        let components = match file.components {
-            None => Components::default(),
-            Some(ComponentsFile::Variance(share)) => Components::Variance(share),
-            Some(ComponentsFile::Count(count)) => Components::Count(count),
-        };
-        components.check().map_err(|e| source.at("components", e))?;
-        if let Some(duration_s) = file.duration_s
-            && !(1e-3..=3600.0).contains(&duration_s)
-        {
-            let error = Error::invalid("out of range")
-                .field("duration_s")
-                .found(duration_s)
-                .allowed("0.001 to 3600 s");
-            return Err(source.at("duration_s", error));
-        }
-        if let Some((field, error)) = file.reading.fault() {
-            return Err(source.at(&format!("reading.{field}"), error));
-        }
-        if let Some((field, error)) = file.noise.and_then(|noise| noise.fault()) {
-            return Err(source.at(&format!("noise.{field}"), error));
-        }
-        let start_state = overrides
-            .start_state
-            .or(file.start_state)
-            .unwrap_or_default();
+        let start_state = overrides.start_state.or(file.start_state);
+        let start_state = start_state.unwrap_or_default();
         if file.start == StartRule::Settled && start_state != StartState::FirstSample {
             let error = Error::invalid("a settled start has no start state to refine")
                 .field("start_state")
                 .hint("use `start: FromRecording`");
             return Err(source.at("start", error));
         }
-        let mut scene = Vec::with_capacity(file.scene.len());
-        for (index, body) in file.scene.into_iter().enumerate() {
-            let body = body
-                .into_body()
-                .map_err(|e| source.at(&format!("scene[{index}]"), e))?;
-            scene.push(body);
-        }
-        let mut morphology_sha256 = morphology_sha256;
-        if let Some(named) = &file.arena {
-            let plan = Source::read(folder.join(named), "arena")?;
-            scene.push(SceneBody::read_arena(
-                &plan,
-                file.start == StartRule::Settled,
-            )?);
-            morphology_sha256 = sha256(format!("{morphology_sha256}\n{}", plan.text()).as_bytes());
-        }
-        let truth = file
-            .truth
-            .iter()
-            .map(|(name, value)| Assignment::new(name, *value).map_err(|e| source.at("truth", e)))
-            .collect::<Result<ParameterSet>>()?;
-        Ok(Self {
-            name: name_of_file(path, "a study")?,
+        let truth = assignments(&file.truth).map_err(|e| source.at("truth", e))?;
+        let mut definition = Self {
             path: Some(path.to_path_buf()),
             text: source.text().to_owned(),
             description: file.description,
-            morphology,
-            morphology_sha256,
-            vehicle,
+            morphology_sha256: robot.sha256,
+            vehicle: robot.vehicle,
             condition: file.condition,
-            recordings: Vec::new(),
-            recordings_sha256: Vec::new(),
             start: file.start,
             start_state,
             only_at_rest: file.only_at_rest,
-            scene,
             commands: file.commands,
             duration_s: file.duration_s,
             reading: overrides.reading.clone().or(&file.reading),
@@ -352,15 +240,123 @@ impl Definition {
             metric,
             score: overrides.score.unwrap_or(file.score),
             basis,
-            components,
+            components: file.components,
             seed: overrides.seed.unwrap_or(file.seed),
             split: overrides.split,
             truth,
             noise: file.noise,
             recording_globs: file.recordings,
-            warnings: Vec::new(),
-        })
+            ..Self::of(name_of_file(path, "a study")?, robot.morphology)
+        };
+        if let Some((field, error)) = definition.fault().or_else(|| {
+            file.reading
+                .fault()
+                .map(|(field, error)| (format!("reading.{field}"), error))
+        }) {
+            return Err(source.at(&field, error));
+        }
+        for (index, body) in file.scene.into_iter().enumerate() {
+            let body = body.into_body();
+            definition
+                .scene
+                .push(body.map_err(|e| source.at(&format!("scene[{index}]"), e))?);
+        }
+        if let Some(named) = &file.arena {
+            let plan = Source::read(folder.join(named), "arena")?;
+            let settled = file.start == StartRule::Settled;
+            definition
+                .scene
+                .push(SceneBody::read_arena(&plan, settled)?);
+            let both = format!("{}\n{}", definition.morphology_sha256, plan.text());
+            definition.morphology_sha256 = sha256(both.as_bytes());
+        }
+        Ok(definition)
     }
+}
+
+/// The robot that a study names.
+struct Robot {
+    morphology: Morphology,
+    sha256: String,
+    vehicle: Option<Arc<Vehicle>>,
+}
+
+impl StudyFile {
+    fn robot(&self, source: &Source, folder: &Path) -> Result<Robot> {
+        match (&self.morphology, &self.vehicle) {
+            (Some(named), None) => {
+                let robot = morphology_source(source, &folder.join(named))?;
+                Ok(Robot {
+                    morphology: Morphology::parse(&robot)?,
+                    sha256: robot.sha256(),
+                    vehicle: None,
+                })
+            }
+            (None, Some(named)) => {
+                let vehicle = Vehicle::read(folder.join(&named.file), named.sensor.as_deref())?;
+                Ok(Robot {
+                    morphology: outside_of(&vehicle)?,
+                    sha256: sha256(vehicle.text.as_bytes()),
+                    vehicle: Some(Arc::new(vehicle)),
+                })
+            }
+            _ => Err(Error::invalid("a study is of one robot")
+                .at_file(source.path())
+                .allowed("`morphology: \"...\"`, or `vehicle: (file: \"...\")`")
+                .hint("add `morphology: ...`")),
+        }
+    }
+
+    /// The values that it fixes.
+    fn fixed(&self, source: &Source) -> Result<ParameterSet> {
+        let multibody = self.joint.map(|joint| matches!(joint, Joint::Multibody));
+        let named = [
+            ("timestep_s", self.timestep_s),
+            ("solver.substeps", self.substeps.map(|n| n as f64)),
+            ("solver.joint", multibody.map(|is| f64::from(u8::from(is)))),
+        ];
+        let mut set = ParameterSet::new();
+        for (name, value) in named {
+            if let Some(value) = value {
+                let field = name.trim_start_matches("solver.");
+                set = set.with(Assignment::new(name, value).map_err(|e| source.at(field, e))?);
+            }
+        }
+        let more = assignments(&self.set).map_err(|e| source.at("set", e))?;
+        Ok(set.with_all(&more))
+    }
+
+    /// What varies, as a grid and as parameters.
+    fn varied(
+        &self,
+        source: &Source,
+        overrides: &Overrides,
+    ) -> Result<(Grid, Vec<&'static Parameter>)> {
+        let (mut ranges, mut parameters) = (Vec::new(), Vec::new());
+        for (index, range) in self.parameters.iter().enumerate() {
+            let points = overrides.points.unwrap_or(range.points);
+            let checked = by_name(&range.name)
+                .and_then(|p| Ok((p, Range::new(p, range.from, range.to, points)?)))
+                .map_err(|e| match overrides.points {
+                    Some(points) if !(2..=MAX_POINTS).contains(&points) => {
+                        e.field("points").into_usage()
+                    }
+                    _ => source.at(&format!("parameters[{index}]"), e),
+                })?;
+            parameters.push(checked.0);
+            ranges.push(checked.1);
+        }
+        let grid = Grid::new(ranges).map_err(|e| source.at("parameters", e))?;
+        Ok((grid, parameters))
+    }
+}
+
+/// Checked values of parameters.
+pub(super) fn assignments(values: &BTreeMap<String, f64>) -> Result<ParameterSet> {
+    let values = values.iter();
+    values
+        .map(|(name, value)| Assignment::new(name, *value))
+        .collect()
 }
 
 /// Reads the robot that a study names.

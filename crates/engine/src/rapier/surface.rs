@@ -4,10 +4,10 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
+use super::precision::math::Vector;
+use super::precision::narrow;
+use super::precision::prelude::SharedShape;
 use super::to_vector;
-use crate::engine::math::Vector;
-use crate::engine::narrow;
-use crate::engine::prelude::SharedShape;
 use realgap_robot::morphology::Shape;
 
 /// A flat hull is as thick as this, metres.

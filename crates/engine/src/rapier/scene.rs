@@ -2,16 +2,16 @@
 
 use nalgebra::{Isometry3, Translation3, Vector3};
 
-use super::{World, from_pose, to_pose};
-use crate::engine::prelude::{
+use super::hook::Driven;
+use super::precision::prelude::{
     ActiveHooks, CoefficientCombineRule, ColliderBuilder, RigidBodyBuilder,
 };
-use crate::engine::{narrow, wide};
+use super::precision::{narrow, wide};
+use super::{RapierWorld, from_pose, to_pose};
 use crate::experiment::Experiment;
-use crate::hook::Driven;
 use crate::scene::SceneMotion;
 
-impl World {
+impl RapierWorld {
     /// Puts the bodies of the scene in; driven ones stand at the origin until they are led.
     pub(super) fn set_scene(&mut self, experiment: &Experiment) {
         for body in &experiment.scene {
@@ -67,7 +67,7 @@ impl World {
     }
 
     /// Where the bodies of the scene are, in the experiment's order.
-    pub fn scene_poses(&self) -> Vec<Isometry3<f64>> {
+    pub(super) fn poses_of_scene(&self) -> Vec<Isometry3<f64>> {
         let bodies = self.scene.iter().map(|handle| self.bodies.get(*handle));
         bodies
             .map(|body| body.map_or_else(Isometry3::identity, |body| from_pose(body.position())))
@@ -75,14 +75,14 @@ impl World {
     }
 
     /// Puts a driven body of the scene where it starts.
-    pub fn place_driven(&mut self, index: usize, world_from_body: &Isometry3<f64>) {
+    pub(super) fn put_driven(&mut self, index: usize, world_from_body: &Isometry3<f64>) {
         if let Some(body) = self.bodies.get_mut(self.scene[index]) {
             body.set_position(to_pose(world_from_body), true);
         }
     }
 
     /// Leads a driven body to where it is to be after the next step.
-    pub fn lead_driven(&mut self, index: usize, next: &Isometry3<f64>) {
+    pub(super) fn guide_driven(&mut self, index: usize, next: &Isometry3<f64>) {
         let handle = self.scene[index];
         let timestep_s = wide(self.parameters.dt);
         let Some(body) = self.bodies.get_mut(handle) else {

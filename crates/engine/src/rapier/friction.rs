@@ -8,11 +8,11 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 
-use super::engine::Real;
-use super::engine::dynamics::{MultibodyJointSet, RigidBodyHandle, RigidBodySet};
-use super::engine::math::Vector;
-use super::engine::pipeline::ContactModificationContext;
 use super::hook::Driven;
+use super::precision::Real;
+use super::precision::dynamics::{MultibodyJointSet, RigidBodyHandle, RigidBodySet};
+use super::precision::math::Vector;
+use super::precision::pipeline::ContactModificationContext;
 
 /// Below this slip a contact counts as sticking, where direction does not matter, m/s. A higher value lets a
 /// cube on a slope near the angle of slip creep at that speed.

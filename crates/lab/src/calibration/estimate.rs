@@ -1,8 +1,9 @@
 //! How long a study will take, from a slice of it: within a second or two, whatever the study.
 
-use realgap::Result;
-use realgap::calibration::{StartRule, Study};
-use realgap::simulation::{self, Experiment};
+use realgap_core::Result;
+use realgap_engine::{self as simulation, Experiment};
+
+use super::{StartRule, Study};
 
 /// A slice is no longer than this, simulated seconds.
 const SLICE_S: f64 = 0.2;
@@ -16,23 +17,25 @@ const FINE_STEPS: f64 = 800.0;
 /// More substeps than this are not run, but counted.
 const SUBSTEPS: usize = 8;
 
-/// CPU seconds of one point in the middle of the grid, settling included.
-///
-/// # Errors
-/// Settings that cannot be simulated.
-pub fn cpu_s_per_point(study: &Study) -> Result<f64> {
-    let grid = &study.definition().grid;
-    let whole = study.experiment(0, &grid.values(grid.len() / 2))?;
-    let mut step_s = slice(&whole, COARSE_STEP_S)?;
-    if step_s.cpu_s * FINE_STEPS < FINE_CPU_S {
-        step_s = slice(&whole, FINE_STEP_S)?;
+impl Study {
+    /// CPU seconds of one point in the middle of the grid, settling included, from a slice of it that is run now.
+    ///
+    /// # Errors
+    /// Settings that cannot be simulated.
+    pub fn cpu_s_per_point(&self) -> Result<f64> {
+        let grid = &self.definition().grid;
+        let whole = self.experiment(0, &grid.values(grid.len() / 2))?;
+        let mut step_s = slice(&whole, COARSE_STEP_S)?;
+        if step_s.cpu_s * FINE_STEPS < FINE_CPU_S {
+            step_s = slice(&whole, FINE_STEP_S)?;
+        }
+        let cases = match self.definition().start {
+            StartRule::Settled => 1,
+            StartRule::FromRecording => self.cases().len(),
+        };
+        let simulated_s = self.simulated_s() + cases as f64 * step_s.settled_s;
+        Ok(step_s.cpu_s * simulated_s / whole.solver.timestep_s)
     }
-    let cases = match study.definition().start {
-        StartRule::Settled => 1,
-        StartRule::FromRecording => study.cases().len(),
-    };
-    let simulated_s = study.simulated_s() + cases as f64 * step_s.settled_s;
-    Ok(step_s.cpu_s * simulated_s / whole.solver.timestep_s)
 }
 
 /// What a slice tells.

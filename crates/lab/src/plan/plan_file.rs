@@ -71,9 +71,7 @@ impl Plan {
             sha256: checksum(&draft)?,
             plan: draft,
         };
-        let text = serde_json::to_string_pretty(&saved)
-            .map_err(|e| Error::invalid(format!("cannot write the plan: {e}")))?;
-        write_atomic(&file, (text + "\n").as_bytes())?;
+        write_json(&file, &saved)?;
         Self::read(folder)
     }
 
@@ -180,6 +178,13 @@ impl Plan {
                 .or_hint("run every shard with the program and the files that the plan was made with, or make another plan")
         })
     }
+}
+
+/// Writes a file of a plan.
+pub(super) fn write_json(file: &Path, value: &impl Serialize) -> Result<()> {
+    let fail = |e| Error::invalid(format!("cannot write the plan: {e}")).at_file(file);
+    let text = serde_json::to_string_pretty(value).map_err(fail)?;
+    write_atomic(file, (text + "\n").as_bytes())
 }
 
 fn checksum(draft: &PlanDraft) -> Result<String> {

@@ -2,19 +2,13 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use realgap_core::file::Source;
-use realgap_robot::import::from_urdf;
+use realgap_robot::import::Options;
 use realgap_robot::morphology::Morphology;
 
 fn import(urdf: &str) -> (Morphology, Vec<String>) {
-    let imported = from_urdf(&Source::new("robot.urdf", urdf)).unwrap();
-    let robot = Morphology::parse(&Source::new("robot.ron", &imported.text)).unwrap();
-    (robot, imported.left_out)
-}
-
-fn refuse(urdf: &str) -> String {
-    from_urdf(&Source::new("robot.urdf", urdf))
-        .unwrap_err()
-        .to_string()
+    let source = Source::new("robot.urdf", urdf);
+    let (robot, notes) = Morphology::import(&source, &Options::default()).unwrap();
+    (robot, notes.iter().map(ToString::to_string).collect())
 }
 
 const LINK: &str = r#"<inertial><mass value="0.2"/><inertia ixx="1e-4" iyy="2e-4" izz="3e-4"/></inertial>
@@ -42,7 +36,7 @@ fn an_imported_pendulum_swings_as_its_length_says() {
     assert!(
         left_out
             .iter()
-            .any(|said| said.contains("servo of joint `pivot`")),
+            .any(|said| said.contains("the servos of 1 joints")),
         "{left_out:?}"
     );
     // Moments turn with the frame.
@@ -72,57 +66,4 @@ fn links_that_are_fixed_to_each_other_are_one_body() {
         "{}",
         mass.inertia_kg_m2
     );
-}
-
-#[test]
-fn what_a_robot_here_cannot_be_is_refused_with_line_and_reason() {
-    let two = |joint: &str| {
-        format!(
-            r#"<robot name="r"><link name="a">{LINK}</link><link name="b">{LINK}</link>{joint}</robot>"#
-        )
-    };
-    let ends = r#"<parent link="a"/><child link="b"/>"#;
-    for (urdf, said) in [
-        ("<robot".to_owned(), "not XML"),
-        ("<mujoco/>".to_owned(), "not a URDF"),
-        (two(""), "hangs on nothing"),
-        (
-            two(&format!(
-                r#"<joint name="j" type="prismatic">{ends}</joint>"#
-            )),
-            "no hinge",
-        ),
-        (
-            two(r#"<joint name="j" type="fixed"><parent link="a"/><child link="c"/></joint>"#),
-            "no such link",
-        ),
-        (
-            two(&format!(
-                r#"<joint name="j" type="fixed"><origin rpy="0.3 0 0"/>{ends}</joint>"#
-            )),
-            "askew",
-        ),
-        (
-            two(&format!(
-                r#"<joint name="j" type="fixed"><origin xyz="0 0"/>{ends}</joint>"#
-            )),
-            "3 finite numbers",
-        ),
-        (
-            two(&format!(
-                r#"<joint name="j" type="revolute"><axis xyz="0 0 nan"/>{ends}</joint>"#
-            )),
-            "3 finite numbers",
-        ),
-        (
-            r#"<robot name="r"><link name="a"/></robot>"#.to_owned(),
-            "a box and a mass",
-        ),
-    ] {
-        let error = refuse(&urdf);
-        assert!(
-            error.contains(said) && error.contains("robot.urdf"),
-            "{urdf}: {error}"
-        );
-    }
 }

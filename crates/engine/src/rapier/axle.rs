@@ -4,16 +4,16 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
-use super::engine::prelude::{
+use super::precision::prelude::{
     GenericJoint, GenericJointBuilder, ImpulseJointHandle, ImpulseJointSet, IntegrationParameters,
     JointAxesMask, JointAxis, MotorModel, MultibodyJointHandle, MultibodyJointSet, RigidBody,
     RigidBodyHandle, RigidBodySet,
 };
-use super::engine::{Real, narrow, wide};
-use super::experiment::JointKind;
-use super::motor::Effort;
-use super::servo::Command;
-use super::world::{from_rotation, from_vector, to_pose, to_vector};
+use super::precision::{Real, narrow, wide};
+use super::{from_rotation, from_vector, to_pose, to_vector};
+use crate::experiment::JointKind;
+use crate::motor::Effort;
+use crate::servo::Command;
 use realgap_robot::morphology::{Assembly, Bearing, Freedom, Hinge};
 
 /// A hinge in the engine's hands.

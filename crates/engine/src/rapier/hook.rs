@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
 
-use super::engine::Real;
-use super::engine::dynamics::RigidBodyHandle;
-use super::engine::geometry::{ColliderHandle, SolverFlags};
-use super::engine::math::Vector;
-use super::engine::pipeline::{ContactModificationContext, PairFilterContext, PhysicsHooks};
 use super::friction::Friction;
-use super::world::{from_vector, to_vector};
+use super::precision::Real;
+use super::precision::dynamics::RigidBodyHandle;
+use super::precision::geometry::{ColliderHandle, SolverFlags};
+use super::precision::math::Vector;
+use super::precision::pipeline::{ContactModificationContext, PairFilterContext, PhysicsHooks};
+use super::{from_vector, to_vector};
 
 /// A body that is driven along a track: the engine learns its velocity only after it has asked about contacts.
 #[derive(Debug, Clone, Copy)]

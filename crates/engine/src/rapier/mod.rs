@@ -1,68 +1,56 @@
-//! A robot on a floor in the engine's hands, one step at a time.
+//! Rapier, the first engine and the reference of every answer: rigid bodies, multibodies and contacts of its own.
 
+mod axle;
+mod friction;
+mod hook;
 mod load;
 mod pose;
+mod precision;
 mod scene;
 mod surface;
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
-use super::axle::{Axle, Seat, rotor_inertia_kg_m2};
-use super::engine::math::{Pose, Vector};
-use super::engine::prelude::{
+use super::engine::{Engine, Load, Motion, Setup, World};
+use super::experiment::{Experiment, FrictionModel, JointKind};
+use super::kinematics::{Turn, joint_turns, robot_from_part_at_zero};
+use super::motor::Effort;
+use super::part_state::PartState;
+use super::servo::Command;
+use axle::{Axle, Seat, rotor_inertia_kg_m2};
+use friction::Friction;
+use hook::{Hooks, module_mark};
+use precision::math::{Pose, Vector};
+use precision::prelude::{
     ActiveHooks, BroadPhaseBvh, CCDSolver, CoefficientCombineRule, ColliderBuilder, ColliderSet,
     FrictionModel as EngineFriction, ImpulseJointSet, IntegrationParameters, IslandManager,
     MassProperties, MultibodyJointSet, NarrowPhase, PhysicsPipeline, RigidBodyBuilder,
     RigidBodyHandle, RigidBodySet, SharedShape, SoftBodySet,
 };
-use super::engine::{Real, narrow, wide};
-use super::experiment::{Experiment, FrictionModel, JointKind, JointState};
-use super::friction::Friction;
-use super::hook::{Hooks, module_mark};
-use super::kinematics::{Turn, joint_turns, robot_from_part_at_zero};
-use super::motor::Effort;
-use super::part_state::PartState;
-use super::servo::Command;
+use precision::{Real, narrow};
+use realgap_core::error::Result;
 use realgap_robot::morphology::{Assembly, ClusterMass, Part, Role};
 
-pub(super) use load::Load;
-use pose::{from_pose, to_matrix};
-pub(super) use pose::{from_rotation, from_vector, to_pose, to_vector};
+use pose::from_rotation;
+pub(super) use pose::{from_pose, from_vector, to_matrix, to_pose, to_vector};
+pub use precision::ENGINE_VERSION;
+pub(super) use precision::parry;
+pub(super) use precision::wide;
 pub(super) use surface::Surface;
 
-/// Rigid motion of the whole robot at the start.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Motion {
-    /// Point at which the linear velocity holds, world frame, metres.
-    pub about_world_m: Vector3<f64>,
-    /// Linear velocity of that point, world frame, m/s.
-    pub linear_world_m_s: Vector3<f64>,
-    /// Angular velocity, world frame, rad/s.
-    pub angular_world_rad_s: Vector3<f64>,
-}
-
-impl Motion {
-    /// No motion.
-    pub const REST: Self = Self {
-        about_world_m: Vector3::new(0.0, 0.0, 0.0),
-        linear_world_m_s: Vector3::new(0.0, 0.0, 0.0),
-        angular_world_rad_s: Vector3::new(0.0, 0.0, 0.0),
-    };
-}
-
 /// Motion of one part at the start.
-struct PartMotion {
+pub(super) struct PartMotion {
     /// The robot's as one rigid body.
-    robot: Motion,
+    pub robot: Motion,
     /// What the joints on the way from the root add.
-    joints: Turn,
+    pub joints: Turn,
     /// Whether the world holds it.
-    is_held: bool,
+    pub is_held: bool,
 }
 
 impl PartMotion {
     /// Linear velocity of a point and angular velocity, world frame.
-    fn at(&self, point_world_m: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    pub fn at(&self, point_world_m: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         if self.is_held {
             return (Vector3::zeros(), Vector3::zeros());
         }
@@ -99,8 +87,33 @@ impl Member {
     }
 }
 
-/// A robot on a floor.
-pub(super) struct World {
+/// Rapier.
+#[derive(Debug, Clone, Copy)]
+pub struct Rapier;
+
+/// The engine itself.
+pub static RAPIER: Rapier = Rapier;
+
+impl Engine for Rapier {
+    fn name(&self) -> &'static str {
+        "rapier"
+    }
+
+    fn version(&self) -> &'static str {
+        ENGINE_VERSION
+    }
+
+    fn refusal(&self, _: &Experiment) -> Option<String> {
+        None
+    }
+
+    fn build(&self, setup: &Setup<'_>) -> Result<Box<dyn World>> {
+        Ok(Box::new(RapierWorld::new(setup)))
+    }
+}
+
+/// A robot on a floor in Rapier's hands.
+struct RapierWorld {
     gravity: Vector,
     parameters: IntegrationParameters,
     pipeline: PhysicsPipeline,
@@ -120,15 +133,16 @@ pub(super) struct World {
     scene: Vec<RigidBodyHandle>,
 }
 
-impl World {
-    /// Builds the world: parts at `world_from_parts`, hinges as `joints` say, all else moving as one.
-    pub fn new(
-        experiment: &Experiment,
-        assembly: &Assembly,
-        world_from_parts: &[Isometry3<f64>],
-        joints: &[JointState],
-        motion: &Motion,
-    ) -> Self {
+impl RapierWorld {
+    /// Builds the world: parts where they start, hinges as `joints` say, all else moving as one.
+    fn new(setup: &Setup<'_>) -> Self {
+        let Setup {
+            experiment,
+            assembly,
+            world_from_parts,
+            joints,
+            motion,
+        } = *setup;
         let mut world = Self {
             gravity: Vector::new(0.0, 0.0, narrow(-experiment.gravity_m_s2)),
             parameters: parameters(experiment),
@@ -165,7 +179,7 @@ impl World {
                 &part_from_robot,
                 &world_from_parts[index],
                 &PartMotion {
-                    robot: *motion,
+                    robot: motion,
                     joints: turns[index],
                     is_held,
                 },
@@ -340,9 +354,10 @@ impl World {
             }
         }
     }
+}
 
-    /// Advances by one timestep.
-    pub fn step(&mut self) {
+impl World for RapierWorld {
+    fn step(&mut self) {
         if let Some(friction) = &mut self.hooks.friction {
             friction.refresh(&self.multibody_joints);
         }
@@ -370,8 +385,7 @@ impl World {
         }
     }
 
-    /// Pose, linear velocity of the part frame's origin and angular velocity of a part, all in the world frame.
-    pub fn part(&self, part: usize) -> (Isometry3<f64>, Vector3<f64>, Vector3<f64>) {
+    fn part(&self, part: usize) -> (Isometry3<f64>, Vector3<f64>, Vector3<f64>) {
         let member = &self.parts[part];
         let body = &self.bodies[member.body];
         let pose = from_pose(body.position()) * member.body_from_part();
@@ -381,8 +395,7 @@ impl World {
         (pose, linear, angular)
     }
 
-    /// A part in full.
-    pub fn part_state(&self, part: usize) -> PartState {
+    fn part_state(&self, part: usize) -> PartState {
         let member = &self.parts[part];
         let body = &self.bodies[member.body];
         let local = &body.mass_properties().local_mprops;
@@ -404,9 +417,9 @@ impl World {
         }
     }
 
-    /// A part in full, with the velocities that the last substep left: those of the bodies of a multibody are one substep
-    /// older, since the engine works them out before it solves contacts and joints.
-    pub fn part_now(&self, part: usize) -> PartState {
+    // Velocities of the bodies of a multibody are one substep older, since the engine works them out before it solves contacts
+    // and joints; those that the last substep left are its own.
+    fn part_now(&self, part: usize) -> PartState {
         let mut state = self.part_state(part);
         let Some(link) = self.multibody_joints.rigid_body_link(self.parts[part].body) else {
             return state;
@@ -425,26 +438,22 @@ impl World {
         state
     }
 
-    /// Adds to the velocity of a part that no hinge holds, m/s.
-    pub fn push(&mut self, part: usize, velocity_world_m_s: &Vector3<f64>) {
+    fn push(&mut self, part: usize, velocity_world_m_s: &Vector3<f64>) {
         if let Some(body) = self.bodies.get_mut(self.parts[part].body) {
             let velocity = body.linvel() + to_vector(velocity_world_m_s);
             body.set_linvel(velocity, true);
         }
     }
 
-    /// Angle of a hinge, radians, continued from `near_rad` so that it does not jump at half turns.
-    pub fn hinge_angle_rad(&self, hinge: usize, near_rad: f64) -> f64 {
+    fn hinge_angle_rad(&self, hinge: usize, near_rad: f64) -> f64 {
         self.axles[hinge].angle_rad(&self.bodies, near_rad)
     }
 
-    /// Speed of a hinge, rad/s.
-    pub fn hinge_speed_rad_s(&self, hinge: usize) -> f64 {
+    fn hinge_speed_rad_s(&self, hinge: usize) -> f64 {
         self.axles[hinge].speed_rad_s(&self.bodies)
     }
 
-    /// Asks the motor of a hinge that is at `angle_rad` to do `command` during the next step.
-    pub fn drive(&mut self, hinge: usize, angle_rad: f64, command: Command) {
+    fn drive(&mut self, hinge: usize, angle_rad: f64, command: Command) {
         self.axles[hinge].drive(
             &mut self.impulse_joints,
             &mut self.multibody_joints,
@@ -453,8 +462,7 @@ impl World {
         );
     }
 
-    /// Has the motor of a hinge, and its gear, act during the next step.
-    pub fn exert(&mut self, hinge: usize, effort: &Effort) {
+    fn exert(&mut self, hinge: usize, effort: &Effort) {
         self.axles[hinge].exert(
             &mut self.bodies,
             &mut self.multibody_joints,
@@ -462,20 +470,36 @@ impl World {
             wide(self.parameters.dt),
         );
     }
+
+    fn loads(&self, loads: &mut Vec<Load>) {
+        self.read_loads(loads);
+    }
+
+    fn scene_poses(&self) -> Vec<Isometry3<f64>> {
+        self.poses_of_scene()
+    }
+
+    fn place_driven(&mut self, index: usize, world_from_body: &Isometry3<f64>) {
+        self.put_driven(index, world_from_body);
+    }
+
+    fn lead_driven(&mut self, index: usize, next: &Isometry3<f64>) {
+        self.guide_driven(index, next);
+    }
 }
 
 /// A link without mass weighs this share of the whole robot for the engine.
-const LEAST_SHARE: f64 = 1e-9;
+pub(super) const LEAST_SHARE: f64 = 1e-9;
 /// … and is as hard to turn as that mass at this distance, metres.
 const LEAST_ARM_M: f64 = 0.01;
 
-fn total_kg(assembly: &Assembly) -> f64 {
+pub(super) fn total_kg(assembly: &Assembly) -> f64 {
     let solids = assembly.parts.iter().flat_map(|part| &part.solids);
     solids.map(|solid| solid.mass_kg).sum()
 }
 
 /// The engine takes a body without mass for one that nothing moves: a link between two joints gets next to nothing.
-fn weighable(mass: ClusterMass, least_kg: f64) -> ClusterMass {
+pub(super) fn weighable(mass: ClusterMass, least_kg: f64) -> ClusterMass {
     if mass.mass_kg > 0.0 {
         return mass;
     }

@@ -2,26 +2,14 @@
 
 use nalgebra::Vector3;
 
-use super::{World, from_vector};
-use crate::engine::geometry::NEW_CONTACT_BIT;
-use crate::engine::wide;
+use super::precision::geometry::NEW_CONTACT_BIT;
+use super::precision::wide;
+use super::{RapierWorld, from_vector};
+use crate::engine::Load;
 
-/// What one contact point did to one part of the robot during a step, all substeps and bounces together.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Load {
-    /// The part.
-    pub part: usize,
-    /// From the part's centre of mass to where the solver let the impulses act, world frame, metres.
-    pub arm_world_m: Vector3<f64>,
-    /// Impulse along the contact's normal, world frame, N s.
-    pub normal_world_n_s: Vector3<f64>,
-    /// Impulse across it, by friction, world frame, N s.
-    pub friction_world_n_s: Vector3<f64>,
-}
-
-impl World {
+impl RapierWorld {
     /// Every contact of the step before, once for each part of the robot that it touches.
-    pub fn loads(&self, loads: &mut Vec<Load>) {
+    pub(super) fn read_loads(&self, loads: &mut Vec<Load>) {
         loads.clear();
         let part_of = |handle| self.parts.iter().position(|part| Some(part.body) == handle);
         let pairs = self.narrow_phase.contact_pairs();

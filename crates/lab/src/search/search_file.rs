@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::builder::SearchBuilder;
 use super::failure::FailureRules;
-use super::finals::FinalsSettings;
+use super::finals_settings::FinalsSettings;
 use super::objective::Objective;
 use super::problem::Search;
 use super::strategy::StrategyFile;

@@ -1,0 +1,133 @@
+//! What types of files and registries have alike, written once.
+
+/// Methods of a trait that state one value each, in an implementation of it: `stated! { name: &'static str = "pca"; … }`.
+#[macro_export]
+macro_rules! stated {
+    ($($name:ident: $type:ty = $value:expr;)*) => {
+        $(fn $name(&self) -> $type {
+            $value
+        })*
+    };
+}
+
+/// The members of a registry stand in files by their names: `named!(dyn Form, form_by_name)` compares, shows, writes and reads them so.
+#[macro_export]
+macro_rules! named {
+    ($trait:ty, $by_name:path) => {
+        impl PartialEq for $trait {
+            fn eq(&self, other: &Self) -> bool {
+                self.name() == other.name()
+            }
+        }
+
+        impl std::fmt::Debug for $trait {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+
+        impl serde::Serialize for $trait {
+            fn serialize<S: serde::Serializer>(
+                &self,
+                s: S,
+            ) -> std::result::Result<S::Ok, S::Error> {
+                s.serialize_str(self.name())
+            }
+        }
+
+        impl<'de> serde::Deserialize<'de> for &'static $trait {
+            fn deserialize<D: serde::Deserializer<'de>>(
+                d: D,
+            ) -> std::result::Result<Self, D::Error> {
+                let name: String = serde::Deserialize::deserialize(d)?;
+                $by_name(&name).map_err($crate::Error::through_serde)
+            }
+        }
+    };
+}
+
+/// How a type with a method `check` is read from a RON file and written as one; `$kind` is what errors call the file.
+#[macro_export]
+macro_rules! ron_file {
+    ($type:ty, $kind:literal) => {
+        impl $type {
+            #[doc = concat!("Reads the file of a ", $kind, ".")]
+            ///
+            /// # Errors
+            /// A missing file, anything of another form, values that do not fit together.
+            pub fn read(path: impl AsRef<std::path::Path>) -> $crate::Result<Self> {
+                Self::parse(&$crate::file::Source::read(path, $kind)?)
+            }
+
+            #[doc = concat!("The ", $kind, " in a text.")]
+            ///
+            /// # Errors
+            /// As [`Self::read`].
+            pub fn parse(source: &$crate::file::Source) -> $crate::Result<Self> {
+                let value: Self = $crate::file::parse_ron(source)?;
+                match value.check() {
+                    Ok(()) => Ok(value),
+                    Err(error) => Err(source.at_field(error)),
+                }
+            }
+
+            /// The text of such a file.
+            ///
+            /// # Errors
+            /// None for a value that was checked.
+            pub fn to_ron(&self) -> $crate::Result<String> {
+                $crate::file::write_ron(self)
+            }
+        }
+    };
+}
+
+/// An enum whose members are words in files and options: with `ALL`, the word of each by the method that is named, reading and
+/// writing. A word that none has is refused with `$wrong` ("is no unit of length") and those that there are.
+#[macro_export]
+macro_rules! spelled {
+    ($(#[$doc:meta])* $name:ident.$word:ident, $wrong:expr; $($(#[$about:meta])* $member:ident $text:literal;)*) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum $name {
+            $($(#[$about])* $member,)*
+        }
+
+        impl $name {
+            /// All of them.
+            pub const ALL: &[Self] = &[$(Self::$member),*];
+
+            /// How it is written, e.g. in a study.
+            pub fn $word(self) -> &'static str {
+                match self {
+                    $(Self::$member => $text,)*
+                }
+            }
+        }
+
+        impl std::str::FromStr for $name {
+            type Err = String;
+
+            fn from_str(word: &str) -> std::result::Result<Self, String> {
+                let known = Self::ALL.iter().find(|one| one.$word() == word);
+                known.copied().ok_or_else(|| {
+                    let all: Vec<&str> = Self::ALL.iter().map(|one| one.$word()).collect();
+                    format!("`{word}` {}; allowed: {}", $wrong, all.join(", "))
+                })
+            }
+        }
+
+        impl serde::Serialize for $name {
+            fn serialize<S: serde::Serializer>(&self, s: S) -> std::result::Result<S::Ok, S::Error> {
+                s.serialize_str(self.$word())
+            }
+        }
+
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(d: D) -> std::result::Result<Self, D::Error> {
+                let word: String = serde::Deserialize::deserialize(d)?;
+                word.parse().map_err(serde::de::Error::custom)
+            }
+        }
+    };
+}

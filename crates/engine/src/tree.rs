@@ -1,0 +1,493 @@
+//! The second engine: trees in reduced coordinates, solved by the crate `realgap-tree`, which shares no code with Rapier's solver.
+//!
+//! Shapes are Parry's in both, and contacts mean the same frequency and damping ratio. A step of an experiment is taken in
+//! 2/3 of its substeps, rounded up: 960 solves a second at the defaults.
+
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
+use realgap_tree::parry::math::{Mat3, Pose, Vec3};
+use realgap_tree::parry::shape::SharedShape;
+use realgap_tree::{
+    Attachment, Collider, Fixture, Joint, JointKind, Link, Model, Partner, Settings,
+};
+
+use super::engine::{Engine, Load, Setup, World};
+use super::experiment::Experiment;
+use super::kinematics::{joint_turns, robot_from_part_at_zero};
+use super::motor::Effort;
+use super::part_state::PartState;
+use super::rapier::{
+    LEAST_SHARE, PartMotion, Surface, from_pose, from_vector, to_matrix, to_pose, to_vector,
+    total_kg, weighable,
+};
+use super::scene::{SceneBody, SceneMotion};
+use super::servo::Command;
+use realgap_core::error::{Error, Result};
+use realgap_robot::morphology::{Assembly, ClusterMass, Freedom, Hinge, Part, Role};
+
+/// The tree solver.
+#[derive(Debug, Clone, Copy)]
+pub struct Tree;
+
+/// The engine itself.
+pub static TREE: Tree = Tree;
+
+impl Engine for Tree {
+    fn name(&self) -> &'static str {
+        "tree"
+    }
+
+    fn version(&self) -> &'static str {
+        concat!("realgap-tree ", env!("CARGO_PKG_VERSION"))
+    }
+
+    fn refusal(&self, experiment: &Experiment) -> Option<String> {
+        experiment
+            .vehicle
+            .is_some()
+            .then(|| "a vehicle is not a tree of links".to_owned())
+    }
+
+    fn build(&self, setup: &Setup<'_>) -> Result<Box<dyn World>> {
+        Ok(Box::new(TreeWorld::new(setup)?))
+    }
+}
+
+/// What a body of the scene is in the solver.
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    /// Fixtures from the first index to before the second, at this pose before the first step.
+    Fixtures(usize, usize),
+    /// A link of its own.
+    Link(usize),
+}
+
+/// A robot on a floor in the hands of the tree solver.
+struct TreeWorld {
+    world: realgap_tree::World,
+    /// Solves in a step.
+    solves: usize,
+    timestep_s: f64,
+    masses: Vec<ClusterMass>,
+    hinges: Vec<Hinge>,
+    scene: Vec<Place>,
+    /// What contacts did in the step before, where that is asked for.
+    loads: Option<Vec<Load>>,
+}
+
+impl TreeWorld {
+    fn new(setup: &Setup<'_>) -> Result<Self> {
+        let Setup {
+            experiment,
+            assembly,
+            world_from_parts,
+            joints,
+            motion,
+        } = *setup;
+        let solver = &experiment.solver;
+        let solves = (2 * solver.substeps).div_ceil(3);
+        let contact = &experiment.contact;
+        let mut model = Model {
+            gravity_world_m_s2: Vec3::new(0.0, 0.0, -experiment.gravity_m_s2),
+            fixtures: vec![floor(experiment)],
+            links: Vec::new(),
+            apart: assembly
+                .apart
+                .iter()
+                .map(|&(a, b)| (a as u64, b as u64))
+                .collect(),
+            settings: Settings {
+                timestep_s: solver.timestep_s / solves as f64,
+                sweeps: solver.sweeps,
+                contact_frequency_hz: contact.natural_frequency_hz,
+                contact_damping_ratio: contact.damping_ratio,
+                prediction_m: contact.prediction_m,
+                ..Settings::default()
+            },
+        };
+        let least_kg = LEAST_SHARE * total_kg(assembly);
+        let masses: Vec<ClusterMass> = (0..assembly.parts.len())
+            .map(|part| {
+                let part_from_robot = robot_from_part_at_zero(assembly, part).inverse();
+                weighable(assembly.parts[part].mass(&part_from_robot), least_kg)
+            })
+            .collect();
+        for (index, part) in assembly.parts.iter().enumerate() {
+            let attachment = match assembly.hinges.iter().position(|h| h.child_part == index) {
+                Some(hinge) => Attachment::Joint(joint(assembly, hinge, joints[hinge].angle_rad)),
+                None if index == 0 && assembly.world_from_mount.is_some() => Attachment::Mounted {
+                    world_from_link: to_pose(&world_from_parts[index]),
+                },
+                None => Attachment::Free {
+                    world_from_link: to_pose(&world_from_parts[index]),
+                },
+            };
+            let mass = &masses[index];
+            model.links.push(Link {
+                attachment,
+                mass_kg: mass.mass_kg,
+                centre_link_m: to_vector(&mass.centre_m),
+                inertia_link_kg_m2: to_matrix(&mass.inertia_kg_m2),
+                colliders: colliders(experiment, assembly, index, part),
+            });
+        }
+        let scene = add_scene(&mut model, experiment);
+        let mut world = realgap_tree::World::new(&model).map_err(|error| {
+            Error::invalid(error.to_string())
+                .hint("give every part a mass and an inertia, or choose the engine `rapier`")
+        })?;
+        let turns = joint_turns(assembly, world_from_parts, joints);
+        let rooted = |part: &usize| !assembly.hinges.iter().any(|h| h.child_part == *part);
+        for part in (0..assembly.parts.len()).filter(rooted) {
+            let at = world_from_parts[part];
+            let moves = PartMotion {
+                robot: motion,
+                joints: turns[part],
+                is_held: part == 0 && assembly.world_from_mount.is_some(),
+            };
+            let centre_world_m = at * Point3::from(masses[part].centre_m);
+            let (linear, angular) = moves.at(&centre_world_m.coords);
+            world.set_root(part, to_pose(&at), to_vector(&linear), to_vector(&angular));
+        }
+        for (hinge, joint) in assembly.hinges.iter().zip(joints) {
+            world.set_joint(hinge.child_part, joint.angle_rad, joint.speed_rad_s);
+        }
+        Ok(Self {
+            world,
+            solves,
+            timestep_s: solver.timestep_s,
+            masses,
+            hinges: assembly.hinges.clone(),
+            scene,
+            loads: experiment.energy_from_s.map(|_| Vec::new()),
+        })
+    }
+
+    /// Adds what contacts did in the last solve.
+    fn collect_loads(&mut self) {
+        let Some(loads) = &mut self.loads else {
+            return;
+        };
+        for contact in self.world.contacts() {
+            let normal = contact.normal_world * contact.impulse_world_n_s.dot(contact.normal_world);
+            let across = contact.impulse_world_n_s - normal;
+            let partner = match contact.partner {
+                Partner::Link(link) => Some(link),
+                Partner::Fixture(_) => None,
+            };
+            for (link, sign) in [(Some(contact.link), 1.0), (partner, -1.0)] {
+                let Some(part) = link.filter(|link| *link < self.masses.len()) else {
+                    continue;
+                };
+                let centre = self.world.link(part).centre_world_m;
+                loads.push(Load {
+                    part,
+                    arm_world_m: from_vector(contact.point_world_m - centre),
+                    normal_world_n_s: from_vector(normal * sign),
+                    friction_world_n_s: from_vector(across * sign),
+                });
+            }
+        }
+    }
+
+    fn link_of(&self, hinge: usize) -> usize {
+        self.hinges[hinge].child_part
+    }
+}
+
+impl World for TreeWorld {
+    fn step(&mut self) {
+        if let Some(loads) = &mut self.loads {
+            loads.clear();
+        }
+        for _ in 0..self.solves {
+            self.world.step();
+            self.collect_loads();
+        }
+    }
+
+    fn part(&self, part: usize) -> (Isometry3<f64>, Vector3<f64>, Vector3<f64>) {
+        let link = self.world.link(part);
+        let pose = from_pose(&link.world_from_link);
+        let angular = from_vector(link.angular_velocity_world_rad_s);
+        let arm_m = pose.rotation * self.masses[part].centre_m;
+        let linear = from_vector(link.velocity_world_m_s) - angular.cross(&arm_m);
+        (pose, linear, angular)
+    }
+
+    fn part_state(&self, part: usize) -> PartState {
+        let link = self.world.link(part);
+        let mass = &self.masses[part];
+        let world_from_part = from_pose(&link.world_from_link);
+        let turn = world_from_part.rotation.to_rotation_matrix();
+        PartState {
+            world_from_part,
+            centre_world_m: from_vector(link.centre_world_m),
+            velocity_world_m_s: from_vector(link.velocity_world_m_s),
+            angular_velocity_world_rad_s: from_vector(link.angular_velocity_world_rad_s),
+            mass_kg: mass.mass_kg,
+            inertia_world_kg_m2: turn * mass.inertia_kg_m2 * turn.transpose(),
+        }
+    }
+
+    fn push(&mut self, part: usize, velocity_world_m_s: &Vector3<f64>) {
+        let link = self.world.link(part);
+        self.world.set_root(
+            part,
+            link.world_from_link,
+            link.velocity_world_m_s + to_vector(velocity_world_m_s),
+            link.angular_velocity_world_rad_s,
+        );
+    }
+
+    fn hinge_angle_rad(&self, hinge: usize, near_rad: f64) -> f64 {
+        let (angle_rad, _) = self.world.joint(self.link_of(hinge));
+        if self.hinges[hinge].freedom == Freedom::Slide {
+            return angle_rad;
+        }
+        let turns = ((near_rad - angle_rad) / std::f64::consts::TAU).round();
+        angle_rad + turns * std::f64::consts::TAU
+    }
+
+    fn hinge_speed_rad_s(&self, hinge: usize) -> f64 {
+        self.world.joint(self.link_of(hinge)).1
+    }
+
+    fn drive(&mut self, hinge: usize, _angle_rad: f64, command: Command) {
+        let link = self.link_of(hinge);
+        let command = match command {
+            Command::Velocity {
+                target_rad_s,
+                damping_nm_s_rad,
+                max_torque_nm,
+            } => realgap_tree::Command::Velocity {
+                target: target_rad_s,
+                gain: damping_nm_s_rad,
+                max_torque: max_torque_nm,
+            },
+            Command::Spring {
+                error_rad,
+                stiffness_nm_rad,
+                damping_nm_s_rad,
+                max_torque_nm,
+            } => realgap_tree::Command::Servo {
+                target: self.world.joint(link).0 + error_rad,
+                stiffness: stiffness_nm_rad,
+                damping: damping_nm_s_rad,
+                max_torque: max_torque_nm,
+            },
+        };
+        self.world.command(link, command);
+    }
+
+    fn exert(&mut self, hinge: usize, effort: &Effort) {
+        let link = self.link_of(hinge);
+        let bearing = &self.hinges[hinge].bearing;
+        let dry_nm = bearing.dry_nm + effort.dry_nm();
+        let viscous_nm_s_rad = bearing.viscous_nm_s_rad + effort.viscous_nm_s_rad;
+        self.world.set_friction(link, dry_nm, viscous_nm_s_rad);
+        let armature_kg_m2 = bearing.armature_kg_m2 + effort.armature_kg_m2;
+        self.world.set_armature(link, armature_kg_m2);
+        let command = realgap_tree::Command::Velocity {
+            target: effort.shifted_target_rad_s(),
+            gain: effort.damping_nm_s_rad,
+            max_torque: f64::INFINITY,
+        };
+        self.world.command(link, command);
+    }
+
+    fn loads(&self, loads: &mut Vec<Load>) {
+        loads.clear();
+        loads.extend(self.loads.iter().flatten());
+    }
+
+    fn scene_poses(&self) -> Vec<Isometry3<f64>> {
+        let pose = |place: &Place| match *place {
+            Place::Fixtures(first, _) => self.world.fixture(first),
+            Place::Link(link) => self.world.link(link).world_from_link,
+        };
+        self.scene
+            .iter()
+            .map(|place| from_pose(&pose(place)))
+            .collect()
+    }
+
+    fn place_driven(&mut self, index: usize, world_from_body: &Isometry3<f64>) {
+        if let Place::Fixtures(first, end) = self.scene[index] {
+            for fixture in first..end {
+                let pose = to_pose(world_from_body);
+                self.world.lead(fixture, pose, Vec3::ZERO, Vec3::ZERO);
+            }
+        }
+    }
+
+    fn lead_driven(&mut self, index: usize, next: &Isometry3<f64>) {
+        let Place::Fixtures(first, end) = self.scene[index] else {
+            return;
+        };
+        let here = from_pose(&self.world.fixture(first));
+        let linear = (next.translation.vector - here.translation.vector) / self.timestep_s;
+        let angular = (next.rotation * here.rotation.inverse()).scaled_axis() / self.timestep_s;
+        for fixture in first..end {
+            let pose = to_pose(&here);
+            self.world
+                .lead(fixture, pose, to_vector(&linear), to_vector(&angular));
+        }
+    }
+}
+
+fn floor(experiment: &Experiment) -> Fixture {
+    let floor = &experiment.floor;
+    let mut collider = Collider::new(
+        SharedShape::halfspace(to_vector(&floor.normal_world())),
+        1.0,
+    );
+    collider.restitution = 1.0;
+    collider.mark = u64::MAX;
+    Fixture::at_rest(
+        collider,
+        Pose::from_translation(Vec3::new(0.0, 0.0, floor.height_m)),
+    )
+}
+
+fn joint(assembly: &Assembly, hinge: usize, start: f64) -> Joint {
+    let hinge = &assembly.hinges[hinge];
+    let anchor = |part: usize| {
+        let part_from_robot = robot_from_part_at_zero(assembly, part).inverse();
+        let anchor_part_m = part_from_robot * Point3::from(hinge.anchor_robot_m);
+        Pose::from_translation(to_vector(&anchor_part_m.coords))
+    };
+    let kind = match (hinge.freedom, hinge.bearing.limits_rad) {
+        (Freedom::Slide, _) => JointKind::Prismatic,
+        (Freedom::Turn, Some(_)) => JointKind::Revolute,
+        (Freedom::Turn, None) => JointKind::Continuous,
+    };
+    let motor = hinge.actuator.as_ref().and_then(|a| a.servo.law.motor());
+    let bearing = &hinge.bearing;
+    Joint {
+        parent_from_joint: anchor(hinge.parent_part),
+        link_from_joint: anchor(hinge.child_part),
+        limits: bearing.limits_rad,
+        start,
+        viscous_friction: bearing.viscous_nm_s_rad,
+        dry_friction: bearing.dry_nm,
+        armature: bearing.armature_kg_m2 + motor.map_or(0.0, |motor| motor.armature_kg_m2),
+        stiffness: bearing.spring.map_or(0.0, |spring| spring.stiffness_nm_rad),
+        rest: bearing.spring.map_or(0.0, |spring| spring.rest_rad),
+        ..Joint::new(
+            hinge.parent_part,
+            kind,
+            to_vector(&hinge.axis_robot.into_inner()),
+        )
+    }
+}
+
+fn colliders(
+    experiment: &Experiment,
+    assembly: &Assembly,
+    index: usize,
+    part: &Part,
+) -> Vec<Collider> {
+    let part_from_robot = robot_from_part_at_zero(assembly, index).inverse();
+    let solids = part.solids.iter().filter(|solid| solid.collides);
+    let collider = |solid: &realgap_robot::morphology::Solid| {
+        let edge_radius_m = match solid.role {
+            Role::Cube => experiment.adjustment.edge_radius_m,
+            Role::Plate => 0.0,
+        };
+        let surface = Surface::new(&solid.shape, edge_radius_m)?;
+        let pose = surface.pose(part_from_robot * solid.robot_from_solid);
+        let factor = experiment
+            .perturbation
+            .friction_factor_of(solid.module, solid.role);
+        Some(Collider {
+            owner_from_shape: to_pose(&pose),
+            restitution: experiment.floor.restitution,
+            mark: solid.module as u64,
+            ..Collider::new(surface.shape, experiment.floor.friction * factor)
+        })
+    };
+    solids.filter_map(collider).collect()
+}
+
+/// Puts the bodies of the scene in; driven ones stand at the origin until they are led.
+fn add_scene(model: &mut Model, experiment: &Experiment) -> Vec<Place> {
+    let adjusted = &experiment.adjustment;
+    let mut places = Vec::new();
+    for body in &experiment.scene {
+        let is_driven = matches!(body.motion, SceneMotion::Driven { .. });
+        let (shift_m, friction) = if is_driven {
+            let friction = adjusted.pusher_friction.unwrap_or(body.friction);
+            (adjusted.pusher_offset_m, friction)
+        } else {
+            (Vector3::zeros(), body.friction)
+        };
+        let colliders = body.boxes.iter().map(|part| {
+            let half = to_vector(&(part.sides_m / 2.0));
+            Collider {
+                owner_from_shape: to_pose(&(Translation3::from(shift_m) * part.body_from_box)),
+                restitution: experiment.floor.restitution,
+                mark: u64::MAX,
+                pair_friction: Some(friction),
+                ..Collider::new(
+                    SharedShape::cuboid(half.x, half.y, half.z),
+                    experiment.floor.friction,
+                )
+            }
+        });
+        let pose = match &body.motion {
+            SceneMotion::Fixed { world_from_body } => *world_from_body,
+            SceneMotion::Driven { .. } => Isometry3::identity(),
+            SceneMotion::Free {
+                world_from_body,
+                mass_kg,
+            } => {
+                places.push(Place::Link(model.links.len()));
+                let (centre_m, inertia_kg_m2) = uniform(body, *mass_kg);
+                model.links.push(Link {
+                    attachment: Attachment::Free {
+                        world_from_link: to_pose(world_from_body),
+                    },
+                    mass_kg: *mass_kg,
+                    centre_link_m: to_vector(&centre_m),
+                    inertia_link_kg_m2: inertia_kg_m2,
+                    colliders: colliders.collect(),
+                });
+                continue;
+            }
+        };
+        let first = model.fixtures.len();
+        let fixtures = colliders.map(|collider| Fixture::at_rest(collider, to_pose(&pose)));
+        model.fixtures.extend(fixtures);
+        places.push(Place::Fixtures(first, model.fixtures.len()));
+    }
+    places
+}
+
+/// Centre of mass and inertia about it of boxes of one density.
+fn uniform(body: &SceneBody, mass_kg: f64) -> (Vector3<f64>, Mat3) {
+    let volume = |sides: &Vector3<f64>| sides.product();
+    let whole_m3: f64 = body.boxes.iter().map(|b| volume(&b.sides_m)).sum();
+    let share = |sides: &Vector3<f64>| mass_kg * volume(sides) / whole_m3;
+    let moment: Vector3<f64> = body
+        .boxes
+        .iter()
+        .map(|b| b.body_from_box.translation.vector * share(&b.sides_m))
+        .sum();
+    let centre_m = moment / mass_kg;
+    let inertia_kg_m2: Matrix3<f64> = body
+        .boxes
+        .iter()
+        .map(|b| {
+            let mass_kg = share(&b.sides_m);
+            let squares = b.sides_m.component_mul(&b.sides_m);
+            let own = Matrix3::from_diagonal(
+                &((Vector3::repeat(squares.sum()) - squares) * (mass_kg / 12.0)),
+            );
+            let turn = b.body_from_box.rotation.to_rotation_matrix();
+            let d = b.body_from_box.translation.vector - centre_m;
+            turn * own * turn.transpose()
+                + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * mass_kg
+        })
+        .sum();
+    (centre_m, to_matrix(&inertia_kg_m2))
+}

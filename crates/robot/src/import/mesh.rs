@@ -1,0 +1,108 @@
+//! Meshes as convex hulls.
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use super::note::Notes;
+use crate::morphology::Shape;
+use crate::morphology::body::{Form, Triple, simplified, uniform};
+
+/// Largest mesh that is read, bytes: a million triangles of binary STL are 50 MB.
+const MOST_BYTES: u64 = 64_000_000;
+/// A hull that is thinner than this is a plate of this thickness, metres.
+const THIN_M: f64 = 1e-3;
+/// Corners are written to this many steps a metre.
+const STEPS_1_M: f64 = 1e6;
+
+/// The corners of a mesh, each once.
+///
+/// # Errors
+/// What is wrong with it, as text.
+pub(super) fn corners(path: &Path, scale: &Vector3<f64>) -> Result<Vec<Vector3<f64>>, String> {
+    let bytes = std::fs::metadata(path).map_err(|e| e.to_string())?.len();
+    if bytes > MOST_BYTES {
+        return Err(format!(
+            "it has {bytes} bytes, at most {MOST_BYTES} are read"
+        ));
+    }
+    // A crate of somebody else reads a file of somebody else: what it panics on is an error of that file.
+    let scene = std::panic::catch_unwind(|| mesh_loader::Loader::default().load(path))
+        .map_err(|_| "it cannot be read".to_owned())?
+        .map_err(|e| e.to_string())?;
+    let all = scene.meshes.iter().flat_map(|mesh| &mesh.vertices);
+    let mut points: Vec<Vector3<f64>> = all
+        .map(|vertex| Vector3::from(vertex.map(f64::from)).component_mul(scale))
+        .collect();
+    if !points
+        .iter()
+        .all(|point| point.iter().all(|v| v.is_finite()))
+    {
+        return Err("it has coordinates that are no numbers".to_owned());
+    }
+    let key = |p: &Vector3<f64>| [p.x, p.y, p.z].map(f64::to_bits);
+    points.sort_by(|a, b| {
+        let pairs = a.iter().zip(b.iter());
+        pairs
+            .map(|(a, b)| a.total_cmp(b))
+            .find(|o| o.is_ne())
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    points.dedup_by_key(|point| key(point));
+    match points.len() {
+        0..3 => Err("it is empty".to_owned()),
+        _ => Ok(points),
+    }
+}
+
+/// The hull of corners as a form, in their frame, and where the form's frame is.
+pub(super) fn hull(
+    points: &[Vector3<f64>],
+    name: &str,
+    line: Option<usize>,
+    notes: &mut Notes,
+) -> (Form, Vector3<f64>) {
+    let low = points.iter().fold(points[0], |low, point| low.inf(point));
+    let high = points.iter().fold(points[0], |high, point| high.sup(point));
+    let (sides_m, middle_m) = (high - low, (low + high) / 2.0);
+    let (corners, beyond_m) = simplified(points);
+    if beyond_m > 0.01 * sides_m.max() {
+        notes.changed(
+            line,
+            format!(
+                "the hull of the mesh {name} has {} corners of {}; the mesh reaches up to {:.1} mm beyond",
+                corners.len(),
+                points.len(),
+                1e3 * beyond_m
+            ),
+            "give it a collision shape of its own where that matters",
+        );
+    }
+    let round = |x: f64| (x * STEPS_1_M).round() / STEPS_1_M;
+    let rounded = |v: &Vector3<f64>| -> Triple { (round(v.x), round(v.y), round(v.z)) };
+    let corners: Vec<Triple> = corners.iter().map(rounded).collect();
+    let as_shape = Shape::Hull {
+        points_m: corners
+            .iter()
+            .map(|&(x, y, z)| Vector3::new(x, y, z))
+            .collect(),
+    };
+    if sides_m.min() < THIN_M || corners.len() < 4 || uniform(&as_shape).is_none() {
+        notes.doubt(
+            line,
+            format!(
+                "the mesh {name} is flat: a plate of {} mm stands in",
+                1e3 * THIN_M
+            ),
+            "give it a thickness, or a box as collision shape",
+        );
+        let sides_m = sides_m.sup(&Vector3::repeat(THIN_M));
+        return (
+            Form::Box {
+                sides_m: (sides_m.x, sides_m.y, sides_m.z),
+            },
+            middle_m,
+        );
+    }
+    (Form::Hull { points_m: corners }, Vector3::zeros())
+}

@@ -1,0 +1,311 @@
+//! What every imported robot goes through: names, links that weigh nothing, shapes inside each other, and doubts about size.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nalgebra::Isometry3;
+use parry3d_f64::query;
+
+use super::Options;
+use super::note::Notes;
+use crate::morphology::body::{JointKind, Pose, Structure, solid_surface};
+use crate::morphology::{Assembly, Module, Morphology, Solid};
+
+/// Shapes of bodies that no joint joins may be this deep in each other at the start, metres.
+const DEEPEST_M: f64 = 1e-4;
+/// A robot longer than this is doubted, metres.
+const LARGEST_M: f64 = 50.0;
+
+/// Tidies a robot up.
+pub(super) fn tidy(structure: &mut Structure, options: &Options, notes: &mut Notes) {
+    rename(structure, notes);
+    weld_weightless(structure, notes);
+    hold_weightless_root(structure, notes);
+    if options.mounted && structure.mount.is_none() {
+        structure.mount = Some(Pose::default());
+    }
+    let moving: BTreeSet<&str> = structure
+        .joints
+        .iter()
+        .filter(|joint| joint.kind != JointKind::Fixed)
+        .map(|joint| joint.name.as_str())
+        .collect();
+    structure
+        .actuators
+        .retain(|driver| moving.contains(driver.joint.as_str()));
+    let Ok(robot) = Morphology::of_bodies(structure.clone()) else {
+        // Whoever makes a robot of it learns why it is none.
+        return;
+    };
+    let assembly = robot.assemble();
+    let size_m = robot.summary().size_m();
+    if size_m.max() > LARGEST_M {
+        let what = format!("the robot is {:.0} m long", size_m.max());
+        notes.doubt(
+            None,
+            what,
+            "are its meshes in millimetres? then they need scale=\"0.001 0.001 0.001\"",
+        );
+    }
+    let pairs = overlapping(&assembly);
+    if !pairs.is_empty() {
+        let shown: Vec<String> = pairs
+            .iter()
+            .take(6)
+            .map(|(a, b)| format!("`{a}` and `{b}`"))
+            .collect();
+        let more = if pairs.len() > shown.len() {
+            ", and others"
+        } else {
+            ""
+        };
+        let what = format!(
+            "{} pairs of bodies are inside each other at the start, and never touch here: {}{more}",
+            pairs.len(),
+            shown.join(", ")
+        );
+        notes.changed(
+            None,
+            what,
+            "mend their collision shapes, and remove the pairs from `never_touch`",
+        );
+        structure.never_touch.extend(pairs);
+    }
+}
+
+/// Gives everything names that it can have here.
+fn rename(structure: &mut Structure, notes: &mut Notes) {
+    let mut one = vec![std::mem::take(&mut structure.name)];
+    let mut changed = usable(one.iter_mut());
+    structure.name = one.remove(0);
+    let bodies = usable(structure.bodies.iter_mut().map(|body| &mut body.name));
+    let joints = usable(structure.joints.iter_mut().map(|joint| &mut joint.name));
+    changed.extend(usable(
+        structure.marks.iter_mut().map(|mark| &mut mark.name),
+    ));
+    let give = |renamed: &[(String, String)], name: &mut String| {
+        if let Some((_, new)) = renamed.iter().find(|(old, _)| old == name) {
+            name.clone_from(new);
+        }
+    };
+    for joint in &mut structure.joints {
+        give(&bodies, &mut joint.parent);
+        give(&bodies, &mut joint.child);
+    }
+    for mark in &mut structure.marks {
+        give(&bodies, &mut mark.body);
+    }
+    for (a, b) in &mut structure.never_touch {
+        give(&bodies, a);
+        give(&bodies, b);
+    }
+    for driver in &mut structure.actuators {
+        give(&joints, &mut driver.joint);
+        if let Some(follow) = &mut driver.follows {
+            give(&joints, &mut follow.joint);
+        }
+    }
+    for (old, new) in changed.into_iter().chain(bodies).chain(joints) {
+        let what = format!("the name {old:?}: here it is `{new}`");
+        notes.changed(
+            None,
+            what,
+            "names are letters, digits, `_` and `-`, each once",
+        );
+    }
+    let mut cases: BTreeMap<String, &str> = BTreeMap::new();
+    for body in &structure.bodies {
+        if let Some(other) = cases.insert(body.name.to_lowercase(), &body.name) {
+            let what = format!(
+                "the names `{other}` and `{}` differ in case only",
+                body.name
+            );
+            notes.doubt(
+                None,
+                what,
+                "two bodies are meant? give them names that differ more",
+            );
+        }
+    }
+}
+
+/// Turns names into letters, digits, `_` and `-`, each another one; old and new of those that changed.
+fn usable<'a>(names: impl Iterator<Item = &'a mut String>) -> Vec<(String, String)> {
+    let mut taken = BTreeSet::new();
+    let mut changed = Vec::new();
+    for name in names {
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+        let clean: String = name
+            .chars()
+            .take(Module::MAX_NAME - 4)
+            .map(|c| if plain(c) { c } else { '_' })
+            .collect();
+        let clean = match clean.strip_prefix('-') {
+            Some(rest) => format!("_{rest}"),
+            None if clean.is_empty() => "_".to_owned(),
+            None => clean,
+        };
+        let mut new = clean.clone();
+        let mut number = 1;
+        while !taken.insert(new.clone()) {
+            number += 1;
+            new = format!("{clean}_{number}");
+        }
+        if *name != new {
+            changed.push((std::mem::replace(name, new.clone()), new));
+        }
+    }
+    changed
+}
+
+/// Mass of each body and of all that hangs on it.
+fn subtrees_kg(structure: &Structure) -> BTreeMap<String, f64> {
+    let mut beyond: BTreeMap<String, f64> = structure
+        .bodies
+        .iter()
+        .map(|body| (body.name.clone(), body.mass_kg))
+        .collect();
+    // Joints are in no order: as many rounds as the tree may be deep, fewer where nothing changes.
+    let own = beyond.clone();
+    for _ in 0..structure.bodies.len() {
+        let mut next = own.clone();
+        for joint in &structure.joints {
+            let child_kg = beyond.get(&joint.child).copied().unwrap_or(0.0);
+            if let Some(kg) = next.get_mut(&joint.parent) {
+                *kg += child_kg;
+            }
+        }
+        if next == beyond {
+            break;
+        }
+        beyond = next;
+    }
+    beyond
+}
+
+/// Nothing can hold a joint back behind which nothing weighs: it becomes part of its parent.
+fn weld_weightless(structure: &mut Structure, notes: &mut Notes) {
+    let beyond = subtrees_kg(structure);
+    for joint in &mut structure.joints {
+        let weighs = beyond.get(&joint.child).is_some_and(|kg| *kg > 0.0);
+        if joint.kind != JointKind::Fixed && !weighs {
+            joint.kind = JointKind::Fixed;
+            let what = format!(
+                "nothing behind joint `{}` weighs anything: `{}` is part of `{}`",
+                joint.name, joint.child, joint.parent
+            );
+            notes.changed(None, what, "give it an <inertial>");
+        }
+    }
+}
+
+/// A root that weighs nothing and carries joints that move is what a robot is screwed to.
+fn hold_weightless_root(structure: &mut Structure, notes: &mut Notes) {
+    if structure.mount.is_some() {
+        return;
+    }
+    let children: BTreeSet<&str> = structure.joints.iter().map(|j| j.child.as_str()).collect();
+    let root = structure
+        .bodies
+        .iter()
+        .find(|body| !children.contains(body.name.as_str()));
+    let Some(root) = root.map(|body| body.name.clone()) else {
+        return;
+    };
+    // All that is fixed to the root.
+    let mut rigid: BTreeSet<String> = BTreeSet::from([root.clone()]);
+    for _ in 0..structure.bodies.len() {
+        let before = rigid.len();
+        for joint in structure
+            .joints
+            .iter()
+            .filter(|joint| joint.kind == JointKind::Fixed)
+        {
+            if rigid.contains(&joint.parent) {
+                rigid.insert(joint.child.clone());
+            }
+        }
+        if rigid.len() == before {
+            break;
+        }
+    }
+    let weighs =
+        |body: &&crate::morphology::body::Body| rigid.contains(&body.name) && body.mass_kg > 0.0;
+    let moves = structure
+        .joints
+        .iter()
+        .any(|joint| joint.kind != JointKind::Fixed);
+    if moves && structure.bodies.iter().find(weighs).is_none() {
+        structure.mount = Some(Pose::default());
+        let what = format!("the root `{root}` weighs nothing: the robot is mounted");
+        notes.assumed(
+            None,
+            what,
+            "give it an <inertial> for a robot that moves freely",
+        );
+    }
+}
+
+/// Pairs of bodies that are inside each other at the start although no joint joins them.
+fn overlapping(assembly: &Assembly) -> Vec<(String, String)> {
+    let start: Vec<f64> = assembly
+        .hinges
+        .iter()
+        .map(|hinge| {
+            hinge
+                .bearing
+                .limits_rad
+                .map_or(0.0, |(low, high)| 0.0_f64.clamp(low, high))
+        })
+        .collect();
+    let joined: BTreeSet<(usize, usize)> = assembly
+        .hinges
+        .iter()
+        .map(|hinge| {
+            (
+                hinge.parent_part.min(hinge.child_part),
+                hinge.parent_part.max(hinge.child_part),
+            )
+        })
+        .collect();
+    let mut pairs = BTreeSet::new();
+    let still = vec![0.0; start.len()];
+    for coordinates in [&still, &start] {
+        let moved = assembly.moved(coordinates);
+        let mut all: Vec<(usize, &Solid, Isometry3<f64>)> = Vec::new();
+        for (part, cluster) in assembly.parts.iter().enumerate() {
+            let solids = cluster.solids.iter().filter(|solid| solid.has_surface());
+            all.extend(solids.map(|solid| (part, solid, moved[part] * solid.robot_from_solid)));
+        }
+        let surfaces: Vec<_> = all
+            .iter()
+            .map(|(_, solid, pose)| solid_surface(&solid.shape, pose))
+            .collect();
+        for (first, (a, one, here)) in all.iter().enumerate() {
+            for (second, (b, other, there)) in all.iter().enumerate().skip(first + 1) {
+                let pair = (one.module.min(other.module), one.module.max(other.module));
+                let is_joined = joined.contains(&(*a.min(b), *a.max(b)));
+                let apart_m = (here.translation.vector - there.translation.vector).norm();
+                let reach_m = one.half_extents_m().norm() + other.half_extents_m().norm();
+                if a == b
+                    || is_joined
+                    || apart_m > reach_m
+                    || pairs.contains(&pair)
+                    || assembly.are_apart(pair.0, pair.1)
+                {
+                    continue;
+                }
+                let (Some((p, s)), Some((q, t))) = (&surfaces[first], &surfaces[second]) else {
+                    continue;
+                };
+                let depth = query::contact(p, &**s, q, &**t, 0.0);
+                if let Ok(Some(contact)) = depth
+                    && contact.dist < -DEEPEST_M
+                {
+                    pairs.insert(pair);
+                }
+            }
+        }
+    }
+    let name = |index: usize| assembly.module_names[index].clone();
+    pairs.into_iter().map(|(a, b)| (name(a), name(b))).collect()
+}

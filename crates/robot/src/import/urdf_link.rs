@@ -1,0 +1,309 @@
+//! A link of a URDF as a body.
+
+use std::path::Path;
+
+use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Translation3, Vector3};
+use roxmltree::Node;
+
+use super::Options;
+use super::element::{Place, child, children};
+use super::mesh;
+use super::note::Notes;
+use super::package::locate;
+use crate::morphology::body::{Body, Form, Piece, Pose, Tensor, Triple};
+use realgap_core::error::{Error, Result};
+
+/// Density of a ball that stands in for what has a mass and neither inertia nor shape, kg/m³.
+const DENSITY_KG_M3: f64 = 1000.0;
+
+/// What reads links.
+pub(super) struct Reader<'a> {
+    pub place: Place<'a>,
+    pub options: &'a Options,
+    /// Whether visual shapes stand in where no link has any for collisions.
+    pub visuals_collide: bool,
+}
+
+fn triple(v: &Vector3<f64>) -> Triple {
+    (v.x, v.y, v.z)
+}
+
+impl Reader<'_> {
+    fn robot(&self) -> &Path {
+        self.place.source.path()
+    }
+
+    /// The link of an element.
+    ///
+    /// # Errors
+    /// Numbers that are none, masses and moments that no body has.
+    pub fn body(&self, link: Node<'_, '_>, notes: &mut Notes) -> Result<Body> {
+        let name = self.place.text(link, "name")?.to_owned();
+        let mut body = Body {
+            name,
+            ..Body::default()
+        };
+        if let Some(inertial) = child(link, "inertial") {
+            self.weigh(&mut body, inertial, notes)?;
+        }
+        let mut is_standing_in = false;
+        for shape in children(link, "collision") {
+            match self.piece(shape, &body.name, notes)? {
+                Some(piece) => body.shapes.push(piece),
+                None => is_standing_in = true,
+            }
+        }
+        let has_collision = child(link, "collision").is_some();
+        if (is_standing_in && body.shapes.is_empty()) || (self.visuals_collide && !has_collision) {
+            for shape in children(link, "visual") {
+                body.shapes.extend(self.piece(shape, &body.name, notes)?);
+            }
+        }
+        if is_standing_in && body.shapes.is_empty() {
+            body.shapes.extend(box_of_equal_inertia(&body));
+            notes.assumed(
+                self.place.line(link),
+                format!("link `{}` touches with a box of equal inertia", body.name),
+                "find its meshes: --package NAME=FOLDER",
+            );
+        }
+        self.guess_inertia(&mut body, link, notes)?;
+        Ok(body)
+    }
+
+    fn weigh(&self, body: &mut Body, inertial: Node<'_, '_>, notes: &mut Notes) -> Result<()> {
+        let place = &self.place;
+        let line = place.line(inertial);
+        let Some(mass) = child(inertial, "mass") else {
+            notes.left_out(
+                line,
+                format!("link `{}` has moments but no mass", body.name),
+                "add <mass value=\"...\"/>",
+            );
+            return Ok(());
+        };
+        let [mass_kg] = place.numbers(mass, "value")?;
+        if mass_kg < 0.0 {
+            let error = Error::invalid("a negative mass")
+                .found(format!("{mass_kg} kg"))
+                .allowed("0 or more");
+            return Err(place.at(mass, error));
+        }
+        let pose = place.origin(inertial)?;
+        body.mass_kg = mass_kg;
+        body.centre_of_mass_m = Some(triple(&pose.translation.vector));
+        let Some(inertia) = child(inertial, "inertia") else {
+            return Ok(());
+        };
+        let entry = |name| -> Result<f64> { Ok(place.number(inertia, name)?.unwrap_or(0.0)) };
+        let (xy, xz, yz) = (entry("ixy")?, entry("ixz")?, entry("iyz")?);
+        let (xx, yy, zz) = (entry("ixx")?, entry("iyy")?, entry("izz")?);
+        let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        if own.amax() == 0.0 || mass_kg == 0.0 {
+            return Ok(());
+        }
+        let moments = SymmetricEigen::new(own).eigenvalues;
+        if moments.min() <= 1e-12 * moments.amax() {
+            let error = Error::invalid(format!("no body has the inertia of link `{}`", body.name))
+                .found(format!(
+                    "principal moments {:.6e}, {:.6e}, {:.6e} kg m^2",
+                    moments.x, moments.y, moments.z
+                ))
+                .allowed("moments above 0")
+                .hint("correct <inertia>, or remove it for that of a uniform shape");
+            return Err(place.at(inertia, error));
+        }
+        if 2.0 * moments.max() > moments.sum() * (1.0 + 1e-6) {
+            notes.doubt(
+                place.line(inertia),
+                format!("link `{}` has a moment of inertia larger than the two others together, which no body has: kept", body.name),
+                "weigh or compute it again",
+            );
+        }
+        let turn = pose.rotation.to_rotation_matrix();
+        let turned = match pose.rotation.w.abs() == 1.0 {
+            true => own,
+            false => turn * own * turn.transpose(),
+        };
+        body.inertia_kg_m2 = Some(Tensor::of(&turned));
+        Ok(())
+    }
+
+    /// Says what becomes of a mass without moments.
+    fn guess_inertia(&self, body: &mut Body, link: Node<'_, '_>, notes: &mut Notes) -> Result<()> {
+        if body.mass_kg == 0.0 || body.inertia_kg_m2.is_some() {
+            return Ok(());
+        }
+        let line = self.place.line(link);
+        let remedy = "add <inertia> with its six values";
+        if body.mass().is_some() {
+            let what = format!(
+                "the inertia of link `{}` is that of its shapes with its mass",
+                body.name
+            );
+            notes.assumed(line, what, remedy);
+            return Ok(());
+        }
+        let mut seen = Body {
+            mass_kg: body.mass_kg,
+            ..Body::default()
+        };
+        for shape in children(link, "visual") {
+            seen.shapes.extend(self.piece(shape, &body.name, notes)?);
+        }
+        let inertia = match seen.mass() {
+            Some((_, _, inertia)) => {
+                let what = format!(
+                    "the inertia of link `{}` is that of its visual shapes with its mass",
+                    body.name
+                );
+                notes.assumed(line, what, remedy);
+                inertia
+            }
+            None => {
+                let what = format!(
+                    "the inertia of link `{}` is that of a ball of its mass and {DENSITY_KG_M3} kg/m3",
+                    body.name
+                );
+                notes.assumed(line, what, remedy);
+                let radius_m =
+                    (0.75 * body.mass_kg / (std::f64::consts::PI * DENSITY_KG_M3)).cbrt();
+                Matrix3::from_diagonal_element(0.4 * body.mass_kg * radius_m * radius_m)
+            }
+        };
+        body.inertia_kg_m2 = Some(Tensor::of(&inertia));
+        Ok(())
+    }
+
+    /// The shape of a collision or visual element; `None` where its mesh cannot be had.
+    fn piece(&self, shape: Node<'_, '_>, link: &str, notes: &mut Notes) -> Result<Option<Piece>> {
+        let place = &self.place;
+        let line = place.line(shape);
+        let Some(geometry) = child(shape, "geometry") else {
+            notes.left_out(
+                line,
+                format!("a shape of link `{link}` has no geometry"),
+                "add <geometry>",
+            );
+            return Ok(None);
+        };
+        let mut pose = place.origin(shape)?;
+        let Some(solid) = geometry.children().find(Node::is_element) else {
+            notes.left_out(
+                line,
+                format!("a shape of link `{link}` has an empty geometry"),
+                "name a shape in it",
+            );
+            return Ok(None);
+        };
+        let one = |name: &str| -> Result<f64> { Ok(place.numbers::<1>(solid, name)?[0].abs()) };
+        let form = match solid.tag_name().name() {
+            "box" => {
+                let sides_m = place.vector(solid, "size")?.abs();
+                Form::Box {
+                    sides_m: triple(&sides_m),
+                }
+            }
+            "sphere" => Form::Sphere {
+                radius_m: one("radius")?,
+            },
+            "cylinder" => Form::Cylinder {
+                radius_m: one("radius")?,
+                length_m: one("length")?,
+            },
+            "capsule" => Form::Capsule {
+                radius_m: one("radius")?,
+                length_m: one("length")?,
+            },
+            "mesh" => match self.mesh(solid, link, notes)? {
+                None => return Ok(None),
+                Some((form, middle_m)) => {
+                    pose *= Translation3::from(middle_m);
+                    form
+                }
+            },
+            other => {
+                let what = format!("a shape of link `{link}` is <{other}>, which is no shape here");
+                notes.left_out(line, what, "use box, sphere, cylinder, capsule or mesh");
+                return Ok(None);
+            }
+        };
+        if form_is_nothing(&form) {
+            notes.left_out(
+                line,
+                format!("a shape of link `{link}` has no size"),
+                "state its size in metres",
+            );
+            return Ok(None);
+        }
+        Ok(Some(Piece {
+            form,
+            pose: Pose::of(&pose),
+        }))
+    }
+
+    fn mesh(
+        &self,
+        mesh: Node<'_, '_>,
+        link: &str,
+        notes: &mut Notes,
+    ) -> Result<Option<(Form, Vector3<f64>)>> {
+        let place = &self.place;
+        let line = place.line(mesh);
+        let name = mesh
+            .attribute("filename")
+            .or_else(|| mesh.attribute("file"));
+        let name = name.unwrap_or_default();
+        let scale = match mesh.attribute("scale") {
+            None => Vector3::repeat(1.0),
+            Some(text) if text.split_whitespace().count() == 1 => {
+                Vector3::repeat(place.numbers::<1>(mesh, "scale")?[0])
+            }
+            Some(_) => place.vector(mesh, "scale")?,
+        };
+        let Some(path) = locate(name, self.robot(), self.options) else {
+            let what = format!("the mesh {name} of link `{link}` cannot be found");
+            notes.doubt(
+                line,
+                what,
+                "say where its package is: --package NAME=FOLDER",
+            );
+            return Ok(None);
+        };
+        match mesh::corners(&path, &scale) {
+            Ok(points) => Ok(Some(mesh::hull(&points, name, line, notes))),
+            Err(why) => {
+                notes.doubt(
+                    line,
+                    format!("the mesh {name} of link `{link}` is not used: {why}"),
+                    "STL, OBJ and DAE in metres are read",
+                );
+                Ok(None)
+            }
+        }
+    }
+}
+
+fn form_is_nothing(form: &Form) -> bool {
+    let (shape, _) = form.shape();
+    shape.half_extents_m().min() <= 0.0
+}
+
+/// The box that has a body's mass and moments, at its centre of mass.
+fn box_of_equal_inertia(body: &Body) -> Option<Piece> {
+    let tensor = body.inertia_kg_m2?.matrix();
+    let eigen = SymmetricEigen::new(tensor);
+    let moments = eigen.eigenvalues;
+    // m/12 (y² + z²) = Ixx and so on.
+    let squares = (Vector3::repeat(moments.sum()) - 2.0 * moments) * (6.0 / body.mass_kg);
+    let sides_m = squares.map(|square| square.max(1e-6).sqrt());
+    let axes = nalgebra::Rotation3::from_matrix(&eigen.eigenvectors);
+    let (x, y, z) = body.centre_of_mass_m.unwrap_or_default();
+    let pose = Isometry3::from_parts(Translation3::new(x, y, z), axes.into());
+    Some(Piece {
+        form: Form::Box {
+            sides_m: triple(&sides_m),
+        },
+        pose: Pose::of(&pose),
+    })
+}

@@ -1,0 +1,573 @@
+//! From bodies and joints to rigid parts and hinges.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
+
+use super::super::assembly::{
+    Actuator, Assembly, Bearing, Freedom, Gait, Hinge, Mark, Part, Role, Solid, Spring,
+};
+use super::super::flaw::{Checked, Flaw};
+use super::super::module::{check_actuator, check_name};
+use super::super::servo_file::GaitFile;
+use super::super::shape::Shape;
+use super::check::{check_body, check_joint, check_pose};
+use super::hull::ellipsoid;
+use super::mass::{UniformMass, uniform};
+use super::{Body, Form, JointKind, Structure, vector};
+use realgap_core::Error;
+use realgap_core::file::unknown_name;
+
+/// Most bodies of one robot.
+pub(super) const MAX_BODIES: usize = 1000;
+
+/// How the bodies hang together.
+struct Tree {
+    /// Every body once, parents before children.
+    order: Vec<usize>,
+    /// The joint that makes a body a child.
+    up: Vec<Option<usize>>,
+    /// Parent and child of every joint.
+    ends: Vec<(usize, usize)>,
+}
+
+impl Form {
+    /// The shape, and where its own frame lies in the frame of the form.
+    pub fn shape(&self) -> (Shape, Isometry3<f64>) {
+        let points = match self {
+            Self::Box { sides_m } => {
+                return (Shape::cuboid(vector(*sides_m) / 2.0), Isometry3::identity());
+            }
+            Self::Sphere { radius_m } => {
+                let radius_m = *radius_m;
+                return (Shape::Sphere { radius_m }, Isometry3::identity());
+            }
+            Self::Cylinder { radius_m, length_m } => {
+                let (radius_m, half_length_m) = (*radius_m, length_m / 2.0);
+                let shape = Shape::Cylinder {
+                    radius_m,
+                    half_length_m,
+                };
+                return (shape, Isometry3::identity());
+            }
+            Self::Capsule { radius_m, length_m } => {
+                let (radius_m, half_length_m) = (*radius_m, length_m / 2.0);
+                let shape = Shape::Capsule {
+                    radius_m,
+                    half_length_m,
+                };
+                return (shape, Isometry3::identity());
+            }
+            Self::Ellipsoid { radii_m } => ellipsoid(&vector(*radii_m)),
+            Self::Hull { points_m } => points_m.iter().map(|point| vector(*point)).collect(),
+        };
+        let low = points.iter().fold(points[0], |low, point| low.inf(point));
+        let high = points.iter().fold(points[0], |high, point| high.sup(point));
+        let middle_m = (low + high) / 2.0;
+        let points_m: Arc<[Vector3<f64>]> = points.iter().map(|point| point - middle_m).collect();
+        let pose = Isometry3::translation(middle_m.x, middle_m.y, middle_m.z);
+        (Shape::Hull { points_m }, pose)
+    }
+}
+
+impl Body {
+    /// Mass (kg), centre of mass (m) and inertia about it (kg m²), in the body's frame; `None` where shapes should tell and cannot.
+    pub fn mass(&self) -> Option<(f64, Vector3<f64>, Matrix3<f64>)> {
+        let stated_m = self.centre_of_mass_m.map(vector);
+        if let Some(tensor) = &self.inertia_kg_m2 {
+            return Some((self.mass_kg, stated_m.unwrap_or_default(), tensor.matrix()));
+        }
+        if self.mass_kg == 0.0 {
+            return Some((0.0, stated_m.unwrap_or_default(), Matrix3::zeros()));
+        }
+        let pieces: Vec<(UniformMass, f64)> = self
+            .shapes
+            .iter()
+            .filter_map(|piece| {
+                let (shape, own) = piece.form.shape();
+                Some((uniform(&shape)?.posed(&(piece.pose.isometry() * own)), 1.0))
+            })
+            .collect();
+        let (volume_m3, centre_m, inertia_m5) = UniformMass::together(&pieces);
+        let density_kg_m3 = self.mass_kg / volume_m3;
+        (volume_m3 > 0.0).then(|| {
+            let centre_m = stated_m.unwrap_or(centre_m);
+            (self.mass_kg, centre_m, inertia_m5 * density_kg_m3)
+        })
+    }
+}
+
+impl Structure {
+    /// Checks everything and lets fixed joints set.
+    pub(in crate::morphology) fn build(&self) -> Checked<Assembly> {
+        check_name(&self.name, "a robot", "name")?;
+        if self.bodies.is_empty() || self.bodies.len() > MAX_BODIES {
+            return Err(Flaw::new(
+                "bodies",
+                Error::invalid("a robot needs bodies, and not too many")
+                    .found(self.bodies.len())
+                    .allowed(format!("1 to {MAX_BODIES}")),
+            ));
+        }
+        for (index, body) in self.bodies.iter().enumerate() {
+            check_body(body, &format!("bodies[{index}]"))?;
+        }
+        for (index, joint) in self.joints.iter().enumerate() {
+            check_joint(joint, &format!("joints[{index}]"))?;
+        }
+        let bodies = by_name(self.bodies.iter().map(|body| &body.name), "bodies")?;
+        by_name(self.joints.iter().map(|joint| &joint.name), "joints")?;
+        let tree = self.tree(&bodies)?;
+        let mut workshop = Workshop {
+            structure: self,
+            parts: Vec::new(),
+            hinges: Vec::new(),
+            part_of: vec![0; self.bodies.len()],
+            robot_from_body: vec![Isometry3::identity(); self.bodies.len()],
+        };
+        for &body in &tree.order {
+            workshop.add(body, &tree)?;
+        }
+        workshop.check_weights(&tree)?;
+        workshop.drive()?;
+        workshop.finish(&tree, &bodies)
+    }
+
+    fn tree(&self, bodies: &HashMap<&str, usize>) -> Checked<Tree> {
+        let mut up: Vec<Option<usize>> = vec![None; self.bodies.len()];
+        let mut down: Vec<Vec<usize>> = vec![Vec::new(); self.bodies.len()];
+        let mut ends = Vec::with_capacity(self.joints.len());
+        for (index, joint) in self.joints.iter().enumerate() {
+            let at = |field: &str| format!("joints[{index}].{field}");
+            let parent = look_up(&joint.parent, bodies, "body", at("parent"))?;
+            let child = look_up(&joint.child, bodies, "body", at("child"))?;
+            if let Some(earlier) = up[child].replace(index) {
+                return Err(Flaw::new(
+                    at("child"),
+                    Error::invalid(format!(
+                        "`{}` hangs on two joints: this is no tree",
+                        joint.child
+                    ))
+                    .found(format!(
+                        "`{}` and `{}`",
+                        self.joints[earlier].name, joint.name
+                    ))
+                    .allowed("one joint above every body")
+                    .hint("a closed loop has to be opened: remove one of the two joints"),
+                ));
+            }
+            down[parent].push(child);
+            ends.push((parent, child));
+        }
+        let roots: Vec<usize> = (0..up.len()).filter(|&body| up[body].is_none()).collect();
+        let [root] = roots.as_slice() else {
+            let names = roots
+                .iter()
+                .take(8)
+                .map(|&root| format!("`{}`", self.bodies[root].name));
+            let names: Vec<String> = names.collect();
+            return Err(Flaw::new(
+                roots.get(1).map_or_else(
+                    || "joints".to_owned(),
+                    |root| format!("bodies[{root}].name"),
+                ),
+                Error::invalid("a robot has one body that hangs on nothing: its root")
+                    .found(format!("{}: {}", roots.len(), names.join(", ")))
+                    .hint("join the others to it, or leave them out"),
+            ));
+        };
+        let mut order = vec![*root];
+        let mut next = 0;
+        while let Some(&body) = order.get(next) {
+            order.extend(&down[body]);
+            next += 1;
+        }
+        if order.len() < self.bodies.len() {
+            let lost = (0..self.bodies.len()).find(|body| !order.contains(body));
+            let joint = lost.and_then(|body| up[body]).unwrap_or(0);
+            return Err(Flaw::new(
+                format!("joints[{joint}]"),
+                Error::invalid("the joints go round in a circle")
+                    .found(format!("`{}`", self.joints[joint].name))
+                    .allowed("a tree: one root, and every other body a child of one parent"),
+            ));
+        }
+        Ok(Tree { order, up, ends })
+    }
+}
+
+fn by_name<'a>(
+    names: impl Iterator<Item = &'a String>,
+    list: &str,
+) -> Checked<HashMap<&'a str, usize>> {
+    let mut known = HashMap::new();
+    for (index, name) in names.enumerate() {
+        if let Some(first) = known.insert(name.as_str(), index) {
+            return Err(Flaw::new(
+                format!("{list}[{index}].name"),
+                Error::invalid("the same name twice")
+                    .found(format!("`{name}` is also {list}[{first}]")),
+            ));
+        }
+    }
+    Ok(known)
+}
+
+fn look_up(name: &str, known: &HashMap<&str, usize>, what: &str, at: String) -> Checked<usize> {
+    known.get(name).copied().ok_or_else(|| {
+        let mut names: Vec<&str> = known.keys().copied().collect();
+        names.sort_unstable();
+        Flaw::new(at, unknown_name(what, name, names))
+    })
+}
+
+/// Parts in the making.
+struct Workshop<'a> {
+    structure: &'a Structure,
+    parts: Vec<Part>,
+    hinges: Vec<Hinge>,
+    part_of: Vec<usize>,
+    robot_from_body: Vec<Isometry3<f64>>,
+}
+
+impl Workshop<'_> {
+    /// Adds a body to the part it belongs to; a moving joint above it opens that part.
+    fn add(&mut self, index: usize, tree: &Tree) -> Checked<()> {
+        let body = &self.structure.bodies[index];
+        if let Some(joint) = tree.up[index] {
+            let parent = tree.ends[joint].0;
+            let pose = self.structure.joints[joint].pose.isometry();
+            self.robot_from_body[index] = self.robot_from_body[parent] * pose;
+            self.part_of[index] = match self.hinge(joint, index, self.part_of[parent]) {
+                None => self.part_of[parent],
+                Some(hinge) => {
+                    self.hinges.push(hinge);
+                    self.parts.push(Part { solids: Vec::new() });
+                    self.parts.len() - 1
+                }
+            };
+        } else {
+            self.parts.push(Part { solids: Vec::new() });
+        }
+        let robot_from_body = self.robot_from_body[index];
+        let Some((mass_kg, centre_m, inertia_kg_m2)) = body.mass() else {
+            return Err(Flaw::new(
+                format!("bodies[{index}]"),
+                Error::invalid("the inertia is missing, and there is no shape to tell it")
+                    .found(format!("`{}` of {} kg", body.name, body.mass_kg))
+                    .hint("add `inertia_kg_m2: (xx: ..., yy: ..., zz: ...)` or a shape"),
+            ));
+        };
+        let part = &mut self.parts[self.part_of[index]];
+        // First what carries the mass, so that the part's frame is that of its first body.
+        part.solids.push(Solid {
+            module: index,
+            role: Role::Cube,
+            number: body.shapes.len(),
+            shape: Shape::Nothing,
+            robot_from_solid: robot_from_body,
+            mass_kg,
+            centre_of_mass_solid_m: centre_m,
+            inertia_kg_m2,
+            collides: false,
+        });
+        for (number, piece) in body.shapes.iter().enumerate() {
+            let (shape, own) = piece.form.shape();
+            part.solids.push(Solid {
+                module: index,
+                role: Role::Cube,
+                number,
+                shape,
+                robot_from_solid: robot_from_body * piece.pose.isometry() * own,
+                mass_kg: 0.0,
+                centre_of_mass_solid_m: Vector3::zeros(),
+                inertia_kg_m2: Matrix3::zeros(),
+                collides: true,
+            });
+        }
+        Ok(())
+    }
+
+    /// The hinge of a joint that moves.
+    fn hinge(&self, joint: usize, child: usize, parent_part: usize) -> Option<Hinge> {
+        let joint = &self.structure.joints[joint];
+        let (axis, anchor_m, freedom, bearing) = match &joint.kind {
+            JointKind::Fixed => return None,
+            JointKind::Turn {
+                axis,
+                anchor_m,
+                limits_rad,
+                viscous_nm_s_rad,
+                dry_nm,
+                armature_kg_m2,
+                spring,
+            } => {
+                let spring = spring.map(|s| Spring {
+                    stiffness_nm_rad: s.stiffness_nm_rad,
+                    rest_rad: s.rest_rad,
+                });
+                let bearing = Bearing {
+                    viscous_nm_s_rad: *viscous_nm_s_rad,
+                    dry_nm: *dry_nm,
+                    limits_rad: *limits_rad,
+                    armature_kg_m2: *armature_kg_m2,
+                    spring,
+                };
+                (*axis, *anchor_m, Freedom::Turn, bearing)
+            }
+            JointKind::Slide {
+                axis,
+                limits_m,
+                viscous_n_s_m,
+                dry_n,
+                armature_kg,
+                spring,
+            } => {
+                let spring = spring.map(|s| Spring {
+                    stiffness_nm_rad: s.stiffness_n_m,
+                    rest_rad: s.rest_m,
+                });
+                let bearing = Bearing {
+                    viscous_nm_s_rad: *viscous_n_s_m,
+                    dry_nm: *dry_n,
+                    limits_rad: *limits_m,
+                    armature_kg_m2: *armature_kg,
+                    spring,
+                };
+                (*axis, (0.0, 0.0, 0.0), Freedom::Slide, bearing)
+            }
+        };
+        let pose = &self.robot_from_body[child];
+        Some(Hinge {
+            name: joint.name.clone(),
+            module: child,
+            parent_part,
+            child_part: self.parts.len(),
+            anchor_robot_m: (pose * Point3::from(vector(anchor_m))).coords,
+            axis_robot: Unit::new_normalize(pose.rotation * vector(axis)),
+            freedom,
+            actuator: None,
+            bearing,
+            is_stated: true,
+        })
+    }
+
+    /// Refuses what moves and has no mass from there on: nothing would hold it back.
+    fn check_weights(&self, tree: &Tree) -> Checked<()> {
+        let own_kg = |part: &Part| part.solids.iter().map(|solid| solid.mass_kg).sum::<f64>();
+        let mut beyond_kg: Vec<f64> = self.parts.iter().map(own_kg).collect();
+        for hinge in self.hinges.iter().rev() {
+            beyond_kg[hinge.parent_part] += beyond_kg[hinge.child_part];
+        }
+        for hinge in &self.hinges {
+            if beyond_kg[hinge.child_part] <= 0.0 {
+                let joint = tree.up[hinge.module].unwrap_or(0);
+                return Err(Flaw::new(
+                    format!("joints[{joint}]"),
+                    Error::invalid("nothing behind this joint has a mass")
+                        .found(format!("`{}`", hinge.name))
+                        .hint("give the body a mass, or make the joint Fixed"),
+                ));
+            }
+        }
+        if beyond_kg.first().is_some_and(|kg| *kg <= 0.0) {
+            return Err(Flaw::new("bodies", Error::invalid("a robot without mass")));
+        }
+        Ok(())
+    }
+
+    /// Gives hinges their actuators.
+    fn drive(&mut self) -> Checked<()> {
+        let drivers = &self.structure.actuators;
+        let hinges: HashMap<&str, usize> = self
+            .hinges
+            .iter()
+            .enumerate()
+            .map(|(index, hinge)| (hinge.name.as_str(), index))
+            .collect();
+        let mut driven: Vec<(usize, Actuator)> = Vec::with_capacity(drivers.len());
+        for (index, driver) in drivers.iter().enumerate() {
+            let at = format!("actuators[{index}]");
+            let hinge = look_up(
+                &driver.joint,
+                &hinges,
+                "joint that moves",
+                format!("{at}.joint"),
+            )?;
+            if driven.iter().any(|(known, _)| *known == hinge) {
+                return Err(Flaw::new(
+                    format!("{at}.joint"),
+                    Error::invalid("two actuators at one joint")
+                        .found(format!("`{}`", driver.joint)),
+                ));
+            }
+            let limits = self.hinges[hinge].bearing.limits_rad;
+            let rest_rad = limits.map_or(0.0, |(low, high)| 0.0_f64.clamp(low, high));
+            let actuator = Actuator {
+                servo: driver.servo.into(),
+                gait: driver.gait.unwrap_or(GaitFile::hold(rest_rad)).into(),
+            };
+            check_actuator(&actuator, &at)?;
+            driven.push((hinge, actuator));
+        }
+        for (index, driver) in drivers.iter().enumerate() {
+            if driver.follows.is_some() {
+                driven[index].1.gait = self.followed(index, &driven, 0)?;
+            }
+        }
+        for (hinge, actuator) in driven {
+            self.hinges[hinge].actuator = Some(actuator);
+        }
+        Ok(())
+    }
+
+    /// The gait of an actuator that may copy another's.
+    fn followed(&self, index: usize, driven: &[(usize, Actuator)], depth: usize) -> Checked<Gait> {
+        let drivers = &self.structure.actuators;
+        let Some(follow) = &drivers[index].follows else {
+            return Ok(driven[index].1.gait);
+        };
+        let leader = drivers.iter().position(|other| other.joint == follow.joint);
+        let flaw = |what: &str| {
+            Flaw::new(
+                format!("actuators[{index}].follows"),
+                Error::invalid(what.to_owned()).found(format!("`{}`", follow.joint)),
+            )
+        };
+        let leader = leader.ok_or_else(|| flaw("the joint to follow has no actuator"))?;
+        if depth > drivers.len() {
+            return Err(flaw("joints that follow each other in a circle"));
+        }
+        let gait = self.followed(leader, driven, depth + 1)?;
+        Ok(Gait {
+            offset_rad: follow.factor * gait.offset_rad + follow.offset_rad,
+            amplitude_rad: follow.factor * gait.amplitude_rad,
+            ..gait
+        })
+    }
+
+    fn finish(self, tree: &Tree, bodies: &HashMap<&str, usize>) -> Checked<Assembly> {
+        let structure = self.structure;
+        let mut marks = Vec::with_capacity(structure.marks.len());
+        for (index, mark) in structure.marks.iter().enumerate() {
+            let at = format!("marks[{index}]");
+            check_name(&mark.name, "a mark", &format!("{at}.name"))?;
+            check_pose(&mark.pose, &format!("{at}.pose"))?;
+            let body = look_up(&mark.body, bodies, "body", format!("{at}.body"))?;
+            marks.push(Mark {
+                name: mark.name.clone(),
+                part: self.part_of[body],
+                robot_from_mark: self.robot_from_body[body] * mark.pose.isometry(),
+            });
+        }
+        by_name(structure.marks.iter().map(|mark| &mark.name), "marks")?;
+        let mut apart = Vec::new();
+        for (index, (a, b)) in structure.never_touch.iter().enumerate() {
+            let at = || format!("never_touch[{index}]");
+            let pair = (
+                look_up(a, bodies, "body", at())?,
+                look_up(b, bodies, "body", at())?,
+            );
+            apart.push(pair);
+        }
+        apart.extend(self.joined_by_nothing());
+        if let Some(mount) = &structure.mount {
+            check_pose(mount, "mount")?;
+        }
+        let root = tree.order[0];
+        let (track, robot_from_track, track_part) = match &structure.track {
+            None => (root, self.robot_from_body[root], 0),
+            Some(name) => match (
+                bodies.get(name.as_str()),
+                marks.iter().position(|m| m.name == *name),
+            ) {
+                (Some(&body), _) => (body, self.robot_from_body[body], self.part_of[body]),
+                (None, Some(mark)) => {
+                    let body = look_up(
+                        &structure.marks[mark].body,
+                        bodies,
+                        "body",
+                        "track".to_owned(),
+                    )?;
+                    (body, marks[mark].robot_from_mark, marks[mark].part)
+                }
+                (None, None) => {
+                    let names = bodies
+                        .keys()
+                        .copied()
+                        .chain(marks.iter().map(|m| m.name.as_str()));
+                    return Err(Flaw::new(
+                        "track",
+                        unknown_name("body or mark", name, names),
+                    ));
+                }
+            },
+        };
+        let body_length_m = self.length_m(track);
+        Ok(Assembly {
+            module_names: structure
+                .bodies
+                .iter()
+                .map(|body| body.name.clone())
+                .collect(),
+            parts: self.parts,
+            hinges: self.hinges,
+            is_modular: false,
+            apart,
+            world_from_mount: structure.mount.map(|pose| pose.isometry()),
+            marks,
+            track_part,
+            robot_from_track,
+            body_length_m,
+        })
+    }
+
+    /// Bodies with nothing but links without mass and surface between them are neighbours: they never touch.
+    fn joined_by_nothing(&self) -> Vec<(usize, usize)> {
+        let is_nothing = |part: usize| {
+            let mut solids = self.parts[part].solids.iter();
+            solids.all(|solid| solid.shape == Shape::Nothing && solid.mass_kg == 0.0)
+        };
+        let up = |part: usize| self.hinges.iter().find(|hinge| hinge.child_part == part);
+        let of = |part: usize| {
+            let bodies = 0..self.part_of.len();
+            bodies.filter(move |&body| self.part_of[body] == part)
+        };
+        let mut pairs = Vec::new();
+        for hinge in &self.hinges {
+            let mut above = hinge.parent_part;
+            if !is_nothing(above) || is_nothing(hinge.child_part) {
+                continue;
+            }
+            while let Some(next) = up(above).filter(|_| is_nothing(above)) {
+                above = next.parent_part;
+            }
+            for a in of(above) {
+                pairs.extend(of(hinge.child_part).map(|b| (a, b)));
+            }
+        }
+        pairs
+    }
+
+    /// Longest side of the box around a body's shapes, metres; of the whole robot where it has none.
+    fn length_m(&self, body: usize) -> f64 {
+        let longest = |is_in: &dyn Fn(&Solid) -> bool| {
+            let solids = self.parts.iter().flat_map(|part| &part.solids);
+            let solids = solids.filter(|solid| solid.has_surface() && is_in(solid));
+            let mut bounds: Option<(Vector3<f64>, Vector3<f64>)> = None;
+            for solid in solids {
+                let (low, high) = solid.bounds_robot_m();
+                bounds = Some(bounds.map_or((low, high), |(a, b)| (a.inf(&low), b.sup(&high))));
+            }
+            bounds.map(|(low, high)| (high - low).max())
+        };
+        let places = self
+            .robot_from_body
+            .iter()
+            .map(|pose| pose.translation.vector.norm());
+        longest(&|solid| solid.module == body)
+            .or_else(|| longest(&|_| true))
+            .unwrap_or_else(|| places.fold(0.1, f64::max))
+    }
+}

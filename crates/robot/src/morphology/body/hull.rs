@@ -1,0 +1,139 @@
+//! Convex hulls: of ellipsoids, and of meshes with fewer corners.
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use parry3d_f64::math::{Pose as Placed, Rotation, Vector};
+use parry3d_f64::shape::SharedShape;
+
+use crate::morphology::shape::Shape;
+
+/// Most corners of a hull that is made from a mesh.
+pub const MOST_CORNERS: usize = 64;
+/// Directions in which the corners of a mesh are looked for, and in which the result is compared with it.
+const DIRECTIONS: usize = 60;
+const CHECKS: usize = 500;
+
+/// Unit vectors spread evenly over all directions (a Fibonacci spiral).
+fn directions(count: usize) -> impl Iterator<Item = Vector3<f64>> {
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    (0..count).map(move |k| {
+        let z = 1.0 - (2.0 * k as f64 + 1.0) / count as f64;
+        let turn = golden * k as f64;
+        let radius = (1.0 - z * z).sqrt();
+        Vector3::new(radius * turn.cos(), radius * turn.sin(), z)
+    })
+}
+
+/// The point that lies farthest along a direction.
+fn farthest<'a>(
+    points: &'a [Vector3<f64>],
+    direction: &Vector3<f64>,
+) -> Option<(usize, &'a Vector3<f64>)> {
+    let along = |point: &Vector3<f64>| point.dot(direction);
+    let all = points.iter().enumerate();
+    all.max_by(|(_, a), (_, b)| along(a).total_cmp(&along(b)))
+}
+
+/// Points whose hull is nearly that of all points, at most [`MOST_CORNERS`] of them, and how far the whole hull reaches beyond
+/// theirs, metres.
+pub fn simplified(points: &[Vector3<f64>]) -> (Vec<Vector3<f64>>, f64) {
+    if points.len() <= MOST_CORNERS {
+        return (points.to_vec(), 0.0);
+    }
+    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+    // The box around the result is the box around all points.
+    let axes = axes.into_iter().flat_map(|axis| [axis, -axis]);
+    let mut kept: Vec<usize> = Vec::new();
+    for direction in axes.chain(directions(DIRECTIONS)) {
+        if let Some((index, _)) = farthest(points, &direction)
+            && !kept.contains(&index)
+        {
+            kept.push(index);
+        }
+    }
+    kept.truncate(MOST_CORNERS);
+    let corners: Vec<Vector3<f64>> = kept.iter().map(|&index| points[index]).collect();
+    let beyond_m = directions(CHECKS)
+        .filter_map(|direction| {
+            let (whole, own) = (
+                farthest(points, &direction)?.1,
+                farthest(&corners, &direction)?.1,
+            );
+            Some((whole - own).dot(&direction))
+        })
+        .fold(0.0, f64::max);
+    (corners, beyond_m)
+}
+
+/// A shape somewhere, as Parry has it; `None` for what has no surface, or is a hull of nothing.
+pub fn solid_surface(shape: &Shape, pose: &Isometry3<f64>) -> Option<(Placed, SharedShape)> {
+    let vector = |v: &Vector3<f64>| Vector::new(v.x, v.y, v.z);
+    let mut pose = *pose;
+    let surface = match shape {
+        Shape::Nothing => return None,
+        Shape::Box { half_extents_m: h } => SharedShape::cuboid(h.x, h.y, h.z),
+        Shape::Sphere { radius_m } => SharedShape::ball(*radius_m),
+        Shape::Cylinder {
+            radius_m,
+            half_length_m,
+        } => {
+            // Parry's cylinders stand along y.
+            let turn = std::f64::consts::FRAC_PI_2;
+            pose *= UnitQuaternion::from_axis_angle(&Vector3::x_axis(), turn);
+            SharedShape::cylinder(*half_length_m, *radius_m)
+        }
+        Shape::Capsule {
+            radius_m,
+            half_length_m,
+        } => SharedShape::capsule_z(*half_length_m, *radius_m),
+        Shape::Hull { points_m } => {
+            let points: Vec<Vector> = points_m.iter().map(vector).collect();
+            SharedShape::convex_hull(&points)?
+        }
+    };
+    let q = pose.rotation;
+    let placed = Placed::from_parts(
+        vector(&pose.translation.vector),
+        Rotation::from_xyzw(q.i, q.j, q.k, q.w),
+    );
+    Some((placed, surface))
+}
+
+/// The triangles of a convex hull, corners in the order that turns outwards; none of points that lie in one plane.
+pub fn hull_triangles(points_m: &[Vector3<f64>]) -> Vec<[Vector3<f64>; 3]> {
+    let points: Vec<Vector> = points_m
+        .iter()
+        .map(|p| Vector::new(p.x, p.y, p.z))
+        .collect();
+    let Ok((corners, triangles)) = parry3d_f64::transformation::try_convex_hull(&points) else {
+        return Vec::new();
+    };
+    let corner = |index: u32| {
+        let corner = corners[index as usize];
+        Vector3::new(corner.x, corner.y, corner.z)
+    };
+    triangles
+        .into_iter()
+        .map(|triangle| triangle.map(corner))
+        .collect()
+}
+
+/// Points on an ellipsoid.
+pub(super) fn ellipsoid(radii_m: &Vector3<f64>) -> Vec<Vector3<f64>> {
+    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let axes = axes.into_iter().flat_map(|axis| [axis, -axis]);
+    let points = axes.chain(directions(MOST_CORNERS - 6));
+    points.map(|point| point.component_mul(radii_m)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ball_of_many_points_keeps_its_size_with_few() {
+        let points: Vec<_> = directions(5000).collect();
+        let (corners, beyond_m) = simplified(&points);
+        assert!(corners.len() <= MOST_CORNERS);
+        assert!((0.0..0.2).contains(&beyond_m), "{beyond_m}");
+    }
+}

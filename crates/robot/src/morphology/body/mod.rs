@@ -1,0 +1,442 @@
+//! Robots of any bodies: what a file states as bodies, joints, actuators and marks.
+//!
+//! ```
+//! use realgap_core::file::Source;
+//! use realgap_robot::morphology::Morphology;
+//!
+//! let text = r#"(
+//!     name: "cart",
+//!     bodies: [
+//!         (name: "chassis", mass_kg: 1.0, shapes: [(form: Box(sides_m: (0.2, 0.1, 0.04)))]),
+//!         (name: "left", mass_kg: 0.1, shapes: [(form: Cylinder(radius_m: 0.04, length_m: 0.02), pose: (rpy_rad: (1.5707963, 0, 0)))]),
+//!     ],
+//!     joints: [(name: "axle", parent: "chassis", child: "left", pose: (at_m: (0, 0.06, 0)), kind: Turn(axis: (0, 1, 0)))],
+//!     actuators: [(joint: "axle", servo: (law: Velocity(gain_1_s: 20), max_torque_nm: 0.5))],
+//!     marks: [(name: "nose", body: "chassis", pose: (at_m: (0.1, 0, 0)))],
+//! )"#;
+//! let robot = Morphology::parse(&Source::new("cart.ron", text))?.assemble();
+//! assert_eq!((robot.parts.len(), robot.hinges.len(), robot.marks.len()), (2, 1, 1));
+//! # Ok::<(), realgap_core::Error>(())
+//! ```
+//!
+//! | field | meaning |
+//! |---|---|
+//! | `bodies` | name, mass, centre of mass, inertia tensor (of uniform shapes when left out), any number of posed shapes |
+//! | `joints` | between two bodies, a tree: where the child's frame is in the parent's at coordinate 0, and `Fixed`, `Turn` or `Slide` |
+//! | `actuators` | what drives a joint: a servo and its gait, or another joint that it follows |
+//! | `marks` | named frames: `track` may name one, as it may name a body |
+//! | `never_touch` | pairs of bodies that pass through each other; what a joint joins never touches |
+//! | `mount` | where the frame of the root is held in the world; else the robot is free |
+//!
+//! Bodies that are fixed to each other become one rigid part. A body that weighs nothing may stand between two joints.
+
+mod assemble;
+mod check;
+mod hull;
+mod mass;
+
+use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::assembly::{Assembly, Solid};
+use super::module::Module;
+use super::servo_file::{GaitFile, ServoFile};
+use realgap_core::file::Source;
+
+pub use hull::{MOST_CORNERS, hull_triangles, simplified, solid_surface};
+pub use mass::{UniformMass, uniform};
+
+/// Three numbers along x, y and z.
+pub type Triple = (f64, f64, f64);
+
+/// A robot of bodies, as its file states it.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "robot")]
+pub struct Structure {
+    /// Name of the robot: letters, digits, `_` and `-`.
+    pub name: String,
+    /// What it is, for people.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub description: String,
+    /// Its bodies.
+    pub bodies: Vec<Body>,
+    /// What joins them: a tree.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joints: Vec<Joint>,
+    /// What drives joints.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub actuators: Vec<Driver>,
+    /// Named frames.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub marks: Vec<Frame>,
+    /// Pairs of bodies that never touch each other.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub never_touch: Vec<(String, String)>,
+    /// Where the root body is held in the world; without it the robot moves freely.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mount: Option<Pose>,
+    /// The body or mark that recordings follow; else the root.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub track: Option<String>,
+}
+
+/// A rigid body.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "body")]
+pub struct Body {
+    /// Unique name: letters, digits, `_` and `-`.
+    pub name: String,
+    /// Mass, kg; 0 for a link between two joints.
+    #[serde(default)]
+    pub mass_kg: f64,
+    /// Centre of mass in the body's frame, metres; else that of uniform shapes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub centre_of_mass_m: Option<Triple>,
+    /// Inertia about the centre of mass, along the body's axes; else that of uniform shapes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia_kg_m2: Option<Tensor>,
+    /// Its surface.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shapes: Vec<Piece>,
+}
+
+/// An inertia tensor, kg m2.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "inertia")]
+pub struct Tensor {
+    /// Moment about x.
+    pub xx: f64,
+    /// Moment about y.
+    pub yy: f64,
+    /// Moment about z.
+    pub zz: f64,
+    /// Element of the tensor in row x and column y: minus the integral of x y dm.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub xy: f64,
+    /// Element in row x and column z.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub xz: f64,
+    /// Element in row y and column z.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub yz: f64,
+}
+
+/// A shape of a body.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "shape")]
+pub struct Piece {
+    /// What it is.
+    pub form: Form,
+    /// Where it is in the body's frame.
+    #[serde(default, skip_serializing_if = "Pose::is_none")]
+    pub pose: Pose,
+}
+
+/// Forms of shapes, about the origin of their own frame.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "form")]
+pub enum Form {
+    /// A box.
+    Box {
+        /// Edges along x, y and z, metres.
+        sides_m: Triple,
+    },
+    /// A ball.
+    Sphere {
+        /// Radius, metres.
+        radius_m: f64,
+    },
+    /// A cylinder along z.
+    Cylinder {
+        /// Radius, metres.
+        radius_m: f64,
+        /// Length, metres.
+        length_m: f64,
+    },
+    /// A cylinder along z with half a ball on either end.
+    Capsule {
+        /// Radius, metres.
+        radius_m: f64,
+        /// Length between the centres of the balls, metres.
+        length_m: f64,
+    },
+    /// An ellipsoid, as the hull of points on it.
+    Ellipsoid {
+        /// Half axes along x, y and z, metres.
+        radii_m: Triple,
+    },
+    /// The convex hull of points.
+    Hull {
+        /// The points, metres.
+        points_m: Vec<Triple>,
+    },
+}
+
+/// A place and an orientation.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "pose")]
+pub struct Pose {
+    /// Place of the origin, metres.
+    #[serde(default, skip_serializing_if = "is_origin")]
+    pub at_m: Triple,
+    /// Orientation as roll, pitch and yaw about fixed axes, radians.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rpy_rad: Option<Triple>,
+    /// Orientation as a quaternion in its place: real part first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub quaternion: Option<(f64, f64, f64, f64)>,
+}
+
+/// What joins two bodies.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "joint")]
+pub struct Joint {
+    /// Unique name; joint columns of recordings have it.
+    pub name: String,
+    /// The body that holds the joint.
+    pub parent: String,
+    /// The body that moves.
+    pub child: String,
+    /// The child's frame in the parent's, at coordinate 0.
+    #[serde(default, skip_serializing_if = "Pose::is_none")]
+    pub pose: Pose,
+    /// What the joint lets the child do.
+    pub kind: JointKind,
+}
+
+/// What a joint lets its child do.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "kind")]
+pub enum JointKind {
+    /// Nothing: both are one rigid part.
+    Fixed,
+    /// Turn about an axis.
+    Turn {
+        /// Direction of the axis in the child's frame; the child turns right-handed by the angle.
+        axis: Triple,
+        /// A point on the axis, in the child's frame, metres.
+        #[serde(default, skip_serializing_if = "is_origin")]
+        anchor_m: Triple,
+        /// Smallest and largest angle, radians; without it the joint turns all round.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        limits_rad: Option<(f64, f64)>,
+        /// Torque against the motion per speed, N m s/rad.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        viscous_nm_s_rad: f64,
+        /// Largest torque of dry friction, N m.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        dry_nm: f64,
+        /// Inertia of a rotor as the joint feels it, kg m2.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        armature_kg_m2: f64,
+        /// A spring.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        spring: Option<TurnSpring>,
+    },
+    /// Slide along an axis.
+    Slide {
+        /// Direction of the axis in the child's frame.
+        axis: Triple,
+        /// Smallest and largest distance, metres.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        limits_m: Option<(f64, f64)>,
+        /// Force against the motion per speed, N s/m.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        viscous_n_s_m: f64,
+        /// Largest force of dry friction, N.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        dry_n: f64,
+        /// Mass of a rotor as the joint feels it, kg.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        armature_kg: f64,
+        /// A spring.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        spring: Option<SlideSpring>,
+    },
+}
+
+/// A spring of a joint that turns.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "spring")]
+pub struct TurnSpring {
+    /// Torque per angle, N m/rad.
+    pub stiffness_nm_rad: f64,
+    /// Where it is slack, radians.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rest_rad: f64,
+}
+
+/// A spring of a joint that slides.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "spring")]
+pub struct SlideSpring {
+    /// Force per distance, N/m.
+    pub stiffness_n_m: f64,
+    /// Where it is slack, metres.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rest_m: f64,
+}
+
+/// What drives a joint. At a joint that slides, read metres for radians and newtons for newton metres.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "actuator")]
+pub struct Driver {
+    /// The joint.
+    pub joint: String,
+    /// Control law and limits.
+    pub servo: ServoFile,
+    /// The command that it follows; without it it holds 0, or the nearest that the joint's limits allow.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gait: Option<GaitFile>,
+    /// Another driven joint whose command it copies, in place of a gait.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub follows: Option<Follow>,
+}
+
+/// How a joint copies the command of another one.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "follow")]
+pub struct Follow {
+    /// The other joint.
+    pub joint: String,
+    /// This command is so many times that one …
+    pub factor: f64,
+    /// … plus this, radians.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub offset_rad: f64,
+}
+
+/// A named frame.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "mark")]
+pub struct Frame {
+    /// Unique name, among bodies and marks.
+    pub name: String,
+    /// The body that carries it.
+    pub body: String,
+    /// Where it is in the body's frame.
+    #[serde(default, skip_serializing_if = "Pose::is_none")]
+    pub pose: Pose,
+}
+
+// serde hands fields over by reference.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+fn is_origin(at_m: &Triple) -> bool {
+    *at_m == (0.0, 0.0, 0.0)
+}
+
+/// The vector of three numbers.
+pub(super) fn vector((x, y, z): Triple) -> Vector3<f64> {
+    Vector3::new(x, y, z)
+}
+
+impl Pose {
+    /// Origin and axes of the frame itself.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The pose as a transformation.
+    pub fn isometry(&self) -> Isometry3<f64> {
+        let turn = match (self.rpy_rad, self.quaternion) {
+            (_, Some((w, x, y, z))) => UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
+            (Some((roll, pitch, yaw)), None) => UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+            (None, None) => UnitQuaternion::identity(),
+        };
+        Isometry3::from_parts(Translation3::from(vector(self.at_m)), turn)
+    }
+
+    /// A transformation as files state it.
+    pub fn of(pose: &Isometry3<f64>) -> Self {
+        let (t, q) = (pose.translation.vector, pose.rotation);
+        let is_turned = q.w.abs() != 1.0;
+        Self {
+            at_m: (t.x, t.y, t.z),
+            rpy_rad: None,
+            quaternion: is_turned.then_some((q.w, q.i, q.j, q.k)),
+        }
+    }
+}
+
+impl Tensor {
+    /// The tensor as a matrix.
+    pub fn matrix(&self) -> Matrix3<f64> {
+        let Self {
+            xx,
+            yy,
+            zz,
+            xy,
+            xz,
+            yz,
+        } = *self;
+        Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+    }
+
+    /// The symmetric part of a matrix.
+    pub fn of(m: &Matrix3<f64>) -> Self {
+        Self {
+            xx: m[(0, 0)],
+            yy: m[(1, 1)],
+            zz: m[(2, 2)],
+            xy: 0.5 * (m[(0, 1)] + m[(1, 0)]),
+            xz: 0.5 * (m[(0, 2)] + m[(2, 0)]),
+            yz: 0.5 * (m[(1, 2)] + m[(2, 1)]),
+        }
+    }
+}
+
+impl Structure {
+    /// Whether a text states a robot this way.
+    pub fn is_in(source: &Source) -> bool {
+        match source.is_json() {
+            true => source.text().contains("\"bodies\""),
+            false => source.has("bodies"),
+        }
+    }
+}
+
+/// Index of the body that is tracked, or carries the mark that is.
+pub(super) fn tracked(structure: &Structure, assembly: &Assembly) -> usize {
+    let root = assembly.parts[0].solids[0].module;
+    let Some(name) = &structure.track else {
+        return root;
+    };
+    let mark = structure.marks.iter().find(|mark| mark.name == *name);
+    let body = mark.map_or(name, |mark| &mark.body);
+    let found = structure.bodies.iter().position(|one| one.name == *body);
+    found.unwrap_or(root)
+}
+
+/// What stands for the bodies where a robot is asked for its modules: the box around each, with its mass.
+pub(super) fn modules(structure: &Structure, assembly: &Assembly) -> Vec<Module> {
+    let bodies = structure.bodies.iter().enumerate();
+    bodies
+        .map(|(index, body)| {
+            let solids = assembly.parts.iter().flat_map(|part| &part.solids);
+            let own = solids.filter(|solid| solid.module == index && solid.has_surface());
+            let bounds = own.map(Solid::bounds_robot_m);
+            let bounds = bounds.reduce(|(a, b), (low, high)| (a.inf(&low), b.sup(&high)));
+            Module {
+                sides_m: bounds.map_or(Vector3::zeros(), |(low, high)| high - low),
+                ..Module::passive(&body.name, 0.0, body.mass_kg)
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,114 @@
+//! A log that a sensor's model draws: a stand-in for a real log, with known truth.
+
+use realgap_core::random::Numbered;
+use realgap_core::{Error, Result, Warning};
+
+use super::{Beam, RangeModel, RangeSensor, ReadingUnit};
+
+/// Most rows of a log.
+const MOST: usize = 5_000_000;
+/// Distances where none are named.
+const DISTANCES: u32 = 21;
+
+/// What is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawOptions {
+    /// Distances, in the model's unit; evenly spaced over its range where there are none.
+    pub distances: Vec<f64>,
+    /// Readings at each distance.
+    pub readings: u32,
+    /// Angle of incidence, degrees.
+    pub incidence_deg: f64,
+    /// Seed of the readings.
+    pub seed: u64,
+}
+
+/// A log that was drawn; [`ReadingLog`](super::ReadingLog) reads it back.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnLog {
+    /// Its text, CSV.
+    pub csv: String,
+    /// Number of distances.
+    pub distances: usize,
+    /// Number of readings.
+    pub readings: usize,
+    /// What the reader should know.
+    pub warnings: Vec<Warning>,
+}
+
+impl DrawnLog {
+    /// Draws readings of a model.
+    ///
+    /// # Errors
+    /// A distance that is none, or more readings than a log should hold.
+    pub fn new(sensor: &RangeModel, options: &DrawOptions) -> Result<Self> {
+        let (low, high) = sensor.range;
+        let spaced = |k: u32| low + (high - low) * f64::from(k) / f64::from(DISTANCES - 1);
+        let distances = match options.distances.as_slice() {
+            [] => (0..DISTANCES).map(spaced).collect(),
+            named => named.to_vec(),
+        };
+        if let Some(wrong) = distances.iter().find(|d| !(**d > 0.0 && d.is_finite())) {
+            return Err(Error::invalid("a distance must be above 0")
+                .field("distances")
+                .found(wrong));
+        }
+        let readings = distances.len() * options.readings as usize;
+        if readings > MOST {
+            return Err(
+                Error::invalid("too many readings for one log").allowed(format!("at most {MOST}"))
+            );
+        }
+        let length = sensor.distance_unit.symbol();
+        let reading = match (&sensor.reading_unit, sensor.reading_unit.symbol()) {
+            (ReadingUnit::Own(_), "") => "reading".to_owned(),
+            (_, symbol) => format!("reading_{symbol}"),
+        };
+        let mut csv = format!("distance_{length},{reading},incidence_deg\n");
+        let mut warnings = Vec::new();
+        for (index, distance) in distances.iter().enumerate() {
+            let beam = Beam {
+                incidence_rad: options.incidence_deg.to_radians(),
+                ..Beam::straight(distance * sensor.distance_unit.metres())
+            };
+            warnings.extend(sensor.warning_at(beam.distance_m));
+            let mut rng = Numbered::SensorReading.generator(options.seed, index as u64);
+            for _ in 0..options.readings {
+                let value = sensor.draw(&beam, &mut rng);
+                let value = value.map_or(String::new(), |v| v.to_string());
+                csv += &format!("{distance},{value},{}\n", options.incidence_deg);
+            }
+        }
+        Ok(Self {
+            csv,
+            distances: distances.len(),
+            readings,
+            warnings,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::find_sensor;
+    use super::*;
+
+    #[test]
+    fn the_same_seed_draws_the_same_log_and_a_row_is_a_reading() {
+        let sensor = find_sensor("ultrasonic").unwrap();
+        let options = DrawOptions {
+            distances: vec![0.5 * (sensor.range.0 + sensor.range.1)],
+            readings: 3,
+            incidence_deg: 0.0,
+            seed: 7,
+        };
+        let log = DrawnLog::new(&sensor, &options).unwrap();
+        assert_eq!(log.csv.lines().count(), 4, "{}", log.csv);
+        assert_eq!(DrawnLog::new(&sensor, &options).unwrap(), log);
+        let wrong = DrawOptions {
+            distances: vec![0.0],
+            ..options
+        };
+        assert!(DrawnLog::new(&sensor, &wrong).is_err());
+    }
+}

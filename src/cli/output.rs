@@ -1,0 +1,108 @@
+//! The one file that a command writes: nothing of anybody's is replaced unsaid, and `-` is standard output.
+
+use std::io::Read as _;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use realgap::file::{check_writable, write_atomic};
+use realgap::{Error, Result};
+
+/// Set by `--force`.
+static FORCE: AtomicBool = AtomicBool::new(false);
+/// What stands in files that this program writes, near their beginning.
+const MARKS: [&str; 6] = [
+    "// Written by realgap",
+    "exported by realgap",
+    "content=\"realgap",
+    "\"generator\":\"realgap",
+    "(realgap identify)",
+    "\"schema_version\"",
+];
+/// So much of a file is looked at.
+const LOOKED_AT: u64 = 16_384;
+/// What a log of robots in motion begins with: the program that wrote it follows.
+const MCAP: &[u8] = b"\x89MCAP0\r\n";
+
+/// From now on whatever is there is replaced.
+pub fn force() {
+    FORCE.store(true, Ordering::Relaxed);
+}
+
+/// Whether `--force` was given.
+pub fn is_forced() -> bool {
+    FORCE.load(Ordering::Relaxed)
+}
+
+/// Checks before the work that a file can be written and replaces nothing that this program did not write.
+///
+/// # Errors
+/// A missing or unwritable folder; a file that nothing in it shows to be ours.
+pub fn check(path: &Path) -> Result<()> {
+    check_writable(path)?;
+    if is_forced() || !path.is_file() || is_ours(path) {
+        return Ok(());
+    }
+    Err(
+        Error::conflict("this file is there already, and nothing in it says that realgap wrote it")
+            .at_file(path)
+            .hint("name another, or replace it with --force"),
+    )
+}
+
+/// Checks before the work that a page can be written there.
+pub fn check_page(path: &Path) -> Result<()> {
+    if path.extension().is_none_or(|ending| ending != "html") {
+        return Err(Error::usage("a page is an HTML file")
+            .at_file(path)
+            .allowed("a name that ends in .html"));
+    }
+    check(path)
+}
+
+/// Writes the file, after [`check`].
+///
+/// # Errors
+/// As [`check`], and a full disk.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    check(path)?;
+    write_atomic(path, bytes)
+}
+
+/// Writes a text of ours in RON, with a first line that says so.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_ron(path: &Path, text: &str) -> Result<()> {
+    let head = concat!("// Written by realgap ", env!("CARGO_PKG_VERSION"), ".\n");
+    write(path, format!("{head}{text}").as_bytes())
+}
+
+/// Whether a file says that this program wrote it. Tables and pictures cannot say so; empty files are nobody's.
+fn is_ours(path: &Path) -> bool {
+    let mut start = Vec::new();
+    let read =
+        std::fs::File::open(path).and_then(|file| file.take(LOOKED_AT).read_to_end(&mut start));
+    let text = String::from_utf8_lossy(&start);
+    read.is_ok()
+        && (start.is_empty()
+            || MARKS.iter().any(|mark| text.contains(mark))
+            || (start.starts_with(MCAP) && text.contains("realgap ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_this_program_wrote_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("robot.ron");
+        write_ron(&file, "(a: 1)").unwrap();
+        write_ron(&file, "(a: 2)").unwrap();
+        std::fs::write(&file, "(a: 3)").unwrap();
+        let refused = write_ron(&file, "(a: 4)").unwrap_err().to_string();
+        assert!(refused.contains("--force"), "{refused}");
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "(a: 3)");
+        check(Path::new("/dev/null")).unwrap();
+    }
+}

@@ -1,0 +1,27 @@
+//! Commands as a shell wants them.
+
+use std::path::Path;
+
+/// The command that runs now, as it would be typed.
+pub fn command_line() -> String {
+    let words = std::env::args_os().skip(1);
+    let words = words.map(|word| quoted(word.to_string_lossy().into_owned()));
+    std::iter::once("realgap".to_owned())
+        .chain(words)
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// A word as a shell wants it.
+pub fn quoted(word: String) -> String {
+    let is_simple = |c: char| c.is_alphanumeric() || "_-./=,:+%@".contains(c);
+    match word.chars().all(is_simple) && !word.is_empty() {
+        true => word,
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
+}
+
+/// A path as one word.
+pub fn path(path: &Path) -> String {
+    quoted(path.to_string_lossy().into_owned())
+}
