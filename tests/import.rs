@@ -1,4 +1,4 @@
-//! Robots of boxes and hinges come from URDF, and what does not come is said.
+//! Robots come from URDF and MJCF, and what does not come is said.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 mod common;
@@ -7,19 +7,13 @@ use std::path::Path;
 
 use common::{realgap, text};
 use realgap::file::Source;
-use realgap::import::from_urdf;
+use realgap::import::Options;
 use realgap::robot::morphology::Morphology;
 
 fn import(urdf: &str) -> (Morphology, Vec<String>) {
-    let imported = from_urdf(&Source::new("robot.urdf", urdf)).unwrap();
-    let robot = Morphology::parse(&Source::new("robot.ron", &imported.text)).unwrap();
-    (robot, imported.left_out)
-}
-
-fn refuse(urdf: &str) -> String {
-    from_urdf(&Source::new("robot.urdf", urdf))
-        .unwrap_err()
-        .to_string()
+    let source = Source::new("robot.urdf", urdf);
+    let (robot, notes) = Morphology::import(&source, &Options::default()).unwrap();
+    (robot, notes.iter().map(ToString::to_string).collect())
 }
 
 const LINK: &str = r#"<inertial><mass value="0.2"/><inertia ixx="1e-4" iyy="2e-4" izz="3e-4"/></inertial>
@@ -102,7 +96,7 @@ fn an_imported_pendulum_swings_as_its_length_says() {
     assert!(
         left_out
             .iter()
-            .any(|said| said.contains("servo of joint `pivot`")),
+            .any(|said| said.contains("the servos of 1 joints")),
         "{left_out:?}"
     );
     // Moments turn with the frame.
@@ -135,58 +129,42 @@ fn links_that_are_fixed_to_each_other_are_one_body() {
 }
 
 #[test]
-fn what_a_robot_here_cannot_be_is_refused_with_line_and_reason() {
-    let two = |joint: &str| {
-        format!(
-            r#"<robot name="r"><link name="a">{LINK}</link><link name="b">{LINK}</link>{joint}</robot>"#
+fn what_realgap_did_not_write_is_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let (urdf, ron) = (folder.path().join("r.urdf"), folder.path().join("r.ron"));
+    std::fs::write(
+        &urdf,
+        format!(r#"<robot name="r"><link name="a">{LINK}</link></robot>"#),
+    )
+    .unwrap();
+    std::fs::write(&ron, "// mine").unwrap();
+    let import = |more: &[&str]| {
+        let said = realgap()
+            .arg("import")
+            .arg(&urdf)
+            .arg("-o")
+            .arg(&ron)
+            .args(more)
+            .output()
+            .unwrap();
+        (
+            said.status.code(),
+            text(&said.stdout).to_owned() + &text(&said.stderr),
         )
     };
-    let ends = r#"<parent link="a"/><child link="b"/>"#;
-    for (urdf, said) in [
-        ("<robot".to_owned(), "not XML"),
-        ("<mujoco/>".to_owned(), "not a URDF"),
-        (two(""), "hangs on nothing"),
-        (
-            two(&format!(
-                r#"<joint name="j" type="prismatic">{ends}</joint>"#
-            )),
-            "no hinge",
-        ),
-        (
-            two(r#"<joint name="j" type="fixed"><parent link="a"/><child link="c"/></joint>"#),
-            "no such link",
-        ),
-        (
-            two(&format!(
-                r#"<joint name="j" type="fixed"><origin rpy="0.3 0 0"/>{ends}</joint>"#
-            )),
-            "askew",
-        ),
-        (
-            two(&format!(
-                r#"<joint name="j" type="fixed"><origin xyz="0 0"/>{ends}</joint>"#
-            )),
-            "3 finite numbers",
-        ),
-        (
-            two(&format!(
-                r#"<joint name="j" type="revolute"><axis xyz="0 0 nan"/>{ends}</joint>"#
-            )),
-            "3 finite numbers",
-        ),
-        (
-            r#"<robot name="r"><link name="a"/></robot>"#.to_owned(),
-            "a box and a mass",
-        ),
-    ] {
-        let error = refuse(&urdf);
-        assert!(
-            error.contains(said) && error.contains("robot.urdf"),
-            "{urdf}: {error}"
-        );
+    let (code, said) = import(&[]);
+    assert!(code != Some(0) && said.contains("--force"), "{said}");
+    assert_eq!(std::fs::read_to_string(&ron).unwrap(), "// mine");
+    let (code, said) = import(&["--force"]);
+    assert_eq!(code, Some(0), "{said}");
+    // It ends with the commands that come next.
+    for next in ["realgap check", "realgap simulate", "realgap replay"] {
+        assert!(said.contains(next), "{said}");
     }
-    let said = realgap().args(["import", "no_such.urdf"]).output().unwrap();
-    assert_eq!(said.status.code(), Some(1));
-    assert!(text(&said.stderr).contains("no_such.urdf"));
-    assert!(!Path::new("no_such.urdf").exists());
+    // What it wrote itself it replaces, and the report is JSON where that is asked for.
+    let (code, said) = import(&["--format", "json"]);
+    assert!(code == Some(0) && said.contains("\"notes\""), "{said}");
+    let missing = realgap().args(["import", "no_such.urdf"]).output().unwrap();
+    assert_eq!(missing.status.code(), Some(1));
+    assert!(text(&missing.stderr).contains("no_such.urdf") && !Path::new("no_such.urdf").exists());
 }

@@ -12,7 +12,8 @@ use realgap_robot::morphology::Morphology;
 const GRAVITY_M_S2: f64 = 9.81;
 
 fn experiment(text: &str) -> Experiment {
-    let robot = Morphology::parse(&Source::new("robot.ron", text)).unwrap_or_else(|e| panic!("{e}"));
+    let robot =
+        Morphology::parse(&Source::new("robot.ron", text)).unwrap_or_else(|e| panic!("{e}"));
     Experiment::new(robot.assemble())
 }
 
@@ -33,7 +34,8 @@ fn at_rest(experiment: &mut Experiment, height_m: f64) {
 
 /// How fast a body goes down a slope, as a share of g sin α.
 fn share_of_free_fall(shape: &str) -> f64 {
-    let text = format!(r#"(name: "ball", bodies: [(name: "ball", mass_kg: 0.5, shapes: [{shape}])])"#);
+    let text =
+        format!(r#"(name: "ball", bodies: [(name: "ball", mass_kg: 0.5, shapes: [{shape}])])"#);
     let mut experiment = experiment(&text);
     experiment.floor.slope_rad = 0.2;
     experiment.floor.friction = 0.8;
@@ -49,7 +51,10 @@ fn share_of_free_fall(shape: &str) -> f64 {
 fn a_ball_rolls_down_a_slope_at_five_sevenths_and_a_cylinder_at_two_thirds() {
     let ball = share_of_free_fall("(form: Sphere(radius_m: 0.05))");
     assert!((ball * 7.0 / 5.0 - 1.0).abs() < 0.01, "{ball}");
-    let across = format!("(form: Cylinder(radius_m: 0.05, length_m: 0.1), pose: (rpy_rad: ({}, 0, 0)))", PI / 2.0);
+    let across = format!(
+        "(form: Cylinder(radius_m: 0.05, length_m: 0.1), pose: (rpy_rad: ({}, 0, 0)))",
+        PI / 2.0
+    );
     let cylinder = share_of_free_fall(&across);
     assert!((cylinder * 1.5 - 1.0).abs() < 0.01, "{cylinder}");
 }
@@ -62,10 +67,16 @@ fn cart(left_rad_s: f64, right_rad_s: f64) -> Experiment {
         )
     };
     let (left, right) = (wheel("left", 0.1), wheel("right", -0.1));
-    let ((a, b), (c, d)) = (left.split_once('|').unwrap(), right.split_once('|').unwrap());
+    let ((a, b), (c, d)) = (
+        left.split_once('|').unwrap(),
+        right.split_once('|').unwrap(),
+    );
     let servo = |joint: &str, speed: f64| {
-        format!(r#"(joint: "{joint}_axle", servo: (law: Velocity(gain_1_s: 50), max_torque_nm: 1, max_speed_rad_s: {}), gait: (amplitude_rad: {}, frequency_hz: 0.0001))"#,
-            speed.abs(), 1000.0_f64.copysign(speed))
+        format!(
+            r#"(joint: "{joint}_axle", servo: (law: Velocity(gain_1_s: 50), max_torque_nm: 1, max_speed_rad_s: {}), gait: (amplitude_rad: {}, frequency_hz: 0.0001))"#,
+            speed.abs(),
+            1000.0_f64.copysign(speed)
+        )
     };
     let text = format!(
         r#"(name: "cart", bodies: [
@@ -93,7 +104,12 @@ fn wheels_roll_at_omega_r_and_turn_on_the_circle_of_their_track_width() {
     turning.duration_s = 6.0;
     turning.floor.friction = 0.8;
     let path = track(&turning);
-    let headings: Vec<f64> = path.orientations_world_from_body().unwrap().iter().map(|q| q.euler_angles().2).collect();
+    let headings: Vec<f64> = path
+        .orientations_world_from_body()
+        .unwrap()
+        .iter()
+        .map(|q| q.euler_angles().2)
+        .collect();
     let places = path.positions_world_m();
     let (mut way_m, mut turned_rad) = (0.0, 0.0);
     for k in places.len() / 3..places.len() {
@@ -122,7 +138,10 @@ fn a_slide_stops_at_its_limit() {
     let heights = path.positions_world_m().iter().map(|p| p.z - 2.0);
     let lowest_m = heights.clone().fold(f64::INFINITY, f64::min);
     let last_m = heights.last().unwrap();
-    assert!((last_m + 0.3).abs() < 1e-3 && lowest_m > -0.31, "{last_m} {lowest_m}");
+    assert!(
+        (last_m + 0.3).abs() < 1e-3 && lowest_m > -0.31,
+        "{last_m} {lowest_m}"
+    );
 }
 
 #[test]
@@ -132,13 +151,21 @@ fn a_spring_on_a_slide_swings_at_the_root_of_stiffness_over_mass() {
     swinging.duration_s = 3.0;
     swinging.sampling = Sampling::Rate(480.0);
     let path = track(&swinging);
-    let away: Vec<f64> = path.positions_world_m().iter().map(|p| p.x - 0.05).collect();
-    let crossings: Vec<usize> = (1..away.len()).filter(|&k| away[k - 1] < 0.0 && away[k] >= 0.0).collect();
+    let away: Vec<f64> = path
+        .positions_world_m()
+        .iter()
+        .map(|p| p.x - 0.05)
+        .collect();
+    let crossings: Vec<usize> = (1..away.len())
+        .filter(|&k| away[k - 1] < 0.0 && away[k] >= 0.0)
+        .collect();
     let periods = (crossings.len() - 1) as f64;
     let span_s = (crossings[crossings.len() - 1] - crossings[0]) as f64 / 480.0;
     let omega = TAU * periods / span_s;
     assert!((omega / 20.0 - 1.0).abs() < 0.005, "{omega}");
-    let late = away[away.len() / 2..].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let late = away[away.len() / 2..]
+        .iter()
+        .fold(0.0_f64, |most, x| most.max(x.abs()));
     assert!((late / 0.05 - 1.0).abs() < 0.01, "{late}");
 }
 
@@ -153,10 +180,16 @@ fn a_spring_on_a_hinge_swings_by_its_own_inertia() {
     swinging.duration_s = 2.0;
     // ω = √(2.5/0.025) = 10 rad/s: after half a period the wheel is at twice its rest.
     let mut angles = Vec::new();
-    watch(&swinging, &[], &mut |now: &Snapshot| angles.push((now.time_s, now.hinges[0].angle_rad))).unwrap();
+    watch(&swinging, &[], &mut |now: &Snapshot| {
+        angles.push((now.time_s, now.hinges[0].angle_rad))
+    })
+    .unwrap();
     for (time_s, angle_rad) in angles {
         let expected = 0.4 * (1.0 - (10.0 * time_s).cos());
-        assert!((angle_rad - expected).abs() < 0.02, "{time_s}: {angle_rad} {expected}");
+        assert!(
+            (angle_rad - expected).abs() < 0.02,
+            "{time_s}: {angle_rad} {expected}"
+        );
     }
 }
 
@@ -183,7 +216,11 @@ fn bodies_fixed_to_each_other_are_one_rigid_part_and_swing_as_one() {
         experiment.duration_s = 0.3;
         assert_eq!(experiment.assembly.parts.len(), 2);
         let path = track(&experiment);
-        path.orientations_world_from_body().unwrap().last().unwrap().angle()
+        path.orientations_world_from_body()
+            .unwrap()
+            .last()
+            .unwrap()
+            .angle()
     };
     let (two, one) = (turned(&rod(true)), turned(&rod(false)));
     assert!((two - one).abs() < 1e-9 && one > 0.5, "{two} {one}");
@@ -199,7 +236,10 @@ fn a_torque_as_command_is_the_torque_at_the_joint() {
     );
     spun.duration_s = 1.0;
     let mut last = 0.0;
-    watch(&spun, &[], &mut |now: &Snapshot| last = now.parts[1].angular_velocity_world_rad_s.z).unwrap();
+    watch(&spun, &[], &mut |now: &Snapshot| {
+        last = now.parts[1].angular_velocity_world_rad_s.z
+    })
+    .unwrap();
     // 0.01 N m on 0.02 kg m² for 1 s.
     assert!((last - 0.5).abs() < 0.005, "{last}");
 }

@@ -120,11 +120,7 @@ fn readable(source: &Source, notes: &mut Notes) -> Result<String> {
         && !text[end..].contains("<!--")
     {
         text.truncate(end);
-        notes.changed(
-            None,
-            "what stands behind </robot> is no XML",
-            "remove it",
-        );
+        notes.changed(None, "what stands behind </robot> is no XML", "remove it");
     }
     // Each round mends one prefix that nobody declares.
     for _ in 0..32 {

@@ -1,0 +1,284 @@
+//! What robots of others may hold, what is said about it, and what is refused with file and line.
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+use std::path::PathBuf;
+
+use nalgebra::Isometry3;
+use realgap_core::file::Source;
+use realgap_robot::import::{Note, Options, Sort};
+use realgap_robot::morphology::{Assembly, Freedom, Morphology, Shape};
+
+const LINK: &str = r#"<inertial><mass value="0.2"/><inertia ixx="1e-4" iyy="2e-4" izz="2.5e-4"/></inertial>
+    <collision><geometry><sphere radius="0.05"/></geometry></collision>"#;
+
+fn import(name: &str, text: &str) -> (Assembly, Vec<Note>) {
+    let source = Source::new(name, text);
+    let (robot, notes) =
+        Morphology::import(&source, &Options::default()).unwrap_or_else(|e| panic!("{e}"));
+    // What is read can be written, and read again.
+    let ron = robot.to_ron().unwrap();
+    let again =
+        Morphology::parse(&Source::new("robot.ron", &ron)).unwrap_or_else(|e| panic!("{e}\n{ron}"));
+    assert_eq!(robot.assemble(), again.assemble());
+    (robot.assemble(), notes)
+}
+
+fn says(notes: &[Note], sort: Sort, part: &str) -> bool {
+    notes
+        .iter()
+        .any(|note| note.sort == sort && note.what.contains(part) && !note.remedy.is_empty())
+}
+
+fn refusal(text: &str) -> String {
+    let source = Source::new("bad.urdf", text);
+    let error = Morphology::import(&source, &Options::default())
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("bad.urdf"), "{error}");
+    error
+}
+
+fn two(joint: &str) -> String {
+    format!(
+        "<robot name=\"r\">\n<link name=\"a\">{LINK}</link>\n<link name=\"b\">{LINK}</link>\n{joint}</robot>"
+    )
+}
+
+const ENDS: &str = r#"<parent link="a"/><child link="b"/>"#;
+
+#[test]
+fn shapes_and_joints_keep_their_kind() {
+    let (robot, notes) = import(
+        "r.urdf",
+        &format!(
+            r#"<robot name="r"><link name="a">{LINK}</link>
+        <link name="b"><inertial><origin xyz="0.01 0 0" rpy="0 0 0.5"/><mass value="0.3"/><inertia ixx="1e-4" iyy="2e-4" izz="2.5e-4"/></inertial>
+            <collision><origin rpy="0.3 0 0"/><geometry><cylinder radius="0.03" length="0.1"/></geometry></collision></link>
+        <joint name="j" type="prismatic"><origin xyz="0 0 0.2" rpy="0 0.4 0"/>{ENDS}<axis xyz="0 0 1"/>
+            <limit lower="-0.1" upper="0.3" effort="10" velocity="2"/></joint></robot>"#
+        ),
+    );
+    assert_eq!(robot.hinges[0].freedom, Freedom::Slide);
+    assert_eq!(robot.hinges[0].bearing.limits_rad, Some((-0.1, 0.3)));
+    let cylinder = robot.parts[1]
+        .solids
+        .iter()
+        .find(|s| s.has_surface())
+        .unwrap();
+    assert!(matches!(
+        cylinder.shape,
+        Shape::Cylinder {
+            radius_m: 0.03,
+            half_length_m: 0.05
+        }
+    ));
+    // The inertial frame is turned by 0.5 rad about z.
+    let own = robot.parts[1].solids[0].inertia_kg_m2;
+    let expected = 1e-4 * 0.5_f64.cos().powi(2) + 2e-4 * 0.5_f64.sin().powi(2);
+    assert!((own[(0, 0)] - expected).abs() < 1e-15, "{own}");
+    assert!(says(&notes, Sort::Assumed, "servos of 1 joints"));
+}
+
+#[test]
+fn every_value_that_was_made_up_or_changed_is_said_with_its_remedy() {
+    let text = format!(
+        r#"<robot name="r"><link name="a">{LINK}</link>
+        <link name="b c"><inertial><mass value="1"/></inertial><collision><geometry><mesh filename="package://none/x.stl"/></geometry></collision></link>
+        <link name="B_c"/>
+        <joint name="j" type="revolute"><parent link="a"/><child link="b c"/><limit lower="0" upper="0" effort="1e6" velocity="1"/></joint>
+        <joint name="k" type="continuous"><parent link="a"/><child link="B_c"/></joint>
+        <transmission name="t"/><gazebo/></robot>"#
+    );
+    let (robot, notes) = import("r.urdf", &text);
+    assert_eq!(robot.hinges.len(), 1);
+    for (sort, part) in [
+        (Sort::Doubt, "cannot be found"),
+        (Sort::Doubt, "case only"),
+        (Sort::Assumed, "inertia of link `b c`"),
+        (Sort::Changed, "limits 0 to 0"),
+        (Sort::Changed, "effort 1000000"),
+        (Sort::Changed, "nothing behind joint `k`"),
+        (Sort::Changed, "the name \"b c\""),
+        (Sort::LeftOut, "<transmission>"),
+        (Sort::LeftOut, "<gazebo>"),
+    ] {
+        assert!(says(&notes, sort, part), "{part}: {notes:#?}");
+    }
+}
+
+#[test]
+fn a_root_called_world_or_without_mass_is_held_and_any_other_is_free() {
+    let fixed = |root: &str, inside: &str, kind: &str| {
+        let text = format!(
+            r#"<robot name="r"><link name="{root}">{inside}</link><link name="b">{LINK}</link><link name="c">{LINK}</link>
+            <joint name="j" type="{kind}"><parent link="{root}"/><child link="b"/></joint>
+            <joint name="k" type="continuous"><parent link="b"/><child link="c"/></joint></robot>"#
+        );
+        import("r.urdf", &text).0.world_from_mount.is_some()
+    };
+    assert!(fixed("world", "", "fixed"));
+    assert!(fixed("base", "", "continuous"));
+    assert!(!fixed("base", "", "fixed"));
+    assert!(!fixed("base", LINK, "continuous"));
+}
+
+#[test]
+fn meshes_become_hulls_and_bad_ones_are_doubted() {
+    let folder = std::env::temp_dir().join(format!("realgap-meshes-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let stl = |corners: &[[f64; 9]]| {
+        let mut text = "solid s\n".to_owned();
+        for c in corners {
+            text += &format!(
+                "facet normal 0 0 0\nouter loop\nvertex {} {} {}\nvertex {} {} {}\nvertex {} {} {}\nendloop\nendfacet\n",
+                c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8]
+            );
+        }
+        text + "endsolid s\n"
+    };
+    let tetrahedron = [
+        [0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.1, 0.0],
+        [0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.1],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1, 0.0, 0.0],
+        [0.1, 0.0, 0.0, 0.0, 0.0, 0.1, 0.0, 0.1, 0.0],
+    ];
+    std::fs::write(folder.join("good.stl"), stl(&tetrahedron)).unwrap();
+    std::fs::write(folder.join("flat.stl"), stl(&tetrahedron[..1])).unwrap();
+    std::fs::write(folder.join("empty.stl"), stl(&[])).unwrap();
+    let read = |mesh: &str, scale: &str| {
+        let text = format!(
+            r#"<robot name="r"><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
+            <collision><geometry><mesh filename="{mesh}.stl" scale="{scale}"/></geometry></collision></link></robot>"#
+        );
+        let path: PathBuf = folder.join("r.urdf");
+        let source = Source::new(path, text);
+        let (robot, notes) =
+            Morphology::import(&source, &Options::default()).unwrap_or_else(|e| panic!("{e}"));
+        (robot.assemble(), notes)
+    };
+    let (robot, notes) = read("good", "1 1 1");
+    let hull = robot.parts[0]
+        .solids
+        .iter()
+        .find(|s| s.has_surface())
+        .unwrap();
+    assert!(
+        matches!(&hull.shape, Shape::Hull { points_m } if points_m.len() == 4) && notes.is_empty(),
+        "{notes:#?}"
+    );
+    assert!(says(&read("flat", "1 1 1").1, Sort::Doubt, "flat"));
+    assert!(says(&read("empty", "1 1 1").1, Sort::Doubt, "empty"));
+    assert!(says(
+        &read("good", "1000 1000 1000").1,
+        Sort::Doubt,
+        "m long"
+    ));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn what_is_no_robot_is_refused_with_file_line_and_reason() {
+    let joint = |inside: &str| {
+        two(&format!(
+            "<joint name=\"j\" type=\"revolute\">{inside}{ENDS}</joint>"
+        ))
+    };
+    let body =
+        |inside: &str| format!("<robot name=\"r\">\n<link name=\"a\">{inside}</link></robot>");
+    let bomb =
+        "<!DOCTYPE r [<!ENTITY a \"aaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;\">]><robot name=\"&b;\"/>";
+    for (text, said) in [
+        ("<robot".to_owned(), "not XML"),
+        ("<sdf/>".to_owned(), "neither"),
+        (bomb.to_owned(), "entities"),
+        (two(""), "hangs on nothing"),
+        (
+            two("<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"c\"/></joint>"),
+            "bad.urdf:4:",
+        ),
+        (
+            two(&format!(
+                "<joint name=\"j\" type=\"fixed\">{ENDS}</joint><joint name=\"k\" type=\"fixed\">{ENDS}</joint>"
+            )),
+            "two joints",
+        ),
+        (
+            two(&format!(
+                "<joint name=\"j\" type=\"fixed\">{ENDS}</joint><joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint>"
+            )),
+            "circle",
+        ),
+        (joint("<origin xyz=\"0 0\"/>"), "3 finite numbers"),
+        (joint("<axis xyz=\"0 0 nan\"/>"), "3 finite numbers"),
+        (joint("<axis xyz=\"0 0 0\"/>"), "no direction"),
+        (joint("<origin xyz=\"${x} 0 0\"/>"), "xacro"),
+        (
+            two(&format!("<joint name=\"j\" type=\"hinge\">{ENDS}</joint>")),
+            "no such type",
+        ),
+        (
+            body("<inertial><mass value=\"-1\"/></inertial>"),
+            "negative mass",
+        ),
+        (
+            body(
+                "<inertial><mass value=\"1\"/><inertia ixx=\"-1\" iyy=\"1\" izz=\"1\"/></inertial>",
+            ),
+            "no body has the inertia",
+        ),
+        (
+            body(
+                "<inertial><mass value=\"1\"/><inertia ixx=\"0\" iyy=\"1\" izz=\"1\"/></inertial>",
+            ),
+            "bad.urdf:2:",
+        ),
+        (body(""), "without mass"),
+        (
+            format!(
+                "<robot name=\"r\"><link name=\"a\">{LINK}</link><link name=\"a\">{LINK}</link></robot>"
+            ),
+            "same name",
+        ),
+        ("<robot name=\"r\"/>".to_owned(), "without links"),
+    ] {
+        let error = refusal(&text);
+        assert!(error.contains(said), "{text}\n{error}");
+    }
+}
+
+#[test]
+fn mjcf_resolves_defaults_angles_and_densities() {
+    let (robot, notes) = import(
+        "r.xml",
+        r#"<mujoco model="r"><compiler angle="degree" autolimits="true"/>
+        <default><geom density="500"/><joint damping="0.2" armature="0.01"/></default>
+        <worldbody><geom type="plane" size="1 1 1"/>
+        <body name="torso" pos="0 0 1"><freejoint/><geom type="box" size="0.1 0.2 0.3"/>
+            <body name="leg" pos="0 0 -0.3"><joint name="x" axis="1 0 0" range="-30 60"/><joint name="y" axis="0 1 0" stiffness="3"/>
+                <geom type="capsule" fromto="0 0 0 0 0 -0.4" size="0.05"/><site name="foot" pos="0 0 -0.4"/></body></body></worldbody>
+        <actuator><motor joint="x" gear="20" ctrlrange="-1 1"/><position joint="y" kp="10"/></actuator>
+        <tendon/><sensor><gyro site="foot"/></sensor></mujoco>"#,
+    );
+    assert_eq!(
+        (robot.parts.len(), robot.hinges.len(), robot.marks.len()),
+        (3, 2, 1)
+    );
+    let torso = robot.parts[0].mass(&Isometry3::identity());
+    assert!(
+        (torso.mass_kg - 500.0 * 0.2 * 0.4 * 0.6).abs() < 1e-12,
+        "{}",
+        torso.mass_kg
+    );
+    let limits = robot.hinges[0].bearing.limits_rad.unwrap();
+    assert!((limits.1 - 60.0_f64.to_radians()).abs() < 1e-12);
+    assert!(
+        robot
+            .hinges
+            .iter()
+            .all(|hinge| hinge.bearing.viscous_nm_s_rad == 0.2)
+    );
+    assert_eq!(robot.hinges[0].actuator.unwrap().servo.max_torque_nm, 20.0);
+    assert!(robot.world_from_mount.is_none());
+    assert!(says(&notes, Sort::LeftOut, "<sensor>"), "{notes:#?}");
+    assert!(says(&notes, Sort::Assumed, "torques as commands"));
+}
