@@ -66,7 +66,8 @@ def by_pinocchio(path, ours):
         matrix = matrix[np.ix_(rows, rows)]
         pin.forwardKinematics(model, data, q)
         pin.updateFramePlacements(model, data)
-        centre = pin.centerOfMass(model, data, q)
+        places = [(inertia.mass, data.oMi[index].act(inertia.lever)) for index, inertia in enumerate(model.inertias)]
+        centre = sum(mass * place for mass, place in places) / total
         falling = pin.aba(model, data, q, np.zeros(model.nv), np.zeros(model.nv))[rows]
         compare(worst, state, total, centre, matrix, falling)
         for name, pose in zip(ours["bodies"], state["bodies"]):

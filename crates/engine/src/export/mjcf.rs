@@ -83,8 +83,8 @@ impl Format for Mjcf {
             for (a, b) in joined.chain(robot.parts_apart()) {
                 contact.push(
                     Element::new("exclude")
-                        .with("body1", robot.part_name(a))
-                        .with("body2", robot.part_name(b)),
+                        .with("body1", name_of(robot, a))
+                        .with("body2", name_of(robot, b)),
                 );
             }
             for (hinge, driven) in robot.driven_hinges() {
@@ -222,6 +222,14 @@ fn floor(robot: &Robot<'_>) -> Element {
         .with("priority", "1")
 }
 
+/// Name of a part; `world` is MuJoCo's own.
+fn name_of(robot: &Robot<'_>, part: usize) -> String {
+    match robot.part_name(part) {
+        name if name == "world" => "world.held".to_owned(),
+        name => name,
+    }
+}
+
 /// A hull as an asset: MuJoCo makes it convex by itself.
 fn mesh_of<'a>(robot: &'a Robot<'_>) -> impl Fn((&'a Solid, &'a [Vector3<f64>])) -> Element + 'a {
     |(solid, points_m)| {
@@ -241,7 +249,7 @@ fn body(robot: &Robot<'_>, part: usize, hinges: &[&Hinge]) -> Element {
         return body(robot, next.child_part, &[hinges, &[*next]].concat());
     }
     let origin_m = origin_robot_m(cluster);
-    let mut element = Element::new("body").with("name", robot.part_name(part));
+    let mut element = Element::new("body").with("name", name_of(robot, part));
     match hinges.first() {
         None if robot.assembly.world_from_mount.is_some() => {
             let mount = robot.assembly.world_from_mount.unwrap_or_default();
