@@ -29,7 +29,8 @@ def usable(name):
 
 
 def realgap_states(realgap, path, ron):
-    done = subprocess.run([realgap, "import", str(path), "-o", str(ron), "--force", "--mounted", "--passive", "--format", "json"],
+    held = ["--mounted"] if path.suffix == ".urdf" else []
+    done = subprocess.run([realgap, "import", str(path), "-o", str(ron), "--force", *held, "--passive", "--format", "json"],
                           capture_output=True, text=True, timeout=120)
     if done.returncode:
         return None, None
@@ -147,7 +148,7 @@ def swing(realgap, ron, folder):
     while data.time < 0.2 - 1e-9:
         mujoco.mj_step(model, data)
     run = folder / "run.csv"
-    done = subprocess.run([realgap, "simulate", str(ron), "--duration", "0.2", "-o", str(run), "--set", "solver.timestep_s=0.0005"],
+    done = subprocess.run([realgap, "simulate", str(ron), "--duration", "0.2", "-o", str(run), "--set", "timestep_s=0.0005"],
                           capture_output=True, text=True)
     if done.returncode:
         return None
