@@ -241,10 +241,17 @@ impl Robot<'_> {
         };
         bearing.effort = place.number(limit, "effort")?.unwrap_or(0.0);
         bearing.velocity = place.number(limit, "velocity")?.unwrap_or(0.0);
-        let (lower, upper) = (
-            place.number(limit, "lower")?.unwrap_or(0.0),
-            place.number(limit, "upper")?.unwrap_or(0.0),
-        );
+        let end = |name: &str| -> Result<f64> {
+            // Some say inf for no limit.
+            match limit
+                .attribute(name)
+                .and_then(|text| text.trim().parse().ok())
+            {
+                Some(value) if f64::is_infinite(value) => Ok(value),
+                _ => Ok(place.number(limit, name)?.unwrap_or(0.0)),
+            }
+        };
+        let (lower, upper) = (end("lower")?, end("upper")?);
         let is_limited = kind == "revolute" || kind == "prismatic";
         // Beyond any robot: somebody's way to say that there are none.
         let are_far = lower <= -FAR && upper >= FAR;
