@@ -151,6 +151,7 @@ pub mod guide {
 [docs/cli.md]: crate::guide::cli
 [docs/conventions.md]: crate::guide::conventions
 [docs/recordings.md]: crate::guide::recordings
+[docs/robots.md]: crate::guide::robots
 [docs/gallery.md]: crate::guide::gallery
 [docs/files.md]: crate::guide::files
 [docs/python.md]: crate::guide::python
@@ -246,6 +247,10 @@ pub mod guide {
     #[doc = links!()]
     #[doc = include_str!("../docs/recordings.md")]
     pub mod recordings {}
+
+    #[doc = links!()]
+    #[doc = include_str!("../docs/robots.md")]
+    pub mod robots {}
 
     #[doc = links!()]
     #[doc = include_str!("../docs/scale.md")]

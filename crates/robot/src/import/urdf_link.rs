@@ -99,8 +99,19 @@ impl Reader<'_> {
         let (xy, xz, yz) = (entry("ixy")?, entry("ixz")?, entry("iyz")?);
         let (xx, yy, zz) = (entry("ixx")?, entry("iyy")?, entry("izz")?);
         let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        if own.amax() < 1e-20 || mass_kg == 0.0 {
+        if own.amax() < 1e-20 {
             return Ok(());
+        }
+        if mass_kg == 0.0 {
+            let what = format!(
+                "link `{}` has moments of inertia but no mass: kept",
+                body.name
+            );
+            notes.doubt(
+                place.line(inertia),
+                what,
+                "weigh it, or remove its <inertial>",
+            );
         }
         let moments = SymmetricEigen::new(own).eigenvalues;
         if moments.min() < -1e-9 * moments.amax() {
