@@ -71,11 +71,11 @@ fn cart(left_rad_s: f64, right_rad_s: f64) -> Experiment {
         left.split_once('|').unwrap(),
         right.split_once('|').unwrap(),
     );
+    // So slow a sine that it is a straight line: the wheel's angle grows at its speed.
     let servo = |joint: &str, speed: f64| {
         format!(
-            r#"(joint: "{joint}_axle", servo: (law: Velocity(gain_1_s: 50), max_torque_nm: 1, max_speed_rad_s: {}), gait: (amplitude_rad: {}, frequency_hz: 0.0001))"#,
-            speed.abs(),
-            1000.0_f64.copysign(speed)
+            r#"(joint: "{joint}_axle", servo: (law: Velocity(gain_1_s: 50), max_torque_nm: 1), gait: (amplitude_rad: 1000, frequency_hz: {}))"#,
+            speed / (TAU * 1000.0)
         )
     };
     let text = format!(

@@ -80,11 +80,14 @@ impl Format for Mjcf {
             let joined = hinges
                 .iter()
                 .map(|hinge| (hinge.parent_part, hinge.child_part));
-            for (a, b) in joined.chain(robot.parts_apart()) {
+            // A part of nothing is a joint of the next one: their neighbours are those of the whole chain.
+            let is_body = |part: usize| part == 0 || !is_joint_of_next(robot, part);
+            let pairs = joined.chain(robot.parts_apart());
+            for (a, b) in pairs.filter(|(a, b)| is_body(*a) && is_body(*b)) {
                 contact.push(
                     Element::new("exclude")
-                        .with("body1", robot.part_name(a))
-                        .with("body2", robot.part_name(b)),
+                        .with("body1", name_of(robot, a))
+                        .with("body2", name_of(robot, b)),
                 );
             }
             for (hinge, driven) in robot.driven_hinges() {
@@ -222,6 +225,19 @@ fn floor(robot: &Robot<'_>) -> Element {
         .with("priority", "1")
 }
 
+/// Whether MuJoCo has a part as one more joint of the next: a link of nothing with one joint on it.
+fn is_joint_of_next(robot: &Robot<'_>, part: usize) -> bool {
+    part > 0 && robot.is_nothing(part) && robot.hinges_on(part).count() == 1
+}
+
+/// Name of a part; `world` is MuJoCo's own.
+fn name_of(robot: &Robot<'_>, part: usize) -> String {
+    match robot.part_name(part) {
+        name if name == "world" => "world.held".to_owned(),
+        name => name,
+    }
+}
+
 /// A hull as an asset: MuJoCo makes it convex by itself.
 fn mesh_of<'a>(robot: &'a Robot<'_>) -> impl Fn((&'a Solid, &'a [Vector3<f64>])) -> Element + 'a {
     |(solid, points_m)| {
@@ -236,12 +252,12 @@ fn body(robot: &Robot<'_>, part: usize, hinges: &[&Hinge]) -> Element {
     let cluster = &robot.assembly.parts[part];
     let on_it: Vec<&Hinge> = robot.hinges_on(part).collect();
     if let ([next], false) = (on_it.as_slice(), hinges.is_empty())
-        && robot.is_nothing(part)
+        && is_joint_of_next(robot, part)
     {
         return body(robot, next.child_part, &[hinges, &[*next]].concat());
     }
     let origin_m = origin_robot_m(cluster);
-    let mut element = Element::new("body").with("name", robot.part_name(part));
+    let mut element = Element::new("body").with("name", name_of(robot, part));
     match hinges.first() {
         None if robot.assembly.world_from_mount.is_some() => {
             let mount = robot.assembly.world_from_mount.unwrap_or_default();

@@ -33,9 +33,11 @@ impl Format for Urdf {
             &warnings,
         );
         let mut root = Element::new("robot").with("name", robot.name);
-        if let Some(mount) = robot.assembly.world_from_mount {
+        // A root called world is held by its name.
+        let mount = robot.assembly.world_from_mount.as_ref();
+        if let Some(mount) = mount.filter(|_| robot.part_name(0) != MOUNT) {
             root.push(Element::new("link").with("name", MOUNT));
-            root.push(held(robot, &mount));
+            root.push(held(robot, mount));
         }
         root.push(link(robot, 0, &origin_robot_m(&robot.assembly.parts[0])));
         // Parents come before their children in the assembly, as URDF readers like it.

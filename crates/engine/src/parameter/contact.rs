@@ -1,46 +1,17 @@
 //! The contact model of the solver.
 
-use super::{Nudge, Parameter, Scale};
+use super::{Nudge, Parameter, Scale, field};
 use crate::FrictionModel;
 use realgap_core::unit::Unit;
 
+#[rustfmt::skip] // a table
 pub(super) static PARAMETERS: &[Parameter] = &[
-    Parameter {
-        name: "contact.prediction_m",
-        unit: Unit::Metre,
-        bounds: (0.0, 0.1),
-        whole: false,
-        scale: Scale::Linear,
-        nudge: Nudge::Share(0.5),
-        doc: "Distance at which contacts are predicted.",
-        subject: "",
-        get: |e, _| Some(e.contact.prediction_m),
-        set: |e, _, value| e.contact.prediction_m = value,
-    },
-    Parameter {
-        name: "contact.natural_frequency_hz",
-        unit: Unit::Hertz,
-        bounds: (0.1, 1e6),
-        whole: false,
-        scale: Scale::Log,
-        nudge: Nudge::Share(0.25),
-        doc: "Stiffness of contact with the floor, as a natural frequency; among modules half of it.",
-        subject: "",
-        get: |e, _| Some(e.contact.natural_frequency_hz),
-        set: |e, _, value| e.contact.natural_frequency_hz = value,
-    },
-    Parameter {
-        name: "contact.damping_ratio",
-        unit: Unit::One,
-        bounds: (0.0, 1000.0),
-        whole: false,
-        scale: Scale::Log,
-        nudge: Nudge::Share(0.25),
-        doc: "Damping ratio of contacts; with the natural frequency it decides how fast penetration is pushed out.",
-        subject: "",
-        get: |e, _| Some(e.contact.damping_ratio),
-        set: |e, _, value| e.contact.damping_ratio = value,
-    },
+    field!("contact.prediction_m", Metre, (0.0, 0.1), Linear, Nudge::Share(0.5),
+        "Distance at which contacts are predicted.", contact.prediction_m),
+    field!("contact.natural_frequency_hz", Hertz, (0.1, 1e6), Log, Nudge::Share(0.25),
+        "Stiffness of contact with the floor, as a natural frequency; among modules half of it.", contact.natural_frequency_hz),
+    field!("contact.damping_ratio", One, (0.0, 1000.0), Log, Nudge::Share(0.25),
+        "Damping ratio of contacts; with the natural frequency it decides how fast penetration is pushed out.", contact.damping_ratio),
     Parameter {
         name: "contact.friction_model",
         unit: Unit::One,

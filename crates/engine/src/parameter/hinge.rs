@@ -1,6 +1,6 @@
 //! Stated hinges, and bodies of the scene that are driven.
 
-use super::{Nudge, Parameter, Scale};
+use super::{Nudge, Parameter, Scale, field};
 use crate::{Experiment, SceneMotion};
 use realgap_core::unit::Unit;
 use realgap_robot::morphology::Bearing;
@@ -23,6 +23,7 @@ fn pusher_friction(experiment: &Experiment) -> Option<f64> {
     same(driven.map(|body| body.friction))
 }
 
+#[rustfmt::skip] // a table
 pub(super) static PARAMETERS: &[Parameter] = &[
     Parameter {
         name: "hinge.viscous_nm_s_rad",
@@ -56,42 +57,12 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         },
         set: |e, _, value| e.adjustment.hinge_dry_nm = Some(value),
     },
-    Parameter {
-        name: "pusher.offset_x_m",
-        unit: Unit::Metre,
-        bounds: (-1.0, 1.0),
-        whole: false,
-        scale: Scale::Linear,
-        nudge: Nudge::Absolute(0.001),
-        doc: "Shift of the boxes of every driven body of the scene along the body's own x axis.",
-        subject: "",
-        get: |e, _| Some(e.adjustment.pusher_offset_m.x),
-        set: |e, _, value| e.adjustment.pusher_offset_m.x = value,
-    },
-    Parameter {
-        name: "pusher.offset_y_m",
-        unit: Unit::Metre,
-        bounds: (-1.0, 1.0),
-        whole: false,
-        scale: Scale::Linear,
-        nudge: Nudge::Absolute(0.001),
-        doc: "Shift of the boxes of every driven body of the scene along the body's own y axis.",
-        subject: "",
-        get: |e, _| Some(e.adjustment.pusher_offset_m.y),
-        set: |e, _, value| e.adjustment.pusher_offset_m.y = value,
-    },
-    Parameter {
-        name: "pusher.offset_z_m",
-        unit: Unit::Metre,
-        bounds: (-1.0, 1.0),
-        whole: false,
-        scale: Scale::Linear,
-        nudge: Nudge::Absolute(0.001),
-        doc: "Shift of the boxes of every driven body of the scene along the body's own z axis.",
-        subject: "",
-        get: |e, _| Some(e.adjustment.pusher_offset_m.z),
-        set: |e, _, value| e.adjustment.pusher_offset_m.z = value,
-    },
+    field!("pusher.offset_x_m", Metre, (-1.0, 1.0), Linear, Nudge::Absolute(0.001),
+        "Shift of the boxes of every driven body of the scene along the body's own x axis.", adjustment.pusher_offset_m.x),
+    field!("pusher.offset_y_m", Metre, (-1.0, 1.0), Linear, Nudge::Absolute(0.001),
+        "Shift of the boxes of every driven body of the scene along the body's own y axis.", adjustment.pusher_offset_m.y),
+    field!("pusher.offset_z_m", Metre, (-1.0, 1.0), Linear, Nudge::Absolute(0.001),
+        "Shift of the boxes of every driven body of the scene along the body's own z axis.", adjustment.pusher_offset_m.z),
     Parameter {
         name: "pusher.friction",
         unit: Unit::One,

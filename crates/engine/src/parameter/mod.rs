@@ -51,6 +51,25 @@ pub struct Parameter {
     set: fn(&mut Experiment, &str, f64),
 }
 
+/// A parameter that is a field of the experiment: name, unit, bounds, scale, small step, meaning, way to the field.
+macro_rules! field {
+    ($name:literal, $unit:ident, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $($field:ident).+) => {
+        $crate::parameter::Parameter {
+            name: $name,
+            unit: realgap_core::unit::Unit::$unit,
+            bounds: $bounds,
+            whole: false,
+            scale: $crate::parameter::Scale::$scale,
+            nudge: $nudge,
+            doc: $doc,
+            subject: "",
+            get: |e, _| Some(e.$($field).+),
+            set: |e, _, value| e.$($field).+ = value,
+        }
+    };
+}
+use field;
+
 /// A small change of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Nudge {

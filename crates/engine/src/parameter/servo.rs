@@ -1,6 +1,6 @@
 //! Servos: limits, gain, latency and play.
 
-use super::{Nudge, Parameter, Scale};
+use super::{Nudge, Parameter, Scale, field};
 use crate::Experiment;
 use realgap_core::unit::Unit;
 use realgap_robot::morphology::Servo;
@@ -17,6 +17,7 @@ fn shared(experiment: &Experiment, own: impl Fn(&Servo) -> f64) -> Option<f64> {
     values.all(|value| value == first).then_some(first)
 }
 
+#[rustfmt::skip] // a table
 pub(super) static PARAMETERS: &[Parameter] = &[
     Parameter {
         name: "servo.max_torque_nm",
@@ -48,40 +49,10 @@ pub(super) static PARAMETERS: &[Parameter] = &[
         },
         set: |e, _, value| e.adjustment.max_speed_rad_s = Some(value),
     },
-    Parameter {
-        name: "servo.gain",
-        unit: Unit::One,
-        bounds: (0.0, 1000.0),
-        whole: false,
-        scale: Scale::Log,
-        nudge: Nudge::Share(0.1),
-        doc: "Factor on every servo's answer to an angle error: gain of the Velocity law, stiffness of the Torque law.",
-        subject: "",
-        get: |e, _| Some(e.adjustment.servo_gain_scale),
-        set: |e, _, value| e.adjustment.servo_gain_scale = value,
-    },
-    Parameter {
-        name: "servo.latency_s",
-        unit: Unit::Second,
-        bounds: (0.0, 10.0),
-        whole: false,
-        scale: Scale::Linear,
-        nudge: Nudge::Absolute(0.01),
-        doc: "Every servo acts on the command of this long ago; until the first arrives it holds the start.",
-        subject: "",
-        get: |e, _| Some(e.adjustment.servo_latency_s),
-        set: |e, _, value| e.adjustment.servo_latency_s = value,
-    },
-    Parameter {
-        name: "servo.backlash_rad",
-        unit: Unit::Radian,
-        bounds: (0.0, 3.0),
-        whole: false,
-        scale: Scale::Linear,
-        nudge: Nudge::Absolute(0.02),
-        doc: "Play between servo and joint, end to end: no torque within it, only the rest of the error counts beyond.",
-        subject: "",
-        get: |e, _| Some(e.adjustment.servo_backlash_rad),
-        set: |e, _, value| e.adjustment.servo_backlash_rad = value,
-    },
+    field!("servo.gain", One, (0.0, 1000.0), Log, Nudge::Share(0.1),
+        "Factor on every servo's answer to an angle error: gain of the Velocity law, stiffness of the Torque law.", adjustment.servo_gain_scale),
+    field!("servo.latency_s", Second, (0.0, 10.0), Linear, Nudge::Absolute(0.01),
+        "Every servo acts on the command of this long ago; until the first arrives it holds the start.", adjustment.servo_latency_s),
+    field!("servo.backlash_rad", Radian, (0.0, 3.0), Linear, Nudge::Absolute(0.02),
+        "Play between servo and joint, end to end: no torque within it, only the rest of the error counts beyond.", adjustment.servo_backlash_rad),
 ];

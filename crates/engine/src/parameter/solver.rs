@@ -1,22 +1,13 @@
 //! Numerical settings: worth a sweep of their own, because they change results too.
 
-use super::{Nudge, Parameter, Scale};
+use super::{Nudge, Parameter, Scale, field};
 use crate::JointKind;
 use realgap_core::unit::Unit;
 
+#[rustfmt::skip] // a table
 pub(super) static PARAMETERS: &[Parameter] = &[
-    Parameter {
-        name: "timestep_s",
-        unit: Unit::Second,
-        bounds: (1e-6, 0.1),
-        whole: false,
-        scale: Scale::Log,
-        nudge: Nudge::Share(0.25),
-        doc: "Time per simulation step.",
-        subject: "",
-        get: |e, _| Some(e.solver.timestep_s),
-        set: |e, _, value| e.solver.timestep_s = value,
-    },
+    field!("timestep_s", Second, (1e-6, 0.1), Log, Nudge::Share(0.25),
+        "Time per simulation step.", solver.timestep_s),
     Parameter {
         name: "solver.substeps",
         unit: Unit::One,

@@ -35,11 +35,11 @@ impl Place<'_> {
         })
     }
 
-    /// Numbers of an attribute, separated by blanks.
+    /// Numbers of an attribute, separated by blanks or commas; what follows them is not read.
     pub fn numbers<const N: usize>(&self, node: Node<'_, '_>, name: &str) -> Result<[f64; N]> {
         let text = self.text(node, name)?;
-        let numbers: Option<Vec<f64>> = text
-            .split_whitespace()
+        let numbers: Option<Vec<f64>> = words(text)
+            .take(N)
             .map(|word| word.parse().ok().filter(|number: &f64| number.is_finite()))
             .collect();
         numbers
@@ -84,6 +84,12 @@ impl Place<'_> {
     pub fn vector(&self, node: Node<'_, '_>, name: &str) -> Result<Vector3<f64>> {
         self.numbers::<3>(node, name).map(Vector3::from)
     }
+}
+
+/// The words of a list of numbers.
+pub(super) fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| c.is_whitespace() || c == ',')
+        .filter(|word| !word.is_empty())
 }
 
 /// The first child element of this name.

@@ -135,12 +135,17 @@ impl Robot<'_> {
             .filter(|&id| model.bodies[id].parent == Some(0))
             .collect();
         let free_root = match on_world.as_slice() {
-            [only] if is_free(*only) && !options.mounted => Some(*only),
+            [only] if is_free(*only) => Some(*only),
             _ => None,
         };
         match free_root {
             Some(root) => {
-                let turn = isometry(&model.bodies[root].body.pose).rotation;
+                let pose = isometry(&model.bodies[root].body.pose);
+                if options.mounted {
+                    let place = Isometry3::from_parts(pose.translation, UnitQuaternion::identity());
+                    self.structure.mount = Some(Pose::of(&place));
+                }
+                let turn = pose.rotation;
                 if turn.w.abs() < 1.0 - 1e-12 {
                     // The robot frame stands upright: the root's own may lie.
                     let name = format!("{}_start", self.names[root]);
@@ -200,9 +205,12 @@ impl Robot<'_> {
             name: self.names[id].clone(),
             ..Body::default()
         };
-        self.weighing
-            .weigh(&mut body, given, notes)
-            .map_err(|error| error.at_file(self.source.path()))?;
+        // The world weighs nothing.
+        if id > 0 {
+            self.weighing
+                .weigh(&mut body, given, notes)
+                .map_err(|error| error.at_file(self.source.path()))?;
+        }
         for geom in given
             .geoms
             .iter()

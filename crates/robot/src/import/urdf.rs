@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Vector3};
 use roxmltree::Node;
 
 use super::Options;
-use super::element::{Place, child, children};
+use super::element::{Place, child, children, words};
 use super::note::Notes;
 use super::urdf_link::Reader;
 use crate::morphology::body::{
@@ -18,6 +18,8 @@ use realgap_core::file::Source;
 
 /// How strongly the servo that stands in for the one URDF does not describe answers an error of its angle, 1/s.
 const GAIN_1_S: f64 = 20.0;
+/// Limits farther away than this are none, radians or metres.
+const FAR: f64 = 1e3;
 /// Largest torque and speed that a servo may have.
 const MOST: f64 = 1e4;
 
@@ -239,12 +241,21 @@ impl Robot<'_> {
         };
         bearing.effort = place.number(limit, "effort")?.unwrap_or(0.0);
         bearing.velocity = place.number(limit, "velocity")?.unwrap_or(0.0);
-        let (lower, upper) = (
-            place.number(limit, "lower")?.unwrap_or(0.0),
-            place.number(limit, "upper")?.unwrap_or(0.0),
-        );
+        let end = |name: &str| -> Result<f64> {
+            // Some say inf for no limit.
+            match limit
+                .attribute(name)
+                .and_then(|text| text.trim().parse().ok())
+            {
+                Some(value) if f64::is_infinite(value) => Ok(value),
+                _ => Ok(place.number(limit, name)?.unwrap_or(0.0)),
+            }
+        };
+        let (lower, upper) = (end("lower")?, end("upper")?);
         let is_limited = kind == "revolute" || kind == "prismatic";
-        bearing.limits = (is_limited && lower < upper).then_some((lower, upper));
+        // Beyond any robot: somebody's way to say that there are none.
+        let are_far = lower <= -FAR && upper >= FAR;
+        bearing.limits = (is_limited && lower < upper && !are_far).then_some((lower, upper));
         if is_limited && lower >= upper {
             let what = format!(
                 "the limits {lower} to {upper} of joint `{name}` leave nothing: it has none here"
@@ -447,6 +458,17 @@ impl Robot<'_> {
             if is_inside && !known(above, tag) {
                 let entry = seen.entry(format!("<{tag}> in <{above}>"));
                 entry.or_insert((0, self.reader.place.line(node))).0 += 1;
+            }
+        }
+        let lists = root.descendants().flat_map(|node| {
+            let named = ["xyz", "rpy", "size", "scale"].into_iter();
+            named.filter_map(move |name| Some((node, node.attribute(name)?)))
+        });
+        for (node, text) in lists {
+            if text.contains(',') || words(text).count() > 3 {
+                let what = format!("the list {text:?} has commas or more than three numbers");
+                let remedy = "write three numbers, separated by blanks";
+                notes.changed(self.reader.place.line(node), what, remedy);
             }
         }
         for (what, (count, line)) in seen {

@@ -99,8 +99,19 @@ impl Reader<'_> {
         let (xy, xz, yz) = (entry("ixy")?, entry("ixz")?, entry("iyz")?);
         let (xx, yy, zz) = (entry("ixx")?, entry("iyy")?, entry("izz")?);
         let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        if own.amax() == 0.0 || mass_kg == 0.0 {
+        if own.amax() < 1e-20 {
             return Ok(());
+        }
+        if mass_kg == 0.0 {
+            let what = format!(
+                "link `{}` has moments of inertia but no mass: kept",
+                body.name
+            );
+            notes.doubt(
+                place.line(inertia),
+                what,
+                "weigh it, or remove its <inertial>",
+            );
         }
         let moments = SymmetricEigen::new(own).eigenvalues;
         if moments.min() < -1e-9 * moments.amax() {
@@ -306,7 +317,13 @@ fn box_of_equal_inertia(body: &Body) -> Option<Piece> {
     // m/12 (y² + z²) = Ixx and so on.
     let squares = (Vector3::repeat(moments.sum()) - 2.0 * moments) * (6.0 / body.mass_kg);
     let sides_m = squares.map(|square| square.max(1e-6).sqrt());
-    let axes = nalgebra::Rotation3::from_matrix(&eigen.eigenvectors);
+    // Principal axes, turned into a right-handed system.
+    let mut axes = eigen.eigenvectors;
+    if axes.determinant() < 0.0 {
+        let flipped = -axes.column(2);
+        axes.set_column(2, &flipped);
+    }
+    let axes = nalgebra::Rotation3::from_matrix_unchecked(axes);
     let (x, y, z) = body.centre_of_mass_m.unwrap_or_default();
     let pose = Isometry3::from_parts(Translation3::new(x, y, z), axes.into());
     Some(Piece {
