@@ -11,7 +11,7 @@ use realgap::calibration::{Overrides, Part, read_best, read_parameters};
 use realgap::comparison::{self, Metric};
 use realgap::search::read_indistinguishable;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
-use realgap::simulation::{Experiment, JointKind, Solver};
+use realgap::simulation::{EngineChoice, Experiment, JointKind, Solver, engine_by_name};
 use realgap::warning::Code;
 use realgap::{Error, Result, RunOptions, Warning};
 
@@ -334,6 +334,14 @@ pub struct SolverOptions {
     substeps: Option<usize>,
     #[arg(long, value_parser = choice(JOINTS), help = joint_help())]
     pub joint: Option<JointKind>,
+    /// Which engine simulates [default: rapier, or solver.engine where it is set]
+    #[arg(long, value_name = "NAME", value_parser = engine)]
+    pub engine: Option<EngineChoice>,
+}
+
+/// The engine of a name; else what there is.
+fn engine(name: &str) -> std::result::Result<EngineChoice, String> {
+    engine_by_name(name).map_err(|error| error.to_string())
 }
 
 impl SolverOptions {
@@ -343,6 +351,7 @@ impl SolverOptions {
         solver.timestep_s = self.timestep.unwrap_or(solver.timestep_s);
         solver.substeps = self.substeps.unwrap_or(solver.substeps);
         solver.joint = self.joint.unwrap_or(solver.joint);
+        solver.engine = self.engine.unwrap_or(solver.engine);
         experiment
     }
 }

@@ -5,8 +5,8 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::plot::{Side, TextTable};
 use realgap::robot::morphology::Assembly;
+use realgap::simulation::Experiment;
 use realgap::simulation::verification::{self, Check, Limit, Settings, Tolerance, Verdict};
-use realgap::simulation::{self, Experiment};
 use realgap::{Error, Result};
 use serde::Serialize;
 
@@ -94,7 +94,7 @@ impl Verify {
                 failed,
                 known_limits: limits.collect(),
                 checks: &checks,
-                engine: simulation::ENGINE_VERSION,
+                engine: settings.solver.engine.get().version(),
                 version: env!("CARGO_PKG_VERSION"),
             })?;
         } else {

@@ -6,6 +6,7 @@ mod change;
 #[path = "../../../tests/common/shared.rs"]
 mod common;
 mod energy;
+mod engines;
 mod export;
 mod noise_contract;
 mod parameter_contract;

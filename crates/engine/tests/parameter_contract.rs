@@ -158,7 +158,7 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         "solver.substeps" => (vec![toss, walk], 8.0, 16.0),
         "solver.sweeps" => (vec![toss, walk], 1.0, 4.0),
         "solver.relaxations" => (vec![walk], 0.0, 1.0),
-        "solver.joint" => (vec![walk], 0.0, 1.0),
+        "solver.joint" | "solver.engine" => (vec![walk], 0.0, 1.0),
         // A lone cube moves the same whatever it weighs; a robot with servos does not.
         "body.mass_scale" => (vec![walk], 1.0, 2.0),
         "body.inertia_scale" => (vec![toss], 1.0, 1.5),

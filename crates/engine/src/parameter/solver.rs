@@ -1,7 +1,7 @@
 //! Numerical settings: worth a sweep of their own, because they change results too.
 
 use super::{Nudge, Parameter, Scale, field};
-use crate::JointKind;
+use crate::{ENGINES, EngineChoice, JointKind};
 use realgap_core::unit::Unit;
 
 #[rustfmt::skip] // a table
@@ -63,6 +63,25 @@ pub(super) static PARAMETERS: &[Parameter] = &[
             } else {
                 JointKind::Multibody
             };
+        },
+    },
+    Parameter {
+        name: "solver.engine",
+        unit: Unit::One,
+        bounds: (0.0, (ENGINES.len() - 1) as f64),
+        whole: true,
+        scale: Scale::Linear,
+        nudge: Nudge::Absolute(1.0),
+        doc: "0: Rapier; 1: the tree solver, in reduced coordinates.",
+        subject: "",
+        get: |e, _| {
+            let is_it = |engine: &EngineChoice| *engine == e.solver.engine;
+            ENGINES.iter().position(is_it).map(|index| index as f64)
+        },
+        set: |e, _, value| {
+            if let Some(engine) = ENGINES.get(value as usize) {
+                e.solver.engine = *engine;
+            }
         },
     },
 ];
