@@ -194,7 +194,7 @@ fn what_is_no_robot_is_refused_with_file_line_and_reason() {
         (two(""), "hangs on nothing"),
         (
             two("<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"c\"/></joint>"),
-            "bad.urdf:4:",
+            "bad.urdf:6:",
         ),
         (
             two(&format!(

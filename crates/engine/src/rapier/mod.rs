@@ -173,6 +173,12 @@ impl RapierWorld {
         for (index, part) in assembly.parts.iter().enumerate() {
             let part_from_robot = robot_from_part_at_zero(assembly, index).inverse();
             let is_held = index == 0 && assembly.world_from_mount.is_some();
+            let rotors_kg_m2 = match kind {
+                JointKind::Impulse => rotor_inertia_kg_m2(assembly, index, &part_from_robot),
+                JointKind::Multibody | JointKind::Auto => Matrix3::zeros(),
+            };
+            let mut mass = weighable(part.mass(&part_from_robot), least_kg);
+            mass.inertia_kg_m2 += rotors_kg_m2;
             world.place_part(
                 experiment,
                 part,
@@ -183,11 +189,7 @@ impl RapierWorld {
                     joints: turns[index],
                     is_held,
                 },
-                &match kind {
-                    JointKind::Impulse => rotor_inertia_kg_m2(assembly, index, &part_from_robot),
-                    JointKind::Multibody | JointKind::Auto => Matrix3::zeros(),
-                },
-                least_kg,
+                &mass,
             );
         }
         for (hinge, joint) in assembly.hinges.iter().zip(joints) {
@@ -257,10 +259,8 @@ impl RapierWorld {
         part_from_robot: &Isometry3<f64>,
         world_from_part: &Isometry3<f64>,
         motion: &PartMotion,
-        rotors_kg_m2: &Matrix3<f64>,
-        least_kg: f64,
+        mass: &ClusterMass,
     ) {
-        let mass = weighable(part.mass(part_from_robot), least_kg);
         let centre_part_m = mass.centre_m;
         let centre_world_m = world_from_part * nalgebra::Point3::from(centre_part_m);
         let (velocity, angular_world_rad_s) = motion.at(&centre_world_m.coords);
@@ -281,7 +281,7 @@ impl RapierWorld {
             .additional_mass_properties(MassProperties::with_inertia_matrix(
                 Vector::ZERO,
                 narrow(mass.mass_kg),
-                to_matrix(&(mass.inertia_kg_m2 + rotors_kg_m2)),
+                to_matrix(&mass.inertia_kg_m2),
             ))
             .can_sleep(false)
             .build();

@@ -60,12 +60,14 @@ impl Reader<'_> {
             }
         }
         if is_standing_in && body.shapes.is_empty() {
-            body.shapes.extend(box_of_equal_inertia(&body));
-            notes.assumed(
-                self.place.line(link),
-                format!("link `{}` touches with a box of equal inertia", body.name),
-                "find its meshes: --package NAME=FOLDER",
-            );
+            let stand_in = box_of_equal_inertia(&body);
+            let what = match stand_in {
+                Some(_) => format!("link `{}` touches with a box of equal inertia", body.name),
+                None => format!("link `{}` touches nothing", body.name),
+            };
+            let remedy = "find its meshes: --package NAME=FOLDER";
+            notes.assumed(self.place.line(link), what, remedy);
+            body.shapes.extend(stand_in);
         }
         self.guess_inertia(&mut body, link, notes)?;
         Ok(body)
@@ -311,7 +313,7 @@ fn form_is_nothing(form: &Form) -> bool {
 
 /// The box that has a body's mass and moments, at its centre of mass.
 fn box_of_equal_inertia(body: &Body) -> Option<Piece> {
-    let tensor = body.inertia_kg_m2?.matrix();
+    let tensor = body.inertia_kg_m2.filter(|_| body.mass_kg > 0.0)?.matrix();
     let eigen = SymmetricEigen::new(tensor);
     let moments = eigen.eigenvalues;
     // m/12 (y² + z²) = Ixx and so on.
