@@ -80,9 +80,12 @@ fn the_examples_inside_of_the_program_are_those_of_the_repository() {
         "vehicles",
         "scenes",
         "real_trajectories/cube_tosses",
+        "real_trajectories/so101_arm_standin",
         "real_trajectories/tripod_mujoco",
         "real_trajectories/tripod_standin",
+        "real_trajectories/turtlebot3_burger_standin",
         "real_trajectories/two_wheel_runs",
+        "real_trajectories/unitree_a1_standin",
     ] {
         for (path, bytes) in files(&project().join(name)) {
             let path = std::path::Path::new(name).join(path);

@@ -126,6 +126,9 @@ fn what_commands_on_robots_and_paths_print_is_as_its_schema_says() {
     answer("genome", &json(&["genome", "random", "-o", &genome]));
     file_held("genome", &std::fs::read_to_string(&genome).unwrap()).unwrap();
     answer("develop", &json(&["develop", &genome]));
+    let (urdf, imported) = (path("tripod.urdf"), path("imported.ron"));
+    run(&["export", robot, "--format", "urdf", "-o", &urdf]);
+    answer("import", &json(&["import", &urdf, "-o", &imported]));
     let wrong = path("wrong.ron");
     let doubled = std::fs::read_to_string(&genome)
         .unwrap()

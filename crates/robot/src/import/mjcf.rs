@@ -547,7 +547,7 @@ impl Robot<'_> {
                 notes.left_out(
                     place.line(node),
                     "the solver's settings (<option>)",
-                    "realgap has its own: --set and a study state them",
+                    "realgap has its own, and a study states them",
                 );
             }
         }

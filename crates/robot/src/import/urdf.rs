@@ -132,7 +132,7 @@ impl Robot<'_> {
                     "the servos of {} joints: URDF has their limits only; each turns to its command at {GAIN_1_S} 1/s times its error, and holds 0 where nothing else is said",
                     self.servos
                 ),
-                "state laws and gaits in `actuators`, or leave them out with --passive",
+                "state laws and gaits in `actuators`, or import its joints passive",
             );
         }
         Ok(())

@@ -65,7 +65,7 @@ impl Reader<'_> {
                 Some(_) => format!("link `{}` touches with a box of equal inertia", body.name),
                 None => format!("link `{}` touches nothing", body.name),
             };
-            let remedy = "find its meshes: --package NAME=FOLDER";
+            let remedy = "find its meshes, or say in which folder their package lies";
             notes.assumed(self.place.line(link), what, remedy);
             body.shapes.extend(stand_in);
         }
@@ -288,7 +288,7 @@ impl Reader<'_> {
             notes.doubt(
                 line,
                 what,
-                "say where its package is: --package NAME=FOLDER",
+                "say in which folder its package lies",
             );
             return Ok(None);
         };
