@@ -17,7 +17,11 @@ fn copy(from: &Path, to: &Path) {
 
 /// Runs the command with these words; its exit code, and all that it said.
 fn say(words: &[&str]) -> (i32, String) {
-    let said = realgap().args(words).output().unwrap();
+    let mut command = realgap();
+    if ["run", "merge", "status"].contains(&words[0]) {
+        command.arg("cluster");
+    }
+    let said = command.args(words).output().unwrap();
     let all = text(&said.stdout) + &text(&said.stderr);
     (said.status.code().unwrap(), all)
 }

@@ -20,9 +20,9 @@ fn where_the_program_is_not_installed_that_is_said_before_any_picture_is_read() 
             "tesseract",
         ],
     ] {
-        let mut command = common::realgap();
+        let mut command = crate::common::realgap();
         let done = command.arg("vision").args(args).env("PATH", "").output();
-        let said = common::text(&done.unwrap().stderr);
+        let said = crate::common::text(&done.unwrap().stderr);
         for word in ["tesseract is not installed", "apt install", "leave out"] {
             assert!(said.contains(word), "{word} is missing in {said}");
         }

@@ -303,7 +303,7 @@ fn scenes_and_options_that_cannot_be_photographed_are_refused() {
     scene(
         "field_of_view_deg: 62,",
         "field_of_view_deg: NaN,",
-        &["NaN", "1 to 150"],
+        &["NaN", "1 degrees to 150"],
     );
     scene(
         "(3.0, 0.6, 1.5)",

@@ -1,4 +1,5 @@
 //! The commands: identify writes what evaluate reads; parts of the recordings keep fitting and checking apart.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use assert_cmd::Command;
 use nalgebra::Vector3;

@@ -74,7 +74,11 @@ mod tests {
 
     #[test]
     fn a_gait_that_the_steps_cannot_follow_and_a_centre_of_mass_in_the_air_are_said() {
-        let robot = Morphology::read("morphologies/tripod.ron").unwrap();
+        let robot = Morphology::read(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../morphologies/tripod.ron"
+        ))
+        .unwrap();
         let mut experiment = Experiment::new(robot.assemble());
         assert_eq!(codes(&experiment), []);
         experiment.adjustment.centre_of_mass_offset_m.z = 10.0;

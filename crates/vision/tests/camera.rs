@@ -225,7 +225,7 @@ fn a_scene_that_cannot_be_says_where_and_what() {
     let up = refused("look_at_m: (3.1, 5.0, 1.5)", "look_at_m: (3.0, 0.6, 2.5)");
     assert!(up.contains("looks nowhere"), "{up}");
     let wide = refused("field_of_view_deg: 62,", "field_of_view_deg: 190,");
-    assert!(wide.contains("1 to 150 degrees"), "{wide}");
+    assert!(wide.contains("1 degrees to 150 degrees"), "{wide}");
     let colour = refused("wall: (0.62", "wall: (1.62");
     assert!(colour.contains("not a colour"), "{colour}");
     for turn in [

@@ -180,7 +180,9 @@ impl Definition {
     /// The first of its numbers that cannot be, with the name of its field.
     pub(super) fn fault(&self) -> Option<(String, Error)> {
         let components = self.components.check().err();
-        let duration = self.duration_s.and_then(|s| DURATION.refusal(s));
+        let duration = self
+            .duration_s
+            .and_then(|s| DURATION.refusal(s).map(|e| e.field("duration_s")));
         let noise = self.noise.and_then(|noise| noise.fault());
         components
             .map(|error| ("components".to_owned(), error))

@@ -1,5 +1,6 @@
 //! Tosses made by the crate itself, recorded as a real tracker would: noise, another length, late velocities.
 #![allow(dead_code, reason = "every test binary uses its own part")]
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -285,11 +285,7 @@ impl Reader<'_> {
         };
         let Some(path) = locate(name, self.robot(), self.options) else {
             let what = format!("the mesh {name} of link `{link}` cannot be found");
-            notes.doubt(
-                line,
-                what,
-                "say in which folder its package lies",
-            );
+            notes.doubt(line, what, "say in which folder its package lies");
             return Ok(None);
         };
         match mesh::corners(&path, &scale) {
