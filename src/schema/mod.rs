@@ -62,6 +62,10 @@ pub fn files() -> Vec<FileKind> {
             "robot",
             "A robot: modules, servos, gait, what is glued where.",
         ),
+        ron::<morphology::body::Structure>(
+            "bodies",
+            "A robot of any bodies and joints, as `realgap robot import` writes it.",
+        ),
         ron::<calibration::StudyFile>(
             "study",
             "A study: recordings, and what is varied to match them.",

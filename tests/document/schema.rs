@@ -43,6 +43,7 @@ fn kind_of(file: &Path, text: &str) -> String {
         "sweeps" if first.starts_with("Study") => "study".to_owned(),
         "sweeps" if first.starts_with("Search") => "search".to_owned(),
         "sweeps" => "parameters".to_owned(),
+        "morphologies" if text.contains("bodies: [") => "bodies".to_owned(),
         "morphologies" => "robot".to_owned(),
         _ if stem == "meta" => "meta".to_owned(),
         other => other.trim_end_matches('s').to_owned(),
@@ -73,6 +74,7 @@ fn shipped_files_are_as_the_schema_of_their_kind_says() {
     }
     let expected = [
         "arena",
+        "bodies",
         "meta",
         "noise",
         "parameters",

@@ -1,7 +1,12 @@
 //! What a simulated second costs, and how far the answer is from the solver's own limit, on five robots.
 //!
 //! `cargo run --release --example timing [robot]`
-#![allow(clippy::print_stdout, clippy::unwrap_used)]
+#![allow(
+    missing_docs,
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "an example prints"
+)]
 
 use realgap_tree::parry::math::{Mat3, Pose, Vec3};
 use realgap_tree::parry::shape::SharedShape;
