@@ -1,4 +1,5 @@
 //! What every command says and writes.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod cli;
 #[path = "../common/mod.rs"]

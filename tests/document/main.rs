@@ -1,4 +1,5 @@
 //! What is written about the program is true.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,5 @@
 //! Pages, replays and pictures.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 #[path = "../common/mod.rs"]
 mod common;

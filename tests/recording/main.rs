@@ -1,4 +1,5 @@
 //! Recordings that people really have, and files of others' formats.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,5 @@
 //! Robots in the commands: made, developed, exported, imported, searched.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,5 @@
 //! Sensing in the commands.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 #[path = "../../crates/vision/tests/album.rs"]
 mod album;

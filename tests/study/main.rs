@@ -1,4 +1,5 @@
 //! Studies: sweeps, tuning, ensembles, gaps, predictions.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod basis;
 #[path = "../../crates/engine/tests/change.rs"]

@@ -1,4 +1,5 @@
 //! From an experiment to a run.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod arena;
 mod bodies;

@@ -1,4 +1,5 @@
 //! Robots made from genomes lie at rest, or it is said that they fell over.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use realgap_engine::{Experiment, settle};
 use realgap_robot::genome::{Development, Gene, Genome, Locus};

@@ -1,4 +1,5 @@
 //! Calibration, prediction and search, without the command line.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod basis;
 #[path = "../../../tests/common/shared.rs"]

@@ -1,3 +1,4 @@
 //! What every optimizer must do.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod contract;

@@ -1,4 +1,5 @@
 //! Trajectories: formats, preparation, comparison.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 #[path = "../../../tests/common/shared.rs"]
 mod common;

@@ -1,4 +1,5 @@
 //! Sensing: arenas, ranges, beliefs, sensorgraphs, radio, times of tasks.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod arena;
 mod belief;

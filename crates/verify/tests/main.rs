@@ -1,3 +1,4 @@
 //! Closed forms.
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 mod verification;
