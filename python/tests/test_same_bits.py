@@ -39,7 +39,7 @@ def test_a_simulation_has_the_bytes_of_the_command(command, tripod, tmp_path):
     run.write_parts(tmp_path / "p_parts.csv")
     assert (tmp_path / "p_parts.csv").read_bytes() == (tmp_path / "c_parts.csv").read_bytes()
     command("simulate", TRIPOD, "--duration", 1.5, "--set", "floor.friction=0.4", "--rate", 50,
-            "-o", tmp_path / "c.csv")  # fmt: skip
+            "-o", tmp_path / "c.csv", "--force")  # fmt: skip
     run.write(tmp_path / "p.csv")
     assert (tmp_path / "p.csv").read_bytes() == (tmp_path / "c.csv").read_bytes()
 
