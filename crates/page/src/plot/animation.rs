@@ -177,7 +177,7 @@ impl Picture for Frame<'_> {
         self.room.size
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw(&self, canvas: &mut Canvas) {
         self.draw_floor(canvas);
         self.draw_paths(canvas);
         self.draw_bodies(canvas);
@@ -187,7 +187,7 @@ impl Picture for Frame<'_> {
 }
 
 impl Frame<'_> {
-    fn draw_floor<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw_floor(&self, canvas: &mut Canvas) {
         let corners = self.animation.floor_m;
         canvas.polygon(&corners.map(|corner| self.room.place(corner)), FLOOR);
         // Lines at whole decimetres or metres, no more than a few dozen.
@@ -218,7 +218,7 @@ impl Frame<'_> {
         }
     }
 
-    fn draw_paths<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw_paths(&self, canvas: &mut Canvas) {
         for trace in &self.animation.traces {
             let colour = colour(trace);
             let all: Vec<Point> = trace.places_m.iter().map(|p| self.room.place(*p)).collect();
@@ -228,7 +228,7 @@ impl Frame<'_> {
         }
     }
 
-    fn draw_bodies<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw_bodies(&self, canvas: &mut Canvas) {
         let [height, rise] = self.animation.floor_rise;
         let place = |point: [f64; 3]| self.room.place(point);
         let fixed = self.animation.fixed.iter();
@@ -255,7 +255,7 @@ impl Frame<'_> {
     }
 
     /// Where each path is, and a line from the run to what was recorded.
-    fn draw_points<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw_points(&self, canvas: &mut Canvas) {
         let now = |trace: &Trace| Some(self.room.place(trace.place_m(self.moment.time_s)?));
         let traces = &self.animation.traces;
         let run = traces.iter().find(|trace| !trace.is_recorded).and_then(now);
@@ -276,7 +276,7 @@ impl Frame<'_> {
         }
     }
 
-    fn draw_words<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw_words(&self, canvas: &mut Canvas) {
         let clock = Letter::new(24.0, Weight::Bold, INK);
         let time = format!("{:.1} s", self.moment.time_s);
         canvas.text(&time, (WIDTH - MARGIN, 36.0), Align::Right, clock);
@@ -306,12 +306,7 @@ impl Frame<'_> {
         self.draw_scale_bar(canvas, middle, letter);
     }
 
-    fn draw_scale_bar<B: DrawingBackend>(
-        &self,
-        canvas: &mut Canvas<B>,
-        middle: f64,
-        letter: Letter,
-    ) {
+    fn draw_scale_bar(&self, canvas: &mut Canvas, middle: f64, letter: Letter) {
         let lengths = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0];
         let fitting = lengths.into_iter().filter(|m| m * self.room.scale <= 130.0);
         let Some(length_m) = fitting.reduce(f64::max) else {

@@ -59,7 +59,7 @@ impl Picture for BarChart {
         (WIDTH as u32, (260.0 + ROW * self.bars.len() as f64) as u32)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw(&self, canvas: &mut Canvas) {
         let height = f64::from(self.size().1);
         let unit = DisplayUnit::for_values(self.unit, self.values());
         let (mut low, mut high) = (0.0_f64, 0.0_f64);

@@ -190,8 +190,8 @@ fn middle(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 /// Draws boxes on a piece of floor; `place` takes projected metres to the picture.
-pub(super) fn draw_blocks<B: DrawingBackend>(
-    canvas: &mut Canvas<B>,
+pub(super) fn draw_blocks(
+    canvas: &mut Canvas,
     blocks: &[Block],
     place: &impl Fn(Point) -> Point,
     line: f64,
@@ -203,11 +203,7 @@ pub(super) fn draw_blocks<B: DrawingBackend>(
     }
 }
 
-fn draw_floor<B: DrawingBackend>(
-    canvas: &mut Canvas<B>,
-    blocks: &[Block],
-    place: &impl Fn(Point) -> Point,
-) {
+fn draw_floor(canvas: &mut Canvas, blocks: &[Block], place: &impl Fn(Point) -> Point) {
     let Some(corners) = floor(blocks) else { return };
     let flat = |corners: [[f64; 3]; 4]| corners.map(|corner| place(project(corner)));
     canvas.polygon(&flat(corners), FLOOR);
@@ -222,12 +218,7 @@ fn draw_floor<B: DrawingBackend>(
 /// Width of the piece of floor around a robot, as a share of the longest edge of its boxes.
 const FLOOR_MARGIN: f64 = 0.45;
 
-fn draw_block<B: DrawingBackend>(
-    canvas: &mut Canvas<B>,
-    block: &Block,
-    place: &impl Fn(Point) -> Point,
-    line: f64,
-) {
+fn draw_block(canvas: &mut Canvas, block: &Block, place: &impl Fn(Point) -> Point, line: f64) {
     let colour = match block.kind {
         BlockKind::Passive => PASSIVE,
         BlockKind::Active => ACTIVE,
@@ -285,8 +276,8 @@ fn band(axis: usize, driven: DrivenFace) -> Option<[(f64, f64); 2]> {
 }
 
 /// An arrow round the middle of a plate, the way of a positive angle.
-fn draw_turn<B: DrawingBackend>(
-    canvas: &mut Canvas<B>,
+fn draw_turn(
+    canvas: &mut Canvas,
     block: &Block,
     axis: usize,
     place: &impl Fn(Point) -> Point,
@@ -311,12 +302,7 @@ fn draw_turn<B: DrawingBackend>(
 }
 
 /// A bar with ends: what a length of the picture is.
-pub(super) fn draw_length<B: DrawingBackend>(
-    canvas: &mut Canvas<B>,
-    (left, right): Point,
-    (y, half): Point,
-    width: f64,
-) {
+pub(super) fn draw_length(canvas: &mut Canvas, (left, right): Point, (y, half): Point, width: f64) {
     canvas.path(&[(left, y), (right, y)], Stroke::new(width, INK));
     for x in [left, right] {
         canvas.path(&[(x, y - half), (x, y + half)], Stroke::new(width, INK));

@@ -1,7 +1,6 @@
 //! Colours that people with a colour-vision deficiency can tell apart.
 
-use plotters::style::RGBColor;
-use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
+use realgap_paint::{ColorMap, RGBColor, Stroke, ViridisRGB};
 
 pub(super) const WHITE: RGBColor = RGBColor(255, 255, 255);
 pub(super) const INK: RGBColor = RGBColor(26, 26, 26);
@@ -31,11 +30,10 @@ const LINES: [RGBColor; 6] = [
 const DASHES: [Option<(f64, f64)>; 3] = [None, Some((14.0, 8.0)), Some((4.0, 7.0))];
 
 /// Colour and dash of line number `index`.
-pub(super) fn line(index: usize) -> (RGBColor, Option<(f64, f64)>) {
-    (
-        LINES[index % LINES.len()],
-        DASHES[(index / LINES.len()) % DASHES.len()],
-    )
+pub(super) fn stroke_of(index: usize, width: f64) -> Stroke {
+    let colour = LINES[index % LINES.len()];
+    let dash = DASHES[(index / LINES.len()) % DASHES.len()];
+    Stroke::new(width, colour).dashed(dash)
 }
 
 /// Viridis the other way round: 0 (a good score) is bright yellow, 1 (a bad one) dark violet.

@@ -60,9 +60,10 @@ impl Picture for ColumnChart {
         (WIDTH as u32, HEIGHT as u32)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw(&self, canvas: &mut Canvas) {
         let entries = self.series.iter().enumerate();
-        let entries = entries.map(|(i, s)| (Symbol::Shade(line(i).0), s.label.clone()));
+        let entries =
+            entries.map(|(i, s)| (Symbol::Shade(stroke_of(i, 1.0).colour), s.label.clone()));
         let sheet = Sheet::new(&self.caption, entries.collect(), WIDTH, MARGIN);
         let bottom = sheet.draw(canvas, HEIGHT);
         let (low, high) = self
@@ -96,7 +97,11 @@ impl Picture for ColumnChart {
                     Some(value) => {
                         let top = frame.at_y(value);
                         let (from, to) = (top.min(zero - 2.0), zero.max(top));
-                        canvas.fill((x + 1.0, from), (x + column - 1.0, to), line(place).0);
+                        canvas.fill(
+                            (x + 1.0, from),
+                            (x + column - 1.0, to),
+                            stroke_of(place, 1.0).colour,
+                        );
                     }
                     None => {
                         let middle = (x + 0.5 * column, zero - 8.0);

@@ -1,11 +1,9 @@
 //! Boxes that stand anyhow, in the view of [`block`](super::block): which hides which, shaded faces, shadows.
 
-use plotters::backend::DrawingBackend;
-use plotters::style::RGBColor;
+use realgap_paint::{Canvas, Point, RGBColor, Stroke};
 
 pub(super) use super::block::project;
 use super::block::{darken, view};
-use super::canvas::{Canvas, Point, Stroke};
 use super::colour::INK;
 
 /// A box: its centre, and its three half edges as vectors at right angles, metres.
@@ -120,8 +118,8 @@ pub(super) fn far_first(cuboids: &[Cuboid]) -> Vec<usize> {
 }
 
 /// Draws a box with shaded faces.
-pub(super) fn draw_cuboid<B: DrawingBackend>(
-    canvas: &mut Canvas<B>,
+pub(super) fn draw_cuboid(
+    canvas: &mut Canvas,
     cuboid: &Cuboid,
     place: &impl Fn([f64; 3]) -> Point,
     colour: RGBColor,
@@ -136,8 +134,8 @@ pub(super) fn draw_cuboid<B: DrawingBackend>(
 }
 
 /// Draws the edges of a box that are seen.
-pub(super) fn draw_outline<B: DrawingBackend>(
-    canvas: &mut Canvas<B>,
+pub(super) fn draw_outline(
+    canvas: &mut Canvas,
     cuboid: &Cuboid,
     place: &impl Fn([f64; 3]) -> Point,
     colour: RGBColor,

@@ -77,7 +77,7 @@ impl Curve {
         all.into_iter().flatten().collect()
     }
 
-    fn draw_shade<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, frame: &Frame) {
+    fn draw_shade(&self, canvas: &mut Canvas, frame: &Frame) {
         let edges = edges(&self.x_values);
         let at = |edge: f64| frame.at_x(edge).clamp(frame.left, frame.right);
         let marked = self.indistinguishable.iter().zip(edges.windows(2));
@@ -88,7 +88,7 @@ impl Curve {
     }
 
     /// A row of crosses at the top where a simulation diverged.
-    fn draw_crosses<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, whole: &Frame) {
+    fn draw_crosses(&self, canvas: &mut Canvas, whole: &Frame) {
         let mut free_from = f64::NEG_INFINITY;
         for index in (0..self.scores.len()).filter(|&i| self.score(i).is_none()) {
             let x = whole.at_x(self.x_values[index]);
@@ -100,7 +100,7 @@ impl Curve {
         }
     }
 
-    fn draw_scores<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, frame: &Frame, factor: f64) {
+    fn draw_scores(&self, canvas: &mut Canvas, frame: &Frame, factor: f64) {
         let place = |index: usize| {
             let height = frame.within_y(self.score(index)? * factor);
             Some((frame.at_x(self.x_values[index]), height))
@@ -132,7 +132,7 @@ impl Picture for Curve {
         (WIDTH as u32, HEIGHT as u32)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw(&self, canvas: &mut Canvas) {
         let all = 0..self.scores.len();
         let finite: Vec<f64> = all.filter_map(|i| self.score(i)).collect();
         let diverged = self.scores.len() - finite.len();

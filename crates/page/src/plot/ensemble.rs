@@ -91,7 +91,7 @@ impl EnsemblePlot {
     fn sheet(&self) -> Sheet {
         let mut entries = Vec::new();
         for (index, group) in self.groups.iter().enumerate() {
-            entries.push((Symbol::Line(Stroke::of(index, 4.5)), group.label.clone()));
+            entries.push((Symbol::Line(stroke_of(index, 4.5)), group.label.clone()));
         }
         if !self.noise_free_m.is_empty() {
             entries.push((Symbol::Line(noise_free()), "without noise".to_owned()));
@@ -123,9 +123,9 @@ impl EnsemblePlot {
         )
     }
 
-    fn draw_paths<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, frame: &Frame) {
+    fn draw_paths(&self, canvas: &mut Canvas, frame: &Frame) {
         for (index, group) in self.groups.iter().enumerate() {
-            let pale = Stroke::new(1.3, tint(line(index).0, 0.4));
+            let pale = Stroke::new(1.3, tint(stroke_of(index, 1.0).colour, 0.4));
             for path in &group.paths_m {
                 draw_path(canvas, frame, path, pale);
             }
@@ -134,20 +134,14 @@ impl EnsemblePlot {
             draw_path(canvas, frame, path, Stroke::new(1.8, INK));
         }
         for (index, group) in self.groups.iter().enumerate().rev() {
-            let stroke = Stroke::of(index, 4.5);
+            let stroke = stroke_of(index, 4.5);
             draw_path(canvas, frame, &group.representative_m, stroke);
         }
         draw_path(canvas, frame, &self.noise_free_m, noise_free());
     }
 
     /// One coordinate over time: bands, and the real runs over them.
-    fn draw_over_time<B: DrawingBackend>(
-        &self,
-        canvas: &mut Canvas<B>,
-        axis: usize,
-        (from, to): (f64, f64),
-        top: f64,
-    ) {
+    fn draw_over_time(&self, canvas: &mut Canvas, axis: usize, (from, to): (f64, f64), top: f64) {
         let ends = self
             .bands
             .iter()
@@ -209,7 +203,7 @@ impl Picture for EnsemblePlot {
         self.sheet().around(WIDTH, room)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw(&self, canvas: &mut Canvas) {
         let (sheet, above) = (self.sheet(), self.above());
         let top = sheet.top().round();
         let lower = (top + above.height + BELOW_LABEL + GAP).round();

@@ -3,10 +3,7 @@
 //! Letters are set here and not by plotters, which (0.3.7) leaves out the space that a letter has
 //! on its left, so that they come out unevenly spaced.
 
-pub(super) use realgap_core::font::{CAPITAL_HEIGHT_EM, Weight, check, rasterise, text_width};
-
-/// The family for SVG, whose text is set by the viewer: the embedded font first, then what is common.
-pub(super) const SVG_FAMILY: &str = "Roboto, Helvetica, Arial, sans-serif";
+pub(super) use realgap_core::font::{Weight, check, text_width};
 
 /// `text`, shortened with an ellipsis where it is wider than `width`.
 pub(super) fn shorten(text: &str, weight: Weight, size: f64, width: f64) -> String {

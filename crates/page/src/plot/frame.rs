@@ -64,7 +64,7 @@ impl Frame {
     }
 
     /// Says in the middle that there is nothing to see.
-    pub(super) fn draw_nothing<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    pub(super) fn draw_nothing(&self, canvas: &mut Canvas) {
         let (x, y) = (
             (self.left + self.right) / 2.0,
             (self.top + self.bottom) / 2.0,
@@ -86,12 +86,7 @@ impl Frame {
         (self.at_x(x), self.at_y(y))
     }
 
-    pub(super) fn draw_grid<B: DrawingBackend>(
-        &self,
-        canvas: &mut Canvas<B>,
-        x_ticks: &[Tick],
-        y_ticks: &[Tick],
-    ) {
+    pub(super) fn draw_grid(&self, canvas: &mut Canvas, x_ticks: &[Tick], y_ticks: &[Tick]) {
         for tick in x_ticks {
             let x = self.at_x(tick.value).round();
             canvas.cell((x, self.top), (x + 1.0, self.bottom), GRID);
@@ -102,17 +97,12 @@ impl Frame {
         }
     }
 
-    pub(super) fn draw_outline<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    pub(super) fn draw_outline(&self, canvas: &mut Canvas) {
         let from = (self.left.round(), self.top.round());
         canvas.outline(from, (self.right.round(), self.bottom.round()), 2.0, INK);
     }
 
-    pub(super) fn draw_x_axis<B: DrawingBackend>(
-        &self,
-        canvas: &mut Canvas<B>,
-        ticks: &[Tick],
-        label: &str,
-    ) {
+    pub(super) fn draw_x_axis(&self, canvas: &mut Canvas, ticks: &[Tick], label: &str) {
         let letter = tick_letter();
         let mut free_from = f64::NEG_INFINITY;
         for tick in ticks {
@@ -135,12 +125,7 @@ impl Frame {
         canvas.text(&label, (middle, baseline), Align::Centre, label_letter());
     }
 
-    pub(super) fn draw_y_axis<B: DrawingBackend>(
-        &self,
-        canvas: &mut Canvas<B>,
-        ticks: &[Tick],
-        label: &str,
-    ) {
+    pub(super) fn draw_y_axis(&self, canvas: &mut Canvas, ticks: &[Tick], label: &str) {
         let mut free_below = f64::INFINITY;
         for tick in ticks {
             let y = self.at_y(tick.value).round();

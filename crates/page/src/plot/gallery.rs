@@ -147,9 +147,9 @@ impl Gallery {
         }
     }
 
-    fn draw_robot<B: DrawingBackend>(
+    fn draw_robot(
         &self,
-        canvas: &mut Canvas<B>,
+        canvas: &mut Canvas,
         robot: &GalleryRobot,
         (left, top): Point,
         layout: &Layout,
@@ -191,9 +191,9 @@ impl Gallery {
     }
 
     /// The commands of each servo over time, under the robot.
-    fn draw_commands<B: DrawingBackend>(
+    fn draw_commands(
         &self,
-        canvas: &mut Canvas<B>,
+        canvas: &mut Canvas,
         robot: &GalleryRobot,
         (left, top): Point,
         right: f64,
@@ -207,7 +207,7 @@ impl Gallery {
         let middle = 0.5 * (low + high);
         canvas.cell((left, middle), (right, middle + 1.0), GRID);
         for (index, command) in robot.commands.iter().enumerate() {
-            let (colour, dash) = line(index);
+            let Stroke { colour, dash, .. } = stroke_of(index, 1.0);
             let last = command.angles_rad.len().saturating_sub(1).max(1) as f64;
             let points: Vec<Point> = command
                 .angles_rad
@@ -231,7 +231,7 @@ impl Gallery {
         // Whose line is which, as far as there is room.
         let mut from = left + letter.width(&text) + 24.0;
         for (index, command) in robot.commands.iter().enumerate() {
-            let (colour, _) = line(index);
+            let colour = stroke_of(index, 1.0).colour;
             let letter = Letter::new(16.0, Weight::Bold, colour);
             let width = letter.width(&command.servo);
             if from + width > right {
@@ -242,7 +242,7 @@ impl Gallery {
         }
     }
 
-    fn draw_key<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, layout: &Layout) {
+    fn draw_key(&self, canvas: &mut Canvas, layout: &Layout) {
         let letter = Letter::new(20.0, Weight::Regular, INK);
         let middle = layout.key_top + 0.5 * KEY;
         let mut left = MARGIN;
@@ -283,7 +283,7 @@ impl Gallery {
     }
 
     /// x, y and z as the picture shows them.
-    fn draw_axes<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, origin: Point) {
+    fn draw_axes(&self, canvas: &mut Canvas, origin: Point) {
         const LENGTH: f64 = 38.0;
         let letter = Letter::new(17.0, Weight::Regular, FAINT_INK);
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
@@ -300,13 +300,7 @@ impl Gallery {
     }
 
     /// A bar of a round length, across the line of sight.
-    fn draw_scale_bar<B: DrawingBackend>(
-        &self,
-        canvas: &mut Canvas<B>,
-        right: f64,
-        middle: f64,
-        scale: f64,
-    ) {
+    fn draw_scale_bar(&self, canvas: &mut Canvas, right: f64, middle: f64, scale: f64) {
         const LONGEST: f64 = 190.0;
         let round_m = [1.0, 2.0, 5.0]
             .into_iter()
@@ -324,11 +318,7 @@ impl Gallery {
 }
 
 /// Names on a pale ground, each on a face of its cube that is seen, the tracked one with a ring in front.
-fn draw_names<B: DrawingBackend>(
-    canvas: &mut Canvas<B>,
-    robot: &GalleryRobot,
-    place: &impl Fn(Point) -> Point,
-) {
+fn draw_names(canvas: &mut Canvas, robot: &GalleryRobot, place: &impl Fn(Point) -> Point) {
     let letter = Letter::new(18.0, Weight::Regular, INK);
     for name in &robot.names {
         let (x, y) = place(project(seen_at(&robot.blocks, name.lower_m, name.upper_m)));
@@ -352,7 +342,7 @@ impl Picture for Gallery {
         (WIDTH as u32, (self.layout().key_top + KEY).ceil() as u32)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw(&self, canvas: &mut Canvas) {
         let layout = self.layout();
         layout.heading.draw(canvas, MARGIN, 14.0);
         for (index, robot) in self.robots.iter().enumerate() {

@@ -61,14 +61,14 @@ impl Sheet {
     }
 
     /// Draws both into a picture of this height; returns the lower edge of the room.
-    pub(super) fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, height: f64) -> f64 {
+    pub(super) fn draw(&self, canvas: &mut Canvas, height: f64) -> f64 {
         let legend_top = height - 16.0 - self.legend.height();
         self.draw_around(canvas, legend_top - 14.0);
         legend_top - 14.0
     }
 
     /// Draws both around a room that ends here.
-    pub(super) fn draw_around<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, bottom: f64) {
+    pub(super) fn draw_around(&self, canvas: &mut Canvas, bottom: f64) {
         self.heading.draw(canvas, self.margin, 14.0);
         self.legend.draw(canvas, self.margin, bottom + 14.0);
     }
@@ -107,7 +107,7 @@ impl Heading {
         self.lines.iter().map(|(_, l)| LEADING * l.size).sum()
     }
 
-    pub(super) fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, left: f64, top: f64) {
+    pub(super) fn draw(&self, canvas: &mut Canvas, left: f64, top: f64) {
         let mut bottom = top;
         for (line, letter) in &self.lines {
             bottom += LEADING * letter.size;

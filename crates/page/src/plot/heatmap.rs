@@ -161,13 +161,7 @@ impl HeatMap {
         score_colour(if is_turned { 1.0 - share } else { share })
     }
 
-    fn draw_cells<B: DrawingBackend>(
-        &self,
-        canvas: &mut Canvas<B>,
-        frame: &Frame,
-        scores: &Scale,
-        factor: f64,
-    ) {
+    fn draw_cells(&self, canvas: &mut Canvas, frame: &Frame, scores: &Scale, factor: f64) {
         let (xs, ys) = (edges(&self.x_values), edges(&self.y_values));
         let xs: Vec<f64> = xs.iter().map(|&x| frame.at_x(x)).collect();
         let ys: Vec<f64> = ys.iter().map(|&y| frame.at_y(y)).collect();
@@ -198,9 +192,9 @@ impl HeatMap {
     }
 
     /// The edges between cells inside the indistinguishable set and cells outside it.
-    fn draw_boundary<B: DrawingBackend>(
+    fn draw_boundary(
         &self,
-        canvas: &mut Canvas<B>,
+        canvas: &mut Canvas,
         xs: &[f64],
         ys: &[f64],
         width: f64,
@@ -233,7 +227,7 @@ impl HeatMap {
         }
     }
 
-    fn draw_marks<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, frame: &Frame) {
+    fn draw_marks(&self, canvas: &mut Canvas, frame: &Frame) {
         for line in &self.lines {
             let inside = line.iter().map(|&(x, y)| {
                 let [left, right] = [frame.x.low, frame.x.high];
@@ -267,7 +261,7 @@ impl Picture for HeatMap {
         (WIDTH as u32, HEIGHT as u32)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw(&self, canvas: &mut Canvas) {
         let finite = self.finite_scores();
         let unit = DisplayUnit::for_values(self.score_unit, finite.iter().copied());
         let shown: Vec<f64> = finite.iter().map(|score| score * unit.factor).collect();
@@ -305,9 +299,9 @@ impl Picture for HeatMap {
 }
 
 impl HeatMap {
-    fn draw_colour_bar<B: DrawingBackend>(
+    fn draw_colour_bar(
         &self,
-        canvas: &mut Canvas<B>,
+        canvas: &mut Canvas,
         frame: &Frame,
         scores: &Scale,
         ticks: &[Tick],

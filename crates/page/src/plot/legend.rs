@@ -75,7 +75,7 @@ impl Legend {
         self.rows as f64 * ROW_HEIGHT
     }
 
-    pub(super) fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, left: f64, top: f64) {
+    pub(super) fn draw(&self, canvas: &mut Canvas, left: f64, top: f64) {
         for (x, row, symbol, text) in &self.entries {
             let middle = top + (*row as f64 + 0.5) * ROW_HEIGHT;
             draw_symbol(canvas, *symbol, (left + x, middle));
@@ -102,7 +102,7 @@ fn letter() -> Letter {
     Letter::new(SIZE, Weight::Regular, INK)
 }
 
-fn draw_symbol<B: DrawingBackend>(canvas: &mut Canvas<B>, symbol: Symbol, (left, middle): Point) {
+fn draw_symbol(canvas: &mut Canvas, symbol: Symbol, (left, middle): Point) {
     let right = left + SYMBOL_WIDTH;
     let centre = (left + SYMBOL_WIDTH / 2.0, middle);
     let (from, to) = ((left + 4.0, middle - 11.0), (right - 4.0, middle + 11.0));
@@ -128,31 +128,31 @@ fn draw_symbol<B: DrawingBackend>(canvas: &mut Canvas<B>, symbol: Symbol, (left,
 }
 
 /// The mark of the best point: visible on every colour.
-pub(super) fn draw_star<B: DrawingBackend>(canvas: &mut Canvas<B>, centre: Point) {
+pub(super) fn draw_star(canvas: &mut Canvas, centre: Point) {
     canvas.star(centre, 18.0, INK);
     canvas.star(centre, 11.5, WHITE);
 }
 
 /// The mark of a point that was simulated: visible on every colour.
-pub(super) fn draw_evaluated<B: DrawingBackend>(canvas: &mut Canvas<B>, centre: Point) {
+pub(super) fn draw_evaluated(canvas: &mut Canvas, centre: Point) {
     canvas.disc(centre, 4.0, WHITE);
     canvas.disc(centre, 2.5, INK);
 }
 
 /// The mark of the true values, where they are known: wide enough for a star within it.
-pub(super) fn draw_ring<B: DrawingBackend>(canvas: &mut Canvas<B>, centre: Point) {
+pub(super) fn draw_ring(canvas: &mut Canvas, centre: Point) {
     canvas.ring(centre, 21.0, 7.0, WHITE);
     canvas.ring(centre, 21.0, 3.5, VERMILLION);
 }
 
 /// The mark of the start of a path.
-pub(super) fn draw_start<B: DrawingBackend>(canvas: &mut Canvas<B>, centre: Point) {
+pub(super) fn draw_start(canvas: &mut Canvas, centre: Point) {
     canvas.disc(centre, 7.0, INK);
     canvas.disc(centre, 4.0, WHITE);
 }
 
 /// The mark of a diverged point of a curve.
-pub(super) fn draw_cross<B: DrawingBackend>(canvas: &mut Canvas<B>, (x, y): Point) {
+pub(super) fn draw_cross(canvas: &mut Canvas, (x, y): Point) {
     let r = 7.0;
     for sign in [-1.0, 1.0] {
         let line = [(x - r, y - sign * r), (x + r, y + sign * r)];
@@ -161,7 +161,7 @@ pub(super) fn draw_cross<B: DrawingBackend>(canvas: &mut Canvas<B>, (x, y): Poin
 }
 
 /// Hatching from corner to corner; neighbouring areas hatch through, as the lines are those of x + y = constant.
-pub(super) fn draw_diverged<B: DrawingBackend>(canvas: &mut Canvas<B>, from: Point, to: Point) {
+pub(super) fn draw_diverged(canvas: &mut Canvas, from: Point, to: Point) {
     canvas.cell(from, to, DIVERGED);
     const SPACING: f64 = 9.0;
     let ((x0, y0), (x1, y1)) = (

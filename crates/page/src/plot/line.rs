@@ -143,7 +143,7 @@ impl Series {
 
     /// How its line is drawn.
     fn stroke(&self) -> Stroke {
-        let own = Stroke::of(self.colour, 3.5);
+        let own = stroke_of(self.colour, 3.5);
         match self.kind {
             SeriesKind::Thin => Stroke { width: 2.0, ..own },
             SeriesKind::Dashed => Stroke::new(2.5, own.colour).dashed(DASHED),
@@ -157,7 +157,7 @@ impl Series {
 pub(super) fn legend(series: &[Series]) -> Vec<(Symbol, String)> {
     let entries = series.iter().filter(|series| !series.label.is_empty());
     let entries = entries.map(|series| {
-        let colour = line(series.colour).0;
+        let colour = stroke_of(series.colour, 1.0).colour;
         let symbol = match series.kind {
             SeriesKind::Dots => Symbol::Dot(colour),
             SeriesKind::Band(_) => Symbol::Shade(tint(colour, 0.25)),
@@ -177,13 +177,8 @@ fn stepped(run: &[Point]) -> Vec<Point> {
 }
 
 /// Draws a series whose values are shown in a unit of this size.
-pub(super) fn draw_series<B: DrawingBackend>(
-    canvas: &mut Canvas<B>,
-    frame: &Frame,
-    series: &Series,
-    factor: f64,
-) {
-    let colour = line(series.colour).0;
+pub(super) fn draw_series(canvas: &mut Canvas, frame: &Frame, series: &Series, factor: f64) {
+    let colour = stroke_of(series.colour, 1.0).colour;
     let at = |(x, y): Point| (frame.at_x(x), frame.within_y(y * factor));
     match &series.kind {
         SeriesKind::Band(other) => {
@@ -251,7 +246,7 @@ impl Picture for LinePlot {
         (WIDTH as u32, HEIGHT as u32)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw(&self, canvas: &mut Canvas) {
         let (xs, ys): (Vec<f64>, Vec<f64>) = finite_points(&self.series).unzip();
         let unit = DisplayUnit::for_values(self.y_unit, ys.iter().copied());
         let shown: Vec<f64> = ys.iter().map(|y| y * unit.factor).collect();

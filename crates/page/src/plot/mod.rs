@@ -18,21 +18,19 @@
 //!
 //! Every `draw_…` function writes PNG or SVG by the extension of the path. The file is complete or
 //! it is not there, and the same data give the same bytes. Nothing here knows where the data come
-//! from: callers fill the structs. This is the only room that names `plotters`.
+//! from: callers fill the structs.
 
 /// What every chart is drawn with.
 mod kit {
     pub(super) use std::path::Path;
 
-    pub(super) use plotters::backend::DrawingBackend;
-    pub(super) use plotters::style::RGBColor;
     pub(super) use realgap_core::unit::{DisplayUnit, Unit};
     pub(super) use realgap_core::{Error, Result};
+    pub(super) use realgap_paint::{Align, Canvas, Letter, Point, RGBColor, Stroke, Weight};
 
     pub(super) use super::axis::{self, AxisSpec, Truth, check_length, check_values, edges};
-    pub(super) use super::canvas::{Align, Canvas, Letter, Point, Stroke};
     pub(super) use super::colour::*;
-    pub(super) use super::font::{Weight, shorten, wrap};
+    pub(super) use super::font::{shorten, wrap};
     pub(super) use super::frame::*;
     pub(super) use super::heading::{Caption, Heading, Sheet};
     pub(super) use super::legend::*;
@@ -45,7 +43,6 @@ mod animation;
 mod axis;
 mod bar;
 mod block;
-mod canvas;
 mod colour;
 mod column;
 mod cuboid;

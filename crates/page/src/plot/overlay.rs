@@ -61,7 +61,7 @@ impl Overlay {
         };
         let mut entries = vec![(Symbol::Line(Stroke::new(5.0, INK)), name)];
         for (index, path) in self.others.iter().enumerate().take(LEGEND_ENTRIES) {
-            entries.push((Symbol::Line(Stroke::of(index, 3.5)), text(path)));
+            entries.push((Symbol::Line(stroke_of(index, 3.5)), text(path)));
         }
         entries.push((Symbol::Start, "start".to_string()));
         if let Some(more @ 1..) = self.others.len().checked_sub(LEGEND_ENTRIES) {
@@ -77,7 +77,7 @@ impl Picture for Overlay {
         self.sheet().around(WIDTH, room)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw(&self, canvas: &mut Canvas) {
         let (sheet, above) = (self.sheet(), self.above());
         let top = sheet.top().round();
         sheet.draw_around(canvas, top + above.height + BELOW_LABEL);
@@ -85,7 +85,7 @@ impl Picture for Overlay {
             let black = Stroke::new(5.0, INK);
             draw_path(canvas, frame, &self.reference.points_m, black);
             for (index, path) in self.others.iter().enumerate() {
-                draw_path(canvas, frame, &path.points_m, Stroke::of(index, 3.0));
+                draw_path(canvas, frame, &path.points_m, stroke_of(index, 3.0));
             }
         });
     }

@@ -154,13 +154,7 @@ impl PanelGrid {
         }
     }
 
-    fn draw_panel<B: DrawingBackend>(
-        &self,
-        canvas: &mut Canvas<B>,
-        panel: &Panel,
-        frame: &Frame,
-        layout: &Layout,
-    ) {
+    fn draw_panel(&self, canvas: &mut Canvas, panel: &Panel, frame: &Frame, layout: &Layout) {
         let score = panel.finite_score();
         if score.is_none() {
             let from = (frame.left, frame.top);
@@ -214,7 +208,7 @@ impl Picture for PanelGrid {
         (WIDTH as u32, self.layout().height.ceil() as u32)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw(&self, canvas: &mut Canvas) {
         let layout = self.layout();
         layout.heading.draw(canvas, MARGIN, 14.0);
         layout.legend.draw(canvas, MARGIN, layout.legend_top);

@@ -54,12 +54,7 @@ pub(super) fn equal_aspect(x: (f64, f64), y: (f64, f64), shape: f64) -> (Scale, 
 }
 
 /// Draws a path of metres.
-pub(super) fn draw_path<B: DrawingBackend>(
-    canvas: &mut Canvas<B>,
-    frame: &Frame,
-    path_m: &[PathPoint],
-    stroke: Stroke,
-) {
+pub(super) fn draw_path(canvas: &mut Canvas, frame: &Frame, path_m: &[PathPoint], stroke: Stroke) {
     let points = finite_cm(path_m).into_iter().map(|point| frame.at(point));
     canvas.path(&points.collect::<Vec<_>>(), stroke);
 }
@@ -94,12 +89,12 @@ impl Above {
     }
 
     /// Draws frame, axes and the start around what `paths` draws.
-    pub(super) fn draw<B: DrawingBackend>(
+    pub(super) fn draw(
         &self,
-        canvas: &mut Canvas<B>,
+        canvas: &mut Canvas,
         top: f64,
         x_label: &str,
-        paths: impl FnOnce(&mut Canvas<B>, &Frame),
+        paths: impl FnOnce(&mut Canvas, &Frame),
     ) {
         let Self { x, y, height, .. } = *self;
         let count = (height / 65.0).clamp(3.0, 8.0) as usize;

@@ -100,7 +100,7 @@ impl Picture for Stack {
         self.sheet().around(WIDTH, plots)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) {
+    fn draw(&self, canvas: &mut Canvas) {
         let height = f64::from(self.size().1);
         let sheet = self.sheet();
         sheet.draw(canvas, height);

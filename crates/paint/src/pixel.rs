@@ -1,0 +1,154 @@
+//! A canvas as pixels.
+
+use plotters::backend::{BitMapBackend, DrawingBackend};
+use plotters::style::{Color, RGBColor, ShapeStyle};
+use realgap_core::font::rasterise;
+use realgap_core::{Error, Result};
+
+use crate::canvas::{Align, Canvas, Mark, Point, Text, distance};
+
+/// Pixels are averages of this many by this many: smooth lines, evenly spaced letters.
+const OVERSAMPLING: u32 = 3;
+
+/// The pixels of a picture, three bytes each, row by row.
+///
+/// # Errors
+/// What the rasterizer cannot draw; nothing is known that would make it fail.
+pub fn pixels(canvas: &Canvas, (width, height): (u32, u32)) -> Result<Vec<u8>> {
+    let large = (width * OVERSAMPLING, height * OVERSAMPLING);
+    let mut pixels = vec![255; large.0 as usize * large.1 as usize * 3];
+    let mut sheet = Sheet(BitMapBackend::with_buffer(&mut pixels, large));
+    canvas
+        .marks
+        .iter()
+        .try_for_each(|mark| sheet.draw(mark))
+        .and_then(|()| sheet.0.present().map_err(|failure| failure.to_string()))
+        .map_err(|failure| Error::invalid(format!("cannot draw the picture: {failure}")))?;
+    drop(sheet);
+    Ok(average(&pixels, width as usize, height as usize))
+}
+
+struct Sheet<'a>(BitMapBackend<'a>);
+
+/// The finer grid that is drawn on.
+fn at((x, y): Point) -> (i32, i32) {
+    // Far outside is as good as further outside, and cannot overflow plotters' arithmetic.
+    let whole = |v: f64| (v * f64::from(OVERSAMPLING)).round().clamp(-1e6, 1e6) as i32;
+    (whole(x), whole(y))
+}
+
+impl Sheet<'_> {
+    fn draw(&mut self, mark: &Mark) -> std::result::Result<(), String> {
+        match mark {
+            &Mark::Rectangle(from, to, colour) => {
+                let (a, b) = (at(from), at(to));
+                let (a, b) = ((a.0.min(b.0), a.1.min(b.1)), (a.0.max(b.0), a.1.max(b.1)));
+                let style = ShapeStyle::from(colour).filled();
+                self.0
+                    .draw_rect(a, b, &style, true)
+                    .map_err(|failure| failure.to_string())
+            }
+            Mark::Polygon(points, colour) => self.polygon(points, *colour),
+            &Mark::Disc(centre, radius, colour) => self.disc(centre, radius, colour),
+            Mark::Line(points, width, colour) => self.line(points, *width, *colour),
+            Mark::Text(text) => self.text(text),
+        }
+    }
+
+    fn polygon(&mut self, points: &[Point], colour: RGBColor) -> std::result::Result<(), String> {
+        let points: Vec<_> = points.iter().map(|&point| at(point)).collect();
+        self.0
+            .fill_polygon(points, &ShapeStyle::from(colour).filled())
+            .map_err(|failure| failure.to_string())
+    }
+
+    fn disc(
+        &mut self,
+        centre: Point,
+        radius: f64,
+        colour: RGBColor,
+    ) -> std::result::Result<(), String> {
+        let radius = (radius * f64::from(OVERSAMPLING)).round().max(1.0) as u32;
+        self.0
+            .draw_circle(at(centre), radius, &ShapeStyle::from(colour).filled(), true)
+            .map_err(|failure| failure.to_string())
+    }
+
+    /// plotters' own thick paths grow spikes at sharp corners: drawn piece by piece, the joints rounded off.
+    fn line(
+        &mut self,
+        points: &[Point],
+        width: f64,
+        colour: RGBColor,
+    ) -> std::result::Result<(), String> {
+        let half = width / 2.0;
+        for pair in points.windows(2) {
+            let length = distance(pair[0], pair[1]);
+            if length < 1e-9 {
+                continue;
+            }
+            let (x, y) = (
+                -(pair[1].1 - pair[0].1) / length * half,
+                (pair[1].0 - pair[0].0) / length * half,
+            );
+            let [a, b] = [pair[0], pair[1]];
+            let one = [(a.0 + x, a.1 + y), (b.0 + x, b.1 + y)];
+            let other = [(b.0 - x, b.1 - y), (a.0 - x, a.1 - y)];
+            self.polygon(&[one, other].concat(), colour)?;
+        }
+        points
+            .iter()
+            .try_for_each(|&point| self.disc(point, half, colour))
+    }
+
+    fn text(&mut self, text: &Text) -> std::result::Result<(), String> {
+        let Text { letter, anchor, .. } = text;
+        let before = match text.align {
+            Align::Left => 0.0,
+            Align::Centre => letter.width(&text.text) / 2.0,
+            Align::Right => letter.width(&text.text),
+        };
+        let (x, y) = if text.upwards {
+            at((anchor.0, anchor.1 + before))
+        } else {
+            at((anchor.0 - before, anchor.1))
+        };
+        let mut outcome = Ok(());
+        let size = letter.size * f64::from(OVERSAMPLING);
+        rasterise(&text.text, letter.weight, size, |dx, dy, coverage| {
+            let spot = if text.upwards {
+                (x + dy, y - dx)
+            } else {
+                (x + dx, y + dy)
+            };
+            let colour = letter.colour.mix(coverage).to_backend_color();
+            if let Err(failure) = self.0.draw_pixel(spot, colour) {
+                outcome = Err(failure.to_string());
+            }
+        });
+        outcome
+    }
+}
+
+/// The mean of each block of `OVERSAMPLING` × `OVERSAMPLING` pixels.
+fn average(large: &[u8], width: usize, height: usize) -> Vec<u8> {
+    let factor = OVERSAMPLING as usize;
+    let row_bytes = width * factor * 3;
+    let mut small = Vec::with_capacity(width * height * 3);
+    let mut sums = vec![0u16; width * 3];
+    for block in large.chunks_exact(row_bytes * factor) {
+        sums.fill(0);
+        for row in block.chunks_exact(row_bytes) {
+            for (sum, pixels) in sums.chunks_exact_mut(3).zip(row.chunks_exact(3 * factor)) {
+                for pixel in pixels.chunks_exact(3) {
+                    for (sum, channel) in sum.iter_mut().zip(pixel) {
+                        *sum += u16::from(*channel);
+                    }
+                }
+            }
+        }
+        let count = (factor * factor) as u16;
+        small.extend(sums.iter().map(|sum| ((sum + count / 2) / count) as u8));
+    }
+    small
+}
