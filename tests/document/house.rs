@@ -10,7 +10,7 @@ use crate::common;
 const OWNED: &[(&str, &[&str])] = &[
     ("rapier3d", &["engine"]),
     ("rapier3d-f64", &["engine"]),
-    ("plotters", &["page"]),
+    ("plotters", &["paint"]),
     ("rusqlite", &["store"]),
     // The facade's is for tests alone, and a dependency of tests cannot be optional.
     ("parquet", &["store", "realgap"]),
