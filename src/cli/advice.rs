@@ -58,6 +58,9 @@ fn option(advice: &Advice) -> String {
         Advice::Resume => "go on with --resume".to_owned(),
         Advice::Restart => "start anew with --restart".to_owned(),
         Advice::OtherFolder => "choose another folder with -o".to_owned(),
+        Advice::AcceptFiles => {
+            "accept the files as they are with `realgap report FOLDER --accept`".to_owned()
+        }
         Advice::FewerThreads => "use fewer --jobs".to_owned(),
         Advice::OtherOptimizer => "choose another --optimizer".to_owned(),
         Advice::OtherSeed => "choose another --seed".to_owned(),

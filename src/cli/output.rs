@@ -4,7 +4,7 @@ use std::io::Read as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use realgap::file::{check_writable, write_atomic};
+use realgap::file::{check_writable, write_sealed};
 use realgap::{Error, Result};
 
 /// Set by `--force`.
@@ -65,7 +65,7 @@ pub fn check_page(path: &Path) -> Result<()> {
 /// As [`check`], and a full disk.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     check(path)?;
-    write_atomic(path, bytes)
+    write_sealed(path, bytes, false)
 }
 
 /// Writes a text of ours in RON, with a first line that says so.

@@ -7,7 +7,7 @@ use clap::Args;
 use realgap::calibration::{
     Answer, Case, Definition, RepeatCase, Repeatable, StartRule, Study, Target,
 };
-use realgap::file::write_atomic;
+use realgap::file::{remove_sealed, write_atomic, write_sealed};
 use realgap::optimization::Ending;
 use realgap::report::{
     KEPT_RECORDINGS, Kept, KeptPath, KeptReplay, Leaf, PAGE_FILE, Replay, SIMULATION, folder_page,
@@ -48,8 +48,10 @@ impl PageOption {
     pub fn write(self, folder: &Path, keep: impl FnOnce() -> Kept) -> &'static str {
         if self.no_report {
             for name in [PAGE_FILE, Kept::FILE] {
-                // There may be none.
-                let _ignored = std::fs::remove_file(folder.join(name));
+                if let Err(error) = remove_sealed(&folder.join(name)) {
+                    let warning = Warning::new(Code::NotWritten, error.to_string());
+                    terminal::print_warnings(&[warning]);
+                }
             }
             return "";
         }
@@ -111,7 +113,7 @@ impl PageFile {
 fn write(folder: &Path, kept: &Kept) -> Result<()> {
     kept.write(folder)?;
     let page = folder_page(folder, &kept.command)?;
-    write_atomic(folder.join(PAGE_FILE), page.as_bytes())
+    write_sealed(&folder.join(PAGE_FILE), page.as_bytes(), true)
 }
 
 /// The command that one of another name carries out to its end.

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use realgap::file::write_atomic;
+use realgap::file::write_sealed;
 use realgap::report::folder_page;
+use realgap::results::accept;
 use realgap::{Error, Result};
 
 use super::output::check_page;
@@ -14,7 +15,8 @@ use super::terminal;
 /// Show what a results folder holds: one HTML file that needs no network
 ///
 /// Of a sweep or a tuning: the answer, the map of scores (a click on a point shows its path), verdicts, pictures, the numerical
-/// audit, warnings, versions and hashes. Of other results: their numbers and pictures. Everything comes from the files in the folder.
+/// audit, warnings, versions and hashes. Of other results: their numbers and pictures. Everything comes from the files in the folder, which
+/// are compared with their check sums (SHA256SUMS) first.
 #[derive(Debug, Args)]
 pub struct ReportCommand {
     /// A folder that sweep, tune, search, ensemble, gap or predict has written
@@ -22,6 +24,9 @@ pub struct ReportCommand {
     /// The page [default: report.html in the folder]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Accept files of the folder that were changed by hand: from now on they count as they are
+    #[arg(long)]
+    accept: bool,
 }
 
 impl ReportCommand {
@@ -37,8 +42,12 @@ impl ReportCommand {
             .output
             .unwrap_or_else(|| self.folder.join("report.html"));
         check_page(&output)?;
+        if self.accept {
+            accept(&self.folder)?;
+        }
         let page = folder_page(&self.folder, &command_line())?;
-        write_atomic(&output, page.as_bytes())?;
+        let is_of_folder = output.parent() == Some(&self.folder);
+        write_sealed(&output, page.as_bytes(), is_of_folder)?;
         terminal::print(format!(
             "written {} ({} kB): open it in a browser",
             output.display(),

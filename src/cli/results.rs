@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use realgap::file::versioned_json;
+use realgap::file::{Seal, versioned_json};
 use realgap::plot::{Side, TextTable, number};
-use realgap::store::{Cell, Listing};
+use realgap::results::check_seal;
+use realgap::store::{Cell, FolderLock, Listing};
 use realgap::text::{cell, shown};
+use realgap::unit::counted;
 use realgap::{Error, Result};
 use serde::Serialize;
 
@@ -15,7 +17,7 @@ use super::{output, terminal};
 /// List the points or robots of a results folder, also while a run is still writing into it
 ///
 /// Everything comes from the folder's results.sqlite; the files of the study or search are not needed. Every row is checked against
-/// what was written.
+/// what was written, and then the folder's other files against their check sums.
 #[derive(Debug, Args)]
 pub struct Results {
     /// A folder that sweep, tune or search has written, e.g. results/tripod_floor
@@ -58,9 +60,10 @@ impl Results {
         if !self.per_recording {
             listing = listing.without_details();
         }
+        let rows = listing.rows.len();
         listing.rows.truncate(self.top.unwrap_or(usize::MAX));
         let bytes = match self.format {
-            ResultsFormat::Table => table(&listing).into_bytes(),
+            ResultsFormat::Table => table(&listing, rows).into_bytes(),
             ResultsFormat::Csv => csv(&listing)?,
             ResultsFormat::Json => json(&listing)?.into_bytes(),
             ResultsFormat::Parquet => parquet(&listing, self.output.as_deref())?,
@@ -69,14 +72,19 @@ impl Results {
             Some(path) => output::write(path, &bytes)?,
             None => terminal::print(String::from_utf8_lossy(&bytes).trim_end()),
         }
-        Ok(())
+        // The rows are those of the store, whatever has become of the files beside it.
+        match Seal::read(&self.folder) {
+            _ if FolderLock::is_held(&self.folder) => Ok(()),
+            Ok(None) => Ok(()),
+            _ => check_seal(&self.folder),
+        }
     }
 }
 
 /// Longest text in a table for people; anybody may have made the store.
 const SHOWN: usize = 120;
 
-fn table(listing: &Listing) -> String {
+fn table(listing: &Listing, rows: usize) -> String {
     let names: Vec<String> = listing
         .columns
         .iter()
@@ -89,10 +97,10 @@ fn table(listing: &Listing) -> String {
             other => shown(&other.text(), SHOWN),
         }));
     }
-    let state = if listing.complete {
-        "complete"
-    } else {
-        "unfinished"
+    let state = match (listing.complete, listing.asked) {
+        (true, _) => "complete".to_owned(),
+        (false, Some(asked)) => format!("{rows} of {} so far", counted(asked, "row")),
+        (false, None) => "unfinished".to_owned(),
     };
     format!(
         "{} of {}, {state}, {}\n{}",

@@ -7,5 +7,6 @@ mod crash;
 mod fuzz;
 mod interrupt;
 mod plan;
+mod seal;
 mod slurm;
 mod store;

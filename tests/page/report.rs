@@ -80,6 +80,18 @@ fn a_sweeps_page_holds_its_answer_its_map_and_where_it_comes_from() {
     changed["verdicts"][0]["text"] = hostile.into();
     changed["provenance"][hostile] = hostile.into();
     std::fs::write(folder.path().join("summary.json"), changed.to_string()).unwrap();
+    let refused = realgap().arg("report").arg(folder.path()).output().unwrap();
+    let said = text(&refused.stderr);
+    assert!(
+        !refused.status.success() && said.contains("--accept"),
+        "{said}"
+    );
+    let accepted = ["report", "--accept"];
+    realgap()
+        .args(accepted)
+        .arg(folder.path())
+        .assert()
+        .success();
     let page = report(folder.path());
     assert!(!page.contains("<img src=x") && !page.contains("<script>document.title"));
     assert!(!page.contains('\u{202e}'));

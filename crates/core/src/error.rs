@@ -110,6 +110,7 @@ advice! {
     Resume "Go on with what is stored already." "resume what is stored";
     Restart "Throw away what is stored, and start anew." "start anew";
     OtherFolder "Write into another folder." "choose another folder";
+    AcceptFiles "Accept the files of a results folder as they are." "accept the folder's files as they are";
     FewerThreads "Run in parallel on fewer threads." "use fewer threads";
     OtherOptimizer "Let another optimizer search." "choose another optimizer";
     OtherSeed "Draw other random numbers." "choose another seed";

@@ -5,6 +5,7 @@
 mod common;
 mod formats;
 mod golden;
+mod guess;
 mod metric_contract;
 mod pca_reference;
 mod preparation;

@@ -1,8 +1,15 @@
 //! Bags of ROS 2: databases of others with messages of many topics.
 
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::SystemTime;
+
 use rusqlite::{Connection, MAIN_DB};
 
+use super::connection::with_suffix;
+use super::log::damage_of;
 use realgap_core::error::{Error, Result};
+use realgap_core::file::read_limited;
 
 /// First bytes of a database.
 const SIGNATURE: &[u8] = b"SQLite format 3\0";
@@ -26,6 +33,88 @@ pub struct BagMessage<'a> {
     /// When it was recorded, nanoseconds.
     pub log_time_ns: i64,
     pub data: &'a [u8],
+}
+
+/// What a recorder that was killed, or is still at work, leaves beside its bag: changes that are not in it yet, and what was there
+/// before changes that nobody finished.
+const UNCLOSED: [&str; 2] = ["-wal", "-journal"];
+
+/// The bytes of the bag at `path` as if its writer had closed it, at most `limit` + 1 of the file's own: SQLite itself takes
+/// over what was committed and takes back what was not, in a copy. Nothing beside the bag is changed.
+///
+/// # Errors
+/// A file that cannot be read; a bag that somebody writes into; a damaged log; no room for the copy.
+pub fn read_closed_bag(path: &Path, limit: u64) -> Result<Vec<u8>> {
+    let unclosed = || -> Vec<PathBuf> {
+        let beside = UNCLOSED.map(|suffix| with_suffix(path, suffix));
+        let is_there = |file: &PathBuf| std::fs::metadata(file).is_ok_and(|file| file.len() > 0);
+        beside.into_iter().filter(is_there).collect()
+    };
+    let state = || -> Vec<Option<(u64, Option<SystemTime>)>> {
+        let files = [path.to_path_buf()].into_iter().chain(unclosed());
+        let seen = files.map(|file| std::fs::metadata(file).ok());
+        seen.map(|file| file.map(|file| (file.len(), file.modified().ok())))
+            .collect()
+    };
+    let before = state();
+    let bytes = read_limited(path, limit, "bag")?;
+    if bytes.len() as u64 > limit || unclosed().is_empty() {
+        return Ok(bytes);
+    }
+    if let Some(found) = damage_of(path)? {
+        return Err(Error::invalid("the log of the bag is damaged")
+            .at_file(with_suffix(path, "-wal"))
+            .found(found)
+            .allowed("what its recorder wrote, to the bit")
+            .hint("its last messages are in this file: copy it from the robot once more"));
+    }
+    static COUNTER: AtomicU64 = AtomicU64::new(0);
+    let number = COUNTER.fetch_add(1, Ordering::Relaxed);
+    let folder = std::env::temp_dir().join(format!("realgap-bag-{}-{number}", std::process::id()));
+    let closed = close_copy(path, &bytes, &unclosed(), &folder);
+    // Best effort: what is left there matters to nobody.
+    let _left = std::fs::remove_dir_all(&folder);
+    if state() != before {
+        return Err(Error::conflict("somebody is writing into this bag")
+            .at_file(path)
+            .hint("read it once its recorder has ended"));
+    }
+    closed
+}
+
+/// Copies a bag and what is beside it into `folder`, closes it there, and hands out its bytes.
+fn close_copy(path: &Path, bytes: &[u8], beside: &[PathBuf], folder: &Path) -> Result<Vec<u8>> {
+    let copy = folder.join("bag.db3");
+    let fail = |e: std::io::Error| Error::io("copy the bag to close it", folder, &e);
+    std::fs::create_dir(folder).map_err(fail)?;
+    std::fs::write(&copy, bytes).map_err(fail)?;
+    for file in beside {
+        let suffix = UNCLOSED.into_iter().find(|s| *file == with_suffix(path, s));
+        std::fs::copy(file, with_suffix(&copy, suffix.unwrap_or_default())).map_err(fail)?;
+    }
+    let sql = |error: rusqlite::Error| refused(&error).at_file(path);
+    let bag = Connection::open(&copy).map_err(sql)?;
+    bag.pragma_update(None, "trusted_schema", false)
+        .map_err(sql)?;
+    // Reading anything rolls back; leaving the log merges it.
+    let mode = |row: &rusqlite::Row<'_>| row.get::<_, String>(0);
+    bag.query_row("PRAGMA journal_mode = DELETE", [], mode)
+        .map_err(sql)?;
+    let whole: String = bag
+        .query_row("PRAGMA quick_check(1)", [], mode)
+        .map_err(sql)?;
+    if whole != "ok" {
+        return Err(
+            Error::invalid("the bag and what is beside it do not belong together")
+                .at_file(path)
+                .found(whole)
+                .hint(
+                    "copy NAME.db3, NAME.db3-wal and NAME.db3-journal from the robot at one time",
+                ),
+        );
+    }
+    drop(bag);
+    std::fs::read(&copy).map_err(fail)
 }
 
 /// Calls `each` with every message of the bag that these bytes are, by time.

@@ -26,9 +26,12 @@ pub(super) fn connect(path: &Path) -> Result<Connection> {
 }
 
 /// Merges the write-ahead log into the file and leaves the file alone in its folder, so that it can be read from media that
-/// cannot be written. Best effort: with a reader at work the log stays, and is merged later.
-pub(super) fn settle(connection: &Connection) {
-    let _refused = connection.pragma_update(None, "journal_mode", "DELETE");
+/// cannot be written; whether that was possible: with a reader at work the log stays, and is merged later.
+pub(super) fn settle(connection: &Connection) -> bool {
+    let mode = connection.query_row("PRAGMA journal_mode = DELETE", [], |row| {
+        row.get::<_, String>(0)
+    });
+    mode.is_ok_and(|mode| mode == "delete")
 }
 
 /// Where SQLite counts the changes of a file, and where it says which count its other fields are of.

@@ -1,19 +1,21 @@
 //! The SQLite file of a results folder.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, Transaction, params};
 
 use super::checksum::Tally;
-use super::connection::{DAMAGED_HINT, connect, connect_to_read, settle, sql, stamp, with_suffix};
+use super::connection::{DAMAGED_HINT, settle, sql, stamp};
 use super::content::{Content, LAYOUT, content};
-use super::description::{COMPLETE, ENDING, UNFINISHED, entries, entry_checksum, put_description};
+use super::count::{self, Count};
+use super::description::{
+    ASKED, COMPLETE, ENDING, UNFINISHED, entries, entry_checksum, put_description,
+};
 use super::fingerprint::Fingerprint;
 use super::lock::{FolderLock, Place};
-use super::log::verify_log;
+use super::opening::remove;
 use super::row::Table;
 use super::storage::Storage;
 use super::trial::Trial;
@@ -43,9 +45,18 @@ pub struct Store<R = Trial> {
     pub(super) connection: Connection,
     pub(super) path: PathBuf,
     pub(super) tally: Tally,
-    is_marked_complete: bool,
-    lock: Option<FolderLock>,
-    rows: PhantomData<R>,
+    pub(super) is_marked_complete: bool,
+    pub(super) writer: Option<Writer>,
+    pub(super) rows: PhantomData<R>,
+}
+
+/// What only the one who writes into a store has.
+#[derive(Debug)]
+pub(super) struct Writer {
+    pub count: Count,
+    /// Held until the store is closed.
+    #[expect(dead_code, reason = "held, not used")]
+    pub lock: FolderLock,
 }
 
 impl<R> Store<R> {
@@ -118,6 +129,11 @@ impl<R> Store<R> {
         Ok(described.get(ENDING).is_some_and(|e| e == COMPLETE))
     }
 
+    /// How many rows the run wants in the end of the batch that it has begun.
+    pub(super) fn asked(&self) -> Option<usize> {
+        self.description().ok()?.get(ASKED)?.parse().ok()
+    }
+
     /// One transaction: all of it is kept or nothing.
     pub(super) fn write(
         &mut self,
@@ -129,8 +145,7 @@ impl<R> Store<R> {
         let mut tally = self.tally;
         let transaction = self.connection.transaction().map_err(fail)?;
         write(&transaction, &mut tally).map_err(fail)?;
-        put_tally(&transaction, tally).map_err(fail)?;
-        transaction.commit().map_err(fail)?;
+        commit(transaction, self.writer.as_mut(), [self.tally, tally], fail)?;
         self.tally = tally;
         Ok(())
     }
@@ -142,7 +157,7 @@ impl<R: Table> Store<R> {
     /// # Errors
     /// A folder that cannot be made or written, is in use, or already holds results.
     pub fn create(folder: &Path, fingerprint: &Fingerprint) -> Result<Self> {
-        match Self::find(FolderLock::make(folder)?)? {
+        match Self::find(FolderLock::make(folder)?, None)? {
             (store, Content::Nothing) => store.set_up(fingerprint),
             (store, Content::Tables) => Err(Error::conflict("the folder already holds results")
                 .at_file(&store.path)
@@ -154,7 +169,8 @@ impl<R: Table> Store<R> {
     /// The store in `folder`, to go on with it; a new one where a run was killed before it had one.
     ///
     /// # Errors
-    /// No store there, a damaged one, one of another study or search (the difference is named), or a folder in use.
+    /// No store there, a damaged one, one of another study or search (the difference is named), or a folder in use. What a killed run
+    /// stored and what is lost of it is no error: that is made again.
     pub fn resume<'a>(place: impl Into<Place<'a>>, fingerprint: &Fingerprint) -> Result<Self> {
         let lock = place.into().lock()?;
         if !lock.folder().join(STORE_FILE).exists() && !lock.is_known() {
@@ -167,10 +183,9 @@ impl<R: Table> Store<R> {
 
     /// The store in a locked folder, to go on with it; a new one where there is none.
     pub(super) fn go_on(lock: FolderLock, fingerprint: &Fingerprint) -> Result<Self> {
-        match Self::find(lock)? {
+        match Self::find(lock, Some(fingerprint))? {
             (store, Content::Nothing) => store.set_up(fingerprint),
-            (mut store, Content::Tables) => {
-                store.verify_all()?;
+            (store, Content::Tables) => {
                 store.must_be_of(fingerprint)?;
                 Ok(store)
             }
@@ -183,7 +198,7 @@ impl<R: Table> Store<R> {
     /// No readable store of such rows there, or a damaged one.
     pub fn read(folder: &Path) -> Result<Self> {
         let mut store = Self::look(folder)?;
-        store.verify_all()?;
+        store.tally = store.verified()?;
         Ok(store)
     }
 
@@ -216,52 +231,7 @@ impl<R: Table> Store<R> {
         }
     }
 
-    /// The file in `folder`, whatever it is, for reading.
-    fn file(folder: &Path) -> Result<Self> {
-        let path = folder.join(STORE_FILE);
-        if !path.exists() {
-            return Err(Error::invalid("no results here")
-                .at_file(&path)
-                .hint("name a folder that a sweep, tuning or a search has written"));
-        }
-        if !FolderLock::is_held(folder) {
-            verify_log(&path)?;
-        }
-        Ok(Self {
-            connection: connect_to_read(&path)?,
-            path,
-            tally: Tally::default(),
-            is_marked_complete: false,
-            lock: None,
-            rows: PhantomData,
-        })
-    }
-
-    /// The file in a locked folder, and whether there is anything in it.
-    pub(super) fn find(lock: FolderLock) -> Result<(Self, Content)> {
-        let path = lock.folder().join(STORE_FILE);
-        // Looked at before anything is written: what is refused stays as it is.
-        let content = if path.exists() {
-            verify_log(&path)?;
-            content(&connect_to_read(&path)?, &path)?
-        } else {
-            Content::Nothing
-        };
-        let store = Self {
-            connection: connect(&path)?,
-            path,
-            tally: Tally::default(),
-            is_marked_complete: false,
-            lock: Some(lock),
-            rows: PhantomData,
-        };
-        if matches!(content, Content::Tables) {
-            store.must_have_rows()?;
-        }
-        Ok((store, content))
-    }
-
-    fn has_rows(&self) -> Result<bool> {
+    pub(super) fn has_rows(&self) -> Result<bool> {
         self.connection
             .query_row(
                 "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = ?1",
@@ -271,7 +241,7 @@ impl<R: Table> Store<R> {
             .map_err(|e| sql(&self.path, "read the results", &e))
     }
 
-    fn must_have_rows(&self) -> Result<()> {
+    pub(super) fn must_have_rows(&self) -> Result<()> {
         if self.has_rows()? {
             return Ok(());
         }
@@ -301,7 +271,7 @@ impl<R: Table> Store<R> {
     pub(super) fn anew(self, lock: FolderLock, fingerprint: &Fingerprint) -> Result<Self> {
         drop(self);
         remove(lock.folder())?;
-        let (store, _) = Self::find(lock)?;
+        let (store, _) = Self::find(lock, None)?;
         store.set_up(fingerprint)
     }
 
@@ -311,14 +281,17 @@ impl<R: Table> Store<R> {
             .map_err(|error| error.at_file(&self.path))
     }
 
-    /// Checks every row of every table against what was written.
+    /// What there is, every row of every table checked against what was written.
     ///
     /// # Errors
     /// A row that has changed, is gone or is there twice.
-    pub(super) fn verify_all(&mut self) -> Result<()> {
-        self.tally = self.each_verified(|_, _| Ok(()))?;
-        self.is_marked_complete = self.is_complete()?;
-        Ok(())
+    pub(super) fn verified(&self) -> Result<Tally> {
+        let verified = self.each_verified(|_, _| Ok(()));
+        verified.map_err(|error| match count::has_log(&self.path) {
+            // Without a log that is of another run, the rest may be whole.
+            true => error.advise(Advice::Resume),
+            false => error,
+        })
     }
 
     /// Hands over every row with its checksum, by index, and checks that together they are what was written.
@@ -452,14 +425,24 @@ impl<R: Table> Storage<R> for Store<R> {
     fn rows_within(&self, range: std::ops::Range<usize>) -> Result<Vec<R>> {
         self.rows_within(range)
     }
+
+    /// Keeps the number for whoever looks meanwhile.
+    fn begin(&mut self, rows: usize) {
+        if self.asked().is_none_or(|asked| asked < rows) {
+            // Whoever cannot write this will hear it with the first row.
+            let _unwritten = self.describe([(ASKED, rows.to_string())]);
+        }
+    }
 }
 
 impl<R> Drop for Store<R> {
     fn drop(&mut self) {
-        if self.lock.is_none() {
+        let Some(writer) = &self.writer else {
             return;
+        };
+        if settle(&self.connection) {
+            writer.count.remove();
         }
-        settle(&self.connection);
         if self.is_marked_complete
             && let Ok(nothing) = Connection::open_in_memory()
         {
@@ -469,24 +452,24 @@ impl<R> Drop for Store<R> {
     }
 }
 
-/// Notes what there is in all tables.
-pub(super) fn put_tally(transaction: &Transaction<'_>, tally: Tally) -> rusqlite::Result<usize> {
+/// Commits a transaction that changes a store from the first tally to the second, and notes that in the store and outside of it.
+///
+/// # Errors
+/// A full disk.
+pub(super) fn commit(
+    transaction: Transaction<'_>,
+    writer: Option<&mut Writer>,
+    [before, after]: [Tally; 2],
+    fail: impl Fn(rusqlite::Error) -> Error,
+) -> Result<()> {
     transaction
-        .prepare_cached("UPDATE tally SET rows = ?1, checksum = ?2")?
-        .execute([tally.rows, tally.checksum])
-}
-
-/// Removes the store in a locked folder, if there is one.
-pub(super) fn remove(folder: &Path) -> Result<()> {
-    let path = folder.join(STORE_FILE);
-    for suffix in ["", "-wal", "-shm", "-journal"] {
-        let path = with_suffix(&path, suffix);
-        match fs::remove_file(&path) {
-            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-                return Err(Error::io("remove old results", &path, &e));
-            }
-            _ => {}
-        }
-    }
-    Ok(())
+        .prepare_cached("UPDATE tally SET rows = ?1, checksum = ?2")
+        .and_then(|mut update| update.execute([after.rows, after.checksum]))
+        .map_err(&fail)?;
+    let Some(writer) = writer else {
+        return transaction.commit().map_err(fail);
+    };
+    writer.count.note([before, after])?;
+    transaction.commit().map_err(fail)?;
+    writer.count.note([after; 2])
 }

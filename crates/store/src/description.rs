@@ -4,6 +4,8 @@ use rusqlite::{Connection, OptionalExtension as _, Transaction, params};
 
 use super::checksum::{Checksum, Tally};
 
+/// How many rows a run wants.
+pub(super) const ASKED: &str = "asked";
 /// What a store says of how its run ended.
 pub(super) const ENDING: &str = "ending";
 pub(super) const COMPLETE: &str = "complete";

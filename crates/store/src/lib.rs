@@ -29,6 +29,7 @@ mod bag;
 mod checksum;
 mod connection;
 mod content;
+mod count;
 mod database;
 mod description;
 mod fingerprint;
@@ -52,7 +53,7 @@ mod storage;
 mod tests;
 mod trial;
 
-pub use bag::read_bag;
+pub use bag::{read_bag, read_closed_bag};
 pub use database::{STORE_FILE, Store};
 pub use fingerprint::Fingerprint;
 pub use listing::{Cell, Column, ColumnKind, Listing};

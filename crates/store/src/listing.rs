@@ -18,6 +18,8 @@ pub struct Listing {
     pub kind: String,
     /// True where the run came to its end.
     pub complete: bool,
+    /// How many rows the run wants, as far as it knows by now.
+    pub asked: Option<usize>,
     /// What is best: the metric that is made small, or the objective that is made large.
     pub measure: String,
     /// The columns.
@@ -167,6 +169,7 @@ impl Listing {
             name: described.text("study"),
             kind: described.text("kind"),
             complete: store.is_complete()?,
+            asked: store.asked(),
             measure: format!("metric {}", described.text("metric")),
             columns,
             rows: rows.collect(),
@@ -226,6 +229,7 @@ impl Listing {
             name: described.text("search"),
             kind: described.text("kind"),
             complete: store.is_complete()?,
+            asked: store.asked(),
             measure: format!("objective {}", described.text("objective")),
             columns,
             rows: rows.collect(),

@@ -21,20 +21,27 @@ const MAGIC: u32 = 0x377f_0682;
 /// # Errors
 /// A log with a damaged header, or with frames that were written behind a damaged one.
 pub(super) fn verify_log(store: &Path) -> Result<()> {
-    let path = with_suffix(store, "-wal");
-    let log = match std::fs::read(&path) {
-        Ok(log) => log,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(()),
-        Err(e) => return Err(Error::io("read the log of the results", &path, &e)),
-    };
-    match damage(&log) {
+    match damage_of(store)? {
         None => Ok(()),
         Some(found) => Err(Error::conflict("the results are damaged")
-            .at_file(&path)
+            .at_file(with_suffix(store, "-wal"))
             .found(found)
             .allowed("what was written, to the bit")
-            .hint("the last points of an interrupted run are in this file: take it from a backup")
-            .advise(Advice::OtherFolder)),
+            .hint("the last points of an interrupted run are in this file: take it from a backup, or let them be made again")
+            .advise(Advice::Resume)),
+    }
+}
+
+/// What is wrong with the log of a database, if anything.
+///
+/// # Errors
+/// A log that cannot be read.
+pub(super) fn damage_of(database: &Path) -> Result<Option<String>> {
+    let path = with_suffix(database, "-wal");
+    match std::fs::read(&path) {
+        Ok(log) => Ok(damage(&log)),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(e) => Err(Error::io("read the log", &path, &e)),
     }
 }
 

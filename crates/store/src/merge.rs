@@ -6,7 +6,7 @@ use std::path::Path;
 use rusqlite::OptionalExtension as _;
 
 use super::connection::sql;
-use super::database::{Store, put_tally};
+use super::database::{Store, commit};
 use super::fingerprint::Fingerprint;
 use super::lock::Place;
 use super::row::Table;
@@ -99,8 +99,8 @@ impl<R: Table> Merger<R> {
             absorbed.known += 1;
             Ok(())
         })?;
-        put_tally(&transaction, tally).map_err(write)?;
-        transaction.commit().map_err(write)?;
+        let both = [self.store.tally, tally];
+        commit(transaction, self.store.writer.as_mut(), both, write)?;
         self.store.tally = tally;
         absorbed.new = new.len();
         self.known.extend(new);

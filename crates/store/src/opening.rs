@@ -1,10 +1,18 @@
 //! What happens to results that are already in a folder.
 
-use super::content::{Content, is_foreign};
-use super::database::{STORE_FILE, Store, remove};
+use std::fs;
+use std::marker::PhantomData;
+use std::path::Path;
+
+use super::checksum::Tally;
+use super::connection::{connect, connect_to_read, with_suffix};
+use super::content::{Content, content, is_foreign};
+use super::count::{self, Count};
+use super::database::{STORE_FILE, Store, Writer};
 use super::description::{COMPLETE, ENDING};
 use super::fingerprint::Fingerprint;
 use super::lock::{FolderLock, Place};
+use super::log::verify_log;
 use super::row::Table;
 use realgap_core::error::{Advice, Error, Result};
 
@@ -44,7 +52,7 @@ impl<R: Table> Store<R> {
                         .advise(Advice::OtherFolder));
                 }
                 remove(lock.folder())?;
-                let (store, _) = Self::find(lock)?;
+                let (store, _) = Self::find(lock, None)?;
                 store.set_up(fingerprint)
             }
             Mode::Start => Self::start(lock, fingerprint, what, expected),
@@ -57,11 +65,10 @@ impl<R: Table> Store<R> {
         what: &str,
         expected: &str,
     ) -> Result<Self> {
-        let (mut store, content) = Self::find(lock.clone())?;
+        let (store, content) = Self::find(lock.clone(), None)?;
         if matches!(content, Content::Nothing) {
             return store.set_up(fingerprint);
         }
-        store.verify_all()?;
         let count = store.finished()?.len();
         if store.is_complete()? {
             store.must_be_of(fingerprint)?;
@@ -91,4 +98,142 @@ impl<R: Table> Store<R> {
         let _unpacked = self.connection.execute_batch("VACUUM");
         Ok(())
     }
+
+    /// The file in `folder`, whatever it is, for reading.
+    pub(super) fn file(folder: &Path) -> Result<Self> {
+        let path = folder.join(STORE_FILE);
+        let is_held = || FolderLock::is_held(folder);
+        if !path.exists() {
+            return Err(match count::difference(&path, None)? {
+                Some(found) if !is_held() => count::other_than_stored(&path, found),
+                _ => Error::invalid("no results here")
+                    .at_file(&path)
+                    .hint("name a folder that a sweep, tuning or a search has written"),
+            });
+        }
+        let was_held = is_held();
+        if !was_held {
+            check_log(&path)?;
+        }
+        let store = Self::of_file(&path)?;
+        // Whoever begins to write meanwhile notes more than is seen here.
+        if !was_held
+            && let Some(found) = count::difference(&path, Some(&store.connection))?
+            && !is_held()
+        {
+            return Err(count::other_than_stored(&path, found));
+        }
+        Ok(store)
+    }
+
+    /// A file for reading, unchecked.
+    fn of_file(path: &Path) -> Result<Self> {
+        Ok(Self {
+            connection: connect_to_read(path)?,
+            path: path.to_path_buf(),
+            tally: Tally::default(),
+            is_marked_complete: false,
+            writer: None,
+            rows: PhantomData,
+        })
+    }
+
+    /// The file in a locked folder, verified before anything is written, and whether there is anything in it. For whoever goes on with the run of `resumed`, a store
+    /// that lacks something of what was stored last is what is left of it.
+    pub(super) fn find(lock: FolderLock, resumed: Option<&Fingerprint>) -> Result<(Self, Content)> {
+        let path = lock.folder().join(STORE_FILE);
+        // Looked at before anything is written: what is refused stays as it is.
+        match resumed {
+            Some(fingerprint) => Self::cure(&path, fingerprint)?,
+            None if path.exists() => check_log(&path)?,
+            None => {}
+        }
+        let (mut found, mut store) = (Content::Nothing, None);
+        if path.exists() {
+            let there = Self::of_file(&path)?;
+            found = content(&there.connection, &path)?;
+            store = Some(there);
+        }
+        let connection = store.as_ref().map(|store| &store.connection);
+        if resumed.is_none()
+            && let Some(found) = count::difference(&path, connection)?
+        {
+            return Err(count::other_than_stored(&path, found));
+        }
+        let mut tally = Tally::default();
+        if let (Content::Tables, Some(store)) = (&found, store) {
+            store.must_have_rows()?;
+            tally = store.verified()?;
+        }
+        let count = Count::open(&path, tally)?;
+        let mut store = Self {
+            connection: connect(&path)?,
+            path,
+            tally,
+            is_marked_complete: false,
+            writer: Some(Writer { count, lock }),
+            rows: PhantomData,
+        };
+        if matches!(found, Content::Tables) {
+            store.is_marked_complete = store.is_complete()?;
+        }
+        Ok((store, found))
+    }
+
+    /// Sets a log aside that is not of this store, or with which the store is not what anybody stored: what it holds without it is
+    /// left.
+    fn cure(path: &Path, fingerprint: &Fingerprint) -> Result<()> {
+        if count::has_foreign_log(path)? {
+            return count::set_log_aside(path);
+        }
+        if !path.exists() || !count::has_log(path) {
+            return Ok(());
+        }
+        let is_whole = |store: &Self| -> Result<bool> {
+            if matches!(content(&store.connection, path)?, Content::Nothing) {
+                return Ok(count::difference(path, Some(&store.connection))?.is_none());
+            }
+            if !store.has_rows()? || store.each_verified(|_, _| Ok(())).is_err() {
+                return Ok(false);
+            }
+            // Whole results of another run are refused later, with their log.
+            Ok(store.must_be_of(fingerprint).is_ok()
+                || count::difference(path, Some(&store.connection))?.is_none())
+        };
+        let is_to_be_kept = Self::of_file(path).and_then(|store| is_whole(&store));
+        match is_to_be_kept {
+            Ok(true) => Ok(()),
+            _ => count::set_log_aside(path),
+        }
+    }
+}
+
+/// Checks what lies beside a store that nobody writes into.
+fn check_log(path: &Path) -> Result<()> {
+    if count::has_foreign_log(path)? {
+        return Err(count::foreign_log(path));
+    }
+    verify_log(path)
+}
+
+/// Removes the store in a locked folder, if there is one.
+pub(super) fn remove(folder: &Path) -> Result<()> {
+    let path = folder.join(STORE_FILE);
+    for suffix in [
+        "",
+        "-wal",
+        "-shm",
+        "-journal",
+        count::COUNT,
+        count::SET_ASIDE,
+    ] {
+        let path = with_suffix(&path, suffix);
+        match fs::remove_file(&path) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+                return Err(Error::io("remove old results", &path, &e));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }

@@ -211,63 +211,166 @@ fn another_version_says_which_and_offers_a_way_that_removes_nothing() {
     }
 }
 
-#[test]
-fn damage_in_the_log_of_a_killed_run_is_said() {
-    let folder = tempfile::tempdir().unwrap();
-    let open = folder.path().join("open");
-    let mut store = Store::<Trial>::create(&open, &Fingerprint::new()).unwrap();
-    let list = serde_json::json!(["floor.friction"]).to_string();
-    store
-        .describe([
-            ("kind", "sweep".to_owned()),
-            ("study", "floor".to_owned()),
-            ("metric", "rms".to_owned()),
-            ("unit", "m".to_owned()),
-            ("parameters", list),
-            ("recordings", "[]".to_owned()),
-        ])
-        .unwrap();
-    for index in 0..20 {
-        let trial = Trial {
-            index,
-            values: vec![index as f64],
-            cases: Vec::new(),
-        };
-        store.insert(&[trial]).unwrap();
+/// Runs of one study that kill -9 has ended: each an open store whose files are copied while its writer is at work.
+struct Killed {
+    folder: tempfile::TempDir,
+    /// Kept open, so that logs stay.
+    _writers: Vec<Store<Trial>>,
+}
+
+const STORE_FILES: [&str; 4] = [
+    STORE_FILE,
+    "results.sqlite-wal",
+    "results.sqlite-count",
+    ".lock",
+];
+
+impl Killed {
+    fn new() -> Self {
+        Self {
+            folder: tempfile::tempdir().unwrap(),
+            _writers: Vec::new(),
+        }
     }
-    // What kill -9 leaves: the file and its log, with nobody holding the folder.
-    let copy = |name: &str| {
-        let killed = folder.path().join(name);
+
+    /// A run that has stored so many rows, one at a time, of which those before `merged` have reached the file itself.
+    fn run(&mut self, name: &str, fingerprint: &Fingerprint, rows: usize, merged: usize) {
+        let open = self.folder.path().join(name);
+        let mut store = Store::<Trial>::create(&open, fingerprint).unwrap();
+        let list = serde_json::json!(["floor.friction", "floor.restitution"]).to_string();
+        let described = [
+            ("kind", "sweep"),
+            ("study", "floor"),
+            ("metric", "rms"),
+            ("unit", "m"),
+            ("parameters", &list),
+            ("recordings", "[]"),
+        ];
+        store
+            .describe(described.map(|(name, value)| (name, value.to_owned())))
+            .unwrap();
+        for index in 0..rows {
+            if index == merged {
+                tamper(&open, "PRAGMA wal_checkpoint(TRUNCATE)");
+            }
+            store.insert(&[trial(index)]).unwrap();
+        }
+        self._writers.push(store);
+    }
+
+    /// What is left of it, as a folder of its own.
+    fn left(&self, name: &str, copy: &str) -> std::path::PathBuf {
+        let (open, killed) = (self.folder.path().join(name), self.folder.path().join(copy));
+        let _fresh = std::fs::remove_dir_all(&killed);
         std::fs::create_dir(&killed).unwrap();
-        for file in ["results.sqlite", "results.sqlite-wal", ".lock"] {
+        for file in STORE_FILES {
             std::fs::copy(open.join(file), killed.join(file)).unwrap();
         }
         killed
-    };
-    let killed = copy("killed");
-    assert_eq!(Listing::read(&killed).unwrap().rows.len(), 20);
-    let log = std::fs::read(killed.join("results.sqlite-wal")).unwrap();
-    assert!(log.len() > 40_000, "{}", log.len());
-    for (number, at) in [20, 40, 60, 5_000, log.len() / 2, log.len() - 9_000]
-        .into_iter()
-        .enumerate()
-    {
-        let killed = copy(&format!("damaged_{number}"));
-        let mut damaged = log.clone();
-        damaged[at] ^= 4;
-        std::fs::write(killed.join("results.sqlite-wal"), damaged).unwrap();
-        let listed = Listing::read(&killed).unwrap_err().to_string();
-        assert!(
-            listed.contains("damaged") && listed.contains("-wal"),
-            "{at}: {listed}"
-        );
-        let resumed = Store::<Trial>::resume(&killed, &Fingerprint::new()).unwrap_err();
-        assert!(resumed.to_string().contains("damaged"), "{at}: {resumed}");
     }
-    // A last write that was cut off is no damage: what was stored before it is there.
-    let killed = copy("cut");
-    std::fs::write(killed.join("results.sqlite-wal"), &log[..log.len() - 100]).unwrap();
-    let listed = Listing::read(&killed).unwrap().rows.len();
-    assert!((18..20).contains(&listed), "{listed}");
-    drop(store);
+}
+
+/// A store of a killed run is read as before, or refused with a word of resuming; resumed it has nothing but what was stored.
+/// Whether it was refused.
+fn read_and_resume(killed: &Path, fingerprint: &Fingerprint, whole: &[Trial], what: &str) -> bool {
+    let listed = Store::<Trial>::read(killed).and_then(|store| store.trials());
+    let is_refused = match listed {
+        Ok(trials) => {
+            assert_eq!(trials, whole, "silently different: {what}");
+            false
+        }
+        Err(error) => {
+            assert!(error.to_string().contains("resume"), "{what}: {error}");
+            let started = Store::<Trial>::open(killed, fingerprint, Mode::Start, "run", "all");
+            assert!(started.is_err(), "started over it: {what}");
+            true
+        }
+    };
+    let mut resumed = Store::<Trial>::resume(killed, fingerprint)
+        .unwrap_or_else(|error| panic!("{what}: {error}"));
+    let there = resumed.finished().unwrap();
+    let rest: Vec<Trial> = (0..whole.len())
+        .filter(|index| !there.contains(index))
+        .map(trial)
+        .collect();
+    assert_eq!(rest.is_empty(), !is_refused || there.len() == whole.len());
+    resumed.insert(&rest).unwrap();
+    assert_eq!(resumed.trials().unwrap(), whole, "{what}");
+    drop(resumed);
+    let again = Store::<Trial>::read(killed).unwrap();
+    assert_eq!(again.trials().unwrap(), whole, "{what}");
+    is_refused
+}
+
+#[test]
+fn a_log_that_is_cut_missing_damaged_or_of_another_run_is_an_error_that_resuming_cures() {
+    let mut all = Killed::new();
+    let whole: Vec<Trial> = (0..24).map(trial).collect();
+    let others = Fingerprint::new().with("realgap", "1").with("points", 7);
+    // The first has everything in its log, the second a part of it in its file.
+    all.run("log", &fingerprint(), 24, 99);
+    all.run("both", &fingerprint(), 24, 9);
+    all.run("shorter", &fingerprint(), 5, 99);
+    all.run("other", &others, 24, 99);
+    let log_of = |folder: &Path| folder.join("results.sqlite-wal");
+    for name in ["log", "both"] {
+        let resume = |killed: &Path, what: &str| {
+            read_and_resume(killed, &fingerprint(), &whole, &format!("{name}, {what}"))
+        };
+        assert!(!resume(&all.left(name, "killed"), "as it was left"));
+        let log = std::fs::read(log_of(&all.left(name, "killed"))).unwrap();
+        let mut rng = Numbered::SearchStep.generator(24, 0);
+        for _ in 0..12 {
+            let killed = all.left(name, "killed");
+            let length = rng.random_range(0..log.len());
+            std::fs::write(log_of(&killed), &log[..length]).unwrap();
+            assert!(resume(&killed, &format!("cut to {length}")));
+            let killed = all.left(name, "killed");
+            let mut damaged = log.clone();
+            damaged[length] ^= 1 << rng.random_range(0..8);
+            std::fs::write(log_of(&killed), damaged).unwrap();
+            resume(&killed, &format!("a bit at {length}"));
+        }
+        let killed = all.left(name, "killed");
+        std::fs::remove_file(log_of(&killed)).unwrap();
+        assert!(resume(&killed, "missing"));
+        for foreign in ["shorter", "other", "log", "both"] {
+            if foreign == name {
+                continue;
+            }
+            let killed = all.left(name, "killed");
+            std::fs::copy(log_of(&all.left(foreign, "foreign")), log_of(&killed)).unwrap();
+            let refused = resume(&killed, &format!("with the log of {foreign}"));
+            // Two runs of one study that have stored the same have stored the same.
+            assert!(refused || ["log", "both"].contains(&foreign), "{foreign}");
+        }
+        // The count itself.
+        for left in [None, Some("x"), Some("")] {
+            let killed = all.left(name, "killed");
+            let count = killed.join("results.sqlite-count");
+            match left {
+                None => std::fs::remove_file(count).unwrap(),
+                Some(text) => std::fs::write(count, text).unwrap(),
+            }
+            assert!(resume(&killed, "without its count"));
+        }
+    }
+}
+
+#[test]
+fn a_closed_store_has_no_log_and_one_that_lies_beside_it_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let closed = folder.path().join("closed");
+    std::fs::create_dir(&closed).unwrap();
+    study(&closed);
+    let expected = answer(&closed).unwrap();
+    let mut all = Killed::new();
+    all.run("other", &fingerprint(), 8, 99);
+    let log = closed.join("results.sqlite-wal");
+    std::fs::copy(all.left("other", "left").join("results.sqlite-wal"), &log).unwrap();
+    let error = Listing::read(&closed).unwrap_err().to_string();
+    assert!(error.contains("not of the store"), "{error}");
+    assert!(Store::<Trial>::open(&closed, &fingerprint(), Mode::Start, "run", "all").is_err());
+    drop(Store::<Trial>::resume(&closed, &fingerprint()).unwrap());
+    assert_eq!(answer(&closed).unwrap(), expected);
 }

@@ -169,6 +169,87 @@ fn what_is_no_bag_is_called_so() {
     assert!(error.contains(".mcap"), "{error}");
 }
 
+/// A bag of 40 poses whose writer is still there: the last 20 in its log (`WAL`), or begun and never committed.
+fn unclosed(folder: &std::path::Path, mode: &str) -> (std::path::PathBuf, rusqlite::Connection) {
+    let poses = |from: u32| (from..from + 20).map(|i| pose_stamped(i, f64::from(i)));
+    let path = bag(folder, &[("/robot", POSE, poses(0).collect())]);
+    let writer = rusqlite::Connection::open(&path).unwrap();
+    writer.pragma_update(None, "journal_mode", mode).unwrap();
+    // Pages reach the file before they are committed where the cache is small.
+    writer.pragma_update(None, "cache_size", 1).unwrap();
+    writer.pragma_update(None, "wal_autocheckpoint", 0).unwrap();
+    writer.execute_batch("BEGIN").unwrap();
+    for (time, data) in (20..).zip(poses(20)) {
+        let sql = "INSERT INTO messages (topic_id, timestamp, data) VALUES (0, ?1, ?2)";
+        writer.execute(sql, (time, data)).unwrap();
+    }
+    // What was there is rewritten, too.
+    writer
+        .execute_batch("UPDATE messages SET timestamp = timestamp + 100")
+        .unwrap();
+    if mode == "WAL" {
+        writer.execute_batch("COMMIT").unwrap();
+    }
+    (path, writer)
+}
+
+/// What kill -9 of the writer leaves, under another name.
+fn killed(path: &std::path::Path, to: &std::path::Path) -> std::path::PathBuf {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(path.parent().unwrap()).unwrap() {
+        let entry = entry.unwrap();
+        std::fs::copy(entry.path(), to.join(entry.file_name())).unwrap();
+    }
+    to.join("bag.db3")
+}
+
+#[test]
+fn a_bag_is_read_as_its_recorder_left_it_and_stays_as_it_is() {
+    for (mode, beside, poses) in [("WAL", "-wal", 40), ("DELETE", "-journal", 20)] {
+        let folder = tempfile::tempdir().unwrap();
+        let open = folder.path().join("open");
+        std::fs::create_dir(&open).unwrap();
+        let (path, writer) = unclosed(&open, mode);
+        let left = killed(&path, &folder.path().join("killed"));
+        let beside = left.with_file_name(format!("bag.db3{beside}"));
+        assert!(std::fs::metadata(&beside).unwrap().len() > 500, "{mode}");
+        let before = super::common::files(left.parent().unwrap());
+        let read_poses = || read(&left, Reading::default()).unwrap().trajectory.len();
+        assert_eq!(read_poses(), poses, "{mode}");
+        assert_eq!(read_poses(), poses, "{mode}");
+        assert_eq!(super::common::files(left.parent().unwrap()), before);
+        drop(writer);
+    }
+}
+
+#[test]
+fn a_damaged_log_of_a_bag_or_that_of_another_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let open = folder.path().join("open");
+    std::fs::create_dir(&open).unwrap();
+    let (path, _writer) = unclosed(&open, "WAL");
+    let left = killed(&path, &folder.path().join("killed"));
+    let log = left.with_file_name("bag.db3-wal");
+    let mut bytes = std::fs::read(&log).unwrap();
+    bytes[600] ^= 4;
+    std::fs::write(&log, &bytes).unwrap();
+    let error = read(&left, Reading::default()).unwrap_err().to_string();
+    assert!(
+        error.contains("bag.db3-wal") && error.contains("damaged"),
+        "{error}"
+    );
+    // The log of a database of others, which has a single table.
+    let other = folder.path().join("other.db3");
+    let writer = rusqlite::Connection::open(&other).unwrap();
+    writer.pragma_update(None, "journal_mode", "WAL").unwrap();
+    writer
+        .execute_batch("CREATE TABLE others (text TEXT); INSERT INTO others VALUES ('mine')")
+        .unwrap();
+    std::fs::copy(folder.path().join("other.db3-wal"), &log).unwrap();
+    let error = read(&left, Reading::default()).unwrap_err().to_string();
+    assert!(error.contains("bag.db3"), "{error}");
+}
+
 /// An MCAP file of ours.
 fn own() -> Vec<u8> {
     let times = (0..50).map(|i| f64::from(i) * 0.125).collect();

@@ -3,13 +3,14 @@
 use std::io::Read as _;
 use std::path::Path;
 
+use super::seal::check_sealed;
 use crate::error::{Error, Result};
 
 /// At most `limit` + 1 bytes of the file at `path`, so that endless files (/dev/zero) are refused by the
 /// caller's check of the size, not read. `kind` is what error messages call the file, e.g. "morphology".
 ///
 /// # Errors
-/// Missing or unreadable files, and folders.
+/// Missing or unreadable files, and folders; a file of a results folder that is not what was written there.
 pub fn read_limited(path: &Path, limit: u64, kind: &str) -> Result<Vec<u8>> {
     let doing = format!("read the {kind}");
     let refuse = |error: std::io::Error| Error::io(&doing, path, &error);
@@ -23,5 +24,8 @@ pub fn read_limited(path: &Path, limit: u64, kind: &str) -> Result<Vec<u8>> {
     file.take(limit + 1)
         .read_to_end(&mut bytes)
         .map_err(refuse)?;
+    if bytes.len() as u64 <= limit {
+        check_sealed(path, &bytes)?;
+    }
     Ok(bytes)
 }

@@ -88,6 +88,26 @@ fn write_whole(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     written
 }
 
+/// Removes what killed processes have left of writing this file. Best effort, where the system tells who is alive.
+pub(super) fn sweep(path: &Path) {
+    let (Some(name), Some(folder)) = (path.file_name(), path.parent()) else {
+        return;
+    };
+    let start = format!(".{}.", name.to_string_lossy());
+    let alive = |process: &str| {
+        !Path::new("/proc/self").exists() || Path::new("/proc").join(process).exists()
+    };
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let left = entry.file_name().to_string_lossy().into_owned();
+        let process = left
+            .strip_prefix(&start)
+            .and_then(|rest| rest.strip_suffix(".tmp")?.split('-').next());
+        if process.is_some_and(|process| process.parse::<u32>().is_ok() && !alive(process)) {
+            let _gone = fs::remove_file(entry.path());
+        }
+    }
+}
+
 fn temporary_beside(path: &Path) -> PathBuf {
     static COUNTER: AtomicU64 = AtomicU64::new(0);
     let count = COUNTER.fetch_add(1, Ordering::Relaxed);

@@ -5,9 +5,11 @@ use std::path::Path;
 use rand::RngExt as _;
 use serde::{Deserialize, Serialize};
 
+use realgap_core::error::{Advice, Error, Result};
+use realgap_core::file::{Seal, read_limited};
 use realgap_core::random::Numbered;
-use realgap_core::{Error, Result};
 use realgap_engine::parameter::{Assignment, ParameterSet, by_name};
+use realgap_store::FolderLock;
 
 /// A parameter that is only known to be in a range.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -82,10 +84,19 @@ const INDISTINGUISHABLE_FILE: &str = "indistinguishable.csv";
 /// No such file, unknown parameters, values that are no numbers or out of bounds, no point at all.
 pub fn read_indistinguishable(folder: &Path) -> Result<Vec<ParameterSet>> {
     let path = folder.join(INDISTINGUISHABLE_FILE);
-    let bytes = std::fs::read(&path).map_err(|e| {
-        Error::io("read the indistinguishable points", &path, &e)
-            .hint("name a folder that a sweep or tuning has written")
-    })?;
+    let limit = 1 << 30;
+    let bytes = read_limited(&path, limit, "indistinguishable points")
+        .map_err(|e| e.or_hint("name a folder that a sweep or tuning has written"))?;
+    // Whoever has put points together by hand has no check sums.
+    let is_sealed = Seal::read(folder)?.is_some_and(|seal| seal.has(INDISTINGUISHABLE_FILE));
+    if !is_sealed && FolderLock::was_in(folder) {
+        return Err(
+            Error::conflict("nothing says that these points are what was written")
+                .at_file(&path)
+                .hint("run the sweep or tuning that writes the folder to its end")
+                .advise(Advice::AcceptFiles),
+        );
+    }
     let torn =
         |e: csv::Error| Error::invalid(format!("cannot read the points: {e}")).at_file(&path);
     let mut reader = csv::Reader::from_reader(bytes.as_slice());

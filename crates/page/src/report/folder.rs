@@ -8,6 +8,7 @@ use super::kept::Kept;
 use super::section::{Section, numbers, provenance, warnings};
 use super::value::*;
 use super::{ensemble, gap, prediction, replay, search, study};
+use crate::results::check_seal;
 use crate::results::kind::file;
 use realgap_core::error::{Error, Result};
 
@@ -17,7 +18,7 @@ const REPORTS: [&str; 4] = [file::SUMMARY, file::ENSEMBLE, file::GAP, file::PRED
 /// The page of a results folder; `command` is said to have made the page.
 ///
 /// # Errors
-/// A folder without a report; unreadable files; a damaged store.
+/// A folder without a report; files that are not what was written there; unreadable ones; a damaged store.
 pub fn folder_page(folder: &Path, command: &str) -> Result<String> {
     let Some(file) = REPORTS.iter().find(|name| folder.join(name).is_file()) else {
         return Err(Error::invalid("no finished results here")
@@ -25,6 +26,7 @@ pub fn folder_page(folder: &Path, command: &str) -> Result<String> {
             .allowed("a folder with summary.json, ensemble.json, gap.json or prediction.json")
             .hint("name a folder that sweep, tune, search, ensemble, gap or predict has written"));
     };
+    check_seal(folder)?;
     let report: Value = read_json(&folder.join(file), "a report")?;
     let kept = Kept::read(folder)?;
     let kept = kept.as_ref();

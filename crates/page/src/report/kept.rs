@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::value::read_json;
 use crate::results::kind::file;
 use realgap_core::error::{Error, ErrorKind, Result};
-use realgap_core::file::write_atomic;
+use realgap_core::file::write_sealed;
 use realgap_core::text::escaped_json;
 
 /// Recorded paths beyond this many are not kept: more cannot be told apart in a picture.
@@ -70,7 +70,11 @@ impl Kept {
         let json = serde_json::to_string(self)
             .map(escaped_json)
             .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))?;
-        write_atomic(folder.join(Self::FILE), format!("{json}\n").as_bytes())
+        write_sealed(
+            &folder.join(Self::FILE),
+            format!("{json}\n").as_bytes(),
+            true,
+        )
     }
 
     /// What is kept in a folder; nothing where no command kept anything.

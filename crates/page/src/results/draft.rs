@@ -7,13 +7,14 @@ use std::path::{Path, PathBuf};
 use super::kind::Kind;
 use super::kind::file::{PAGE, TIMING};
 use realgap_core::error::{Error, Result};
+use realgap_core::file::{SEAL_FILE, Seal};
 
 /// Where results wait until all of them are written. Nobody else calls a folder like this.
 const DRAFT: &str = ".realgap-draft";
 
 /// Lets `write` fill a draft inside of `folder`, then moves every file of it to its place, and then removes what an older
-/// run left there: results of this kind that are not in the draft. Whoever is stopped before the last file is written leaves the
-/// older results whole.
+/// run left there: results of this kind that are not in the draft. Then the folder is sealed. Whoever is stopped before the last
+/// file is written leaves the older results whole; before the seal, one that does not fit.
 ///
 /// # Errors
 /// Those of `write`; a full disk or an unwritable folder.
@@ -46,16 +47,26 @@ pub(super) fn publish<T>(
         fs::rename(&from, &to).map_err(|e| Error::io("write the file", &to, &e))?;
     }
     remove_draft(&draft)?;
+    let mut removed = BTreeSet::new();
     for name in files(folder)?.difference(&new) {
-        let stays = |name: &str| name == TIMING || (is_as_before && PAGE.contains(&name));
+        let stays = |name: &str| {
+            [TIMING, SEAL_FILE].contains(&name) || (is_as_before && PAGE.contains(&name))
+        };
         if name
             .to_str()
             .is_some_and(|name| kind.has(name) && !stays(name))
         {
             let old = folder.join(name);
             fs::remove_file(&old).map_err(|e| Error::io("remove an old result", &old, &e))?;
+            removed.insert(name.clone());
         }
     }
+    // Last of all. Results of another kind that share the folder stay sealed.
+    let mut seal = Seal::of(folder, new.iter().filter_map(|name| name.to_str()))?;
+    if let Ok(Some(old)) = Seal::read(folder) {
+        seal.keep(old, |name| !removed.contains(Path::new(name)));
+    }
+    seal.write(folder)?;
     Ok(written)
 }
 
@@ -93,9 +104,11 @@ pub(super) fn files(folder: &Path) -> Result<BTreeSet<PathBuf>> {
 mod tests {
     use super::*;
 
+    /// All files but the seal.
     fn names(folder: &Path) -> Vec<String> {
         let files = files(folder).unwrap();
-        files.iter().map(|f| f.display().to_string()).collect()
+        let names = files.iter().map(|f| f.display().to_string());
+        names.filter(|name| name != SEAL_FILE).collect()
     }
 
     #[test]

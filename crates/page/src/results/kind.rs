@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{draft, search};
 use realgap_core::error::{Advice, Error, Result};
+use realgap_core::file::{SEAL_FILE, Seal};
 use realgap_engine::parameter;
 use realgap_store::{FolderLock, STORE_FILE};
 
@@ -84,6 +85,7 @@ impl Kind {
         let (files, pictures) = self.names();
         let is_drawn = |stem: &str| pictures.contains(&stem) || self.draws_many(stem);
         name == file::TIMING
+            || name == SEAL_FILE
             || file::PAGE.contains(&name)
             || files.contains(&name)
             || picture_stem(name).is_some_and(is_drawn)
@@ -115,6 +117,49 @@ impl Kind {
 /// The name of a picture without its ending.
 pub(crate) fn picture_stem(name: &str) -> Option<&str> {
     name.strip_suffix(".png").or(name.strip_suffix(".svg"))
+}
+
+/// Checks that the files of a finished results folder are what was written there.
+///
+/// # Errors
+/// One that has changed or is gone, a folder without check sums.
+pub fn check_seal(folder: &Path) -> Result<()> {
+    let Some(seal) = Seal::read(folder)? else {
+        return Err(
+            Error::conflict("nothing says that these files are what was written")
+                .at_file(folder)
+                .found(format!("no {SEAL_FILE}"))
+                .hint("run the command that writes the folder to its end")
+                .advise(Advice::AcceptFiles),
+        );
+    };
+    // A page is made of all other files, and without what a command kept for it.
+    seal.check(folder, |name| file::PAGE.contains(&name))
+}
+
+/// Accepts the files of a results folder as they are, whoever changed them.
+///
+/// # Errors
+/// A folder without results, or one that cannot be written.
+pub fn accept(folder: &Path) -> Result<()> {
+    const ALL: [Kind; 5] = [
+        Kind::Study,
+        Kind::Search,
+        Kind::Ensemble,
+        Kind::Gap,
+        Kind::Prediction,
+    ];
+    let unsealed = [file::TIMING, SEAL_FILE];
+    let files = draft::files(folder)?;
+    let ours = files
+        .iter()
+        .filter_map(|name| name.to_str())
+        .filter(|name| !unsealed.contains(name) && ALL.iter().any(|kind| kind.has(name)));
+    let seal = Seal::of(folder, ours)?;
+    if seal.is_empty() {
+        return Err(Error::invalid("no results here").at_file(folder));
+    }
+    seal.write(folder)
 }
 
 /// Checks, before the work, that results of this kind replace nothing of others in `folder`: a folder that nobody has written

@@ -54,7 +54,7 @@ use realgap_lab::calibration::{Answer, Method, Study};
 
 pub use ensemble::{write_ensemble, write_prediction, write_report};
 pub use gap::{write_floor, write_gap};
-pub use kind::{Kind, check_folder};
+pub use kind::{Kind, accept, check_folder, check_seal};
 pub use odds::draw_odds;
 pub use over_time::{Timed, draw_over_time};
 pub use radio::{draw_error_map, draw_strength_map};

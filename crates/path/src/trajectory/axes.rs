@@ -15,6 +15,10 @@ realgap_core::spelled! {
     /// Those of a camera, in KITTI's own files and many of visual odometry: x to the right, y down, z forward; both of the body
     /// and of the world, which is where the first camera was.
     Camera "camera";
+    /// x to the right, y up, z backward, as much motion capture and computer graphics have them; both of the body and of the world.
+    YUp "y-up";
+    /// x forward, y to the right, z down, as aircraft have them; both of the body and of the world.
+    ZDown "z-down";
 }
 
 impl Axes {
@@ -22,37 +26,46 @@ impl Axes {
     pub(super) fn to_world(self, trajectory: Trajectory) -> Result<Trajectory> {
         match self {
             Self::World => Ok(trajectory),
-            Self::Camera => from_camera(&trajectory),
+            // Rows: where x, y and z of the world come from.
+            Self::Camera => turned(
+                &trajectory,
+                Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0),
+            ),
+            Self::YUp => turned(
+                &trajectory,
+                Matrix3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0),
+            ),
+            Self::ZDown => turned(
+                &trajectory,
+                Matrix3::new(1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0),
+            ),
         }
     }
 }
 
-fn from_camera(camera: &Trajectory) -> Result<Trajectory> {
-    if camera.is_planar() {
+fn turned(there: &Trajectory, turn: Matrix3<f64>) -> Result<Trajectory> {
+    if there.is_planar() {
         return Err(
-            Error::invalid("axes of a camera need all three coordinates")
+            Error::invalid("axes that are turned need all three coordinates")
                 .field("axes")
                 .found("a recording without z"),
         );
     }
-    let turned = |v: &Vector3<f64>| Vector3::new(v.z, -v.x, -v.y);
-    let all = |v: &[Vector3<f64>]| v.iter().map(turned).collect::<Vec<_>>();
-    let turn = Rotation3::from_matrix_unchecked(Matrix3::new(
-        0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0,
-    ));
-    let turn = UnitQuaternion::from_rotation_matrix(&turn);
-    let mut world = Trajectory::new(camera.times_s().to_vec(), all(camera.positions_world_m()))?;
-    if let Some(orientations) = camera.orientations_world_from_body() {
-        let orientations = orientations.iter().map(|q| turn * q * turn.inverse());
+    // Every entry is 0 or ±1: no bit of a number is lost.
+    let all = |v: &[Vector3<f64>]| v.iter().map(|v| turn * v).collect::<Vec<_>>();
+    let turn_q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(turn));
+    let mut world = Trajectory::new(there.times_s().to_vec(), all(there.positions_world_m()))?;
+    if let Some(orientations) = there.orientations_world_from_body() {
+        let orientations = orientations.iter().map(|q| turn_q * q * turn_q.inverse());
         world = world.with_orientations(orientations.collect())?;
     }
     if let (Some(linear), Some(angular)) = (
-        camera.velocities_world_m_s(),
-        camera.angular_velocities_body_rad_s(),
+        there.velocities_world_m_s(),
+        there.angular_velocities_body_rad_s(),
     ) {
         world = world.with_velocities(all(linear), all(angular))?;
     }
-    world.with_joints(camera.joints().to_vec())
+    world.with_joints(there.joints().to_vec())
 }
 
 impl fmt::Display for Axes {

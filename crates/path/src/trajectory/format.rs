@@ -1,9 +1,12 @@
 //! What a file format of trajectories is.
 
+use std::path::Path;
+
 use super::column::Columns;
 use super::text::decode_text;
 use super::{QuaternionOrder, Reading, Trajectory};
 use realgap_core::error::{Error, Result};
+use realgap_core::file::read_limited;
 use realgap_core::warning::{Code, Warning};
 
 /// What a format found in a text.
@@ -39,6 +42,14 @@ pub trait Format: Sync {
     fn recognises(&self, bytes: &[u8]) -> bool {
         let _ = bytes;
         false
+    }
+    /// The bytes of the file at `path`, no more than `limit` + 1 of them: of a file with others beside it that belong to it, what all of
+    /// them say.
+    ///
+    /// # Errors
+    /// A missing or unreadable file, or a folder.
+    fn bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>> {
+        read_limited(path, limit, "trajectory")
     }
     /// The text that the other methods read: that of the file, or the table that is in a file which is no text.
     ///

@@ -114,7 +114,11 @@ pub fn read_all(path: impl AsRef<Path>, reading: impl Into<Reading>) -> Result<V
 /// A missing or unreadable file, or a folder. No more than one byte above [`MAX_FILE_BYTES`] is read; `parse_all`
 /// refuses that.
 pub fn read_bytes(path: impl AsRef<Path>) -> Result<Vec<u8>> {
-    read_limited(path.as_ref(), MAX_FILE_BYTES, "trajectory")
+    let path = path.as_ref();
+    match format_of(path) {
+        Ok(format) => format.bytes(path, MAX_FILE_BYTES),
+        Err(_) => read_limited(path, MAX_FILE_BYTES, "trajectory"),
+    }
 }
 
 /// As [`read_all`], of the file's bytes that are already in memory; `path` names them and has a `meta.ron` beside it.

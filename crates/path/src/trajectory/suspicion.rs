@@ -57,7 +57,7 @@ pub(super) fn of(
 }
 
 /// The usual time between samples, seconds.
-fn usual_interval_s(trajectory: &Trajectory) -> f64 {
+pub(super) fn usual_interval_s(trajectory: &Trajectory) -> f64 {
     let times_s = trajectory.times_s();
     let mut intervals_s: Vec<f64> = times_s.windows(2).map(|w| w[1] - w[0]).collect();
     intervals_s.sort_by(f64::total_cmp);
@@ -119,6 +119,16 @@ fn hole(trajectory: &Trajectory, origin_s: f64) -> Option<String> {
 
 /// A recording that begins before the robot does.
 fn wait(trajectory: &Trajectory, origin_s: f64) -> Option<String> {
+    let until_s = waits_until_s(trajectory)?;
+    Some(format!(
+        "nothing moves for the first {:.2} s, a simulation starts at once: `crop: (from_s: {:.2})` leaves the waiting out",
+        until_s - trajectory.times_s()[0],
+        until_s - origin_s
+    ))
+}
+
+/// Until when nothing moves, where that is long.
+pub(super) fn waits_until_s(trajectory: &Trajectory) -> Option<f64> {
     let positions = trajectory.positions_world_m();
     let times_s = trajectory.times_s();
     let distance = |position: &Vector3<f64>| (position - positions[0]).norm();
@@ -147,12 +157,7 @@ fn wait(trajectory: &Trajectory, origin_s: f64) -> Option<String> {
     let end = last_slow + window;
     let waited_s = times_s[end] - times_s[0];
     let is_long = waited_s > WAIT_S && waited_s > WAIT_SHARE * trajectory.duration_s();
-    (is_long && slow as f64 > WAIT_WINDOWS * (1 + last_slow) as f64).then(|| {
-        format!(
-            "nothing moves for the first {waited_s:.2} s, a simulation starts at once: `crop: (from_s: {:.2})` leaves the waiting out",
-            times_s[end] - origin_s
-        )
-    })
+    (is_long && slow as f64 > WAIT_WINDOWS * (1 + last_slow) as f64).then(|| times_s[end])
 }
 
 /// Orientations of an upright robot whose real part stands at the other end.

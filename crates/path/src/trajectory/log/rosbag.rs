@@ -1,5 +1,7 @@
 //! Bags of ROS 2 in SQLite (`.db3`).
 
+use std::path::Path;
+
 use super::mcap::applied;
 use super::stream::{Log, Said};
 use crate::trajectory::csv::Csv;
@@ -7,11 +9,12 @@ use crate::trajectory::format::{Format, Parsed, Rendered};
 use crate::trajectory::{Reading, Trajectory};
 use realgap_core::error::{Error, Result};
 use realgap_core::stated;
-use realgap_store::read_bag;
+use realgap_store::{read_bag, read_closed_bag};
 
 /// The files that `ros2 bag record` writes with its storage `sqlite3`.
 ///
-/// As [`Mcap`](super::Mcap), of messages coded in CDR. They are read only.
+/// As [`Mcap`](super::Mcap), of messages coded in CDR. They are read only: one that its recorder has not closed, as
+/// if it had, with what lies beside it in `-wal` or `-journal`.
 #[derive(Debug, Clone, Copy)]
 pub struct Rosbag;
 
@@ -20,6 +23,10 @@ impl Format for Rosbag {
         name: &'static str = "rosbag";
         doc: &'static str = "a bag of ROS 2 in SQLite: poses, odometry, transforms or a path among its messages";
         extensions: &'static [&'static str] = &["db3"];
+    }
+
+    fn bytes(&self, path: &Path, limit: u64) -> Result<Vec<u8>> {
+        read_closed_bag(path, limit)
     }
 
     fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<String> {

@@ -1,0 +1,298 @@
+//! What a newcomer gets wrong with files, on real tosses of a cube: each is put right with its evidence, asked about, or refused.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::Vector3;
+use realgap_path::trajectory::{Ask, Axes, Guess, Reading, Recording, read, read_all};
+
+const CUBE_M: f64 = 0.1048;
+
+fn tosses() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../real_trajectories/cube_tosses");
+    let mut all: Vec<PathBuf> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "csv"))
+        .collect();
+    all.sort();
+    assert_eq!(all.len(), 40);
+    all
+}
+
+/// A toss as somebody else's program writes it: a header, and a line for each sample.
+fn written(
+    toss: &Recording,
+    header: &str,
+    line: impl Fn(f64, Vector3<f64>, [f64; 4]) -> Vec<f64>,
+) -> String {
+    let trajectory = &toss.trajectory;
+    let turns = trajectory.orientations_world_from_body().unwrap();
+    let mut text = format!("{header}\n");
+    for (index, time_s) in trajectory.times_s().iter().enumerate() {
+        let q = turns[index];
+        let place = trajectory.positions_world_m()[index];
+        let cells = line(*time_s, place, [q.w, q.i, q.j, q.k]);
+        let cells: Vec<String> = cells.iter().map(f64::to_string).collect();
+        text += &format!("{}\n", cells.join(","));
+    }
+    text
+}
+
+fn usual(t: f64, p: Vector3<f64>, q: [f64; 4]) -> Vec<f64> {
+    vec![t, p.x, p.y, p.z, q[0], q[1], q[2], q[3]]
+}
+
+const OURS: &str = "t_s,x_m,y_m,z_m,qw,qx,qy,qz";
+
+struct Trial {
+    folder: tempfile::TempDir,
+    toss: Recording,
+}
+
+impl Trial {
+    fn new() -> Self {
+        let toss = read(&tosses()[3], Reading::default()).unwrap();
+        Self {
+            folder: tempfile::tempdir().unwrap(),
+            toss,
+        }
+    }
+
+    fn put(&self, text: &str) -> PathBuf {
+        let path = self.folder.path().join("mine.csv");
+        std::fs::write(&path, text).unwrap();
+        path
+    }
+
+    fn guess(&self, text: &str) -> Guess {
+        Guess::of(&[self.put(text)], &Reading::default(), Some(CUBE_M)).unwrap()
+    }
+
+    fn refused(&self, text: &str) -> String {
+        let said = Guess::of(&[self.put(text)], &Reading::default(), Some(CUBE_M));
+        said.unwrap_err().to_string()
+    }
+
+    /// As it is guessed, the file is the toss, and one of the clues says these words.
+    fn is_the_toss(&self, text: &str, says: &str) -> Guess {
+        let guess = self.guess(text);
+        let clues = format!("{:?}", guess.clues);
+        assert_eq!(guess.open, [], "{clues}");
+        assert!(clues.contains(says), "no `{says}` in {clues}");
+        let read = read_all(self.put(text), &guess.reading)
+            .unwrap()
+            .swap_remove(0);
+        let [mine, toss] = [&read.trajectory, &self.toss.trajectory];
+        assert_eq!(mine.len(), toss.len(), "{clues}");
+        for index in 0..toss.len() {
+            let far = (mine.positions_world_m()[index] - toss.positions_world_m()[index]).norm();
+            assert!(far < 1e-9, "{far} m off: {clues}");
+            let dt = mine.times_s()[index] - mine.times_s()[0];
+            assert!((dt - toss.times_s()[index] + toss.times_s()[0]).abs() < 1e-6);
+        }
+        guess
+    }
+}
+
+#[test]
+fn files_of_ours_need_no_word_and_no_toss_is_taken_for_mirrored() {
+    let of = |paths: &[PathBuf]| Guess::of(paths, &Reading::default(), Some(CUBE_M)).unwrap();
+    for path in tosses() {
+        let guess = of(std::slice::from_ref(&path));
+        assert!(guess.reading.is_usual(), "{}: {guess:?}", path.display());
+        assert_eq!(guess.open, [], "{}", path.display());
+    }
+    assert!(of(&tosses()).reading.is_usual());
+    for ten in tosses().chunks(10) {
+        of(ten);
+    }
+}
+
+#[test]
+fn units_come_from_names_from_the_rate_and_from_free_fall() {
+    let trial = Trial::new();
+    let scaled = |time: f64, length: f64| move |t: f64, p, q| usual(t * time, p * length, q);
+    let of = |header, time, length| written(&trial.toss, header, scaled(time, length));
+    // Named; not named; named wrongly.
+    trial.is_the_toss(
+        &of("t_s,pos_x [mm],pos_y [mm],pos_z [mm],qw,qx,qy,qz", 1.0, 1e3),
+        "in mm",
+    );
+    trial.is_the_toss(
+        &of("time,x,y,z,qw,qx,qy,qz", 1.0, 1e2),
+        "lengths are in centimetres",
+    );
+    trial.is_the_toss(&of(OURS, 1.0, 1e3), "lengths are in millimetres");
+    trial.is_the_toss(
+        &of("timestamp_ms,x,y,z,qw,qx,qy,qz", 1e3, 1.0),
+        "timestamp_ms in ms",
+    );
+    trial.is_the_toss(
+        &of("stamp,x,y,z,qw,qx,qy,qz", 1e9, 1.0),
+        "times are in nanoseconds",
+    );
+    trial.is_the_toss(&of(OURS, 1e3, 1.0), "times are in milliseconds");
+}
+
+#[test]
+fn which_way_is_up_is_seen_from_how_it_falls() {
+    let trial = Trial::new();
+    let y_up = written(&trial.toss, OURS, |t, p, [w, x, y, z]| {
+        vec![t, p.y, p.z, p.x, w, y, z, x]
+    });
+    let guess = trial.is_the_toss(&y_up, "y points up");
+    assert_eq!(guess.reading.axes, Some(Axes::YUp));
+    let z_down = written(&trial.toss, OURS, |t, p, [w, x, y, z]| {
+        vec![t, p.x, -p.y, -p.z, w, x, -y, -z]
+    });
+    let guess = trial.is_the_toss(&z_down, "-z points up");
+    assert_eq!(guess.reading.axes, Some(Axes::ZDown));
+    // Orientations are turned with the places.
+    let read = read_all(trial.put(&z_down), &guess.reading)
+        .unwrap()
+        .swap_remove(0);
+    let [mine, toss] =
+        [&read, &trial.toss].map(|r| r.trajectory.orientations_world_from_body().unwrap());
+    assert!(mine[10].angle_to(&toss[10]) < 1e-6);
+}
+
+#[test]
+fn mirrored_positions_do_not_belong_to_the_orientations() {
+    let folder = tempfile::tempdir().unwrap();
+    let mirrored: Vec<PathBuf> = tosses()
+        .iter()
+        .map(|path| {
+            let toss = read(path, Reading::default()).unwrap();
+            let text = written(&toss, OURS, |t, p, q| {
+                usual(t, Vector3::new(p.x, -p.y, p.z), q)
+            });
+            let path = folder.path().join(path.file_name().unwrap());
+            std::fs::write(&path, text).unwrap();
+            path
+        })
+        .collect();
+    let is_caught = |paths: &[PathBuf]| {
+        let said = Guess::of(paths, &Reading::default(), Some(CUBE_M));
+        said.is_err_and(|error| error.to_string().contains("mirrored"))
+    };
+    assert!(is_caught(&mirrored));
+    let tens = mirrored.chunks(10).filter(|ten| is_caught(ten)).count();
+    assert!(tens >= 3, "{tens} of 4");
+}
+
+#[test]
+fn what_a_file_lacks_is_refused_with_the_names_that_it_has() {
+    let trial = Trial::new();
+    for (header, says) in [
+        ("nothing,x,y,z,qw,qx,qy,qz", "a time"),
+        ("t,x,height,z,qw,qx,qy,qz", "both x and y"),
+        ("t,a,b,c,d,e,f,g", "both x and y"),
+    ] {
+        let said = trial.refused(&written(&trial.toss, header, usual));
+        assert!(said.contains(says) && said.contains("found"), "{said}");
+    }
+    let two = written(
+        &trial.toss,
+        "t,cube1.x,cube1.y,cube1.z,cube2.x,cube2.y,cube2.z,e",
+        usual,
+    );
+    let said = trial.refused(&two);
+    assert!(said.contains("cube1.x and cube2.x"), "{said}");
+    assert!(!trial.refused("t_s,x_m,y_m\n").is_empty());
+    assert!(!trial.refused("").is_empty());
+}
+
+#[test]
+fn lines_before_the_names_lost_samples_and_samples_out_of_order_are_put_right() {
+    let trial = Trial::new();
+    let plain = written(&trial.toss, "Time,X,Y,Z,Qw,Qx,Qy,Qz", usual);
+    trial.is_the_toss(
+        &format!("Recorded by a tracker\nversion,3\n\n{plain}"),
+        "line 4 names the columns",
+    );
+    let plain = written(&trial.toss, OURS, usual);
+    let mut lines: Vec<&str> = plain.lines().collect();
+    lines.swap(8, 9);
+    trial.is_the_toss(&lines.join("\n"), "sorted by time");
+    let lost = plain.lines().nth(12).unwrap();
+    let time = lost.split(',').next().unwrap();
+    let gone = plain.replace(lost, &format!("{time},NaN,NaN,NaN,NaN,NaN,NaN,NaN"));
+    let guess = trial.guess(&gone);
+    assert_eq!(guess.reading.skip_lost, Some(true));
+    assert!(format!("{:?}", guess.clues).contains("tracker has lost"));
+    // Spreadsheets of half of Europe.
+    let semicolons = written(&trial.toss, "t_s,x_m,y_m,z_m,qw,qx,qy,qz", usual);
+    let semicolons = semicolons.replace(',', ";").replace('.', ",");
+    trial.is_the_toss(&semicolons, "z points up");
+}
+
+/// A robot that drives an arc on the floor, seen from above or in space.
+fn arc(header: &str, line: impl Fn(f64, f64, f64, f64) -> Vec<f64>) -> String {
+    let mut text = format!("{header}\n");
+    for i in 0..400 {
+        let t = f64::from(i) * 0.02;
+        let heading = 0.5 * t;
+        let cells = line(t, 0.4 * heading.sin(), 0.4 * (1.0 - heading.cos()), heading);
+        let cells: Vec<String> = cells.iter().map(f64::to_string).collect();
+        text += &format!("{}\n", cells.join(","));
+    }
+    text
+}
+
+#[test]
+fn degrees_several_objects_waits_and_lengths_without_any_hint_are_noticed() {
+    let trial = Trial::new();
+    let wrapped = |a: f64| (a.to_degrees() + 180.0).rem_euclid(360.0) - 180.0;
+    let guess = trial.guess(&arc("t_s,x_m,y_m,yaw", |t, x, y, a| {
+        vec![t, x, y, wrapped(a)]
+    }));
+    let heading = guess
+        .reading
+        .columns
+        .get(realgap_path::trajectory::Role::Heading);
+    assert!(
+        heading.is_none(),
+        "plain files of ours keep their columns: {guess:?}"
+    );
+    let guess = trial.guess(&arc("time,x [m],y [m],yaw", |t, x, y, a| {
+        vec![t, x, y, wrapped(a)]
+    }));
+    assert!(
+        format!("{guess:?}").contains("angles are in degrees"),
+        "{guess:?}"
+    );
+    let guess = trial.guess(&arc("time,x [m],y [m],yaw", |t, x, y, a| vec![t, x, y, a]));
+    assert!(!format!("{guess:?}").contains("degrees"), "{guess:?}");
+    // An arc to the left of a robot that turns to the right.
+    let said = trial.refused(&arc("time,x [m],y [m],yaw", |t, x, y, a| vec![t, x, y, -a]));
+    assert!(said.contains("mirrored"), "{said}");
+    // Two robots in turns.
+    let several = arc("t_s,x_m,y_m,robot", |t, x, y, _| {
+        let second = ((t / 0.02).round() as i64 % 2) as f64;
+        vec![t, x + 3.0 * second, y, second]
+    });
+    assert_eq!(trial.guess(&several).open[0].ask, Ask::Whose);
+    // It waits for three seconds.
+    let waits = arc("t_s,x_m,y_m", |t, _, _, _| {
+        let a = (0.5 * (t - 3.0)).max(0.0);
+        vec![t, 0.4 * a.sin(), 0.4 * (1.0 - a.cos())]
+    });
+    let crop = trial.guess(&waits).reading.crop.unwrap();
+    assert!((2.5..3.2).contains(&crop.from_s), "{crop:?}");
+    // From above, without units: metres, for in millimetres it would hardly move.
+    let plain = arc("t,x,y", |t, x, y, _| vec![t, x, y]);
+    let guess = trial.guess(&plain);
+    assert!(
+        format!("{:?}", guess.clues).contains("lengths are in metres"),
+        "{guess:?}"
+    );
+    // Whose robot is not known cannot be told.
+    let path = trial.put(&plain);
+    let open = Guess::of(&[path], &Reading::default(), None).unwrap().open;
+    assert_eq!(open[0].ask, Ask::Length);
+    // A floor below y, and a file whose samples are half a second or half a millisecond apart.
+    let y_up = arc("t,x [m],y [m],z [m]", |t, x, z, _| vec![t, x, 0.052, z]);
+    assert_eq!(trial.guess(&y_up).reading.axes, Some(Axes::YUp));
+    let slow = arc("t,x [m],y [m]", |t, x, y, _| vec![t * 25.0, x, y]);
+    assert_eq!(trial.guess(&slow).open[0].ask, Ask::Time);
+}
