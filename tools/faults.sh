@@ -4,15 +4,15 @@
 #
 #   cargo build --release && tools/faults.sh
 #
-# REALGAP names another program than target/release/realgap. Needs Linux; what it may not do (mount, compile) says SKIPPED.
+# REALGAP names another program than target/release/realgap, SEED another seed than 1. Needs Linux; what it may not do (mount, compile) says SKIPPED.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 realgap=$(realpath "${REALGAP:-target/release/realgap}")
-kills=50 early=30 second=20 pages=100 logs=40 terms=5 grid=8
+kills=50 early=30 second=20 pages=100 logs=40 seals=15 terms=5 grid=8
 if [ "${1:-}" = --short ]; then
-    kills=4 early=4 second=3 pages=20 logs=10 terms=1
+    kills=4 early=4 second=3 pages=20 logs=10 seals=3 terms=1
 fi
-RANDOM=1
+RANDOM=${SEED:-1}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0
@@ -146,7 +146,7 @@ esac
 
 # 6 Damaged pages of the store.
 damage() { # file, offset, bytes
-    head -c "$3" /dev/urandom | dd of="$1" bs=1 seek="$2" conv=notrunc status=none
+    LC_ALL=C awk -v seed="$RANDOM" -v n="$3" 'BEGIN { srand(seed); for (i = 0; i < n; i++) printf "%c", int(256 * rand()) }' | dd of="$1" bs=1 seek="$2" conv=notrunc status=none
 }
 said=0 silent=0
 mkdir -p "$work/damaged"
@@ -168,38 +168,75 @@ for i in $(seq "$pages"); do
 done
 row "damaged pages of the store" "$pages" "$said errors, $((pages - said - silent)) the same answer, $silent silently another" "$silent"
 
-# 7 A damaged log of a killed run.
-for share in 60 40 80 20 50; do
-    rm -rf "$work/log"
-    killed "$work/log" $((whole_ms * share / 100))
-    [ -s "$work/log/results.sqlite-wal" ] && break
-done
-if [ -s "$work/log/results.sqlite-wal" ]; then
-    "$realgap" results "$work/log" --format csv >"$work/log.csv"
-    said=0 same=0 shorter=0 silent=0
+# 7 The log of a killed run: damaged, cut, gone, or that of another run. Whatever is refused is cured by resuming.
+# Sorted by trial: scores are told at the end alone.
+listed() { "$realgap" results "$1" --format csv --sort trial 2>"$work/said"; }
+stopped() { # folder, options behind it
+    local folder=$1 share
+    shift
+    for share in 60 40 80 20 50 70 30; do
+        rm -rf "$folder"
+        killed "$folder" $((whole_ms * share / 100)) "$@"
+        [ -s "$folder/results.sqlite-wal" ] && return 0
+    done
+    return 1
+}
+if stopped "$work/log" && stopped "$work/other" --points 7; then
+    listed "$work/log" >"$work/log.csv"
     size=$(stat -c %s "$work/log/results.sqlite-wal")
-    for i in $(seq "$logs"); do
-        rm -rf "$work/damaged"
-        cp -r "$work/log" "$work/damaged"
-        damage "$work/damaged/results.sqlite-wal" $(((RANDOM * 32768 + RANDOM) % size)) 16
-        if ! "$realgap" results "$work/damaged" --format csv --sort trial >"$work/damaged.csv" 2>/dev/null; then
-            said=$((said + 1))
-        else
-            "$realgap" results "$work/log" --format csv --sort trial >"$work/log.csv"
-            if cmp -s "$work/damaged.csv" "$work/log.csv"; then
+    for fault in damaged cut missing foreign; do
+        said=0 same=0 silent=0 lost=0 times=$logs
+        [ "$fault" = missing ] || [ "$fault" = foreign ] && times=$((1 + logs / 10))
+        for i in $(seq "$times"); do
+            rm -rf "$work/damaged"
+            cp -r "$work/log" "$work/damaged"
+            log=$work/damaged/results.sqlite-wal
+            at=$(((RANDOM * 32768 + RANDOM) % size))
+            case $fault in
+                damaged) damage "$log" "$at" 16 ;;
+                cut) truncate -s "$at" "$log" ;;
+                missing) rm "$log" ;;
+                foreign) cp "$work/other/results.sqlite-wal" "$log" ;;
+            esac
+            if ! listed "$work/damaged" >"$work/damaged.csv"; then
+                grep -q -e --resume "$work/said" || silent=$((silent + 1))
+                said=$((said + 1))
+            elif cmp -s "$work/damaged.csv" "$work/log.csv"; then
                 same=$((same + 1))
-            elif [ "$(($(wc -l <"$work/log.csv") - $(wc -l <"$work/damaged.csv")))" -le 2 ]; then
-                # The very last write cannot be told from one that was cut off.
-                shorter=$((shorter + 1))
             else
                 silent=$((silent + 1))
             fi
-        fi
+            if [ $((i % 5)) = 1 ]; then
+                sweep -o "$work/damaged" --resume && equal "$work/damaged" || lost=$((lost + 1))
+            fi
+        done
+        row "log of a killed run, $fault" "$times" "$said errors, $same the same answer, $silent silently another or without a cure, $lost not cured by --resume" $((silent + lost))
     done
-    row "damaged log of a killed run" "$logs" "$said errors, $same the same answer, $shorter without the last write, $silent silently another" "$silent"
 else
-    skipped "damaged log of a killed run" "the kill left no log"
+    skipped "log of a killed run" "the kill left no log"
 fi
+
+# 13 Files of a finished folder changed by one digit, or shorter by one line.
+for fault in "digit page.json" "digit points.csv" "digit best.ron" "line points.csv" "line indistinguishable.csv" "line SHA256SUMS"; do
+    read -r kind file <<<"$fault"
+    said=0
+    for i in $(seq "$seals"); do
+        rm -rf "$work/damaged"
+        cp -r "$work/whole" "$work/damaged"
+        if [ "$kind" = line ]; then
+            lines=$(wc -l <"$work/whole/$file")
+            sed -i "$((1 + RANDOM % lines))d" "$work/damaged/$file"
+        else
+            at=$(grep -ob '[0-9]' "$work/whole/$file" | cut -d: -f1 | sed -n "$((1 + (RANDOM * 32768 + RANDOM) % $(grep -o '[0-9]' "$work/whole/$file" | wc -l)))p")
+            digit=$(dd if="$work/whole/$file" bs=1 skip="$at" count=1 status=none)
+            printf '%s' $(((digit + 1) % 10)) | dd of="$work/damaged/$file" bs=1 seek="$at" conv=notrunc status=none
+        fi
+        "$realgap" report "$work/damaged" -o "$work/page.html" >/dev/null 2>"$work/said" || {
+            grep -q -e --accept "$work/said" && said=$((said + 1))
+        }
+    done
+    row "finished folder, one $kind of $file changed or lost" "$seals" "$said errors" $((seals - said))
+done
 
 # 8 A clock that jumps.
 cat >"$work/jump.c" <<'END'

@@ -69,6 +69,7 @@ mod sensorgraph;
 mod shell;
 mod simulate;
 mod slurm;
+mod start;
 mod status;
 mod stream;
 mod submit;
@@ -103,6 +104,7 @@ struct Cli {
 
 const EXAMPLES: &str = "\
 The usual way through:
+  realgap start runs/*.csv robot.ron                a study of your own recordings
   realgap check morphologies/tripod.ron             what is in this file, and is it sound?
   realgap simulate morphologies/tripod.ron -o a.csv one run, written as a trajectory
   realgap replay morphologies/tripod.ron            watch it move, in a browser
@@ -121,6 +123,7 @@ Exit codes: 0 fine, 1 failed, 2 wrong usage, 130 interrupted (the work so far is
 commands! {
     /// What there is to do; in the help a question stands above the first command that answers it.
     Command:
+    Start(start::Start),
     Check(check::Check),
     Simulate(simulate::Simulate),
     Replay(replay::ReplayCommand),
@@ -200,7 +203,8 @@ commands! {
 }
 
 /// Questions, each above the first of the commands that answer it.
-const QUESTIONS: [(&str, &str); 5] = [
+const QUESTIONS: [(&str, &str); 6] = [
+    ("start", "How do I begin with my own recordings?"),
     ("check", "Is it sound, and what does it do?"),
     ("compare", "How far is the simulation from reality?"),
     ("sweep", "What closes the gap, and how sure may I be?"),

@@ -53,7 +53,7 @@ pub struct ReadingOptions {
     /// The frame whose transforms are read (MCAP, bags of ROS 2), e.g. base_link
     #[arg(long, value_name = "NAME", help_heading = READING)]
     child_frame: Vec<String>,
-    /// Which way the axes of poses point: world (z up) or camera (x right, y down, z forward)
+    /// Which way the axes of poses point: world (z up), camera (x right, y down, z forward), y-up or z-down
     #[arg(long, value_name = "AXES", help_heading = READING)]
     axes: Vec<Axes>,
 }

@@ -8,4 +8,5 @@ mod equal_runs;
 mod foreign;
 mod hint;
 mod new;
+mod start;
 mod verify;

@@ -117,6 +117,33 @@ fn close_copy(path: &Path, bytes: &[u8], beside: &[PathBuf], folder: &Path) -> R
     std::fs::read(&copy).map_err(fail)
 }
 
+/// Checks that a database has as many bytes as it says: SQLite reads the rest of a last page that was cut as zeros.
+/// Format: <https://www.sqlite.org/fileformat2.html#the_database_header>.
+fn must_be_whole(bytes: &[u8]) -> Result<()> {
+    let word = |at: usize| {
+        let bytes = bytes.get(at..at + 4).and_then(|four| four.try_into().ok());
+        bytes.map_or(0, u32::from_be_bytes)
+    };
+    let page = match bytes.get(16..18) {
+        Some([0, 1]) => 65_536,
+        Some([high, low]) => 256 * usize::from(*high) + usize::from(*low),
+        _ => 0,
+    };
+    // The number of pages counts where it was written by the last change.
+    let pages = if word(24) == word(92) {
+        word(28) as usize
+    } else {
+        0
+    };
+    if page < 512 || bytes.len() % page != 0 || bytes.len() < pages * page {
+        return Err(Error::invalid("the bag was cut off")
+            .found(format!("{} bytes", bytes.len()))
+            .allowed(format!("{} pages of {page} bytes", pages.max(1)))
+            .hint("copy it from the robot once more; `ros2 bag reindex` mends what is there"));
+    }
+    Ok(())
+}
+
 /// Calls `each` with every message of the bag that these bytes are, by time.
 ///
 /// # Errors
@@ -130,6 +157,7 @@ pub fn read_bag(
             .found("other first bytes")
             .allowed("a SQLite database"));
     }
+    must_be_whole(&bytes)?;
     // In memory there is no file beside it.
     if let Some(versions) = bytes.get_mut(VERSIONS) {
         versions.fill(1);

@@ -86,6 +86,18 @@ fn a_damaged_page_is_an_error_or_changes_nothing() {
 }
 
 #[test]
+fn a_finished_store_that_is_cut_anywhere_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    study(folder.path());
+    let file = folder.path().join(STORE_FILE);
+    let whole = std::fs::read(&file).unwrap();
+    for share in 0..200 {
+        std::fs::write(&file, &whole[..whole.len() * share / 200]).unwrap();
+        assert!(Listing::read(folder.path()).is_err(), "{share} of 200");
+    }
+}
+
+#[test]
 #[ignore = "minutes; `.ci/run` runs the short one"]
 fn thousands_of_damaged_pages_are_errors_or_change_nothing() {
     survive(study, 4000);

@@ -1,0 +1,261 @@
+//! `realgap start`: from somebody's files to a study, every guess said with its evidence.
+
+use std::io::{BufRead as _, IsTerminal as _};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use realgap::calibration::{Definition, Overrides};
+use realgap::file::{Source, write_ron};
+use realgap::import::is_foreign;
+use realgap::robot::morphology::Morphology;
+use realgap::trajectory::{Ask, Axes, Guess, Open, Reading, Recording, read_all};
+use realgap::unit::counted;
+use realgap::{Error, Result};
+
+use super::kind::read_morphology;
+use super::reading::ReadingOptions;
+use super::{output, shell, terminal};
+
+/// Make a study of your own recordings and your robot: how the files are to be read is found out, said and written down
+///
+/// The recordings are looked at: names and units of columns, the rate, lost and unsorted samples, holes, waiting before the motion,
+/// several objects in a file, which way is up, mirrored axes. Every guess is printed with what it was seen from, and stands in the
+/// study's `reading`. What the files do not tell is asked for on a terminal; elsewhere the error names the option that answers.
+/// Then the study is checked, and the next command named.
+#[derive(Debug, Args)]
+pub struct Start {
+    /// Recordings (.csv, .tum, .mcap, ...), and the robot (.ron, .urdf or .xml)
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// The robot is a cube: its edge in metres and its mass in kilograms
+    #[arg(long, num_args = 2, value_names = ["SIDE_M", "MASS_KG"])]
+    cube: Option<Vec<f64>>,
+    #[command(flatten)]
+    reading: ReadingOptions,
+    /// The study; a robot made by --cube is written beside it
+    #[arg(short, long, value_name = "FILE", default_value = "study.ron")]
+    output: PathBuf,
+}
+
+/// Files and what they are of.
+struct Subject {
+    recordings: Vec<PathBuf>,
+    robot_file: PathBuf,
+    robot: Morphology,
+}
+
+impl Start {
+    pub fn run(self) -> Result<()> {
+        output::check(&self.output)?;
+        let subject = self.subject()?;
+        let size_m = subject.robot.summary().body_length_m;
+        let mut known = self.reading.reading()?;
+        let guess = loop {
+            let guess = Guess::of(&subject.recordings, &known, Some(size_m))?;
+            match guess.open.first() {
+                None => break guess,
+                Some(open) => answer(open, &mut known)?,
+            }
+        };
+        let mut recordings = Vec::new();
+        for path in &subject.recordings {
+            recordings.extend(read_all(path, &guess.reading)?);
+        }
+        let text = self.study(&subject, &guess, &recordings)?;
+        let source = Source::new(&self.output, text.clone());
+        let definition = Definition::parse(&source, &Overrides::default())?;
+        output::write_ron(&self.output, &text)?;
+        terminal::print_warnings(&definition.warnings);
+        let clues = guess
+            .clues
+            .iter()
+            .map(|c| format!("  {}: {}", c.what, c.because));
+        let mut lines = vec![format!(
+            "{} of {}, read so:",
+            counted(recordings.len(), "recording"),
+            subject.robot.name()
+        )];
+        lines.extend(clues);
+        lines.push(format!(
+            "written {}, which is sound; next: realgap sweep {}",
+            self.output.display(),
+            shell::path(&self.output)
+        ));
+        terminal::print(lines.join("\n"));
+        Ok(())
+    }
+
+    /// Tells recordings and robot apart.
+    fn subject(&self) -> Result<Subject> {
+        let is_robot = |path: &PathBuf| {
+            is_foreign(path) || path.extension().is_some_and(|ending| ending == "ron")
+        };
+        let (robots, recordings): (Vec<_>, Vec<_>) = self.files.iter().cloned().partition(is_robot);
+        if recordings.is_empty() {
+            return Err(Error::usage("no recording is named")
+                .found("robots alone")
+                .hint("name recordings, too: realgap start runs/*.csv robot.ron"));
+        }
+        let robot_file = match (robots.as_slice(), &self.cube) {
+            ([file], None) => file.clone(),
+            ([], Some(cube)) => self.write_cube(cube)?,
+            ([], None) => {
+                return Err(Error::usage("which robot was recorded?")
+                    .found("recordings alone")
+                    .allowed("a robot's file (.ron, .urdf, .xml), or --cube SIDE_M MASS_KG"));
+            }
+            (all, _) => {
+                return Err(
+                    Error::usage("recordings of one study are of one robot").found(counted(
+                        all.len() + usize::from(self.cube.is_some()),
+                        "robot",
+                    )),
+                );
+            }
+        };
+        Ok(Subject {
+            recordings,
+            robot: read_morphology(&robot_file)?,
+            robot_file,
+        })
+    }
+
+    fn write_cube(&self, cube: &[f64]) -> Result<PathBuf> {
+        let [side_m, mass_kg] = [cube[0], cube[1]];
+        let stem = self
+            .output
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy();
+        let file = self.output.with_file_name(format!("{stem}_cube.ron"));
+        let text = format!(
+            "// A cube without servo.\n(\n    name: \"cube\",\n    modules: [\n        (name: \"cube\", kind: Passive(side_m: {side_m:?}, mass_kg: {mass_kg:?})),\n    ],\n)\n"
+        );
+        Morphology::parse(&Source::new("--cube", text.clone())).map_err(Error::into_usage)?;
+        output::write_ron(&file, &text)?;
+        Ok(file)
+    }
+
+    /// A path as the study names it.
+    fn named(&self, path: &Path) -> Result<String> {
+        let is_here = self
+            .output
+            .parent()
+            .is_none_or(|folder| folder.as_os_str().is_empty());
+        let path = match is_here || path.is_absolute() {
+            true => path.to_path_buf(),
+            false => std::path::absolute(path).map_err(|e| Error::io("find the file", path, &e))?,
+        };
+        Ok(format!("{:?}", path.display().to_string()))
+    }
+
+    /// The study's text.
+    fn study(&self, subject: &Subject, guess: &Guess, recordings: &[Recording]) -> Result<String> {
+        let is_posed = recordings.iter().all(|recording| {
+            let motion = &recording.trajectory;
+            !motion.is_planar() && motion.orientations_world_from_body().is_some()
+        });
+        let has_velocities = recordings
+            .iter()
+            .all(|r| r.trajectory.velocities_world_m_s().is_some());
+        // What drives itself starts from rest; what is thrown goes on from where it was seen first.
+        let is_thrown = is_posed && subject.robot.summary().hinges == 0;
+        let (start, metric) = match (is_thrown, has_velocities) {
+            (true, true) => (
+                "    start: FromRecording, // nothing drives it: it goes on from the first sample\n",
+                "pose",
+            ),
+            (true, false) => (
+                "    start: FromRecording, // nothing drives it: it goes on from the first sample\n    start_state: HalfSampleCorrected, // no velocities are recorded: differences stand for them\n",
+                "pose",
+            ),
+            (false, _) => (
+                "    start: Settled, // it stands on the floor, then its commands begin\n",
+                "rms",
+            ),
+        };
+        let mut names = Vec::new();
+        for path in &subject.recordings {
+            names.push(format!("        {},\n", self.named(path)?));
+        }
+        let clues: Vec<String> = guess
+            .clues
+            .iter()
+            .map(|clue| {
+                format!(
+                    "    // {}: {}\n",
+                    clue.what,
+                    clue.because.replace('\n', " ")
+                )
+            })
+            .collect();
+        let reading = match guess.reading == Reading::default() {
+            true => String::new(),
+            false => format!(
+                "    reading: {},\n",
+                write_ron(&guess.reading)?
+                    .trim_end()
+                    .replace('\n', "\n    ")
+            ),
+        };
+        Ok(format!(
+            "// Which friction and restitution make the simulated robot move like the recorded one?\n\
+             //   realgap check NAME     what is in this file, and is it sound?\n\
+             //   realgap sweep NAME     every combination; then: realgap report FOLDER\n\
+             //   realgap tune NAME      an optimizer chooses the points\n\
+             Study(\n    description: \"made by realgap start\",\n    morphology: {},\n    recordings: [\n{}    ],\n{}{reading}{start}    parameters: [ // `realgap study parameters` lists all that there are\n        (name: \"floor.friction\", from: 0.05, to: 1.0, points: 11),\n        (name: \"floor.restitution\", from: 0.0, to: 0.8, points: 11),\n    ],\n    metric: \"{metric}\",\n)\n",
+            self.named(&subject.robot_file)?,
+            names.concat(),
+            clues.concat(),
+        )
+        .replace("NAME", &self.output.display().to_string()))
+    }
+}
+
+/// Asks on a terminal; elsewhere names the option that answers.
+fn answer(open: &Open, known: &mut Reading) -> Result<()> {
+    let (question, option) = match open.ask {
+        Ask::Time => (
+            "In which unit are times (s, ms, us, ns)?",
+            "--time-unit UNIT",
+        ),
+        Ask::Length => ("In which unit are lengths (m, cm, mm)?", "--unit UNIT"),
+        Ask::Up => (
+            "Which way do axes point (world: z up; y-up; z-down; camera)?",
+            "--axes AXES",
+        ),
+        Ask::Whose => (
+            "Whose rows are read (COLUMN=VALUE)?",
+            "--where COLUMN=VALUE",
+        ),
+    };
+    if !std::io::stdin().is_terminal() || !std::io::stderr().is_terminal() {
+        return Err(Error::usage("the recordings do not tell everything")
+            .found(&open.found)
+            .allowed(question)
+            .hint(format!("answer with {option}")));
+    }
+    terminal::note(format!("{question} {}", open.found));
+    let mut line = String::new();
+    let read = std::io::stdin().lock().read_line(&mut line);
+    if read.map_err(|e| Error::io("read the answer", "standard input", &e))? == 0 {
+        return Err(Error::interrupted("no answer"));
+    }
+    let line = line.trim();
+    let wrong = |why: String| terminal::note(why);
+    match open.ask {
+        Ask::Time => line
+            .parse()
+            .map_or_else(wrong, |unit| known.time = Some(unit)),
+        Ask::Length => line
+            .parse()
+            .map_or_else(wrong, |unit| known.length = Some(unit)),
+        Ask::Up => line
+            .parse::<Axes>()
+            .map_or_else(wrong, |axes| known.axes = Some(axes)),
+        Ask::Whose => line
+            .parse()
+            .map_or_else(wrong, |only| known.only = Some(only)),
+    }
+    Ok(())
+}

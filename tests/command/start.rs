@@ -1,0 +1,210 @@
+//! From somebody's own files to a verdict in three commands, and what a newcomer gets wrong on the way.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use crate::common;
+
+use std::path::{Path, PathBuf};
+
+use common::{realgap, text};
+
+/// Three real tosses as another program wrote them: millimetres, milliseconds, y up, names of its own, two lines before them.
+fn foreign_tosses(folder: &Path) -> Vec<PathBuf> {
+    let own = common::project().join("real_trajectories/cube_tosses");
+    ["toss_003", "toss_015", "toss_026"]
+        .iter()
+        .map(|name| {
+            let table = std::fs::read_to_string(own.join(format!("{name}.csv"))).unwrap();
+            let mut text =
+                "exported\n\nTime;Pos X;Pos Y;Pos Z;Rot W;Rot X;Rot Y;Rot Z\n".to_owned();
+            for line in table.lines().skip(1) {
+                let v: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+                let row = [
+                    v[0] * 1e3,
+                    v[2] * 1e3,
+                    v[3] * 1e3,
+                    v[1] * 1e3,
+                    v[4],
+                    v[6],
+                    v[7],
+                    v[5],
+                ];
+                text += &format!("{}\n", row.map(|v| v.to_string()).join(";"));
+            }
+            let path = folder.join(format!("{name}.csv"));
+            std::fs::write(&path, text).unwrap();
+            path
+        })
+        .collect()
+}
+
+fn start(words: &[&str], files: &[PathBuf], study: &Path) -> (i32, String) {
+    let said = realgap()
+        .arg("start")
+        .args(files)
+        .args(words)
+        .arg("-o")
+        .arg(study)
+        .write_stdin("")
+        .output()
+        .unwrap();
+    let all = text(&said.stdout) + &text(&said.stderr);
+    (said.status.code().unwrap(), all)
+}
+
+const CUBE: [&str; 3] = ["--cube", "0.1048", "0.37"];
+
+#[test]
+fn three_commands_lead_from_own_files_to_a_verdict() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("mine.ron");
+    let files = foreign_tosses(folder.path());
+    let (code, said) = start(&CUBE, &files, &study);
+    assert_eq!(code, 0, "{said}");
+    for words in [
+        "y points up",
+        "lengths are in millimetres",
+        "times are in milliseconds",
+        "line 3 names",
+        "next: realgap sweep",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let written = std::fs::read_to_string(&study).unwrap();
+    assert!(
+        written.contains("start: FromRecording") && written.contains("y-up"),
+        "{written}"
+    );
+    let out = folder.path().join("out");
+    let sweep = ["--points", "3", "--score", "single", "-o"];
+    realgap()
+        .arg("sweep")
+        .arg(&study)
+        .args(sweep)
+        .arg(&out)
+        .assert()
+        .success();
+    realgap().arg("report").arg(&out).assert().success();
+    let best = common::read(&out, "best.ron");
+    assert!(best.contains("floor.friction"), "{best}");
+}
+
+#[test]
+fn what_a_newcomer_gets_wrong_is_asked_or_refused_with_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("mine.ron");
+    let files = foreign_tosses(folder.path());
+    let put = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let path = |i: i32| (f64::from(i) * 0.02, 0.3 * f64::from(i) * 0.02);
+    let table = |header: &str, row: &dyn Fn(i32) -> String| {
+        let rows: Vec<String> = (0..200).map(row).collect();
+        format!("{header}\n{}\n", rows.join("\n"))
+    };
+    let plain = put(
+        "plain.csv",
+        &table("t,x,y", &|i| format!("{},{},0", path(i).0, path(i).1)),
+    );
+    let slow = put(
+        "slow.csv",
+        &table("t,x [m],y [m]", &|i| {
+            format!("{},{},0", i as f64 * 0.5, path(i).1)
+        }),
+    );
+    let untimed = put(
+        "untimed.csv",
+        &table("frame,x,y", &|i| format!("{i},{},0", path(i).1)),
+    );
+    let flat = put(
+        "flat.csv",
+        &table("t,x,z", &|i| format!("{},{},0", path(i).0, path(i).1)),
+    );
+    let space = put(
+        "space.csv",
+        &table("t,x [m],y [m],z [m]", &|i| {
+            let (t, x) = path(i);
+            format!("{t},{x},{x},{x}")
+        }),
+    );
+    let two = put(
+        "two.csv",
+        &table("t_s,x_m,y_m,who", &|i| {
+            format!(
+                "{},{},{},{}",
+                path(i).0,
+                path(i).1,
+                3 * (i % 2),
+                ["a", "b"][i as usize % 2]
+            )
+        }),
+    );
+    let robot = common::project().join("morphologies/tripod.ron");
+    let own_study = common::project().join("sweeps/tripod_floor.ron");
+    let far = put(
+        "far.csv",
+        &table("t_s,x_m,y_m", &|i| {
+            format!("{},{},0", path(i).0, 900.0 * path(i).1)
+        }),
+    );
+    for (words, files, says) in [
+        (vec![], files.clone(), "--cube"),
+        (
+            vec![],
+            vec![robot.clone()],
+            "realgap start runs/*.csv robot.ron",
+        ),
+        (
+            vec![],
+            vec![files[0].clone(), robot.clone(), robot.clone()],
+            "one robot",
+        ),
+        (
+            vec![],
+            vec![files[0].clone(), own_study],
+            "not a morphology",
+        ),
+        (
+            CUBE.to_vec(),
+            vec![folder.path().join("gone.csv")],
+            "gone.csv",
+        ),
+        (CUBE.to_vec(), vec![folder.path().to_path_buf()], "allowed"),
+        (CUBE.to_vec(), vec![put("empty.csv", "")], "empty"),
+        (
+            CUBE.to_vec(),
+            vec![put("short.csv", "t_s,x_m,y_m\n0,0,0\n")],
+            "samples",
+        ),
+        (
+            CUBE.to_vec(),
+            vec![untimed],
+            "no column is called like a time",
+        ),
+        (CUBE.to_vec(), vec![flat], "both x and y"),
+        (CUBE.to_vec(), vec![slow], "--time-unit"),
+        (CUBE.to_vec(), vec![space], "--axes"),
+        (CUBE.to_vec(), vec![two], "--where"),
+        (CUBE.to_vec(), vec![far], "--unit"),
+        (vec!["--cube", "-1", "0.37"], files.clone(), "side_m"),
+        (
+            vec!["--cube", "0.1", "0.37", "--column", "x=nowhere"],
+            files.clone(),
+            "nowhere",
+        ),
+    ] {
+        let (code, said) = start(&words, &files, &study);
+        assert!(
+            code != 0 && said.contains(says),
+            "{words:?} {files:?}: {code} {said}"
+        );
+        assert!(!study.exists());
+    }
+    // The size of the robot tells what nothing else does.
+    let (code, said) = start(&CUBE, &[plain], &study);
+    assert!(
+        code == 0 && said.contains("lengths are in metres"),
+        "{said}"
+    );
+}
