@@ -9,7 +9,7 @@ use realgap::results::check_seal;
 use realgap::store::{Cell, FolderLock, Listing};
 use realgap::text::{cell, shown};
 use realgap::unit::counted;
-use realgap::{Error, Result};
+use realgap::{Advice, Error, Result};
 use serde::Serialize;
 
 use super::{output, terminal};
@@ -54,8 +54,11 @@ enum ResultsFormat {
 
 impl Results {
     pub fn run(self) -> Result<()> {
-        // Who only looks has neither a run to resume nor another folder to choose.
-        let listing = Listing::read(&self.folder).map_err(Error::without_advice)?;
+        let listing = Listing::read(&self.folder).map_err(|error| match error.advice() {
+            [Advice::Resume] => error,
+            // Who only looks has no other folder to choose.
+            _ => error.without_advice(),
+        })?;
         let mut listing = listing.sorted(self.sort.as_deref())?;
         if !self.per_recording {
             listing = listing.without_details();

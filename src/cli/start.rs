@@ -23,6 +23,7 @@ use super::{output, shell, terminal};
 /// study's `reading`. What the files do not tell is asked for on a terminal; elsewhere the error names the option that answers.
 /// Then the study is checked, and the next command named.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct Start {
     /// Recordings (.csv, .tum, .mcap, ...), and the robot (.ron, .urdf or .xml)
     #[arg(required = true, value_name = "FILE")]

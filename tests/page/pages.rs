@@ -259,7 +259,7 @@ fn a_browser_runs_nothing_that_others_wrote_into_a_folder() {
         },
     });
     std::fs::write(folder.path().join("page.json"), kept.to_string()).unwrap();
-    run(&["report", folder.path().to_str().unwrap()]);
+    run(&["report", folder.path().to_str().unwrap(), "--accept"]);
     let page = folder.path().join("report.html");
     browser.look(WIDE, false);
     browser.open(&page, "#t=1");

@@ -289,7 +289,7 @@ impl<R: Table> Store<R> {
         let verified = self.each_verified(|_, _| Ok(()));
         verified.map_err(|error| match count::has_log(&self.path) {
             // Without a log that is of another run, the rest may be whole.
-            true => error.advise(Advice::Resume),
+            true => error.without_advice().advise(Advice::Resume),
             false => error,
         })
     }
