@@ -135,7 +135,7 @@ fn must_be_whole(bytes: &[u8]) -> Result<()> {
     } else {
         0
     };
-    if page < 512 || bytes.len() % page != 0 || bytes.len() < pages * page {
+    if page < 512 || !bytes.len().is_multiple_of(page) || bytes.len() < pages * page {
         return Err(Error::invalid("the bag was cut off")
             .found(format!("{} bytes", bytes.len()))
             .allowed(format!("{} pages of {page} bytes", pages.max(1)))
