@@ -41,6 +41,7 @@ fn main() -> Result<()> {
         points: vec![21, 21],
         budget: 80,
         seed: 1,
+        priors: Vec::new(),
     };
     // One line in OPTIMIZERS does the same for `realgap tune --optimizer compass`.
     let told = minimise(&Compass, &brief, |point| {

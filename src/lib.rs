@@ -196,7 +196,7 @@ pub mod guide {
     pages! {
         pictures: compare confidence convergence curves ensemble fitness gallery heatmap histograms map paths profile ride
             robot seen sensitivity sensor steps template time times tosses trajectories visits watched;
-        pages: tutorial cli conventions files python recordings robots scale glossary gallery pages design compare limits
+        pages: tutorial cli conventions files python recordings joints robots scale glossary gallery pages design compare limits
             questions bibliography;
         #[doc = links!()]
         #[doc = include_str!("../docs/fidelity.md")]

@@ -10,7 +10,7 @@ use realgap::calibration::read_parameters;
 use realgap::file::Source;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{
-    self, CommandTrack, Experiment, Film, JointKind, Outcome, Sampling, SceneBody, film,
+    self, Between, CommandTrack, Experiment, Film, JointKind, Outcome, Sampling, SceneBody, film,
 };
 use realgap::trajectory::write_with_bodies;
 use realgap::{Error, Result, Warning};
@@ -169,7 +169,8 @@ fn experiment(
         }
         let (times_s, angles_rad) = (array::numbers(times_s), array::numbers(angles_rad));
         let track = CommandTrack::new(times_s, angles_rad, None)
-            .map_err(|error| error.field(format!("gait of {hinge}")))?;
+            .map_err(|error| error.field(format!("gait of {hinge}")))?
+            .with(Between::Interpolated);
         experiment.commands.insert(hinge.clone(), Arc::new(track));
     }
     experiment.check().map_err(Error::into_usage)?;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use realgap::plot::check_picture_path;
 use realgap::results::{draw_histograms, draw_sensor};
 use realgap::sensing::range::form::{FORMS, Form, form_by_name};
 use realgap::sensing::range::{Characterisation, LogOptions, Options, ReadingLog};
@@ -93,7 +94,7 @@ impl Characterise {
         self.bin.map_or(Ok(()), |bin| positive("--bin", bin))?;
         self.page.check()?;
         for picture in self.plot.iter().chain(&self.histograms) {
-            output::check_picture(picture)?;
+            check_picture_path(picture)?;
         }
         if let Some(output) = &self.output {
             output::check(output)?;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use realgap::calibration::{Study, read_noise};
+use realgap::file::check_writable;
 use realgap::optimization::RunOptions;
 use realgap::prediction::{Odds, OddsOptions};
 use realgap::simulation::parameter::ParameterSet;
@@ -50,7 +51,7 @@ impl OddsOption {
             }
         };
         if let Some(plot) = &self.plot {
-            super::output::check_picture(plot)?;
+            check_writable(plot)?;
         }
         let options = OddsOptions {
             noise,

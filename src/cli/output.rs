@@ -10,10 +10,8 @@ use realgap::{Error, Result};
 /// Set by `--force`.
 static FORCE: AtomicBool = AtomicBool::new(false);
 /// What stands in files that this program writes, near their beginning.
-const MARKS: [&str; 7] = [
-    "Written by realgap",
-    // In a PNG.
-    "Software\0realgap",
+const MARKS: [&str; 6] = [
+    "// Written by realgap",
     "exported by realgap",
     "content=\"realgap",
     "\"generator\":\"realgap",
@@ -51,12 +49,6 @@ pub fn check(path: &Path) -> Result<()> {
     )
 }
 
-/// Checks before the work that a picture can be written there.
-pub fn check_picture(path: &Path) -> Result<()> {
-    realgap::plot::check_picture_path(path)?;
-    check(path)
-}
-
 /// Checks before the work that a page can be written there.
 pub fn check_page(path: &Path) -> Result<()> {
     if path.extension().is_none_or(|ending| ending != "html") {
@@ -85,7 +77,7 @@ pub fn write_ron(path: &Path, text: &str) -> Result<()> {
     write(path, format!("{head}{text}").as_bytes())
 }
 
-/// Whether a file says that this program wrote it. Tables cannot say so; empty files are nobody's.
+/// Whether a file says that this program wrote it. Tables and pictures cannot say so; empty files are nobody's.
 fn is_ours(path: &Path) -> bool {
     let mut start = Vec::new();
     let read =

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use realgap::plot::check_picture_path;
 use realgap::results::{draw_error_map, draw_strength_map};
 use realgap::sensing::arena::{Anchor, Arena};
 use realgap::sensing::radio::propagation::{PROPAGATIONS, propagation_by_name};
@@ -246,7 +247,7 @@ impl Evaluate {
     pub fn run(self) -> Result<()> {
         self.page.check()?;
         if let Some(plot) = &self.plot {
-            output::check_picture(plot)?;
+            check_picture_path(plot)?;
         }
         let model = RadioModel::read(&self.parameters)?;
         let (arena, anchors) = self.place.read()?;
@@ -273,7 +274,7 @@ impl Evaluate {
 
 impl Map {
     pub fn run(self) -> Result<()> {
-        output::check_picture(&self.plot)?;
+        check_picture_path(&self.plot)?;
         let model = RadioModel::read(&self.parameters)?;
         let (arena, anchors) = self.place.read()?;
         let anchor = anchors

@@ -103,6 +103,8 @@ impl ReadingOptions {
             topic: pick(&self.topic, "topic", index, files)?,
             child_frame: pick(&self.child_frame, "child_frame", index, files)?,
             axes: pick(&self.axes, "axes", index, files)?,
+            // Said in a file only.
+            ..Reading::default()
         };
         match pick(&self.reading_files, "reading", index, files)? {
             Some(path) if path.as_os_str() != "-" => Ok(own.or(&Reading::read(path)?)),

@@ -5,11 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 use realgap::Result;
 use realgap::calibration::{Overrides, Sensitivity as Effects, Study};
-use realgap::plot::{Bar, BarChart, Caption, Side, TextTable, draw_bars, number, quantity};
+use realgap::plot::{
+    Bar, BarChart, Caption, Side, TextTable, check_picture_path, draw_bars, number, quantity,
+};
 
 use super::kind::read_study;
 use super::option::{Jobs, Print, Recordings, Values, metric_option};
-use super::{output, progress, terminal};
+use super::{progress, terminal};
 
 /// Change every parameter a little, one at a time, and see what it does to the score
 ///
@@ -38,7 +40,7 @@ pub struct Sensitivity {
 impl Sensitivity {
     pub fn run(self) -> Result<()> {
         if let Some(path) = &self.plot {
-            output::check_picture(path)?;
+            check_picture_path(path)?;
         }
         let overrides = Overrides {
             set: self.values.parameter_set()?,

@@ -53,6 +53,7 @@ symbols! {
     MetrePerSecondSquared "m/s^2" "Metre per second squared.";
     PerSecond "1/s" "Per second (a servo gain).";
     PerRadian "1/rad" "Per radian.";
+    NewtonMetrePerRadian "N m/rad" "Newton metre per radian: the stiffness of a spring.";
     Volt "V" "Volt.";
     Ohm "ohm" "Ohm.";
     NewtonMetrePerAmpere "N m/A" "Newton metre per ampere: a motor's torque constant.";

@@ -119,6 +119,7 @@ codes! {
     ReadAs "read-as" "Recordings are read otherwise than as they stand." "say with the options of docs/recordings.md how the file is meant, if this is wrong";
     RefinedStart "refined-start" "Start states have seen more than the first sample." "judge on recordings whose start was not refined";
     RestitutionNotExported "restitution-not-exported" "A format has no restitution." "set the restitution by hand in the other simulator";
+    RoughScore "rough-score" "Least squares met a score that is not smooth." "take another optimizer, e.g. cma-es, or begin it where this one ended";
     SamplesSorted "samples-sorted" "Samples are sorted by time." "nothing to do, unless the recorder's clock jumps";
     ScansWithoutPose "scans-without-pose" "Scans outside of the times of the poses are left out." "record poses for as long as scans";
     ServoTooSlow "servo-too-slow" "A gait asks for more speed than its servo has." "make the gait slower or smaller, or give the servo its true speed";
@@ -131,6 +132,7 @@ codes! {
     SpeedLimitInvented "speed-limit-invented" "A format asks for a speed limit that the robot does not have." "check the speed limit in the written file";
     SpringNotExported "spring-not-exported" "Springs, armatures and marks are not in an exported file." "set them in the other program, or export as mjcf";
     StandIn "stand-in" "A simulator made the recordings." "record real runs: a fit to a simulator says nothing about reality";
+    StaleSamples "stale-samples" "Samples repeat the joints of the one before although commands move." "read the joints again in every sample, or expect errors as large as they move in one";
     Standstill "standstill" "A recording begins before the robot moves." "crop the standstill";
     TiedPlate "tied-plate" "A plate carries as much as its cube, and chance decides which of them slips." "change the robot a little, so that plate and cube do not carry alike";
     Toppled "toppled" "A robot fell over before its run." "turn the robot, or start it lower";

@@ -15,26 +15,10 @@ pub struct Adjustment {
     pub centre_of_mass_offset_m: Vector3<f64>,
     /// Radius of every cube's edges and corners, metres; 0 for sharp ones.
     pub edge_radius_m: f64,
-    /// Torque limit of every servo in place of the morphology's, N m.
-    pub max_torque_nm: Option<f64>,
-    /// Speed limit of every servo in place of the morphology's, rad/s.
-    pub max_speed_rad_s: Option<f64>,
-    /// Factor on how strongly every servo answers an angle error: the gain of the velocity law, the stiffness of
-    /// the torque law.
-    pub servo_gain_scale: f64,
-    /// Age of the command that a servo acts on, seconds.
-    pub servo_latency_s: f64,
-    /// Play between servo and joint, from end to end, radians: within it the servo exerts no torque, beyond it
-    /// the servo sees only the error that is left.
-    pub servo_backlash_rad: f64,
     /// Factor on every gait frequency.
     pub frequency_scale: f64,
     /// Factor on every gait amplitude.
     pub amplitude_scale: f64,
-    /// Viscous friction of every stated hinge in place of the morphology's, N m s/rad.
-    pub hinge_viscous_nm_s_rad: Option<f64>,
-    /// Dry friction of every stated hinge in place of the morphology's, N m.
-    pub hinge_dry_nm: Option<f64>,
     /// Shift of the boxes of every driven body of the scene, in the body's own frame, metres.
     pub pusher_offset_m: Vector3<f64>,
     /// Friction between robot and every driven body of the scene, in place of the scene's.
@@ -48,15 +32,8 @@ impl Default for Adjustment {
             inertia_scale: 1.0,
             centre_of_mass_offset_m: Vector3::zeros(),
             edge_radius_m: 0.0,
-            max_torque_nm: None,
-            max_speed_rad_s: None,
-            servo_gain_scale: 1.0,
-            servo_latency_s: 0.0,
-            servo_backlash_rad: 0.0,
             frequency_scale: 1.0,
             amplitude_scale: 1.0,
-            hinge_viscous_nm_s_rad: None,
-            hinge_dry_nm: None,
             pusher_offset_m: Vector3::zeros(),
             pusher_friction: None,
         }
@@ -75,24 +52,42 @@ impl Adjustment {
             }
         }
         for hinge in &mut robot.hinges {
-            if hinge.is_stated {
-                let bearing = &mut hinge.bearing;
-                bearing.viscous_nm_s_rad = self
-                    .hinge_viscous_nm_s_rad
-                    .unwrap_or(bearing.viscous_nm_s_rad);
-                bearing.dry_nm = self.hinge_dry_nm.unwrap_or(bearing.dry_nm);
-            }
             let Some(actuator) = &mut hinge.actuator else {
                 continue;
             };
-            let servo = &mut actuator.servo;
-            servo.max_torque_nm = self.max_torque_nm.unwrap_or(servo.max_torque_nm);
-            servo.max_speed_rad_s = self.max_speed_rad_s.unwrap_or(servo.max_speed_rad_s);
-            servo.law.scale_gain(self.servo_gain_scale);
             actuator.gait.frequency_hz *= self.frequency_scale;
             actuator.gait.amplitude_rad *= self.amplitude_scale;
         }
         robot
+    }
+}
+
+/// What a study may change about one joint and its servo beside what the robot's file states of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HingeAdjustment {
+    /// Factor on how strongly the servo answers an angle error: the gain of the velocity law, the stiffness of
+    /// the torque law.
+    pub gain_scale: f64,
+    /// Age of the command that the servo acts on, beside that of the robot's file, seconds.
+    pub latency_s: f64,
+    /// Play between servo and joint, from end to end, radians: within it the servo exerts no torque, beyond it
+    /// the servo sees only the error that is left.
+    pub backlash_rad: f64,
+    /// What the servo adds to the angles that it is told, radians.
+    pub offset_rad: f64,
+    /// What the joint's encoder reads where the angle is 0, radians. Servo, recorded start and recorded samples go by the encoder.
+    pub zero_rad: f64,
+}
+
+impl Default for HingeAdjustment {
+    fn default() -> Self {
+        Self {
+            gain_scale: 1.0,
+            latency_s: 0.0,
+            backlash_rad: 0.0,
+            offset_rad: 0.0,
+            zero_rad: 0.0,
+        }
     }
 }
 

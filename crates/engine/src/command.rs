@@ -2,60 +2,134 @@
 
 use super::experiment::Experiment;
 use realgap_core::error::{Error, Result};
-use realgap_robot::morphology::{Gait, Hinge};
+use realgap_robot::morphology::{Hinge, ServoLaw};
+
+/// What a recorded track asks of a servo.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Quantity {
+    /// An angle, radians.
+    #[default]
+    Position,
+    /// A speed, rad/s.
+    Velocity,
+    /// A torque, N m.
+    Torque,
+}
+
+/// What is in force between two recorded commands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Between {
+    /// The earlier one, as servos do.
+    #[default]
+    Held,
+    /// A straight line from one to the other.
+    Interpolated,
+}
 
 /// Recorded commands of one servo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommandTrack {
     times_s: Vec<f64>,
-    angles_rad: Vec<f64>,
-    off_from_s: Option<f64>,
+    values: Vec<f64>,
+    quantity: Quantity,
+    between: Between,
+    /// When the servo is switched on or off, in order; on before the first.
+    switches: Vec<(f64, bool)>,
 }
 
 impl CommandTrack {
-    /// Commanded angles at times from the start of the run, straight lines between them; before the first and after the last
-    /// the nearest holds. From `off_from_s` on the servo is switched off.
+    /// Commanded angles (radians) at times from the start of the run, each held until the next; before the first that one holds.
+    /// From `off_from_s` on the servo is switched off.
     ///
     /// # Errors
     /// No sample, columns of different lengths, times that do not increase, or a number that is none.
-    pub fn new(times_s: Vec<f64>, angles_rad: Vec<f64>, off_from_s: Option<f64>) -> Result<Self> {
+    pub fn new(times_s: Vec<f64>, values: Vec<f64>, off_from_s: Option<f64>) -> Result<Self> {
         let increasing = times_s.windows(2).all(|w| w[0] < w[1]);
-        let finite = times_s.iter().chain(&angles_rad).chain(&off_from_s);
+        let finite = times_s.iter().chain(&values).chain(&off_from_s);
         if times_s.is_empty()
-            || times_s.len() != angles_rad.len()
+            || times_s.len() != values.len()
             || !increasing
             || !finite.into_iter().all(|value| value.is_finite())
         {
             return Err(Error::invalid("not a track of commands")
                 .found(format!(
-                    "{} times and {} angles",
+                    "{} times and {} values",
                     times_s.len(),
-                    angles_rad.len()
+                    values.len()
                 ))
-                .allowed("as many times, which increase, as angles, all finite"));
+                .allowed("as many times, which increase, as values, all finite"));
         }
         Ok(Self {
             times_s,
-            angles_rad,
-            off_from_s,
+            values,
+            quantity: Quantity::Position,
+            between: Between::Held,
+            switches: off_from_s.map(|off_s| (off_s, false)).into_iter().collect(),
         })
     }
 
-    /// The commanded angle at `t_s`, radians.
-    pub fn angle_rad(&self, t_s: f64) -> f64 {
-        let after = self.times_s.partition_point(|time_s| *time_s <= t_s);
-        let last = self.angles_rad.len() - 1;
-        if after == 0 || after > last {
-            return self.angles_rad[after.min(last)];
-        }
-        let (from_s, to_s) = (self.times_s[after - 1], self.times_s[after]);
-        let (from_rad, to_rad) = (self.angles_rad[after - 1], self.angles_rad[after]);
-        from_rad + (t_s - from_s) / (to_s - from_s) * (to_rad - from_rad)
+    /// The same numbers as commands of another quantity.
+    #[must_use]
+    pub fn of(self, quantity: Quantity) -> Self {
+        Self { quantity, ..self }
     }
 
-    /// From when on the servo is switched off, seconds.
-    pub fn off_from_s(&self) -> Option<f64> {
-        self.off_from_s
+    /// The same commands with something else in force between them.
+    #[must_use]
+    pub fn with(self, between: Between) -> Self {
+        Self { between, ..self }
+    }
+
+    /// The same commands to a servo that is on where its own column is not 0, one value a command.
+    #[must_use]
+    pub fn switched(mut self, on: &[f64]) -> Self {
+        for (time_s, is_on) in self.times_s.iter().zip(on.iter().map(|on| *on != 0.0)) {
+            if self.switches.last().map_or(!is_on, |last| last.1 != is_on) {
+                self.switches.push((*time_s, is_on));
+            }
+        }
+        self.switches.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self
+    }
+
+    /// What is commanded.
+    pub fn quantity(&self) -> Quantity {
+        self.quantity
+    }
+
+    /// The command at `t_s`, in the unit of its quantity.
+    pub fn value(&self, t_s: f64) -> f64 {
+        let after = self.times_s.partition_point(|time_s| *time_s <= t_s);
+        let last = self.values.len() - 1;
+        if after == 0 || after > last {
+            return self.values[after.min(last)];
+        }
+        if self.between == Between::Held {
+            return self.values[after - 1];
+        }
+        let (from_s, to_s) = (self.times_s[after - 1], self.times_s[after]);
+        let (from, to) = (self.values[after - 1], self.values[after]);
+        from + (t_s - from_s) / (to_s - from_s) * (to - from)
+    }
+
+    /// The command that stands for a whole step: the mean of what is held, so that a run is a smooth function of the delay.
+    fn mean(&self, from_s: f64, to_s: f64) -> f64 {
+        if self.between == Between::Interpolated || to_s <= from_s {
+            return self.value(0.5 * (from_s + to_s));
+        }
+        let (mut at_s, mut value, mut sum) = (from_s, self.value(from_s), 0.0);
+        let first = self.times_s.partition_point(|time_s| *time_s <= from_s);
+        for (time_s, next) in self.times_s.iter().zip(&self.values).skip(first) {
+            if *time_s >= to_s {
+                break;
+            }
+            sum += value * (time_s - at_s);
+            (at_s, value) = (*time_s, *next);
+        }
+        if at_s == from_s {
+            return value;
+        }
+        (sum + value * (to_s - at_s)) / (to_s - from_s)
     }
 }
 
@@ -64,7 +138,7 @@ pub(super) enum Orders<'a> {
     /// Nothing: there is no servo.
     None,
     /// A sine.
-    Gait(Gait),
+    Gait(realgap_robot::morphology::Gait, Quantity),
     /// What was recorded.
     Track(&'a CommandTrack),
 }
@@ -75,24 +149,53 @@ impl<'a> Orders<'a> {
         match (&hinge.actuator, experiment.commands.get(&hinge.name)) {
             (None, _) => Self::None,
             (Some(_), Some(track)) => Self::Track(track),
-            (Some(actuator), None) => Self::Gait(actuator.gait),
+            (Some(actuator), None) => Self::Gait(
+                actuator.gait,
+                match actuator.servo.law {
+                    ServoLaw::Direct => Quantity::Torque,
+                    _ => Quantity::Position,
+                },
+            ),
         }
     }
 
-    /// The commanded angle at `t_s`, radians; 0 without a servo.
-    pub fn angle_rad(&self, t_s: f64) -> f64 {
+    /// What is commanded.
+    pub fn quantity(&self) -> Quantity {
+        match self {
+            Self::None => Quantity::Position,
+            Self::Gait(_, quantity) => *quantity,
+            Self::Track(track) => track.quantity,
+        }
+    }
+
+    /// The command at `t_s`; 0 without a servo.
+    pub fn value(&self, t_s: f64) -> f64 {
         match self {
             Self::None => 0.0,
-            Self::Gait(gait) => gait.angle_rad(t_s),
-            Self::Track(track) => track.angle_rad(t_s),
+            Self::Gait(gait, _) => gait.angle_rad(t_s),
+            Self::Track(track) => track.value(t_s),
+        }
+    }
+
+    /// The command for the step from `from_s` to `to_s` of a servo that hears of it `latency_s` later. Before the first command
+    /// arrives, the servo holds where it started.
+    pub fn over(&self, from_s: f64, to_s: f64, latency_s: f64) -> f64 {
+        match self {
+            Self::Track(track) if track.between == Between::Held => {
+                track.mean((from_s - latency_s).max(0.0), (to_s - latency_s).max(0.0))
+            }
+            _ => self.value((0.5 * (from_s + to_s) - latency_s).max(0.0)),
         }
     }
 
     /// Whether the servo is switched on at `t_s`.
     pub fn is_on(&self, t_s: f64) -> bool {
         match self {
-            Self::None | Self::Gait(_) => true,
-            Self::Track(track) => track.off_from_s.is_none_or(|off_s| t_s < off_s),
+            Self::None | Self::Gait(..) => true,
+            Self::Track(track) => {
+                let past = track.switches.partition_point(|(at_s, _)| *at_s <= t_s);
+                past == 0 || track.switches[past - 1].1
+            }
         }
     }
 }
@@ -101,12 +204,50 @@ impl<'a> Orders<'a> {
 mod tests {
     use super::*;
 
+    fn track() -> CommandTrack {
+        CommandTrack::new(vec![1.0, 2.0, 4.0], vec![0.0, 1.0, -1.0], None).unwrap()
+    }
+
     #[test]
-    fn a_track_is_straight_between_its_samples_and_holds_beyond_them() {
-        let track = CommandTrack::new(vec![1.0, 2.0, 4.0], vec![0.0, 1.0, -1.0], None).unwrap();
-        for (t_s, angle_rad) in [(0.0, 0.0), (1.5, 0.5), (2.0, 1.0), (3.0, 0.0), (9.0, -1.0)] {
-            assert_eq!(track.angle_rad(t_s), angle_rad, "{t_s}");
+    fn a_command_is_held_until_the_next_unless_lines_are_asked_for() {
+        for (t_s, held, line) in [
+            (0.0, 0.0, 0.0),
+            (1.5, 0.0, 0.5),
+            (2.0, 1.0, 1.0),
+            (3.0, 1.0, 0.0),
+            (9.0, -1.0, -1.0),
+        ] {
+            assert_eq!(track().value(t_s), held, "{t_s}");
+            let between = track().with(Between::Interpolated);
+            assert_eq!(between.value(t_s), line, "{t_s}");
         }
+    }
+
+    #[test]
+    fn over_a_step_the_mean_of_what_is_held_counts() {
+        let track = track();
+        let orders = Orders::Track(&track);
+        for (from_s, to_s, latency_s, mean) in [
+            (1.5, 2.5, 0.0, 0.5),
+            (1.75, 2.75, 0.25, 0.5),
+            (0.0, 8.0, 0.0, -0.25),
+            (2.5, 3.0, 0.0, 1.0),
+            (0.0, 0.5, 5.0, 0.0),
+        ] {
+            assert_eq!(orders.over(from_s, to_s, latency_s), mean, "{from_s}");
+        }
+    }
+
+    #[test]
+    fn a_servo_is_off_where_its_switch_says_so() {
+        let switched = track().switched(&[1.0, 0.0, 1.0]);
+        let orders = Orders::Track(&switched);
+        let on: Vec<bool> = [0.0, 1.9, 2.0, 3.9, 4.0, 9.0]
+            .map(|t| orders.is_on(t))
+            .into();
+        assert_eq!(on, [true, true, false, false, true, true]);
+        let off = CommandTrack::new(vec![0.0], vec![0.0], Some(2.0)).unwrap();
+        assert!(Orders::Track(&off).is_on(1.9) && !Orders::Track(&off).is_on(2.0));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::adjustment::{Adjustment, ModuleAdjustment};
+use super::adjustment::{Adjustment, HingeAdjustment, ModuleAdjustment};
 use super::command::CommandTrack;
 use super::engine::EngineChoice;
 use super::scene::SceneBody;
@@ -300,6 +300,8 @@ pub struct Experiment {
     pub contact: Contact,
     /// Changes to the robot.
     pub adjustment: Adjustment,
+    /// Changes to single joints, by hinge; empty for none.
+    pub hinge_adjustments: Vec<HingeAdjustment>,
     /// Changes to single modules, by name.
     pub module_adjustments: BTreeMap<String, ModuleAdjustment>,
     /// How this execution differs from the intended one.
@@ -330,6 +332,7 @@ impl Experiment {
             solver: Solver::default(),
             contact: Contact::default(),
             adjustment: Adjustment::default(),
+            hinge_adjustments: Vec::new(),
             module_adjustments: BTreeMap::new(),
             perturbation: Perturbation::default(),
             recording_length_scale: 1.0,
@@ -362,9 +365,20 @@ impl Experiment {
         limit
     }
 
+    /// What is changed about a joint and its servo.
+    pub fn hinge_adjustment(&self, hinge: usize) -> HingeAdjustment {
+        let changed = self.hinge_adjustments.get(hinge);
+        changed.copied().unwrap_or_default()
+    }
+
     /// The robot with the adjustments applied.
     pub fn adjusted_assembly(&self) -> Assembly {
         let mut robot = self.adjustment.apply(&self.assembly);
+        for (hinge, change) in robot.hinges.iter_mut().zip(&self.hinge_adjustments) {
+            if let Some(actuator) = &mut hinge.actuator {
+                actuator.servo.law.scale_gain(change.gain_scale);
+            }
+        }
         for (name, module) in &self.module_adjustments {
             module.apply(name, &mut robot);
         }

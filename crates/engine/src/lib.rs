@@ -35,9 +35,9 @@ mod tree;
 mod vehicle;
 mod watch;
 
-pub use adjustment::{Adjustment, ModuleAdjustment};
+pub use adjustment::{Adjustment, HingeAdjustment, ModuleAdjustment};
 pub use camera::Camera;
-pub use command::CommandTrack;
+pub use command::{Between, CommandTrack, Quantity};
 pub use distribution::Distribution;
 pub use energy::EnergyBalance;
 pub use engine::{ENGINES, Engine, EngineChoice, Load, Motion, Setup, World, engine_by_name};

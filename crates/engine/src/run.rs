@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use super::command::Orders;
+use super::adjustment::HingeAdjustment;
+use super::command::{Orders, Quantity};
 use super::energy::{EnergyBalance, Meter};
 use super::engine::{Motion, Setup, World};
 use super::experiment::{Experiment, JointState, Start};
@@ -19,7 +20,7 @@ use super::watch::{Push, Snapshot};
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::{State, Trajectory};
-use realgap_robot::morphology::{Actuator, Assembly, Hinge, ServoLaw};
+use realgap_robot::morphology::{Actuator, Assembly, Hinge};
 
 /// Result of one simulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -135,29 +136,43 @@ struct Rollout<'a> {
     efforts: Vec<Option<Effort>>,
     /// Duty of every motor during the step before.
     duties: Vec<f64>,
-    latency_s: Vec<f64>,
-    backlash_rad: f64,
+    /// Changes to the hinges, latencies and offsets in full.
+    changes: Vec<HingeAdjustment>,
     timestep_s: f64,
     steps: u64,
     settle_steps: u64,
     warnings: Vec<Warning>,
 }
 
-/// Where a joint starts that nobody says: at its servo's first command, without one at 0, and never beyond its limits.
-fn start_rad(experiment: &Experiment, hinge: &Hinge) -> f64 {
-    let is_torque = hinge
-        .actuator
-        .is_some_and(|actuator| actuator.servo.law == ServoLaw::Direct);
-    let asked_rad = match is_torque {
-        true => 0.0,
-        false => Orders::new(experiment, hinge).angle_rad(0.0),
+/// Where a joint starts that nobody says, by its encoder: at its servo's first command, without one at 0, and never beyond its
+/// limits.
+fn start_rad(experiment: &Experiment, index: usize, hinge: &Hinge) -> f64 {
+    let change = experiment.hinge_adjustment(index);
+    let orders = Orders::new(experiment, hinge);
+    let asked_rad = match orders.quantity() {
+        Quantity::Position => orders.value(0.0) + change.offset_rad,
+        Quantity::Velocity | Quantity::Torque => 0.0,
     };
     match hinge.bearing.limits_rad {
         Some((low_rad, high_rad)) if !experiment.assembly.is_modular => {
-            asked_rad.clamp(low_rad, high_rad)
+            asked_rad.clamp(low_rad + change.zero_rad, high_rad + change.zero_rad)
         }
         _ => asked_rad,
     }
+}
+
+/// What is changed about a hinge, with the latency of the servo itself and the draw of this run.
+fn total_change(experiment: &Experiment, assembly: &Assembly, hinge: usize) -> HingeAdjustment {
+    let drawn = &experiment.perturbation;
+    let Hinge { name, actuator, .. } = &assembly.hinges[hinge];
+    let mut change = experiment.hinge_adjustment(hinge);
+    let own_s = actuator.map_or(0.0, |actuator| actuator.servo.delay_s);
+    change.latency_s = change.latency_s + drawn.latency_s_of(hinge) + own_s;
+    // A gait has the error of the servo's zero in its offset already.
+    if experiment.commands.contains_key(name) {
+        change.offset_rad += drawn.servo_zero_rad.get(hinge).unwrap_or(&0.0);
+    }
+    change
 }
 
 impl<'a> Rollout<'a> {
@@ -166,12 +181,16 @@ impl<'a> Rollout<'a> {
             .hinges
             .iter()
             .enumerate()
-            .map(|(index, hinge)| match experiment.start_joints.get(index) {
-                Some(joint) => *joint,
-                None => JointState {
-                    angle_rad: start_rad(experiment, hinge),
-                    speed_rad_s: 0.0,
-                },
+            .map(|(index, hinge)| {
+                let mut joint = match experiment.start_joints.get(index) {
+                    Some(joint) => *joint,
+                    None => JointState {
+                        angle_rad: start_rad(experiment, index, hinge),
+                        speed_rad_s: 0.0,
+                    },
+                };
+                joint.angle_rad -= experiment.hinge_adjustment(index).zero_rad;
+                joint
             })
             .collect();
         let angles_rad: Vec<f64> = joints.iter().map(|joint| joint.angle_rad).collect();
@@ -256,23 +275,20 @@ impl<'a> Rollout<'a> {
             efforts: vec![None; assembly.hinges.len()],
             duties: vec![0.0; assembly.hinges.len()],
             timestep_s: experiment.solver.timestep_s,
-            latency_s: (0..assembly.hinges.len())
-                .map(|hinge| {
-                    let actuator = &assembly.hinges[hinge].actuator;
-                    let own_s = actuator.map_or(0.0, |actuator| actuator.servo.delay_s);
-                    experiment.adjustment.servo_latency_s + perturbation.latency_s_of(hinge) + own_s
-                })
+            changes: (0..assembly.hinges.len())
+                .map(|hinge| total_change(experiment, assembly, hinge))
                 .collect(),
-            backlash_rad: experiment.adjustment.servo_backlash_rad,
             steps: 0,
             settle_steps: 0,
             warnings,
         })
     }
 
-    /// Drives every servo towards its command at `t_s` (or what it knows of it by then), leads every driven body to where it is
-    /// at `end_s`, and takes one step.
-    fn step(&mut self, t_s: f64, end_s: f64) {
+    /// Drives every servo towards its command from `from_s` to `end_s` (or what it knows of it by then), leads every driven body to
+    /// where it is at `end_s`, and takes one step.
+    fn step(&mut self, from_s: f64, end_s: f64) {
+        // The command of the middle of the step stands for all of it.
+        let t_s = 0.5 * (from_s + end_s);
         for (index, guide) in &mut self.guides {
             self.world.lead_driven(*index, &guide.pose(end_s));
         }
@@ -283,15 +299,19 @@ impl<'a> Rollout<'a> {
                 continue;
             };
             let orders = &mut self.orders[index];
-            if servo.law != ServoLaw::Direct {
-                self.squared_error_rad2 += (orders.angle_rad(t_s) - angle_rad).powi(2);
+            let change = &self.changes[index];
+            let quantity = orders.quantity();
+            let mut target = orders.over(from_s, end_s, change.latency_s);
+            if quantity == Quantity::Position {
+                // The servo turns until its encoder reads what it is told.
+                let lead_rad = change.offset_rad - change.zero_rad;
+                self.squared_error_rad2 += (orders.value(t_s) + lead_rad - angle_rad).powi(2);
+                target += lead_rad;
             }
-            // Before the first command arrives, the servo holds where it started.
-            let target_rad = orders.angle_rad((t_s - self.latency_s[index]).max(0.0));
             let is_on = orders.is_on(t_s);
             let Some(motor) = servo.law.motor() else {
                 let command = if is_on {
-                    command(servo, self.backlash_rad, target_rad, angle_rad)
+                    command(servo, change.backlash_rad, quantity, target, angle_rad)
                 } else {
                     NOTHING
                 };
@@ -300,7 +320,7 @@ impl<'a> Rollout<'a> {
             };
             // Within the play, as switched off, the motor exerts nothing.
             let error_rad =
-                error_beyond_play(self.backlash_rad, target_rad, angle_rad).filter(|_| is_on);
+                error_beyond_play(change.backlash_rad, target, angle_rad).filter(|_| is_on);
             let duty = error_rad
                 .map(|error_rad| duty(motor, error_rad, self.duties[index], self.timestep_s));
             self.duties[index] = duty.unwrap_or(0.0);
@@ -320,7 +340,8 @@ impl<'a> Rollout<'a> {
             0
         };
         let joint = |index: usize| JointState {
-            angle_rad: self.world.hinge_angle_rad(index, self.angles_rad[index]),
+            angle_rad: self.world.hinge_angle_rad(index, self.angles_rad[index])
+                + self.changes[index].zero_rad,
             speed_rad_s: self.world.hinge_speed_rad_s(index),
         };
         (self.track(), (0..joints).map(joint).collect())
@@ -468,8 +489,7 @@ impl<'a> Rollout<'a> {
         let steps = (end_s / timestep_s - 1e-9).ceil() as u64;
         for step in 1..=steps {
             let (from_s, to_s) = ((step - 1) as f64 * timestep_s, step as f64 * timestep_s);
-            // The command of the middle of the step stands for all of it.
-            self.step(0.5 * (from_s + to_s), to_s);
+            self.step(from_s, to_s);
             self.steps = step;
             if let Some(why) = self.absurd(&origin_world_m) {
                 return Ok(Outcome::Diverged(Divergence { at_s: to_s, why }));

@@ -1,5 +1,6 @@
 //! The servo law: from commanded and measured angle to what the joint's motor is asked to do.
 
+use super::command::Quantity;
 use realgap_robot::morphology::{Servo, ServoLaw};
 
 /// What a joint motor is asked to do during one step, within its torque limit.
@@ -56,7 +57,17 @@ fn torque(torque_nm: f64) -> Command {
     }
 }
 
-/// The command of a servo at `angle_rad` that should be at `target_rad`.
+/// How strongly a servo that follows speeds holds them, N m s/rad.
+fn speed_damping_nm_s_rad(servo: &Servo) -> f64 {
+    let top_rad_s = if servo.max_speed_rad_s.is_finite() {
+        servo.max_speed_rad_s
+    } else {
+        UNLIMITED_RAD_S
+    };
+    servo.max_torque_nm / (SPEED_SLACK * top_rad_s.max(f64::MIN_POSITIVE))
+}
+
+/// The command of a servo at `angle_rad` that is told `target` of a quantity: an angle, a speed or a torque.
 ///
 /// The velocity law is given to the engine as a spring while its speed limit does not bind
 /// (stiffness = gain · damping is the same law): the engine re-reads the angle every substep, so the gain
@@ -67,24 +78,28 @@ fn torque(torque_nm: f64) -> Command {
 pub(super) fn command(
     servo: &Servo,
     backlash_rad: f64,
-    target_rad: f64,
+    quantity: Quantity,
+    target: f64,
     angle_rad: f64,
 ) -> Command {
-    if servo.law == ServoLaw::Direct {
-        return torque(target_rad.clamp(-servo.max_torque_nm, servo.max_torque_nm));
+    let max_torque_nm = servo.max_torque_nm;
+    match quantity {
+        Quantity::Torque => return torque(target.clamp(-max_torque_nm, max_torque_nm)),
+        Quantity::Velocity => {
+            return Command::Velocity {
+                target_rad_s: target.clamp(-servo.max_speed_rad_s, servo.max_speed_rad_s),
+                damping_nm_s_rad: speed_damping_nm_s_rad(servo),
+                max_torque_nm,
+            };
+        }
+        Quantity::Position => {}
     }
-    let Some(error_rad) = error_beyond_play(backlash_rad, target_rad, angle_rad) else {
+    let Some(error_rad) = error_beyond_play(backlash_rad, target, angle_rad) else {
         return NOTHING;
     };
-    let max_torque_nm = servo.max_torque_nm;
     match servo.law {
         ServoLaw::Velocity { gain_1_s } => {
-            let top_rad_s = if servo.max_speed_rad_s.is_finite() {
-                servo.max_speed_rad_s
-            } else {
-                UNLIMITED_RAD_S
-            };
-            let damping_nm_s_rad = max_torque_nm / (SPEED_SLACK * top_rad_s.max(f64::MIN_POSITIVE));
+            let damping_nm_s_rad = speed_damping_nm_s_rad(servo);
             if (gain_1_s * error_rad).abs() > servo.max_speed_rad_s {
                 let target_rad_s = servo.max_speed_rad_s.copysign(error_rad);
                 return Command::Velocity {
@@ -134,7 +149,7 @@ mod tests {
             stiffness_nm_rad,
             damping_nm_s_rad,
             ..
-        } = command(&servo(8.0), 0.0, 0.2, 0.1)
+        } = command(&servo(8.0), 0.0, Quantity::Position, 0.2, 0.1)
         else {
             panic!("not a spring")
         };
@@ -144,23 +159,29 @@ mod tests {
 
     #[test]
     fn beyond_it_the_limit_decides() {
-        let Command::Velocity { target_rad_s, .. } = command(&servo(8.0), 0.0, -1.0, 0.0) else {
+        let Command::Velocity { target_rad_s, .. } =
+            command(&servo(8.0), 0.0, Quantity::Position, -1.0, 0.0)
+        else {
             panic!("not a velocity")
         };
         assert_eq!(target_rad_s, -8.0);
         assert!(matches!(
-            command(&servo(f64::INFINITY), 0.0, -1.0, 0.0),
+            command(&servo(f64::INFINITY), 0.0, Quantity::Position, -1.0, 0.0),
             Command::Spring { .. }
         ));
     }
 
     #[test]
     fn within_the_play_nothing_is_transmitted_and_beyond_it_the_rest() {
-        let Command::Velocity { max_torque_nm, .. } = command(&servo(8.0), 0.1, 0.04, 0.0) else {
+        let Command::Velocity { max_torque_nm, .. } =
+            command(&servo(8.0), 0.1, Quantity::Position, 0.04, 0.0)
+        else {
             panic!("not free")
         };
         assert_eq!(max_torque_nm, 0.0);
-        let Command::Spring { error_rad, .. } = command(&servo(8.0), 0.1, -0.15, 0.0) else {
+        let Command::Spring { error_rad, .. } =
+            command(&servo(8.0), 0.1, Quantity::Position, -0.15, 0.0)
+        else {
             panic!("not a spring")
         };
         assert!((error_rad + 0.1).abs() < 1e-12);

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use realgap_engine::parameter::ParameterSet;
-use realgap_engine::{CommandTrack, Experiment, JointKind, JointState, run};
+use realgap_engine::{Between, CommandTrack, Experiment, JointKind, JointState, run};
 use realgap_path::trajectory::JointTrack;
 
 /// Small changes to an experiment, one after the other.
@@ -17,6 +17,7 @@ pub trait Change: Into<Experiment> {
     }
     fn told(self, times_s: &[f64], angles_rad: &[f64], off_from_s: Option<f64>) -> Experiment {
         let track = CommandTrack::new(times_s.to_vec(), angles_rad.to_vec(), off_from_s).unwrap();
+        let track = track.with(Between::Interpolated);
         self.with(|e| {
             e.commands.insert("shaft".to_owned(), Arc::new(track));
         })

@@ -13,7 +13,7 @@ use realgap_engine::{
     Experiment, JointState, SceneBody, SceneBox, SceneMotion, Start, Vehicle, run,
 };
 use realgap_path::trajectory::{State, Trajectory};
-use realgap_robot::morphology::{Gait, Morphology};
+use realgap_robot::morphology::{Gait, Morphology, ServoLaw};
 use realgap_sense::range::form::{Curve, FORMS, form_by_name};
 
 /// Less than this is no demonstration, metres.
@@ -65,6 +65,18 @@ fn swung() -> Experiment {
         frequency_hz: 1.0,
         phase_rad: 0.0,
     };
+    experiment
+}
+
+/// The tripod walks with servos that are springs.
+fn sprung() -> Experiment {
+    let mut experiment = walk();
+    for hinge in &mut Arc::make_mut(&mut experiment.assembly).hinges {
+        hinge.actuator.as_mut().unwrap().servo.law = ServoLaw::Torque {
+            stiffness_nm_rad: 1.0,
+            damping_nm_s_rad: 0.05,
+        };
+    }
     experiment
 }
 
@@ -169,6 +181,10 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         "servo.max_torque_nm" => (vec![walk], 0.2, 0.01),
         "servo.max_speed_rad_s" => (vec![walk], 8.0, 3.0),
         "servo.gain" => (vec![walk], 1.0, 0.5),
+        "servo.gain_1_s" => (vec![walk], 30.0, 15.0),
+        "servo.stiffness_nm_rad" => (vec![sprung], 1.0, 0.2),
+        "servo.damping_nm_s_rad" => (vec![sprung], 0.05, 0.2),
+        "servo.offset_rad" | "joint.zero_rad" => (vec![walk], 0.0, 0.2),
         "servo.latency_s" => (vec![walk], 0.0, 0.1),
         "servo.backlash_rad" => (vec![walk], 0.0, 0.1),
         "servo.position_gain" => (vec![swung], 400.0, 300.0),
@@ -187,6 +203,7 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         "servo.stribeck_speed_rad_s" => (vec![sticky], 0.1, 1.0),
         "servo.stribeck_shape" => (vec![sticky], 1.0, 3.0),
         "gait.frequency_scale" | "gait.amplitude_scale" => (vec![walk], 1.0, 0.7),
+        "hinge.armature_kg_m2" => (vec![elbow], 0.0, 0.001),
         "hinge.viscous_nm_s_rad" | "hinge.dry_nm" => (vec![elbow], 0.0, 0.002),
         "pusher.offset_x_m" | "pusher.offset_y_m" | "pusher.offset_z_m" => {
             (vec![pushed], 0.0, 0.01)
@@ -264,9 +281,54 @@ fn a_parameter_of_a_module_that_the_robot_does_not_have_is_said_to_have_no_effec
     assert!(said("vehicle.sensor.mean.slope", &toss()).contains("no vehicle"));
     assert!(said("vehicle.sensor.mean.exponent", &driven()).contains("no such number"));
     assert_eq!(said("vehicle.sensor.mean.slope", &driven()), "");
-    for wrong in ["module.first.mass", "module..mass_scale", "module.first"] {
+    assert!(said("servo.elbow.gain", &walk()).contains("no joint `elbow`, only "));
+    assert!(said("servo.stiffness_nm_rad", &walk()).contains("no such joint"));
+    for wrong in [
+        "servo.*.mass",
+        "servo.a b.gain",
+        "joint..zero_rad",
+        "module.first.mass",
+        "module..mass_scale",
+        "module.first",
+    ] {
         assert!(parameter::by_name(wrong).is_err(), "{wrong}");
     }
+}
+
+/// The one with the narrower name holds, wherever it stands.
+#[test]
+fn a_parameter_of_one_joint_overrules_that_of_a_group_and_this_that_of_all() {
+    let walk = walk();
+    let names: Vec<String> = walk
+        .assembly
+        .hinges
+        .iter()
+        .map(|h| h.name.clone())
+        .collect();
+    let (one, form) = (&names[0], format!("{}*", &names[1][..2]));
+    let set: ParameterSet = [
+        (format!("servo.{one}.max_torque_nm"), 0.01),
+        (format!("servo.{form}.max_torque_nm"), 0.02),
+        ("servo.max_torque_nm".to_owned(), 0.03),
+        (format!("joint.{one}.delay_s"), 0.04),
+    ]
+    .iter()
+    .map(|(name, value)| parameter::Assignment::new(name, *value).unwrap())
+    .collect();
+    assert!(set.without_effect(&walk).is_empty());
+    let changed = set.apply(&walk);
+    for (index, hinge) in changed.assembly.hinges.iter().enumerate() {
+        let torque_nm = hinge.actuator.unwrap().servo.max_torque_nm;
+        let (expected_nm, latency_s) = match &hinge.name {
+            name if name == one => (0.01, 0.04),
+            name if name.starts_with(&form[..2]) => (0.02, 0.0),
+            _ => (0.03, 0.0),
+        };
+        assert_eq!(torque_nm, expected_nm, "{}", hinge.name);
+        assert_eq!(changed.hinge_adjustment(index).latency_s, latency_s);
+    }
+    let all = parameter::by_name("servo.max_torque_nm").unwrap();
+    assert_eq!(all.value(&changed), None, "they differ");
 }
 
 /// A form is one line of its registry; the numbers that have names can be set, swept and tuned.

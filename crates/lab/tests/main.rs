@@ -10,6 +10,7 @@ mod elbow;
 mod ensemble;
 mod gap;
 mod in_sample;
+mod joint_log;
 mod jointed;
 mod model_error;
 mod noise;

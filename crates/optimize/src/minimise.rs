@@ -8,7 +8,7 @@ use realgap_core::error::Result;
 /// ```
 /// use realgap_optimize::{Brief, minimise, optimizer_by_name};
 ///
-/// let brief = Brief { points: vec![2], budget: 100, seed: 1 };
+/// let brief = Brief { points: vec![2], budget: 100, seed: 1, priors: Vec::new() };
 /// let told = minimise(optimizer_by_name("cma-es")?, &brief, |point| Some((point[0] - 0.3).powi(2)))?;
 /// let best = told.iter().filter_map(|told| told.score).fold(f64::INFINITY, f64::min);
 /// assert!(best < 1e-6);
@@ -34,6 +34,7 @@ pub fn minimise(
         told.extend(points.into_iter().map(|point| Told {
             score: score(&point),
             point,
+            errors: Vec::new(),
         }));
     }
     Ok(told)

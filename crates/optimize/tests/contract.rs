@@ -11,17 +11,23 @@ fn minimise(
     dimensions: usize,
     budget: usize,
     seed: u64,
+    target: &[f64],
     score: impl Fn(&UnitPoint) -> Option<f64>,
 ) -> Vec<Told> {
-    let evaluate = |point: UnitPoint| Told {
-        score: score(&point),
-        point,
+    let evaluate = |point: UnitPoint| {
+        let score = score(&point);
+        Told {
+            errors: score.map_or_else(Vec::new, |_| errors(&point, target)),
+            score,
+            point,
+        }
     };
     let design = optimizer.design(dimensions);
     let brief = Brief {
         points: vec![11; dimensions],
         budget: budget - design,
         seed,
+        priors: Vec::new(),
     };
     let mut all: Vec<Told> = space_filling(dimensions, 0, design, seed)
         .into_iter()
@@ -48,6 +54,13 @@ fn minimise(
         }
     }
     all
+}
+
+/// Single errors of a score whose least is at a point: one a parameter, and a ripple on all of them.
+fn errors(point: &[f64], target: &[f64]) -> Vec<f64> {
+    let ripple: f64 = point.iter().map(|c| (47.0 * c).sin()).product();
+    let axes = point.iter().zip(target);
+    axes.map(|(c, at)| c - at + 0.002 * ripple).collect()
 }
 
 fn best(told: &[Told]) -> &Told {
@@ -77,7 +90,9 @@ fn rough(point: &UnitPoint, target: &[f64]) -> f64 {
 fn every_optimizer_finds_a_hidden_point_that_it_is_not_told() {
     let target = [0.31, 0.74];
     for optimizer in OPTIMIZERS {
-        let told = minimise(*optimizer, 2, 100, 3, |point| Some(rough(point, &target)));
+        let told = minimise(*optimizer, 2, 100, 3, &target, |point| {
+            Some(rough(point, &target))
+        });
         let found = distance(&best(&told).point, &target);
         // A hundred evenly spread points cannot promise better than half their distance.
         let promised = match optimizer.name() {
@@ -93,10 +108,13 @@ fn an_optimizer_beats_even_cover_in_four_dimensions() {
     let target = [0.2, 0.6, 0.45, 0.8];
     let score = |point: &UnitPoint| Some(rough(point, &target));
     let even = OPTIMIZERS.iter().find(|o| o.name() == "random").unwrap();
-    let yardstick = distance(&best(&minimise(*even, 4, 150, 5, score)).point, &target);
+    let yardstick = distance(
+        &best(&minimise(*even, 4, 150, 5, &target, score)).point,
+        &target,
+    );
     for optimizer in OPTIMIZERS {
         if !["grid", "random"].contains(&optimizer.name()) {
-            let told = minimise(*optimizer, 4, 150, 5, score);
+            let told = minimise(*optimizer, 4, 150, 5, &target, score);
             let found = distance(&best(&told).point, &target);
             assert!(
                 found < yardstick,
@@ -112,7 +130,7 @@ fn candidates_that_fail_do_not_stop_the_search() {
     let target = [0.3, 0.3];
     for optimizer in OPTIMIZERS {
         // More than half of the space diverges.
-        let told = minimise(*optimizer, 2, 100, 7, |point| {
+        let told = minimise(*optimizer, 2, 100, 7, &target, |point| {
             (point[0] + point[1] < 0.9).then(|| rough(point, &target))
         });
         let found = distance(&best(&told).point, &target);
@@ -123,7 +141,7 @@ fn candidates_that_fail_do_not_stop_the_search() {
 #[test]
 fn nothing_but_failures_is_survived() {
     for optimizer in OPTIMIZERS {
-        let told = minimise(*optimizer, 2, 60, 1, |_| None);
+        let told = minimise(*optimizer, 2, 60, 1, &[0.5; 2], |_| None);
         assert!(told.len() >= 49, "{}: {}", optimizer.name(), told.len());
     }
 }
@@ -132,7 +150,11 @@ fn nothing_but_failures_is_survived() {
 fn the_same_history_and_seed_give_the_same_bits() {
     let target = [0.5, 0.1, 0.9];
     for optimizer in OPTIMIZERS {
-        let run = |seed| minimise(*optimizer, 3, 70, seed, |point| Some(rough(point, &target)));
+        let run = |seed| {
+            minimise(*optimizer, 3, 70, seed, &target, |point| {
+                Some(rough(point, &target))
+            })
+        };
         assert_eq!(run(11), run(11), "{}", optimizer.name());
         if optimizer.name() != "grid" {
             assert_ne!(run(11), run(12), "{} ignores its seed", optimizer.name());
@@ -143,7 +165,7 @@ fn the_same_history_and_seed_give_the_same_bits() {
 #[test]
 fn one_parameter_is_enough() {
     for optimizer in OPTIMIZERS {
-        let told = minimise(*optimizer, 1, 40, 2, |point| {
+        let told = minimise(*optimizer, 1, 40, 2, &[0.62], |point| {
             Some((point[0] - 0.62).powi(2))
         });
         let found = (best(&told).point[0] - 0.62).abs();
@@ -177,11 +199,13 @@ fn simplex_and_swarm_choose_the_very_points_that_argmin_chose() {
         let evaluate = |point: UnitPoint| Told {
             score: (!fails || point[0] < 0.85).then(|| bumpy(&point)),
             point,
+            errors: Vec::new(),
         };
         let brief = Brief {
             points: vec![11; dimensions],
             budget: rows.len(),
             seed,
+            priors: Vec::new(),
         };
         let design: Vec<Told> = space_filling(dimensions, 0, design, seed)
             .into_iter()

@@ -40,32 +40,48 @@ fn push_row(text: &mut String, row: &Row) -> Result<()> {
         if index > 0 {
             text.push(',');
         }
-        let value = match field {
-            Field::Null => String::new(),
-            Field::Double(value) => value.to_string(),
-            Field::Float(value) => value.to_string(),
-            Field::Float16(value) => value.to_string(),
-            Field::Bool(value) => value.to_string(),
-            Field::Byte(value) => value.to_string(),
-            Field::Short(value) => value.to_string(),
-            Field::Int(value) => value.to_string(),
-            Field::Long(value) => value.to_string(),
-            Field::UByte(value) => value.to_string(),
-            Field::UShort(value) => value.to_string(),
-            Field::UInt(value) => value.to_string(),
-            Field::ULong(value) => value.to_string(),
-            Field::TimestampMillis(value) | Field::TimestampMicros(value) => value.to_string(),
-            Field::Str(value) => cell(value),
-            _ => {
-                return Err(Error::invalid("a column holds more than one value a row")
-                    .field(name)
-                    .allowed("numbers and texts")
-                    .hint("write its parts as columns of their own"));
-            }
-        };
-        text.push_str(&value);
+        push_field(text, name, field)?;
     }
     text.push('\n');
+    Ok(())
+}
+
+fn push_field(text: &mut String, name: &str, field: &Field) -> Result<()> {
+    let value = match field {
+        Field::Null => String::new(),
+        Field::Double(value) => value.to_string(),
+        Field::Float(value) => value.to_string(),
+        Field::Float16(value) => value.to_string(),
+        Field::Bool(value) => value.to_string(),
+        Field::Byte(value) => value.to_string(),
+        Field::Short(value) => value.to_string(),
+        Field::Int(value) => value.to_string(),
+        Field::Long(value) => value.to_string(),
+        Field::UByte(value) => value.to_string(),
+        Field::UShort(value) => value.to_string(),
+        Field::UInt(value) => value.to_string(),
+        Field::ULong(value) => value.to_string(),
+        Field::TimestampMillis(value) | Field::TimestampMicros(value) => value.to_string(),
+        Field::Str(value) => cell(value),
+        // Several numbers in one cell: `Reading::lists` says what they are.
+        Field::ListInternal(list) => {
+            text.push_str("\"[");
+            for (index, element) in list.elements().iter().enumerate() {
+                if index > 0 {
+                    text.push(',');
+                }
+                push_field(text, name, element)?;
+            }
+            "]\"".to_owned()
+        }
+        _ => {
+            return Err(Error::invalid("a column holds more than one value a row")
+                .field(name)
+                .allowed("numbers and texts")
+                .hint("write its parts as columns of their own"));
+        }
+    };
+    text.push_str(&value);
     Ok(())
 }
 

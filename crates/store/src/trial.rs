@@ -28,7 +28,8 @@ pub enum CaseOutcome {
 pub struct CaseResult {
     /// Length of the net displacement in the plane, metres.
     pub net_displacement_m: f64,
-    /// Scores against the case's recordings, in order; empty where the metric needs a basis.
+    /// Scores against the case's recordings, in order; empty where the metric needs a basis. Behind them the single errors of all
+    /// these recordings, where an optimizer asks for them.
     pub scores: Vec<f64>,
     /// The prepared path, metres, where it is needed later; empty otherwise.
     pub path_xy_m: Vec<[f64; 2]>,

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::member::{OF_JOINTS, matches};
 use super::motor::is_of_motor;
 use super::{Parameter, by_name};
 use crate::{Experiment, SceneMotion};
@@ -125,9 +126,20 @@ impl ParameterSet {
             .iter()
             .any(|body| matches!(body.motion, SceneMotion::Driven { .. }));
         let why = |a: &Assignment| -> Option<String> {
-            let (group, _) = a.parameter.name.split_once('.')?;
-            let module = a.parameter.subject;
-            match group {
+            let subject = a.parameter.subject;
+            let names = || robot.hinges.iter().map(|hinge| hinge.name.as_str());
+            match a.parameter.group() {
+                group
+                    if OF_JOINTS.contains(&group)
+                        && !subject.is_empty()
+                        && !names().any(|n| matches(subject, n)) =>
+                {
+                    let names: Vec<&str> = names().collect();
+                    Some(format!(
+                        "the robot has no joint `{subject}`, only {}",
+                        names.join(", ")
+                    ))
+                }
                 "servo" | "gait" if !has_servos => Some("the robot has no servos".to_owned()),
                 "servo" if !has_motors && is_of_motor(a.parameter) => {
                     Some("no servo of the robot is a motor behind a gear".to_owned())
@@ -140,8 +152,11 @@ impl ParameterSet {
                     Some("the sensor's model has no such number".to_owned())
                 }
                 "pusher" if !has_pusher => Some("the scene has no driven body".to_owned()),
-                "module" if !robot.module_names.iter().any(|name| name == module) => {
-                    Some(format!("the robot has no module `{module}`"))
+                "servo" | "hinge" if !a.parameter.is_felt_by(experiment) => {
+                    Some("no such joint of the robot has this number".to_owned())
+                }
+                "module" if !robot.module_names.iter().any(|name| name == subject) => {
+                    Some(format!("the robot has no module `{subject}`"))
                 }
                 _ => None,
             }
@@ -156,10 +171,19 @@ impl ParameterSet {
         .collect()
     }
 
-    /// A new experiment with every assignment applied.
+    /// The assignments that are about chosen joints only.
+    #[must_use]
+    pub fn precise(&self) -> Self {
+        let precise = self.0.iter().filter(|a| a.parameter.is_precise());
+        Self(precise.copied().collect())
+    }
+
+    /// A new experiment with every assignment applied: of two about one joint the more precise holds, else the later.
     pub fn apply(&self, experiment: &Experiment) -> Experiment {
         let mut changed = experiment.clone();
-        for assignment in &self.0 {
+        let mut assignments = self.0.clone();
+        assignments.sort_by_key(|a| a.parameter.rank());
+        for assignment in &assignments {
             assignment.parameter.put(&mut changed, assignment.value);
         }
         changed

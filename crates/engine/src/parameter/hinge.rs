@@ -1,15 +1,9 @@
 //! Stated hinges, and bodies of the scene that are driven.
 
+use super::member::{change, shared};
 use super::{Nudge, Parameter, Scale, field};
 use crate::{Experiment, SceneMotion};
 use realgap_core::unit::Unit;
-use realgap_robot::morphology::Bearing;
-
-/// What the robot's file gives every stated hinge; `None` where they differ or there are none.
-fn shared(experiment: &Experiment, own: impl Fn(&Bearing) -> f64) -> Option<f64> {
-    let hinges = experiment.assembly.hinges.iter();
-    same(hinges.filter(|h| h.is_stated).map(|h| own(&h.bearing)))
-}
 
 fn same(mut values: impl Iterator<Item = f64>) -> Option<f64> {
     let first = values.next()?;
@@ -23,40 +17,38 @@ fn pusher_friction(experiment: &Experiment) -> Option<f64> {
     same(driven.map(|body| body.friction))
 }
 
+/// A number of the bearing of stated hinges.
+macro_rules! bearing {
+    ($name:literal, $unit:ident, $doc:literal, $field:ident) => {
+        Parameter {
+            name: $name,
+            unit: Unit::$unit,
+            bounds: (0.0, 1000.0),
+            whole: false,
+            scale: Scale::Linear,
+            nudge: Nudge::Share(0.1),
+            doc: $doc,
+            subject: "",
+            get: |e, of| shared(e, of, |h, _| h.is_stated.then_some(h.bearing.$field)),
+            set: |e, of, value| {
+                change(e, of, |hinge| {
+                    if hinge.is_stated {
+                        hinge.bearing.$field = value;
+                    }
+                })
+            },
+        }
+    };
+}
+
 #[rustfmt::skip] // a table
 pub(super) static PARAMETERS: &[Parameter] = &[
-    Parameter {
-        name: "hinge.viscous_nm_s_rad",
-        unit: Unit::NewtonMetreSecondPerRadian,
-        bounds: (0.0, 1000.0),
-        whole: false,
-        scale: Scale::Linear,
-        nudge: Nudge::Share(0.1),
-        doc: "Viscous friction of every stated hinge, in place of the robot file's.",
-        subject: "",
-        get: |e, _| {
-            let own = |bearing: &Bearing| bearing.viscous_nm_s_rad;
-            e.adjustment
-                .hinge_viscous_nm_s_rad
-                .or_else(|| shared(e, own))
-        },
-        set: |e, _, value| e.adjustment.hinge_viscous_nm_s_rad = Some(value),
-    },
-    Parameter {
-        name: "hinge.dry_nm",
-        unit: Unit::NewtonMetre,
-        bounds: (0.0, 1000.0),
-        whole: false,
-        scale: Scale::Linear,
-        nudge: Nudge::Share(0.1),
-        doc: "Dry friction of every stated hinge, in place of the robot file's.",
-        subject: "",
-        get: |e, _| {
-            let own = |bearing: &Bearing| bearing.dry_nm;
-            e.adjustment.hinge_dry_nm.or_else(|| shared(e, own))
-        },
-        set: |e, _, value| e.adjustment.hinge_dry_nm = Some(value),
-    },
+    bearing!("hinge.viscous_nm_s_rad", NewtonMetreSecondPerRadian,
+        "Viscous friction of every stated hinge, in place of the robot file's.", viscous_nm_s_rad),
+    bearing!("hinge.dry_nm", NewtonMetre,
+        "Dry friction of every stated hinge, in place of the robot file's. Also called hinge.dry_friction_nm.", dry_nm),
+    bearing!("hinge.armature_kg_m2", KilogramSquareMetre,
+        "Inertia of every stated hinge that only its own motion feels, in place of the robot file's.", armature_kg_m2),
     field!("pusher.offset_x_m", Metre, (-1.0, 1.0), Linear, Nudge::Absolute(0.001),
         "Shift of the boxes of every driven body of the scene along the body's own x axis.", adjustment.pusher_offset_m.x),
     field!("pusher.offset_y_m", Metre, (-1.0, 1.0), Linear, Nudge::Absolute(0.001),

@@ -9,6 +9,8 @@ mod contact;
 mod floor;
 mod gait;
 mod hinge;
+mod joint;
+mod member;
 mod module;
 mod motor;
 mod recording;
@@ -45,7 +47,7 @@ pub struct Parameter {
     pub nudge: Nudge,
     /// What it means, one sentence.
     pub doc: &'static str,
-    /// The module that it is about; empty where it is about the whole experiment.
+    /// The module or the joints that it is about, `*` for any letters; empty where it is about the whole experiment.
     pub subject: &'static str,
     get: fn(&Experiment, &str) -> Option<f64>,
     set: fn(&mut Experiment, &str, f64),
@@ -112,15 +114,41 @@ pub static PARAMETERS: &[&[Parameter]] = &[
     motor::PARAMETERS,
     gait::PARAMETERS,
     hinge::PARAMETERS,
+    joint::PARAMETERS,
     recording::PARAMETERS,
     vehicle::PARAMETERS,
     sensor::CURVES,
     sensor::PARAMETERS,
 ];
 
-/// Parameters of single modules, with `NAME` in place of a module's name.
+/// Parameters of single modules, with `NAME` in place of a module's name. Those of servos, hinges and joints can be of chosen ones,
+/// too: `servo.NAME.gain`, `servo.shoulder_*.gain`.
 pub fn families() -> impl Iterator<Item = &'static Parameter> {
     module::FAMILY.iter()
+}
+
+/// Other names of parameters: group and quantity, and those that are usual here.
+const ALSO: [((&str, &str), (&str, &str)); 2] = [
+    (("joint", "delay_s"), ("servo", "latency_s")),
+    (("hinge", "dry_friction_nm"), ("hinge", "dry_nm")),
+];
+
+/// The usual name of a parameter that goes by another.
+fn usual(name: &str) -> String {
+    let (group, rest) = name.split_once('.').unwrap_or((name, ""));
+    let (subject, quantity) = rest.rsplit_once('.').unwrap_or(("", rest));
+    // A module of a robot of bodies is one body.
+    let group = match group {
+        "body" if !subject.is_empty() => "module",
+        group => group,
+    };
+    let also = ALSO.iter().find(|(other, _)| *other == (group, quantity));
+    let (group, quantity) = also.map_or((group, quantity), |(_, usual)| *usual);
+    [group, subject, quantity]
+        .into_iter()
+        .filter(|part| !part.is_empty())
+        .collect::<Vec<_>>()
+        .join(".")
 }
 
 /// Looks a parameter up by name.
@@ -128,10 +156,13 @@ pub fn families() -> impl Iterator<Item = &'static Parameter> {
 /// # Errors
 /// An unknown name; the error lists the nearest known ones.
 pub fn by_name(name: &str) -> Result<&'static Parameter> {
+    let asked = name;
+    let name = usual(name);
+    let name = name.as_str();
     if let Some(known) = all().find(|parameter| parameter.name == name) {
         return Ok(known);
     }
-    if let Some(member) = module::member(name) {
+    if let Some(member) = member::member(name) {
         return Ok(member);
     }
     let group = name.split('.').next().unwrap_or(name);
@@ -143,10 +174,34 @@ pub fn by_name(name: &str) -> Result<&'static Parameter> {
     if near.is_empty() {
         near = all().map(|p| p.name).collect();
     }
-    Err(unknown_name("parameter", name, near).advise(Advice::ListParameters))
+    Err(unknown_name("parameter", asked, near).advise(Advice::ListParameters))
 }
 
 impl Parameter {
+    /// What stands before the first dot of its name.
+    fn group(&self) -> &'static str {
+        self.name.split('.').next().unwrap_or(self.name)
+    }
+
+    /// What stands after the last dot of its name.
+    fn quantity(&self) -> &'static str {
+        self.name.rsplit('.').next().unwrap_or(self.name)
+    }
+
+    /// Whether it is about chosen joints only, so that it overrules one that is about all of them.
+    pub fn is_precise(&self) -> bool {
+        self.rank() > 0
+    }
+
+    /// What is set later, whatever stands first in a file: one joint after a group, a group after all.
+    fn rank(&self) -> usize {
+        match self.subject {
+            "" => 0,
+            form if form.contains('*') => 1,
+            _ => 2,
+        }
+    }
+
     /// Checks that `value` is allowed.
     ///
     /// # Errors
@@ -169,6 +224,16 @@ impl Parameter {
     /// The value; `None` where the robot's own file decides (a limit that is not overridden).
     pub fn value(&self, experiment: &Experiment) -> Option<f64> {
         (self.get)(experiment, self.subject)
+    }
+
+    /// Whether setting it changes anything.
+    fn is_felt_by(&self, experiment: &Experiment) -> bool {
+        let [low, high] = [self.bounds.0, self.bounds.1].map(|value| {
+            let mut changed = experiment.clone();
+            self.put(&mut changed, value);
+            changed
+        });
+        low != high
     }
 
     fn put(&self, experiment: &mut Experiment, value: f64) {

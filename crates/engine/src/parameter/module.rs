@@ -1,14 +1,9 @@
-//! Parameters of one module: a family, `module.NAME.quantity`, with a member for every name.
+//! Parameters of one module (or stated body): a family, `module.NAME.quantity`, with a member for every name.
 
-use std::collections::BTreeMap;
-use std::sync::{LazyLock, Mutex};
-
+use super::member::ANY;
 use super::{Nudge, Parameter, Scale};
 use crate::{Experiment, ModuleAdjustment};
 use realgap_core::unit::Unit;
-
-/// In place of the name of a module, in lists.
-pub(super) const ANY: &str = "NAME";
 
 fn read(experiment: &Experiment, module: &str) -> ModuleAdjustment {
     let known = experiment.module_adjustments.get(module);
@@ -109,28 +104,3 @@ pub(super) static FAMILY: &[Parameter] = &[
         set: |e, name, value| change(e, name).centre_of_mass_offset_m.z = value,
     },
 ];
-
-/// The member of the family that a name means: `module.` a module's name `.` a quantity.
-pub(super) fn member(name: &str) -> Option<&'static Parameter> {
-    // A parameter is compared and stored by reference, so each name has one for as long as the program runs.
-    static KNOWN: LazyLock<Mutex<BTreeMap<String, &'static Parameter>>> =
-        LazyLock::new(Mutex::default);
-    let (module, quantity) = name.strip_prefix("module.")?.split_once('.')?;
-    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    if module.is_empty() || module.len() > 64 || !module.chars().all(is_name) {
-        return None;
-    }
-    let family = FAMILY
-        .iter()
-        .find(|p| p.name.strip_prefix("module.NAME.") == Some(quantity))?;
-    let mut known = KNOWN
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner);
-    Some(known.entry(name.to_owned()).or_insert_with(|| {
-        Box::leak(Box::new(Parameter {
-            name: Box::leak(name.to_owned().into_boxed_str()),
-            subject: Box::leak(module.to_owned().into_boxed_str()),
-            ..*family
-        }))
-    }))
-}

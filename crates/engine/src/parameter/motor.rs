@@ -1,36 +1,14 @@
 //! Servos that are motors behind gears: what a robot's file states of them, for all such servos at once.
 
-use std::sync::Arc;
-
+use super::member::{change, shared};
 use super::{Nudge, Parameter, Scale};
-use crate::Experiment;
 use realgap_core::unit::Unit;
-use realgap_robot::morphology::{MOST_LOAD, Motor};
-
-/// What the motors of an experiment have in common; `None` where they differ or there are none.
-fn shared(experiment: &Experiment, own: impl Fn(&Motor) -> f64) -> Option<f64> {
-    let hinges = experiment.assembly.hinges.iter();
-    let mut values = hinges
-        .filter_map(|hinge| hinge.actuator.as_ref()?.servo.law.motor())
-        .map(own);
-    let first = values.next()?;
-    values.all(|value| value == first).then_some(first)
-}
-
-/// Changes every motor.
-fn change(experiment: &mut Experiment, to: impl Fn(&mut Motor)) {
-    let hinges = &mut Arc::make_mut(&mut experiment.assembly).hinges;
-    let actuators = hinges
-        .iter_mut()
-        .filter_map(|hinge| hinge.actuator.as_mut());
-    for motor in actuators.filter_map(|actuator| actuator.servo.law.motor_mut()) {
-        to(motor);
-    }
-}
+use realgap_robot::morphology::MOST_LOAD;
 
 /// Whether a parameter is one of motors behind gears.
 pub(super) fn is_of_motor(parameter: &Parameter) -> bool {
-    PARAMETERS.contains(parameter)
+    let mut of_motors = PARAMETERS.iter();
+    parameter.group() == "servo" && of_motors.any(|p| p.quantity() == parameter.quantity())
 }
 
 macro_rules! motor {
@@ -44,8 +22,15 @@ macro_rules! motor {
             nudge: $nudge,
             doc: $doc,
             subject: "",
-            get: |e, _| shared(e, |motor| motor.$($field).+),
-            set: |e, _, value| change(e, |motor| motor.$($field).+ = value),
+            get: |e, of| shared(e, of, |h, _| Some(h.actuator?.servo.law.motor()?.$($field).+)),
+            set: |e, of, value| {
+                change(e, of, |hinge| {
+                    let law = hinge.actuator.as_mut().map(|a| &mut a.servo.law);
+                    if let Some(motor) = law.and_then(|law| law.motor_mut()) {
+                        motor.$($field).+ = value;
+                    }
+                })
+            },
         }
     };
 }

@@ -1,58 +1,93 @@
-//! Servos: limits, gain, latency and play.
+//! Servos: laws, limits, latency and play.
 
-use super::{Nudge, Parameter, Scale, field};
-use crate::Experiment;
+use super::member::{adjust, change, shared};
+use super::{Nudge, Parameter, Scale};
+use crate::HingeAdjustment;
 use realgap_core::unit::Unit;
-use realgap_robot::morphology::Servo;
+use realgap_robot::morphology::{Hinge, Servo, ServoLaw};
 
-/// What the robot's file gives every servo; `None` where they differ or there are none.
-fn shared(experiment: &Experiment, own: impl Fn(&Servo) -> f64) -> Option<f64> {
-    let mut values = experiment
-        .assembly
-        .hinges
-        .iter()
-        .filter_map(|hinge| hinge.actuator.as_ref())
-        .map(|actuator| own(&actuator.servo));
-    let first = values.next()?;
-    values.all(|value| value == first).then_some(first)
+/// What the robot's file states of a servo: the place of a number in it, where its law has one.
+macro_rules! stated {
+    ($name:literal, $unit:ident, $high:literal, $doc:literal, $servo:ident => $place:expr) => {
+        Parameter {
+            name: $name,
+            unit: Unit::$unit,
+            bounds: (0.0, $high),
+            whole: false,
+            scale: Scale::Log,
+            nudge: Nudge::Share(0.1),
+            doc: $doc,
+            subject: "",
+            get: |e, of| {
+                let own = |$servo: &mut Servo| -> Option<f64> { $place.map(|place| *place) };
+                shared(e, of, |hinge, _| own(&mut hinge.actuator?.servo))
+            },
+            set: |e, of, value| {
+                change(e, of, |hinge| {
+                    if let Some(actuator) = &mut hinge.actuator {
+                        let $servo = &mut actuator.servo;
+                        let place: Option<&mut f64> = $place;
+                        if let Some(place) = place {
+                            *place = value;
+                        }
+                    }
+                })
+            },
+        }
+    };
+}
+
+/// What a study says of a servo beside that.
+macro_rules! adjusted {
+    ($name:literal, $unit:ident, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $field:ident) => {
+        Parameter {
+            name: $name,
+            unit: Unit::$unit,
+            bounds: $bounds,
+            whole: false,
+            scale: Scale::$scale,
+            nudge: $nudge,
+            doc: $doc,
+            subject: "",
+            get: |e, of| {
+                let own =
+                    |hinge: &Hinge, change: &HingeAdjustment| hinge.actuator.map(|_| change.$field);
+                let hinges = &e.assembly.hinges;
+                let has_none = hinges.iter().all(|hinge| hinge.actuator.is_none());
+                shared(e, of, own).or(has_none.then(|| HingeAdjustment::default().$field))
+            },
+            set: |e, of, value| adjust(e, of, |change| change.$field = value),
+        }
+    };
 }
 
 #[rustfmt::skip] // a table
 pub(super) static PARAMETERS: &[Parameter] = &[
-    Parameter {
-        name: "servo.max_torque_nm",
-        unit: Unit::NewtonMetre,
-        bounds: (0.0, 1000.0),
-        whole: false,
-        scale: Scale::Log,
-        nudge: Nudge::Share(0.1),
-        doc: "Torque limit of every servo, in place of the robot file's.",
-        subject: "",
-        get: |e, _| {
-            let own = |servo: &Servo| servo.max_torque_nm;
-            e.adjustment.max_torque_nm.or_else(|| shared(e, own))
-        },
-        set: |e, _, value| e.adjustment.max_torque_nm = Some(value),
-    },
-    Parameter {
-        name: "servo.max_speed_rad_s",
-        unit: Unit::RadianPerSecond,
-        bounds: (0.0, 1000.0),
-        whole: false,
-        scale: Scale::Log,
-        nudge: Nudge::Share(0.1),
-        doc: "Speed limit of every servo, in place of the robot file's.",
-        subject: "",
-        get: |e, _| {
-            let own = |servo: &Servo| servo.max_speed_rad_s;
-            e.adjustment.max_speed_rad_s.or_else(|| shared(e, own))
-        },
-        set: |e, _, value| e.adjustment.max_speed_rad_s = Some(value),
-    },
-    field!("servo.gain", One, (0.0, 1000.0), Log, Nudge::Share(0.1),
-        "Factor on every servo's answer to an angle error: gain of the Velocity law, stiffness of the Torque law.", adjustment.servo_gain_scale),
-    field!("servo.latency_s", Second, (0.0, 10.0), Linear, Nudge::Absolute(0.01),
-        "Every servo acts on the command of this long ago; until the first arrives it holds the start.", adjustment.servo_latency_s),
-    field!("servo.backlash_rad", Radian, (0.0, 3.0), Linear, Nudge::Absolute(0.02),
-        "Play between servo and joint, end to end: no torque within it, only the rest of the error counts beyond.", adjustment.servo_backlash_rad),
+    stated!("servo.max_torque_nm", NewtonMetre, 1000.0,
+        "Torque limit of every servo, in place of the robot file's.", servo => Some(&mut servo.max_torque_nm)),
+    stated!("servo.max_speed_rad_s", RadianPerSecond, 1000.0,
+        "Speed limit of every servo, in place of the robot file's.", servo => Some(&mut servo.max_speed_rad_s)),
+    stated!("servo.gain_1_s", PerSecond, 1e5,
+        "Gain of every servo with the Velocity law.", servo => match &mut servo.law {
+            ServoLaw::Velocity { gain_1_s } => Some(gain_1_s),
+            _ => None,
+        }),
+    stated!("servo.stiffness_nm_rad", NewtonMetrePerRadian, 1e6,
+        "Stiffness of every servo with the Torque law.", servo => match &mut servo.law {
+            ServoLaw::Torque { stiffness_nm_rad, .. } => Some(stiffness_nm_rad),
+            _ => None,
+        }),
+    stated!("servo.damping_nm_s_rad", NewtonMetreSecondPerRadian, 1e6,
+        "Damping of every servo with the Torque law.", servo => match &mut servo.law {
+            ServoLaw::Torque { damping_nm_s_rad, .. } => Some(damping_nm_s_rad),
+            _ => None,
+        }),
+    adjusted!("servo.gain", One, (0.0, 1000.0), Log, Nudge::Share(0.1),
+        "Factor on every servo's answer to an angle error: gain of the Velocity law, stiffness of the Torque law.", gain_scale),
+    adjusted!("servo.latency_s", Second, (0.0, 10.0), Linear, Nudge::Absolute(0.01),
+        "Every servo acts on the command of this long ago; until the first arrives it holds the start. Also called joint.delay_s.", latency_s),
+    adjusted!("servo.backlash_rad", Radian, (0.0, 3.0), Linear, Nudge::Absolute(0.02),
+        "Play between servo and joint, end to end: no torque within it, only the rest of the error counts beyond.", backlash_rad),
+    adjusted!("servo.offset_rad", Radian, (-3.2, 3.2), Linear, Nudge::Absolute(0.01),
+        "What every servo adds to the angles that it is told.", offset_rad),
 ];

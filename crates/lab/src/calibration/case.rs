@@ -155,13 +155,14 @@ fn from_recordings(
         } else {
             experiment.start = Start::State(first_state(recording, &mut warnings)?);
         }
-        let commands = definition.commands.as_ref();
-        joints::set_up(&mut experiment, recording, commands, &mut warnings);
-        if let Some(commands) = commands {
-            commands
-                .set_up(&mut experiment, recording)
-                .map_err(|e| definition.at_file(e))?;
-        }
+        joints::set_up(
+            &mut experiment,
+            recording,
+            definition.commands.as_ref(),
+            &definition.left_out,
+            &mut warnings,
+        )
+        .map_err(|e| definition.at_file(e))?;
         scene_file::lead(&mut experiment, recording)?;
         experiment.duration_s = target.motion.duration_s();
         experiment.sampling = Sampling::Times(times_s.iter().map(|t| t - times_s[0]).collect());

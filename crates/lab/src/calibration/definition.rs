@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::basis::BasisRule;
 use super::command_file::Commands;
+use super::horizon::Horizon;
 use super::split::Split;
 use crate::calibration::identification::StartState;
 use realgap_core::error::Error;
@@ -83,6 +84,10 @@ pub struct Definition {
     pub scene: Vec<SceneBody>,
     /// What the recordings say of the servos.
     pub commands: Option<Commands>,
+    /// Joints of the robot without a recorded column and recorded columns without a joint that are meant to be so, with `*`.
+    pub left_out: Vec<String>,
+    /// Windows into which recordings are cut, each a recording of its own.
+    pub horizon: Option<Horizon>,
     /// Length of the runs, seconds; `None`: as long as the recordings.
     pub duration_s: Option<f64>,
     /// How the recordings' files are read.
@@ -93,6 +98,8 @@ pub struct Definition {
     pub grid: Grid,
     /// The parameters of [`Definition::grid`], in its order.
     pub parameters: Vec<&'static Parameter>,
+    /// What is known of each of them beforehand: median and variance of its coordinate between the ends of its range.
+    pub priors: Vec<Option<(f64, f64)>>,
     /// How far apart two trajectories are.
     pub metric: &'static dyn Metric,
     /// What the score of a point is the mean over.
@@ -160,11 +167,14 @@ impl Definition {
             only_at_rest: false,
             scene: Vec::new(),
             commands: None,
+            left_out: Vec::new(),
+            horizon: None,
             duration_s: None,
             reading: Reading::default(),
             set: ParameterSet::new(),
             grid: Grid::default(),
             parameters: Vec::new(),
+            priors: Vec::new(),
             metric: &Pca,
             score: ScoreRule::default(),
             basis: BasisRule::default(),

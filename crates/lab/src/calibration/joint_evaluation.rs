@@ -9,10 +9,11 @@ use super::evaluation::{Average, all_diverged, by_recording, provenance};
 use super::study::Study;
 use super::values::by_name;
 use realgap_core::error::Result;
+use realgap_core::statistics::mean;
 use realgap_core::warning::{Code, Warning};
 use realgap_engine::parameter::ParameterSet;
 use realgap_optimize::RunOptions;
-use realgap_path::comparison::joint_error_rad;
+use realgap_path::comparison::{joint_error_rad, joint_errors};
 
 /// One recording and its simulation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -22,6 +23,10 @@ pub struct JointErrors {
     pub recording: String,
     /// Mean absolute error of the joints, milliradians; `None` where the simulation diverged.
     pub angle_mrad: Option<f64>,
+    /// Mean over the joints of the absolute error at the end, milliradians.
+    pub end_mrad: Option<f64>,
+    /// Mean absolute error of each joint, milliradians; empty where the simulation diverged.
+    pub joints_mrad: BTreeMap<String, f64>,
     #[serde(skip)]
     simulated_s: f64,
     #[serde(skip)]
@@ -36,6 +41,10 @@ pub struct JointEvaluation {
     pub recordings: usize,
     /// Mean absolute error of the joints of each recording, milliradians.
     pub angle_mrad: Average,
+    /// Median over the recordings (windows of them where the study has a horizon) of the joints' mean error at the end, milliradians.
+    pub end_mrad_median: f64,
+    /// Mean over the recordings of each joint's absolute error, milliradians.
+    pub joints_mrad: BTreeMap<String, f64>,
     /// CPU milliseconds per simulated second.
     pub cpu_ms_per_s: f64,
     /// Which start state the runs have.
@@ -66,6 +75,13 @@ impl Study {
         let definition = self.definition();
         let angles = rows.iter().filter_map(|row| row.angle_mrad).collect();
         let angle_mrad = Average::of(angles).ok_or_else(|| all_diverged(definition))?;
+        let mut ends: Vec<f64> = rows.iter().filter_map(|row| row.end_mrad).collect();
+        ends.sort_by(f64::total_cmp);
+        let mut by_joint: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+        for (name, mrad) in rows.iter().flat_map(|row| &row.joints_mrad) {
+            by_joint.entry(name.clone()).or_default().push(*mrad);
+        }
+        let by_joint = by_joint.into_iter();
         let mut warnings = self.warnings().to_vec();
         let diverged = rows.iter().filter(|row| row.angle_mrad.is_none()).count();
         if diverged > 0 {
@@ -83,6 +99,8 @@ impl Study {
         Ok(JointEvaluation {
             recordings: rows.len(),
             angle_mrad,
+            end_mrad_median: 0.5 * (ends[(ends.len() - 1) / 2] + ends[ends.len() / 2]),
+            joints_mrad: by_joint.map(|(name, all)| (name, mean(&all))).collect(),
             cpu_ms_per_s: 1e3 * cpu_s / simulated_s,
             start: definition.start_used(),
             parameters: by_name(&fixed),
@@ -107,8 +125,16 @@ impl Study {
                             .map_err(|e| e.at_file(&recording.path))
                     })
                     .transpose()?;
+                let simulated = run.outcome.get();
+                let errors = simulated.map(|simulated| joint_errors(&target.motion, simulated));
+                let ends = errors.as_ref().map(|errors| -> Vec<f64> {
+                    errors.iter().map(|error| error.end_rad).collect()
+                });
+                let errors = errors.into_iter().flatten();
                 let row = JointErrors {
                     recording: recording.name.clone(),
+                    end_mrad: ends.map(|ends| 1e3 * mean(&ends)),
+                    joints_mrad: errors.map(|e| (e.name, 1e3 * e.mean_rad)).collect(),
                     angle_mrad: error_rad.map(|(error_rad, _)| 1e3 * error_rad),
                     simulated_s: experiment.duration_s,
                     cpu_s: run.cpu.as_secs_f64(),

@@ -1,6 +1,11 @@
 //! How the points of an answer were chosen.
 
+use std::fmt;
+
 use serde::Serialize;
+
+use realgap_core::unit::number;
+use realgap_optimize::{Grid, Quadratic};
 
 /// How the points of an answer were chosen.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,4 +45,78 @@ pub struct Tuned {
     pub evaluated: usize,
     /// Why it ended.
     pub termination: Termination,
+    /// What least squares know of each parameter where they ended; empty for other optimizers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub least_squares: Vec<Estimated>,
+}
+
+/// What least squares know of a parameter: the noise of the errors alone, whatever else is wrong with the model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Estimated {
+    /// Name of the parameter.
+    pub parameter: &'static str,
+    /// Where the loss is least.
+    pub value: f64,
+    /// Lower end of the 90 % interval.
+    pub low: f64,
+    /// Upper end of it.
+    pub high: f64,
+    /// Whether the recordings tell it: its spread is less than half of what was known beforehand.
+    pub is_told: bool,
+    /// The parameter with which it is exchanged most easily, and their correlation.
+    pub partner: Option<(&'static str, f64)>,
+}
+
+/// Half of a 90 % interval in standard deviations.
+const NINETY: f64 = 1.644_853_626_951;
+/// A spread below this share of what was known beforehand is news.
+const NEWS: f64 = 0.5;
+
+impl Estimated {
+    /// What a quadratic says of the parameters of a grid.
+    pub(super) fn all(grid: &Grid, known: &Quadratic) -> Vec<Self> {
+        let sd = |axis: usize| known.covariance[axis][axis].sqrt();
+        let ranges = grid.ranges();
+        let correlation = |a: usize, b: usize| known.covariance[a][b] / (sd(a) * sd(b));
+        (0..ranges.len())
+            .map(|axis| {
+                let (range, at) = (&ranges[axis], known.point[axis]);
+                let value = |coordinate: f64| range.at(coordinate.clamp(0.0, 1.0));
+                let others = (0..ranges.len()).filter(|other| *other != axis);
+                let partner = others.max_by(|a, b| {
+                    correlation(axis, *a)
+                        .abs()
+                        .total_cmp(&correlation(axis, *b).abs())
+                });
+                let before = known.prior[axis].unwrap_or(1.0 / 12.0).sqrt();
+                Self {
+                    parameter: range.parameter.name,
+                    value: value(at),
+                    low: value(at - NINETY * sd(axis)),
+                    high: value(at + NINETY * sd(axis)),
+                    is_told: sd(axis) < NEWS * before,
+                    partner: partner
+                        .map(|other| (ranges[other].parameter.name, correlation(axis, other))),
+                }
+            })
+            .collect()
+    }
+}
+
+impl fmt::Display for Estimated {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (name, value) = (self.parameter, number(self.value));
+        let (low, high) = (number(self.low), number(self.high));
+        write!(f, "{name} = {value}, 90 % {low} to {high}")?;
+        if !self.is_told {
+            write!(f, ": these recordings do not tell it")?;
+        }
+        match self.partner {
+            Some((other, correlation)) if correlation.abs() > 0.9 => {
+                write!(f, "; exchanged with {other} ({correlation:.2})")
+            }
+            _ => Ok(()),
+        }
+    }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::definition::Definition;
+use super::horizon::Horizon;
 use super::matching::matching_files;
 use super::overrides::Overrides;
 use crate::calibration::identification::is_at_rest;
@@ -15,12 +16,25 @@ use realgap_path::trajectory::{self, META_FILE, Recording, Source};
 use realgap_robot::morphology::Morphology;
 
 /// Recordings with the hashes of their files.
+#[derive(Default)]
 pub(super) struct Found {
     pub recordings: Vec<Recording>,
     pub sha256: Vec<String>,
 }
 
 impl Found {
+    /// Cuts every recording into windows.
+    pub fn cut_into(&mut self, horizon: Horizon) -> Result<()> {
+        let whole = std::mem::take(self);
+        for (recording, sha256) in whole.recordings.iter().zip(whole.sha256) {
+            for window in horizon.windows(recording)? {
+                self.recordings.push(window);
+                self.sha256.push(sha256.clone());
+            }
+        }
+        Ok(())
+    }
+
     /// Leaves out what still moves at its end, and says so.
     pub fn keep_those_at_rest(&mut self) -> Result<Option<Warning>> {
         let all = self.recordings.len();
@@ -265,9 +279,10 @@ fn in_short(mut warnings: Vec<Warning>) -> Vec<Warning> {
 }
 
 /// What is said of single recordings.
-const OF_ONE_RECORDING: [Code; 6] = [
+const OF_ONE_RECORDING: [Code; 7] = [
     Code::Hole,
     Code::QuaternionOrder,
+    Code::StaleSamples,
     Code::Standstill,
     Code::UnknownAxes,
     Code::UnlikelyLength,

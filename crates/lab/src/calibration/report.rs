@@ -251,6 +251,9 @@ impl fmt::Display for Report {
         for verdict in &self.verdicts {
             write!(f, "\n  {verdict}")?;
         }
+        for known in self.tuning.iter().flat_map(|tuned| &tuned.least_squares) {
+            write!(f, "\n  {known}")?;
+        }
         if let Some(audit) = &self.audit {
             write!(
                 f,

@@ -209,7 +209,8 @@ pub(super) fn result_scores(
     result: &CaseResult,
 ) -> Result<Vec<f64>> {
     let Some(basis) = basis else {
-        return Ok(result.scores.clone());
+        let targets = study.cases()[case].targets.len();
+        return Ok(result.scores[..targets].to_vec());
     };
     let simulated = Prepared::from_xy_m(result.path_xy_m.clone())?;
     // Both paths are in recorded lengths, the score in true ones.

@@ -23,6 +23,10 @@ use realgap_store::{CaseOutcome, CaseResult, CaseRow, Trial};
 /// Equally valid settings where the study does not say how many.
 const VALID_SETTINGS: usize = 16;
 
+/// About how many single errors of a point are kept, over all cases, and at least of one.
+const MOST_ERRORS: usize = 16_384;
+const LEAST_ERRORS: usize = 32;
+
 /// A study with its cases.
 #[derive(Debug, Clone)]
 pub struct Study {
@@ -205,6 +209,19 @@ impl Study {
     /// # Errors
     /// As [`Study::simulate`].
     pub(super) fn simulate_values(&self, index: usize, values: Vec<f64>) -> Result<Trial> {
+        self.simulate_trial(index, values, false)
+    }
+
+    /// As [`Study::simulate_values`], with single errors where they are asked for.
+    ///
+    /// # Errors
+    /// As [`Study::simulate`]; a metric that is not made of single errors.
+    pub(super) fn simulate_trial(
+        &self,
+        index: usize,
+        values: Vec<f64>,
+        has_errors: bool,
+    ) -> Result<Trial> {
         let settings = self.settings();
         let setting = settings.of_trial(index);
         let set = self.parameter_set(&values);
@@ -212,7 +229,7 @@ impl Study {
             .into_par_iter()
             .map(|case| {
                 let experiment = self.experiment_with(case, &set)?;
-                self.simulate_case(case, &settings.apply(setting, &experiment))
+                self.simulate_case_with(case, &settings.apply(setting, &experiment), has_errors)
             })
             .collect::<Result<_>>()?;
         Ok(Trial {
@@ -235,6 +252,8 @@ impl Study {
     /// # Errors
     /// As [`Study::experiment`].
     pub fn experiment_with(&self, case: usize, set: &ParameterSet) -> Result<Experiment> {
+        // What is fixed for one joint holds against what is varied for all.
+        let set = self.definition.set.precise().with_all(set);
         let experiment = set.apply(&self.cases[case].experiment);
         if self.definition.start_state == StartState::FirstSample {
             return Ok(experiment);
@@ -336,7 +355,29 @@ impl Study {
         self.held_out.iter().filter(|held_out| !**held_out).count()
     }
 
+    /// Single errors of the recordings that are fitted, in one row; `None` where a case has none.
+    pub(super) fn errors_of(&self, trial: &Trial) -> Option<Vec<f64>> {
+        let mut errors = Vec::new();
+        for (case, row) in self.cases.iter().zip(&trial.cases) {
+            let own = row.completed()?.scores.get(case.targets.len()..)?;
+            let fitted = case.targets.iter().any(|t| !self.held_out[t.recording]);
+            if fitted {
+                errors.extend_from_slice(own);
+            }
+        }
+        (!errors.is_empty()).then_some(errors)
+    }
+
     fn simulate_case(&self, case: usize, experiment: &Experiment) -> Result<CaseRow> {
+        self.simulate_case_with(case, experiment, false)
+    }
+
+    fn simulate_case_with(
+        &self,
+        case: usize,
+        experiment: &Experiment,
+        has_errors: bool,
+    ) -> Result<CaseRow> {
         let run = realgap_engine::run(experiment)?;
         let motion = match run.outcome {
             realgap_engine::Outcome::Completed(motion) => motion,
@@ -353,7 +394,8 @@ impl Study {
         let spread = self.spread.as_ref();
         let spread = spread.map(|spread| spread.scaled(1.0 / experiment.recording_length_scale));
         let context = self.context(spread.as_ref());
-        let mut scores = Vec::new();
+        let (mut scores, mut errors) = (Vec::new(), Vec::new());
+        let most = (MOST_ERRORS / self.cases.len()).max(LEAST_ERRORS);
         if !needs_basis {
             for target in &self.cases[case].targets {
                 let target = target.in_true_lengths(experiment.recording_length_scale)?;
@@ -364,8 +406,13 @@ impl Study {
                     simulated_prepared: &prepared,
                 };
                 scores.push(self.definition.metric.compare(&pair, &context)?.value);
+                if has_errors {
+                    let own = self.definition.metric.errors(&pair, most)?;
+                    errors.extend(own.into_iter().flatten());
+                }
             }
         }
+        scores.extend(errors);
         // Scores with a basis exist only once all paths are known; the pictures need the first case's.
         let path_xy_m = if needs_basis || case == 0 {
             // In recorded lengths, as the recordings that share a basis and a picture with it.

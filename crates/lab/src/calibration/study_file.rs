@@ -10,6 +10,7 @@ use super::basis::BasisRule;
 use super::command_file::Commands;
 use super::definition::{Definition, ScoreRule, StartRule};
 use super::fitted::in_sample;
+use super::horizon::Horizon;
 use super::overrides::Overrides;
 use super::recording;
 use super::scene_file::BodyFile;
@@ -57,6 +58,11 @@ pub struct StudyFile {
     arena: Option<PathBuf>,
     /// Recorded commands that the servos follow in place of their gaits.
     commands: Option<Commands>,
+    /// Joints of the robot that no column gives, and columns that no joint takes, which else are an error; `*` for any letters.
+    #[serde(default)]
+    left_out: Vec<String>,
+    /// `(length_s, every_s)`: runs start again and again from what was recorded, every so often, and last so long.
+    horizon: Option<Horizon>,
     /// Time of each run, seconds; else as long as the recordings.
     duration_s: Option<f64>,
     /// Timestep, seconds; the same as `set: { "timestep_s": ... }`.
@@ -135,6 +141,35 @@ struct RangeFile {
     /// Points of the grid from the lowest to the highest.
     #[serde(default = "default_points")]
     points: usize,
+    /// What is known beforehand, e.g. from a data sheet: median and standard deviation, in the parameter's unit. For least squares
+    /// (`--optimizer gauss-newton`).
+    prior: Option<(f64, f64)>,
+}
+
+impl RangeFile {
+    /// The prior in coordinates from 0 to 1 along the range: median and variance.
+    fn prior_of(&self, range: &Range) -> Result<Option<(f64, f64)>> {
+        let Some((median, sd)) = self.prior else {
+            return Ok(None);
+        };
+        let is_within = (range.from..=range.to).contains(&median);
+        if !is_within || !(sd > 0.0 && sd.is_finite()) {
+            return Err(Error::invalid("no prior knowledge of this parameter")
+                .field("prior")
+                .found(format!("({median}, {sd})"))
+                .allowed("(median, spread): a median within the range, a spread above 0"));
+        }
+        let at = range.coordinate(median);
+        // Along a logarithmic range a spread is a share of the median.
+        let near = 1e-3 * (range.to - range.from);
+        let there = if median + near <= range.to {
+            median + near
+        } else {
+            median - near
+        };
+        let slope = (range.coordinate(there) - at).abs() / near;
+        Ok(Some((at, (slope * sd).powi(2))))
+    }
 }
 
 fn default_metric() -> String {
@@ -172,6 +207,9 @@ impl Definition {
         } else {
             None
         };
+        if let Some(horizon) = definition.horizon {
+            found.cut_into(horizon)?;
+        }
         let mut warnings = recording::warnings_for(&definition.morphology, &found.recordings);
         warnings.extend(moving);
         warnings.extend(in_sample(&found.recordings, &overrides.fitted_on));
@@ -202,6 +240,13 @@ impl Definition {
         let robot = file.robot(source, folder)?;
         let set = file.fixed(source)?.with_all(&overrides.set);
         let (grid, parameters) = file.varied(source, overrides)?;
+        let priors = file.parameters.iter().zip(grid.ranges()).enumerate();
+        let priors = priors
+            .map(|(index, (range, on_grid))| {
+                let prior = range.prior_of(on_grid);
+                prior.map_err(|e| source.at(&format!("parameters[{index}]"), e))
+            })
+            .collect::<Result<Vec<_>>>()?;
         let metric = match overrides.metric {
             Some(metric) => metric,
             None => comparison::by_name(&file.metric).map_err(|e| source.at("metric", e))?,
@@ -232,11 +277,14 @@ impl Definition {
             start_state,
             only_at_rest: file.only_at_rest,
             commands: file.commands,
+            left_out: file.left_out,
+            horizon: file.horizon,
             duration_s: file.duration_s,
             reading: overrides.reading.clone().or(&file.reading),
             set,
             grid,
             parameters,
+            priors,
             metric,
             score: overrides.score.unwrap_or(file.score),
             basis,

@@ -120,6 +120,7 @@ impl Kernel {
             points: vec![2; dimensions + 3],
             budget: TRIES * (dimensions + 3),
             seed: 1,
+            priors: Vec::new(),
         };
         let told = minimise(default_optimizer(), &brief, |point| {
             Self::new(point).misfit(runs, values)

@@ -2,7 +2,7 @@
 
 use super::answer::Answer;
 use super::keeping::{Keeping, KeptRun};
-use super::method::{Method, Termination, Tuned};
+use super::method::{Estimated, Method, Termination, Tuned};
 use super::score::{PointScore, Scores};
 use super::split::{Split, fold};
 use super::study::Study;
@@ -136,12 +136,19 @@ fn tune(
     tuning.keeping.score(&scores.runs)?;
     tuning.keeping.end(ending)?;
     let evaluated = tuning.told.len();
+    let history = tuning.history();
+    let known = options.optimizer.quadratic(&tuning.brief, &history);
+    let warning = options.optimizer.warning(&tuning.brief, &history);
     let method = Method::Tune(Tuned {
         optimizer: options.optimizer.name(),
         budget: tuning.budget,
         design: tuning.design.len(),
         evaluated,
         termination,
+        least_squares: match &known {
+            Some(known) => Estimated::all(&study.definition().grid, known),
+            None => Vec::new(),
+        },
     });
     let refits = match ending {
         Ending::Complete if folds > 0 => {
@@ -151,7 +158,9 @@ fn tune(
         _ => None,
     };
     run.tell_finishing(WEIGHING, evaluated);
-    run.install(|| Answer::new(study, method, ending, scores, refits))?
+    let mut answer = run.install(|| Answer::new(study, method, ending, scores, refits))??;
+    answer.report.warnings.extend(warning);
+    Ok(answer)
 }
 
 /// The best point of the same tuning without the recordings of each fold, in memory; trials that are `known` are not simulated
@@ -183,6 +192,32 @@ fn refits(
     Ok(Some(best))
 }
 
+/// Least squares need errors, and only they know what to do with prior knowledge.
+fn check_errors(study: &Study, options: &TuneOptions) -> Result<()> {
+    let definition = study.definition();
+    let name = options.optimizer.name();
+    if !options.optimizer.needs_errors() {
+        if definition.priors.iter().all(Option::is_none) {
+            return Ok(());
+        }
+        return Err(
+            Error::usage("this optimizer makes nothing of prior knowledge")
+                .field("optimizer")
+                .found(name)
+                .allowed("gauss-newton, or a study without `prior`"),
+        );
+    }
+    if definition.metric.needs().joints {
+        return Ok(());
+    }
+    Err(Error::usage(format!(
+        "{name} needs a metric that is made of single errors"
+    ))
+    .field("metric")
+    .found(definition.metric.name())
+    .allowed("joints"))
+}
+
 /// What the optimizer is told of the study.
 ///
 /// # Errors
@@ -195,7 +230,9 @@ fn brief(study: &Study, options: &TuneOptions) -> Result<Brief> {
         points: ranges.map(|range| range.points).collect(),
         budget: options.budget.saturating_sub(design),
         seed: definition.seed,
+        priors: definition.priors.clone(),
     };
+    check_errors(study, options)?;
     let batch = options.optimizer.batch(&brief).max(1);
     if options.budget > MOST_POINTS {
         return Err(Error::usage("the budget is too large")
@@ -302,9 +339,11 @@ impl<'a> Tuning<'a> {
             {
                 return Ok(Termination::NoImprovement);
             }
-            let (design, told) = self.told.split_at(design.len());
-            let history = History { design, told };
-            let mut candidates = match self.options.optimizer.propose(&self.brief, &history)? {
+            let proposal = self
+                .options
+                .optimizer
+                .propose(&self.brief, &self.history())?;
+            let mut candidates = match proposal {
                 Proposal::Evaluate(candidates) => candidates,
                 Proposal::Exhausted => return Ok(Termination::Exhausted),
             };
@@ -314,6 +353,11 @@ impl<'a> Tuning<'a> {
             }
             self.tell(&candidates)?;
         }
+    }
+
+    fn history(&self) -> History<'_> {
+        let (design, told) = self.told.split_at(self.design.len().min(self.told.len()));
+        History { design, told }
     }
 
     /// Evaluates the candidates that follow what has been told; stored ones are not simulated again.
@@ -329,7 +373,10 @@ impl<'a> Tuning<'a> {
                 let values = grid.values_at(&candidates[index - offset]);
                 match self.known.get(index) {
                     Some(trial) if trial.values == values => Ok(trial.clone()),
-                    _ => self.study.simulate_values(index, values),
+                    _ => {
+                        let has_errors = self.options.optimizer.needs_errors();
+                        self.study.simulate_trial(index, values, has_errors)
+                    }
                 }
             },
             |done| self.run.tell(before + done, total, self.best),
@@ -359,6 +406,10 @@ impl<'a> Tuning<'a> {
             self.told.push(Told {
                 point: point.clone(),
                 score: scored.score,
+                errors: match self.options.optimizer.needs_errors() {
+                    true => self.study.errors_of(trial).unwrap_or_default(),
+                    false => Vec::new(),
+                },
             });
         }
         self.keeping.score(&scores.runs)?;

@@ -468,6 +468,7 @@ mod tests {
             points: vec![11; 2],
             budget: 1000,
             seed: 1,
+            priors: Vec::new(),
         };
         let mut told = Vec::new();
         let mut sizes = Vec::new();
@@ -483,6 +484,7 @@ mod tests {
             told.extend(batch.into_iter().map(|point| super::super::Told {
                 point,
                 score: Some(1.0),
+                errors: Vec::new(),
             }));
         }
         sizes.dedup();

@@ -8,6 +8,7 @@
 
 mod bayesian;
 mod cma_es;
+mod gauss_newton;
 mod gaussian_process;
 mod grid;
 mod nelder_mead;
@@ -17,16 +18,19 @@ mod replay;
 
 use bayesian::Bayesian;
 use cma_es::CmaEs;
+use gauss_newton::GaussNewton;
 use grid::FullGrid;
 use nelder_mead::NelderMead;
 use particle_swarm::Swarm;
 use random::Random;
 
 pub use bayesian::thin;
+pub use gauss_newton::Quadratic;
 pub use random::space_filling;
 
 use realgap_core::error::Result;
 use realgap_core::file::look_up;
+use realgap_core::warning::Warning;
 
 /// A point of the searched space: one coordinate a parameter, each in 0 to 1.
 pub type UnitPoint = Vec<f64>;
@@ -38,6 +42,8 @@ pub struct Told {
     pub point: UnitPoint,
     /// How far from reality, to be made small; `None` where there is no score (a simulation that diverged).
     pub score: Option<f64>,
+    /// Single errors that the score is made of, for who [needs](Optimizer::needs_errors) them; else empty.
+    pub errors: Vec<f64>,
 }
 
 /// What an optimizer is asked to do.
@@ -49,12 +55,22 @@ pub struct Brief {
     pub budget: usize,
     /// Seed of everything random.
     pub seed: u64,
+    /// What is known of every parameter beforehand, its median and variance as coordinates; `None` for nothing but the range. Only
+    /// least squares ask.
+    pub priors: Vec<Option<(f64, f64)>>,
 }
 
 impl Brief {
     /// Number of parameters.
     pub fn dimensions(&self) -> usize {
         self.points.len()
+    }
+
+    /// What is believed beforehand: the medians, else the middle of the ranges.
+    fn middle(&self) -> UnitPoint {
+        let prior = |axis: usize| self.priors.get(axis).copied().flatten();
+        let median = |axis: usize| prior(axis).map_or(0.5, |(median, _)| median.clamp(0.0, 1.0));
+        (0..self.dimensions()).map(median).collect()
     }
 }
 
@@ -112,6 +128,23 @@ pub trait Optimizer: Sync {
         false
     }
 
+    /// Whether it looks at the single errors that a score is made of.
+    fn needs_errors(&self) -> bool {
+        false
+    }
+
+    /// What the reader of a search should know about how it went.
+    fn warning(&self, brief: &Brief, history: &History<'_>) -> Option<Warning> {
+        let _ = (brief, history);
+        None
+    }
+
+    /// The loss near its minimum, of an optimizer that knows it.
+    fn quadratic(&self, brief: &Brief, history: &History<'_>) -> Option<Quadratic> {
+        let _ = (brief, history);
+        None
+    }
+
     /// The next batch.
     ///
     /// # Errors
@@ -120,8 +153,15 @@ pub trait Optimizer: Sync {
 }
 
 /// All optimizers.
-pub const OPTIMIZERS: &[&dyn Optimizer] =
-    &[&FullGrid, &Random, &NelderMead, &Swarm, &CmaEs, &Bayesian];
+pub const OPTIMIZERS: &[&dyn Optimizer] = &[
+    &FullGrid,
+    &Random,
+    &NelderMead,
+    &Swarm,
+    &CmaEs,
+    &Bayesian,
+    &GaussNewton,
+];
 
 /// The optimizer of those who name none.
 pub fn default_optimizer() -> &'static dyn Optimizer {

@@ -58,6 +58,25 @@ impl<'a> Replay<'a> {
         }
     }
 
+    /// What was told of points within the bounds.
+    ///
+    /// # Errors
+    /// Those of them that nobody has evaluated yet.
+    pub fn told<'p>(
+        &self,
+        points: impl IntoIterator<Item = &'p [f64]>,
+    ) -> Result<Vec<&'a Told>, Unknown> {
+        let from = self.answered.get();
+        let asked: Vec<UnitPoint> = points.into_iter().map(<[f64]>::to_vec).collect();
+        let known = &self.told[from.min(self.told.len())..];
+        let known = &known[..asked.len().min(known.len())];
+        self.answered.set(from + known.len());
+        if known.len() < asked.len() {
+            return Err(Unknown(asked[known.len()..].to_vec()));
+        }
+        Ok(known.iter().collect())
+    }
+
     /// Scores given so far.
     pub fn answered(&self) -> usize {
         self.answered.get()

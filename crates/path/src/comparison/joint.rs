@@ -28,6 +28,23 @@ impl Metric for Joints {
         is_symmetric: bool = false;
     }
 
+    fn errors(&self, pair: &Pair<'_>, most: usize) -> Result<Option<Vec<f64>>> {
+        let joints = common(pair.real, pair.simulated);
+        let times_s = pair.real.times_s();
+        let each = (times_s.len() * joints.len()).div_ceil(most.max(1)).max(1);
+        let mut at = Interpolator::new(pair.simulated);
+        // Not the start, which is the recording's own.
+        let samples = || (each / 2 + 1..times_s.len()).step_by(each);
+        let mut errors = Vec::with_capacity(joints.len() * samples().count());
+        for joint in &joints {
+            for sample in samples() {
+                let since_start_s = times_s[sample] - times_s[0];
+                errors.push(difference_rad(joint, &mut at, since_start_s, sample));
+            }
+        }
+        Ok(Some(errors))
+    }
+
     fn measure(&self, pair: &Pair<'_>, _: &Context<'_>) -> Result<Measurement> {
         let (mean_rad, samples) = joint_error_rad(pair.real, pair.simulated)?;
         Ok(Measurement::new(mean_rad, samples))
@@ -52,11 +69,51 @@ pub(super) fn error_at_rad(
     since_start_s: f64,
     sample: usize,
 ) -> f64 {
-    let errors = joints.iter().map(|(recorded, joint)| {
-        let error = at.joint_angle_rad(joint, since_start_s) - recorded.angles_rad[sample];
-        (error - TAU * (error / TAU).round()).abs()
-    });
+    let errors = joints
+        .iter()
+        .map(|joint| difference_rad(joint, at, since_start_s, sample).abs());
     errors.sum::<f64>() / joints.len() as f64
+}
+
+/// Simulated angle minus recorded one, radians, within half a turn.
+fn difference_rad(
+    (recorded, simulated): &(&JointTrack, &JointTrack),
+    at: &mut Interpolator<'_>,
+    since_start_s: f64,
+    sample: usize,
+) -> f64 {
+    let error = at.joint_angle_rad(simulated, since_start_s) - recorded.angles_rad[sample];
+    error - TAU * (error / TAU).round()
+}
+
+/// How far one joint is off.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointError {
+    /// Name of the joint.
+    pub name: String,
+    /// Mean absolute error over the recorded samples, radians.
+    pub mean_rad: f64,
+    /// Absolute error at the last of them, radians.
+    pub end_rad: f64,
+}
+
+/// The error of every joint that both have, over the recorded samples within the simulation.
+pub fn joint_errors(real: &Trajectory, simulated: &Trajectory) -> Vec<JointError> {
+    let times_s = real.times_s();
+    let end_s = simulated.duration_s() * (1.0 + 1e-9) + 1e-9;
+    let samples = times_s.partition_point(|t| t - times_s[0] <= end_s);
+    let joints = common(real, simulated);
+    let error = |joint: &(&JointTrack, &JointTrack)| {
+        let mut at = Interpolator::new(simulated);
+        let off = |(k, t): (usize, &f64)| difference_rad(joint, &mut at, t - times_s[0], k).abs();
+        let errors: Vec<f64> = times_s[..samples].iter().enumerate().map(off).collect();
+        JointError {
+            name: joint.0.name.clone(),
+            mean_rad: errors.iter().sum::<f64>() / errors.len() as f64,
+            end_rad: errors[errors.len() - 1],
+        }
+    };
+    joints.iter().map(error).collect()
 }
 
 /// Mean absolute error of the joints' angles, radians, and the number of recorded samples compared.

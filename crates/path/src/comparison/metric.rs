@@ -128,6 +128,16 @@ pub trait Metric: Sync {
     /// Trajectories that this metric cannot compare.
     fn measure(&self, pair: &Pair<'_>, context: &Context<'_>) -> Result<Measurement>;
 
+    /// Single errors whose sizes make the distance, about `most` of them and as many for every run, in an order in which neighbours
+    /// are alike: what least squares look at. `None`: it is not made of any.
+    ///
+    /// # Errors
+    /// As [`Metric::measure`].
+    fn errors(&self, pair: &Pair<'_>, most: usize) -> Result<Option<Vec<f64>>> {
+        let _ = (pair, most);
+        Ok(None)
+    }
+
     /// The distance, with the warnings of the preparation where it was used.
     ///
     /// # Errors

@@ -4,6 +4,7 @@ use super::Trajectory;
 use super::csv::Csv;
 use super::format::{Format, Parsed, Rendered};
 use super::reading::{QuaternionOrder, Reading};
+use super::relabel::relabelled;
 use realgap_core::error::{Error, Result};
 use realgap_core::stated;
 
@@ -33,8 +34,8 @@ impl Format for Parquet {
         extensions: &'static [&'static str] = &["parquet"];
     }
 
-    fn decode(&self, bytes: Vec<u8>, _reading: &Reading) -> Result<String> {
-        table(bytes)
+    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<String> {
+        relabelled(table(bytes)?, reading)
     }
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {

@@ -58,16 +58,17 @@ pub fn clip(whole: &Trajectory, duration_s: f64) -> Result<Trajectory> {
         };
         clipped = clipped.with_velocities(cut(linear), cut(angular))?;
     }
-    let joints = whole.joints().iter().map(|joint| {
-        joint.map(|all| {
-            let mut some = all[..kept].to_vec();
-            if needs_end {
-                some.push(all[kept - 1] + share * (all[kept] - all[kept - 1]));
-            }
-            some
-        })
-    });
+    let cut = |all: &[f64], share: f64| {
+        let mut some = all[..kept].to_vec();
+        if needs_end {
+            some.push(all[kept - 1] + share * (all[kept] - all[kept - 1]));
+        }
+        some
+    };
+    let joints = whole.joints().iter().map(|j| j.map(|all| cut(all, share)));
     clipped = clipped.with_joints(joints.collect())?;
+    let signals = whole.signals().iter().map(|s| s.map(|all| cut(all, 0.0)));
+    clipped = clipped.with_signals(signals.collect())?;
     Ok(if whole.is_planar() {
         clipped.planar()
     } else {
@@ -98,7 +99,31 @@ pub(super) fn cropped(whole: &Trajectory, crop: Crop) -> Result<Trajectory> {
                 .advise(Advice::Crop),
         );
     }
-    let part = from..from + kept;
+    samples(whole, from..from + kept)
+}
+
+/// The samples from number `first` on, for so long and one more sample where there is none at the end; nothing is interpolated.
+///
+/// # Errors
+/// Fewer than two samples in it.
+pub fn cut_out(whole: &Trajectory, first: usize, duration_s: f64) -> Result<Trajectory> {
+    let times_s = whole.times_s();
+    let Some(start_s) = times_s.get(first) else {
+        return Err(Error::invalid("a window after the end").found(first));
+    };
+    let end_s = start_s + duration_s - 1e-6;
+    let last = times_s
+        .partition_point(|t| *t < end_s)
+        .min(times_s.len() - 1);
+    clip(
+        &samples(whole, first..(last + 1).max(first + 2).min(times_s.len()))?,
+        duration_s,
+    )
+}
+
+/// These samples of a trajectory.
+fn samples(whole: &Trajectory, part: std::ops::Range<usize>) -> Result<Trajectory> {
+    let times_s = whole.times_s();
     let positions = whole.positions_world_m()[part.clone()].to_vec();
     let mut cropped = Trajectory::new(times_s[part.clone()].to_vec(), positions)?;
     if let Some(all) = whole.orientations_world_from_body() {
@@ -108,8 +133,15 @@ pub(super) fn cropped(whole: &Trajectory, crop: Crop) -> Result<Trajectory> {
         whole.velocities_world_m_s(),
         whole.angular_velocities_body_rad_s(),
     ) {
-        cropped = cropped.with_velocities(linear[part.clone()].to_vec(), angular[part].to_vec())?;
+        let (linear, angular) = (&linear[part.clone()], &angular[part.clone()]);
+        cropped = cropped.with_velocities(linear.to_vec(), angular.to_vec())?;
     }
+    let joints = whole.joints().iter();
+    let joints = joints.map(|joint| joint.map(|all| all[part.clone()].to_vec()));
+    cropped = cropped.with_joints(joints.collect())?;
+    let signals = whole.signals().iter();
+    let signals = signals.map(|signal| signal.map(|all| all[part.clone()].to_vec()));
+    cropped = cropped.with_signals(signals.collect())?;
     Ok(if whole.is_planar() {
         cropped.planar()
     } else {

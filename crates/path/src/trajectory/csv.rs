@@ -1,5 +1,5 @@
 //! CSV with a header: `t_s,x_m,y_m[,z_m][,qw,qx,qy,qz][,vx_m_s,vy_m_s,vz_m_s,wx_rad_s,wy_rad_s,wz_rad_s]`, and joints by
-//! name: `[,NAME_rad[,NAME_rad_s]]`.
+//! name: `[,NAME_rad[,NAME_rad_s]]`; commanded speeds and torques: `[,NAME_command_rad_s][,NAME_command_nm][,NAME_on]`.
 
 use std::collections::HashMap;
 
@@ -7,10 +7,11 @@ use super::Trajectory;
 use super::column::{Columns, Role};
 use super::format::{Format, Parsed, Rendered};
 use super::reading::{QuaternionOrder, Reading};
+use super::relabel::relabelled;
 use super::sample::Samples;
 use super::several::{explain, several};
 use super::table::{Table, header_line};
-use super::text::{Cell, Separator, cut, push_number};
+use super::text::{Cell, Separator, cut, decode_text, push_number};
 use realgap_core::error::{Error, Result};
 use realgap_core::stated;
 use realgap_core::warning::Warning;
@@ -34,6 +35,10 @@ impl Format for Csv {
         name: &'static str = "csv";
         doc: &'static str = "comma-separated values with a header that names columns and units";
         extensions: &'static [&'static str] = &["csv"];
+    }
+
+    fn decode(&self, bytes: Vec<u8>, reading: &Reading) -> Result<String> {
+        relabelled(decode_text(bytes)?, reading)
     }
 
     fn parse(&self, text: &str, reading: &Reading) -> Result<Parsed> {
@@ -173,6 +178,9 @@ pub(super) fn text_of(trajectory: &Trajectory) -> String {
             text.push_str(&format!(",{}_rad_s", joint.name));
         }
     }
+    for signal in trajectory.signals() {
+        text.push_str(&format!(",{}", signal.name));
+    }
     text.push('\n');
     let dimensions = if trajectory.is_planar() { 2 } else { 3 };
     for (index, (time_s, position)) in trajectory
@@ -203,6 +211,9 @@ pub(super) fn text_of(trajectory: &Trajectory) -> String {
             if let Some(speeds) = &joint.speeds_rad_s {
                 push(speeds[index]);
             }
+        }
+        for signal in trajectory.signals() {
+            push(signal.values[index]);
         }
         text.push('\n');
     }

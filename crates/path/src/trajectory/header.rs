@@ -1,7 +1,7 @@
 //! The first line of a CSV file: which column holds what.
 
 use super::column::{Column, Role};
-use super::joint_column::{self, JointColumns};
+use super::joint_column;
 use super::reading::Reading;
 use super::sample::Layout;
 use super::text::{Cell, Separator, excerpt};
@@ -91,19 +91,22 @@ impl<'c, 'a> Header<'c, 'a> {
             velocity,
             time_hint,
             joints: Vec::new(),
+            signals: Vec::new(),
         })
     }
 
     /// Whether any column is an angle of a joint.
     fn has_joints(&self) -> bool {
         let names: Vec<&str> = self.cells.iter().map(|cell| cell.text).collect();
-        !joint_column::find(&names, &mut self.used.clone()).is_empty()
+        let factors = &mut self.factors.clone();
+        !joint_column::find(&names, &mut self.used.clone(), factors).is_empty()
     }
 
-    /// What is left over and looks like a joint is one.
-    pub(super) fn joints(&mut self) -> Vec<JointColumns> {
+    /// What is left over and looks like a joint is one, and what looks like a signal is one.
+    pub(super) fn add_joints(&mut self, layout: &mut Layout) {
         let names: Vec<&str> = self.cells.iter().map(|cell| cell.text).collect();
-        joint_column::find(&names, &mut self.used)
+        layout.joints = joint_column::find(&names, &mut self.used, &mut layout.factors);
+        layout.signals = joint_column::find_signals(&names, &mut self.used);
     }
 
     /// The column of this very name, which a caller asks for.

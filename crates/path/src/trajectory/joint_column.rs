@@ -1,6 +1,7 @@
-//! Columns of joints: `NAME_rad`, an angle, and `NAME_rad_s`, its speed, for any number of names.
+//! Columns of joints: `NAME_rad`, an angle, and `NAME_rad_s`, its speed, for any number of names (`_deg` and `_deg_s` likewise),
+//! and of what joints were told or do: [`Signal`].
 
-use super::JointTrack;
+use super::{JointTrack, Signal};
 use realgap_core::error::Result;
 
 /// Where a joint stands in a line.
@@ -14,27 +15,43 @@ pub(super) struct JointColumns {
     pub speed: Option<usize>,
 }
 
-const ANGLE: &str = "_rad";
-const SPEED: &str = "_rad_s";
-/// Angles that are of the whole body.
+/// Endings of an angle and of its speed, and their unit.
+const ANGLES: [(&str, &str, f64); 2] = [
+    ("_rad", "_rad_s", 1.0),
+    ("_deg", "_deg_s", std::f64::consts::PI / 180.0),
+];
+/// Endings of what is read beside joints: commanded speeds and torques, and whether a servo is on.
+const SIGNALS: [&str; 3] = ["_command_rad_s", "_command_nm", "_on"];
+/// Angles that may be of the whole body.
 const ATTITUDE: [&str; 5] = ["heading", "yaw", "pitch", "roll", "theta"];
 
-/// The joints among the columns that nothing else uses; their columns are marked as used.
-pub(super) fn find(names: &[&str], used: &mut [bool]) -> Vec<JointColumns> {
+/// Whether a column of this name may be the attitude of the whole body as well as a joint.
+pub fn may_be_attitude(name: &str) -> bool {
+    ATTITUDE.contains(&name)
+}
+
+/// The joints among the columns that nothing else uses; their columns are marked as used, and get their units.
+pub(super) fn find(names: &[&str], used: &mut [bool], factors: &mut [f64]) -> Vec<JointColumns> {
     let mut joints = Vec::new();
     for angle in 0..names.len() {
-        let Some(name) = names[angle].strip_suffix(ANGLE).filter(|n| !n.is_empty()) else {
-            continue;
-        };
-        if used[angle] || ATTITUDE.contains(&name) {
+        if used[angle] {
             continue;
         }
-        let speed_name = format!("{name}{SPEED}");
+        let ending = ANGLES
+            .iter()
+            .find_map(|(angle_ending, speed_ending, unit)| {
+                let name = names[angle].strip_suffix(angle_ending)?;
+                (!name.is_empty()).then_some((name, speed_ending, *unit))
+            });
+        let Some((name, speed_ending, unit)) = ending else {
+            continue;
+        };
+        let speed_name = format!("{name}{speed_ending}");
         let speed = names.iter().position(|other| *other == speed_name);
         let speed = speed.filter(|index| !used[*index]);
-        used[angle] = true;
-        if let Some(speed) = speed {
-            used[speed] = true;
+        for index in std::iter::once(angle).chain(speed) {
+            used[index] = true;
+            factors[index] = unit;
         }
         joints.push(JointColumns {
             name: name.to_owned(),
@@ -45,24 +62,46 @@ pub(super) fn find(names: &[&str], used: &mut [bool]) -> Vec<JointColumns> {
     joints
 }
 
-/// Adds one line to the joints.
+/// The columns of signals among those that nothing else uses; they are marked as used.
+pub(super) fn find_signals(names: &[&str], used: &mut [bool]) -> Vec<usize> {
+    let is_signal = |name: &str| SIGNALS.iter().any(|ending| name.ends_with(ending));
+    let found: Vec<usize> = (0..names.len())
+        .filter(|index| !used[*index] && is_signal(names[*index]))
+        .collect();
+    for index in &found {
+        used[*index] = true;
+    }
+    found
+}
+
+/// Adds one line to the joints and signals.
 pub(super) fn push(
-    joints: &mut Vec<JointTrack>,
-    columns: &[JointColumns],
+    (joints, signals): (&mut Vec<JointTrack>, &mut Vec<Signal>),
+    (joint_columns, signal_columns): (&[JointColumns], &[usize]),
+    names: &[String],
     number: impl Fn(usize) -> Result<f64>,
 ) -> Result<()> {
     if joints.is_empty() {
-        joints.extend(columns.iter().map(|column| JointTrack {
+        joints.extend(joint_columns.iter().map(|column| JointTrack {
             name: column.name.clone(),
             angles_rad: Vec::new(),
             speeds_rad_s: column.speed.map(|_| Vec::new()),
         }));
     }
-    for (joint, column) in joints.iter_mut().zip(columns) {
+    if signals.is_empty() {
+        signals.extend(signal_columns.iter().map(|column| Signal {
+            name: names[*column].clone(),
+            values: Vec::new(),
+        }));
+    }
+    for (joint, column) in joints.iter_mut().zip(joint_columns) {
         joint.angles_rad.push(number(column.angle)?);
         if let (Some(speeds), Some(speed)) = (&mut joint.speeds_rad_s, column.speed) {
             speeds.push(number(speed)?);
         }
+    }
+    for (signal, column) in signals.iter_mut().zip(signal_columns) {
+        signal.values.push(number(*column)?);
     }
     Ok(())
 }

@@ -22,6 +22,7 @@ mod prepare;
 mod reading;
 mod recording;
 mod registry;
+mod relabel;
 mod resample;
 mod sample;
 #[cfg(feature = "schema")]
@@ -36,11 +37,12 @@ mod tum;
 pub use axes::Axes;
 pub use column::{Column, Columns, Role};
 pub use columnar::Parquet;
-pub use crop::{clip, cut_to_shortest};
+pub use crop::{clip, cut_out, cut_to_shortest};
 pub use csv::Csv;
 pub use euroc::Euroc;
 pub use format::{Format, Parsed, Rendered};
 pub use guess::{Ask, Clue, Guess, Open};
+pub use joint_column::may_be_attitude;
 pub use kitti::Kitti;
 pub use log::{Mcap, Rosbag};
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
@@ -52,6 +54,6 @@ pub use registry::{
     read_groups, read_sets, write, write_with_bodies,
 };
 pub use resample::{Interpolator, resample};
-pub use state::{JointTrack, State, Trajectory};
+pub use state::{JointTrack, Signal, State, Trajectory};
 pub use text::{MAX_COLUMNS, MAX_FILE_BYTES, MAX_ROWS};
 pub use tum::Tum;

@@ -3,6 +3,7 @@
 //! One value, wherever it comes from: the field `reading` of a study, a file of its own, the `reading` of a `meta.ron` beside the
 //! recordings, or options of the command line.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
@@ -136,6 +137,12 @@ pub struct Reading {
     /// Which column holds what, where it is not called as here.
     #[serde(skip_serializing_if = "Columns::is_empty")]
     pub columns: Columns,
+    /// Columns that are called otherwise than here: `{"Elbow": "elbow_flex_rad"}`; with the unit that their numbers have.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub names: BTreeMap<String, String>,
+    /// Columns that hold lists of numbers, with the names of columns for these: `{"action": ["pan_command_rad", "lift_command_rad"]}`.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub lists: BTreeMap<String, Vec<String>>,
     /// Unit of lengths (and of velocities, per second) that say none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length: Option<LengthUnit>,
@@ -237,6 +244,8 @@ impl Reading {
     pub fn or(self, other: &Self) -> Self {
         Self {
             columns: self.columns.or(&other.columns),
+            names: merged(self.names, &other.names),
+            lists: merged(self.lists, &other.lists),
             length: self.length.or(other.length),
             time: self.time.or(other.time),
             angle: self.angle.or(other.angle),
@@ -283,6 +292,17 @@ impl Reading {
     }
 }
 
+/// These, and those of `other` that have no counterpart here.
+fn merged<T: Clone>(
+    mut own: BTreeMap<String, T>,
+    other: &BTreeMap<String, T>,
+) -> BTreeMap<String, T> {
+    for (name, value) in other {
+        own.entry(name.clone()).or_insert_with(|| value.clone());
+    }
+    own
+}
+
 /// What it does to a file, in words; nothing for the usual way.
 impl fmt::Display for Reading {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -292,6 +312,10 @@ impl fmt::Display for Reading {
             let columns = columns.map(|(role, column)| format!("{} from `{column}`", role.name()));
             said.push(columns.collect::<Vec<_>>().join(", "));
         }
+        let names = self.names.iter();
+        said.extend(names.map(|(theirs, ours)| format!("`{theirs}` as {ours}")));
+        let lists = self.lists.iter();
+        said.extend(lists.map(|(column, ours)| format!("`{column}` as {}", ours.join(", "))));
         said.extend(self.length.map(|unit| format!("lengths in {unit}")));
         said.extend(self.time.map(|unit| format!("times in {unit}")));
         said.extend(self.angle.map(|unit| format!("angles in {unit}")));

@@ -5,7 +5,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use super::joint_column::{self, JointColumns};
 use super::reading::Reading;
 use super::text::{Cell, check_rows};
-use super::{JointTrack, Trajectory};
+use super::{JointTrack, Signal, Trajectory};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
@@ -39,6 +39,8 @@ pub(super) struct Layout {
     pub(super) velocity: Option<[usize; 6]>,
     /// Joints: angle, and speed where recorded.
     pub(super) joints: Vec<JointColumns>,
+    /// Columns of signals.
+    pub(super) signals: Vec<usize>,
     /// What to do when time goes back.
     pub(super) time_hint: Option<String>,
 }
@@ -54,6 +56,7 @@ pub(super) struct Samples {
     linear_m_s: Vec<Vector3<f64>>,
     angular_rad_s: Vec<Vector3<f64>>,
     joints: Vec<JointTrack>,
+    signals: Vec<Signal>,
     /// Samples that repeat the one before, that have no numbers, and that come after a later one.
     repeated: usize,
     lost: usize,
@@ -74,6 +77,7 @@ impl Samples {
             linear_m_s: Vec::new(),
             angular_rad_s: Vec::new(),
             joints: Vec::new(),
+            signals: Vec::new(),
             repeated: 0,
             lost: 0,
             late: 0,
@@ -153,7 +157,12 @@ impl Samples {
             }
             self.late += 1;
         }
-        joint_column::push(&mut self.joints, &layout.joints, number)?;
+        joint_column::push(
+            (&mut self.joints, &mut self.signals),
+            (&layout.joints, &layout.signals),
+            &layout.names,
+            number,
+        )?;
         self.orientations.extend(orientation);
         if let Some((linear, angular)) = velocity {
             self.linear_m_s.push(linear);
@@ -188,6 +197,9 @@ impl Samples {
             if let Some(speeds) = &mut joint.speeds_rad_s {
                 sorted(speeds, &order);
             }
+        }
+        for signal in &mut self.signals {
+            sorted(&mut signal.values, &order);
         }
         sorted(&mut self.times_s, &order);
     }
@@ -279,6 +291,7 @@ impl Samples {
             trajectory = trajectory.with_velocities(self.linear_m_s, self.angular_rad_s)?;
         }
         trajectory = trajectory.with_joints(self.joints)?;
+        trajectory = trajectory.with_signals(self.signals)?;
         if layout.z.is_none() {
             trajectory = trajectory.planar();
         }

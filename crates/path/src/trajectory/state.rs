@@ -52,6 +52,26 @@ impl JointTrack {
     }
 }
 
+/// Numbers over the samples of a trajectory that are no angle: commanded speeds and torques, switches.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal {
+    /// Name of the column, with its unit.
+    pub name: String,
+    /// One value a sample.
+    pub values: Vec<f64>,
+}
+
+impl Signal {
+    /// The same signal with what `of` makes of its values.
+    #[must_use]
+    pub fn map(&self, of: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        Self {
+            name: self.name.clone(),
+            values: of(&self.values),
+        }
+    }
+}
+
 /// Time-stamped poses of one execution, simulated or real.
 ///
 /// Invariants: at least two samples, strictly increasing finite times, finite positions, and
@@ -64,6 +84,7 @@ pub struct Trajectory {
     velocities_world_m_s: Option<Vec<Vector3<f64>>>,
     angular_velocities_body_rad_s: Option<Vec<Vector3<f64>>>,
     joints: Vec<JointTrack>,
+    signals: Vec<Signal>,
     planar: bool,
 }
 
@@ -106,6 +127,7 @@ impl Trajectory {
             velocities_world_m_s: None,
             angular_velocities_body_rad_s: None,
             joints: Vec::new(),
+            signals: Vec::new(),
             planar: false,
         })
     }
@@ -169,6 +191,20 @@ impl Trajectory {
             }
         }
         self.joints = joints;
+        Ok(self)
+    }
+
+    /// The same trajectory with signals, one value per sample.
+    ///
+    /// # Errors
+    /// A number of values that differs from the number of samples, or non-finite ones.
+    pub fn with_signals(mut self, signals: Vec<Signal>) -> Result<Self> {
+        for signal in &signals {
+            let finite = signal.values.iter().all(|value| value.is_finite());
+            let what = format!("values of `{}`", signal.name);
+            self.check_column(&what, signal.values.len(), finite)?;
+        }
+        self.signals = signals;
         Ok(self)
     }
 
@@ -266,6 +302,16 @@ impl Trajectory {
     /// The joint of this name.
     pub fn joint(&self, name: &str) -> Option<&JointTrack> {
         self.joints.iter().find(|joint| joint.name == name)
+    }
+
+    /// What was recorded beside motion.
+    pub fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    /// The signal of this name, unit included.
+    pub fn signal(&self, name: &str) -> Option<&Signal> {
+        self.signals.iter().find(|signal| signal.name == name)
     }
 
     /// Whether z was not recorded.

@@ -2,8 +2,8 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::Trajectory;
 use super::reading::{QuaternionOrder, Reading};
+use super::{JointTrack, Trajectory};
 use realgap_core::unit::TimeUnit;
 use realgap_core::warning::{Code, Warning};
 
@@ -29,6 +29,8 @@ const WAIT_SPEED: f64 = 0.1;
 const WAIT_WINDOW_S: f64 = 0.5;
 /// So many of the windows have to be that slow.
 const WAIT_WINDOWS: f64 = 0.8;
+/// So many samples may repeat the one before while commands move: joints may stick.
+const STALE: f64 = 0.1;
 /// A robot whose orientations lie in the other order stays upright within this, radians.
 const UPRIGHT_RAD: f64 = 0.175;
 /// It seems to tilt by more than this as they are read, radians.
@@ -49,11 +51,32 @@ pub(super) fn of(
         hole(trajectory, origin_s).map(|message| (Code::Hole, message)),
         wait(trajectory, origin_s).map(|message| (Code::Standstill, message)),
         order(trajectory, read_as).map(|message| (Code::QuaternionOrder, message)),
+        stale(trajectory).map(|message| (Code::StaleSamples, message)),
     ];
     let found = found.into_iter().flatten();
     found
         .map(|(code, message)| Warning::new(code, format!("{name}: {message}")))
         .collect()
+}
+
+/// Samples that repeat all joints of the one before although what these were told has changed.
+fn stale(trajectory: &Trajectory) -> Option<String> {
+    let told = |joint: &&JointTrack| trajectory.joint(&format!("{}_command", joint.name));
+    let joints: Vec<(&JointTrack, &JointTrack)> = (trajectory.joints().iter())
+        .filter_map(|joint| Some((joint, told(&joint)?)))
+        .collect();
+    let differs = |angles: &[f64], k: usize| angles[k] != angles[k - 1];
+    let is_told = |k: &usize| joints.iter().any(|(_, c)| differs(&c.angles_rad, *k));
+    let repeats = |k: &usize| !joints.iter().any(|(j, _)| differs(&j.angles_rad, *k));
+    let moved: Vec<usize> = (1..trajectory.len()).filter(is_told).collect();
+    let repeated = moved.iter().filter(|k| repeats(k)).count();
+    let share = repeated as f64 / moved.len().max(1) as f64;
+    (share > STALE).then(|| {
+        format!(
+            "{:.0} % of the samples whose commands differ from the sample before repeat all its angles: they were read too late, and are compared as they are",
+            100.0 * share
+        )
+    })
 }
 
 /// The usual time between samples, seconds.

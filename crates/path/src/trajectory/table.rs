@@ -38,7 +38,7 @@ impl<'a> Table<'a> {
             Some(only) => Some((columns.named(&only.column)?, only.clone())),
             None => None,
         };
-        layout.joints = columns.joints();
+        columns.add_joints(&mut layout);
         let warnings = columns.ignored_warning().into_iter().collect();
         Ok(Self {
             unused: columns.unused(),

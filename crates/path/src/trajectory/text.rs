@@ -156,7 +156,7 @@ impl Separator {
         }
     }
 
-    fn character(self) -> char {
+    pub(super) fn character(self) -> char {
         match self {
             Self::Comma => ',',
             Self::Semicolon => ';',

@@ -48,6 +48,7 @@ impl Format for Tum {
             heading: None,
             velocity: None,
             joints: Vec::new(),
+            signals: Vec::new(),
             time_hint: None,
         };
         let mut samples = Samples::new(reading);

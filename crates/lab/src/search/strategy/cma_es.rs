@@ -96,12 +96,14 @@ impl Strategy for CmaEs {
                     .collect(),
                 // Optimizers make small what is to be large here.
                 score: evaluated.fitness.filter(|f| f.is_finite()).map(|f| -f),
+                errors: Vec::new(),
             })
             .collect();
         let brief = Brief {
             points: vec![1; self.searched.len()],
             budget: self.evaluations,
             seed: self.seed,
+            priors: Vec::new(),
         };
         let history = History {
             design: &[],

@@ -55,9 +55,10 @@ pub(super) fn draws(search: &Search, finalist: &Finalist) -> Result<Vec<Draw>> {
                 })
             });
             let hinges = experiment.assembly.hinges.iter();
-            let latency = hinges.zip(&drawn.servo_latency_s).map(|(hinge, drawn_s)| {
+            let latency = hinges.zip(&drawn.servo_latency_s).enumerate();
+            let latency = latency.map(|(index, (hinge, drawn_s))| {
                 let name = modules[hinge.module].name.clone();
-                (name, experiment.adjustment.servo_latency_s + drawn_s)
+                (name, experiment.hinge_adjustment(index).latency_s + drawn_s)
             });
             Ok(Draw {
                 number: repeat.number,

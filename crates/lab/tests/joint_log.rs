@@ -1,0 +1,207 @@
+//! Logs of joints: commands, encoders and single joints' parameters, fitted where the truth is known.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use realgap_core::file::Source;
+use realgap_engine::parameter::{Assignment, ParameterSet};
+use realgap_engine::{CommandTrack, Experiment, JointState, Quantity, Sampling, run};
+use realgap_lab::calibration::{Overrides, Study, TuneOptions};
+use realgap_optimize::{RunOptions, optimizer_by_name};
+use realgap_robot::morphology::Morphology;
+
+/// An arm of two joints on a table, one of them with the name of an attitude.
+fn robot(law: &str) -> String {
+    format!(
+        r#"(name: "arm", bodies: [
+            (name: "base", mass_kg: 1.0, shapes: [(form: Box(sides_m: (0.1, 0.1, 0.1)))]),
+            (name: "upper", mass_kg: 0.2, centre_of_mass_m: (0.1, 0, 0), inertia_kg_m2: (xx: 1e-4, yy: 7e-4, zz: 7e-4)),
+            (name: "lower", mass_kg: 0.1, centre_of_mass_m: (0.1, 0, 0), inertia_kg_m2: (xx: 1e-4, yy: 4e-4, zz: 4e-4))],
+        joints: [
+            (name: "pitch", parent: "base", child: "upper", pose: (at_m: (0.1, 0, 0)), kind: Turn(axis: (0, 1, 0), viscous_nm_s_rad: 0.01)),
+            (name: "elbow", parent: "upper", child: "lower", pose: (at_m: (0.2, 0, 0)), kind: Turn(axis: (0, 1, 0), viscous_nm_s_rad: 0.01))],
+        actuators: [
+            (joint: "pitch", servo: (law: {law}, max_torque_nm: 3)),
+            (joint: "elbow", servo: (law: {law}, max_torque_nm: 3))],
+        mount: (at_m: (0, 0, 1)))"#
+    )
+}
+
+const SPRING: &str = "Torque(stiffness_nm_rad: 8, damping_nm_s_rad: 0.4)";
+
+fn times() -> Vec<f64> {
+    (0..200).map(|k| f64::from(k) * 0.02).collect()
+}
+
+/// What each joint is told, by quantity.
+fn told(quantity: Quantity, joint: usize) -> Vec<f64> {
+    let size = if quantity == Quantity::Torque {
+        0.5
+    } else {
+        0.4
+    };
+    let wave = |t: f64| (1.7 * t + joint as f64).sin() + 0.5 * (5.3 * t).cos();
+    times().into_iter().map(|t| size * wave(t)).collect()
+}
+
+/// Writes the robot and a log of it with these parameters; the folder's path.
+fn recorded(folder: &Path, law: &str, quantity: Quantity, truth: &[(&str, f64)], header: &str) {
+    std::fs::write(folder.join("arm.ron"), robot(law)).unwrap();
+    let assembly = Morphology::parse(&Source::new("arm.ron", robot(law))).unwrap();
+    let mut experiment = Experiment::new(assembly.assemble());
+    let names: Vec<String> = experiment
+        .assembly
+        .hinges
+        .iter()
+        .map(|h| h.name.clone())
+        .collect();
+    for (joint, name) in names.iter().enumerate() {
+        let track = CommandTrack::new(times(), told(quantity, joint), None).unwrap();
+        experiment
+            .commands
+            .insert(name.clone(), Arc::new(track.of(quantity)));
+    }
+    experiment.start_joints = vec![
+        JointState {
+            angle_rad: 0.1,
+            speed_rad_s: 0.0
+        };
+        2
+    ];
+    experiment.sampling = Sampling::Times(times().into());
+    experiment.duration_s = 3.98;
+    experiment.solver.timestep_s = 0.005;
+    let set: ParameterSet = truth
+        .iter()
+        .map(|(name, value)| Assignment::new(name, *value).unwrap())
+        .collect();
+    let motion = run(&set.apply(&experiment))
+        .unwrap()
+        .outcome
+        .completed()
+        .unwrap();
+    let mut text = format!("{header}\n");
+    for (k, t) in times().iter().enumerate() {
+        // A trembling encoder, the same in every run.
+        let tremble = |joint: usize| 1e-3 * ((k * 7919 + joint * 104_729) as f64).sin();
+        text.push_str(&t.to_string());
+        for joint in 0..2 {
+            text.push_str(&format!(",{}", told(quantity, joint)[k]));
+        }
+        for joint in 0..2 {
+            text.push_str(&format!(
+                ",{}",
+                motion.joints()[joint].angles_rad[k] + tremble(joint)
+            ));
+        }
+        text.push('\n');
+    }
+    let motion = motion.joints();
+    assert_eq!([&motion[0].name, &motion[1].name], [&names[0], &names[1]]);
+    std::fs::write(folder.join("log.csv"), text).unwrap();
+}
+
+fn study(folder: &Path, more: &str) -> PathBuf {
+    let path = folder.join("study.ron");
+    let text = format!(
+        r#"Study(morphology: "arm.ron", recordings: ["log.csv"], start: FromRecording, timestep_s: 0.005,
+            metric: "joints", score: Single, {more})"#
+    );
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+const POSITIONS: &str = "t_s,pitch_command_rad,elbow_command_rad,pitch_rad,elbow_rad";
+const FREE: &str = r#"parameters: [
+    (name: "servo.pitch.stiffness_nm_rad", from: 4, to: 16),
+    (name: "servo.elbow.stiffness_nm_rad", from: 4, to: 16),
+    (name: "servo.*.damping_nm_s_rad", from: 0.1, to: 1),
+    (name: "joint.pitch.zero_rad", from: -0.1, to: 0.1),
+    (name: "joint.elbow.delay_s", from: 0, to: 0.1, prior: (0.05, 0.02)),
+    (name: "body.lower.mass_scale", from: 0.5, to: 2),
+]"#;
+
+#[test]
+fn least_squares_find_what_a_log_was_made_with_in_few_runs() {
+    let truth = [
+        ("servo.pitch.stiffness_nm_rad", 9.0),
+        ("servo.elbow.stiffness_nm_rad", 6.0),
+        ("servo.*.damping_nm_s_rad", 0.5),
+        ("joint.pitch.zero_rad", 0.03),
+        ("joint.elbow.delay_s", 0.04),
+        ("body.lower.mass_scale", 1.3),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    recorded(folder.path(), SPRING, Quantity::Position, &truth, POSITIONS);
+    let path = study(folder.path(), &format!("commands: Commands(), {FREE}"));
+    let study = Study::read(path, &Overrides::default()).unwrap();
+    let options = TuneOptions {
+        optimizer: optimizer_by_name("gauss-newton").unwrap(),
+        budget: 150,
+        patience: None,
+    };
+    let one = RunOptions {
+        jobs: 1,
+        ..RunOptions::default()
+    };
+    let answer = study.tune(&options, &one).unwrap();
+    let tuning = answer.report.tuning.clone().unwrap();
+    for (known, (_, value)) in tuning.least_squares.iter().zip(truth) {
+        assert!(known.is_told, "{known}");
+        let wide = known.high - known.low;
+        let off = (known.value - value).abs();
+        assert!(off < 1.5 * wide, "{known}: {value}");
+        assert!(wide < 0.2 * value.abs() + 0.01, "{known}");
+    }
+    assert!(answer.report.best.unwrap().score < 1.2e-3);
+    let two = RunOptions {
+        jobs: 2,
+        ..RunOptions::default()
+    };
+    let again = study.tune(&options, &two).unwrap();
+    assert_eq!(
+        again.report.tuning.unwrap().least_squares,
+        tuning.least_squares
+    );
+}
+
+#[test]
+fn torques_are_exerted_as_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let truth = [
+        ("hinge.pitch.viscous_nm_s_rad", 0.2),
+        ("hinge.elbow.viscous_nm_s_rad", 0.1),
+    ];
+    let header = "t_s,pitch_command_nm,elbow_command_nm,pitch_rad,elbow_rad";
+    recorded(folder.path(), "Direct", Quantity::Torque, &truth, header);
+    let path = study(
+        folder.path(),
+        r#"commands: Commands(), parameters: [(name: "hinge.viscous_nm_s_rad", from: 0, to: 1)],
+           set: {"hinge.pitch.viscous_nm_s_rad": 0.2, "hinge.elbow.viscous_nm_s_rad": 0.1}"#,
+    );
+    let study = Study::read(path, &Overrides::default()).unwrap();
+    let one = study.evaluate_joints(&ParameterSet::new(), &RunOptions::default());
+    let mrad = one.unwrap().angle_mrad.mean;
+    // As much as the encoder trembles: what is fixed for a joint holds.
+    assert!(mrad < 0.8, "{mrad}");
+}
+
+#[test]
+fn joints_and_columns_that_do_not_match_are_refused_with_both_lists() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = POSITIONS.replace(",elbow_rad", ",jaw_rad");
+    recorded(folder.path(), SPRING, Quantity::Position, &[], &header);
+    let read = |more: &str| {
+        let path = study(folder.path(), &format!("{more}, {FREE}"));
+        Study::read(path, &Overrides::default()).map_err(|error| error.to_string())
+    };
+    let error = read("commands: Commands()").unwrap_err();
+    assert!(
+        error.contains("joints without a column: elbow; columns without a joint: jaw"),
+        "{error}"
+    );
+    read(r#"commands: Commands(), left_out: ["elbow", "jaw"]"#).unwrap();
+    read(r#"commands: Commands(), reading: (names: {"jaw_rad": "elbow_rad"})"#).unwrap();
+    let error = read(r#"reading: (names: {"jaw_rad": "elbow_rad"})"#).unwrap_err();
+    assert!(error.contains("add `commands: Commands()`"), "{error}");
+}

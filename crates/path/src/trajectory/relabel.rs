@@ -1,0 +1,146 @@
+//! Other people's tables as if their columns were called as here: columns with other names, and lists of several numbers in one
+//! column (`[0.1, 0.2]`), as LeRobot and others write them.
+
+use super::reading::Reading;
+use super::table::header_line;
+use super::text::{Separator, excerpt};
+use realgap_core::error::{Error, Result};
+use realgap_core::file::unknown_name;
+use realgap_core::unit::counted;
+
+/// The text of a table with its columns called as `reading` says, lists spread over columns of their own. Lines stay where they are.
+///
+/// # Errors
+/// A column that is not there, or a list of another length.
+pub(super) fn relabelled(text: String, reading: &Reading) -> Result<String> {
+    if reading.names.is_empty() && reading.lists.is_empty() {
+        return Ok(text);
+    }
+    let mut lines = text.lines().enumerate();
+    let Some((header_index, header)) = header_line(&mut lines, reading) else {
+        return Ok(text);
+    };
+    let separator = Separator::of_header(header);
+    let cells = split(header, separator.character());
+    let known = |name: &String| {
+        if cells.contains(&name.as_str()) {
+            return Ok(());
+        }
+        let names = cells.iter().copied();
+        Err(unknown_name("column", name, names).at_line(header_index + 1, 1))
+    };
+    reading.names.keys().try_for_each(known)?;
+    reading.lists.keys().try_for_each(known)?;
+    let mut out = String::with_capacity(text.len());
+    for (index, line) in text.lines().enumerate() {
+        if index > 0 {
+            out.push('\n');
+        }
+        if index < header_index || line.trim().is_empty() {
+            out.push_str(line);
+            continue;
+        }
+        for (column, cell) in split(line, separator.character()).into_iter().enumerate() {
+            if column > 0 {
+                out.push(separator.character());
+            }
+            let Some(name) = cells.get(column).copied() else {
+                out.push_str(cell);
+                continue;
+            };
+            match reading.lists.get(name) {
+                Some(names) if index == header_index => push_all(&mut out, names, separator),
+                Some(names) => {
+                    let numbers = numbers(cell);
+                    if numbers.len() != names.len() {
+                        return Err(Error::invalid("a list of another length")
+                            .at_line(index + 1, 1)
+                            .field(format!("lists.{name}"))
+                            .found(format!(
+                                "{}: {}",
+                                counted(numbers.len(), "number"),
+                                excerpt(cell)
+                            ))
+                            .allowed(counted(names.len(), "number")));
+                    }
+                    push_all(&mut out, &numbers, separator);
+                }
+                None if index == header_index => {
+                    out.push_str(reading.names.get(name).map_or(cell, String::as_str));
+                }
+                None => out.push_str(cell),
+            }
+        }
+    }
+    out.push('\n');
+    Ok(out)
+}
+
+fn push_all(out: &mut String, cells: &[impl AsRef<str>], separator: Separator) {
+    for (index, cell) in cells.iter().enumerate() {
+        if index > 0 {
+            out.push(separator.character());
+        }
+        out.push_str(cell.as_ref());
+    }
+}
+
+/// The numbers of a list, whatever is around and between them.
+fn numbers(cell: &str) -> Vec<&str> {
+    let inner = cell.trim_matches(|c: char| "\"'[]() ".contains(c));
+    let parts = inner.split(|c: char| c == ',' || c == ';' || c.is_whitespace());
+    parts.filter(|part| !part.is_empty()).collect()
+}
+
+/// The cells of a line; what is in quotes or brackets is one.
+fn split(line: &str, separator: char) -> Vec<&str> {
+    let (mut cells, mut from, mut quoted, mut depth) = (Vec::new(), 0, false, 0_usize);
+    for (at, c) in line.char_indices() {
+        match c {
+            '"' => quoted = !quoted,
+            '[' | '(' => depth += 1,
+            ']' | ')' => depth = depth.saturating_sub(1),
+            c if c == separator && !quoted && depth == 0 => {
+                cells.push(&line[from..at]);
+                from = at + c.len_utf8();
+            }
+            _ => {}
+        }
+    }
+    cells.push(&line[from..]);
+    cells.into_iter().map(str::trim).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realgap_core::file::Source;
+
+    fn reading(text: &str) -> Reading {
+        Reading::parse(&Source::new("reading.ron", text)).unwrap()
+    }
+
+    #[test]
+    fn lists_become_columns_and_names_become_ours() {
+        let reading = reading(
+            r#"(names: {"stamp": "t_s"}, lists: {"action": ["pan_command_rad", "lift_command_rad"]})"#,
+        );
+        for text in [
+            "stamp,action,other\n0.5,\"[1.0, 2.0]\",x\n",
+            "stamp,action,other\n0.5,[1.0 2.0],x\n",
+        ] {
+            assert_eq!(
+                relabelled(text.to_owned(), &reading).unwrap(),
+                "t_s,pan_command_rad,lift_command_rad,other\n0.5,1.0,2.0,x\n"
+            );
+        }
+        let short = "stamp,action\n0.5,[1.0]\n".to_owned();
+        let error = relabelled(short, &reading).unwrap_err().to_string();
+        assert!(
+            error.contains("1 number") && error.contains("2 numbers"),
+            "{error}"
+        );
+        let without = relabelled("stamp,x\n0,1\n".to_owned(), &reading).unwrap_err();
+        assert!(without.to_string().contains("stamp, x"), "{without}");
+    }
+}
