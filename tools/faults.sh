@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # What survives what: kills, full and read-only disks, damage, jumps of the clock, several writers. Prints one table; exit code 1
-# where anything was lost without a word. `--short` for a minute of it.
+# where anything was lost without a word. `--short` for a minute of it, `--files` for the
+# faults of files alone: pages and logs of the store, files of a finished folder.
 #
 #   cargo build --release && tools/faults.sh
 #
@@ -12,6 +13,8 @@ kills=50 early=30 second=20 pages=100 logs=40 seals=15 terms=5 grid=8
 if [ "${1:-}" = --short ]; then
     kills=4 early=4 second=3 pages=20 logs=10 seals=3 terms=1
 fi
+files=0
+[ "${1:-}" = --files ] && files=1
 RANDOM=${SEED:-1}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -62,6 +65,7 @@ killed() {
     wait "$process" 2>/dev/null
 }
 
+if [ "$files" = 0 ]; then
 # 1 Killed at any moment, twice, then resumed.
 different=0
 for i in $(seq "$kills"); do
@@ -143,6 +147,7 @@ case $? in
     0) row "finished results on a read-only disk" 1 "read as before; a new run is refused at once" 0 ;;
     *) row "finished results on a read-only disk" 1 "not readable, or not refused" 1 ;;
 esac
+fi
 
 # 6 Damaged pages of the store.
 damage() { # file, offset, bytes
@@ -238,6 +243,7 @@ for fault in "digit page.json" "digit points.csv" "digit best.ron" "line points.
     row "finished folder, one $kind of $file changed or lost" "$seals" "$said errors" $((seals - said))
 done
 
+if [ "$files" = 0 ]; then
 # 8 A clock that jumps.
 cat >"$work/jump.c" <<'END'
 #define _GNU_SOURCE
@@ -324,6 +330,7 @@ if "${as_user[@]}" mkdir "$work/user/out" 2>/dev/null && "${as_user[@]}" test -x
     chmod 755 "$work/user/out"
 else
     skipped "results folder made read-only during a run of an hour" "no other user can run the program here"
+fi
 fi
 
 printf '\n| fault | times | outcome | |\n|---|---|---|---|\n%s' "$table"

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use realgap::plot::check_picture_path;
 use realgap::results::draw_belief;
 use realgap::sensing::belief::{BeliefOptions, BeliefReport};
 use realgap::sensing::range::{ReadingLog, find_sensor};
@@ -11,7 +10,7 @@ use realgap::{Error, Result};
 
 use super::option::Print;
 use super::page::PageFile;
-use super::terminal;
+use super::{output, terminal};
 
 /// What is believed about a distance after some readings: of a sensor's model, and of a real log beside it
 ///
@@ -63,7 +62,7 @@ impl Belief {
     pub fn run(self) -> Result<()> {
         self.page.check()?;
         if let Some(plot) = &self.plot {
-            check_picture_path(plot)?;
+            output::check_picture(plot)?;
         }
         let sensor = find_sensor(&self.sensor)?;
         let log = self.log.as_ref().map(ReadingLog::read).transpose()?;

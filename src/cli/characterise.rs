@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use realgap::plot::check_picture_path;
 use realgap::results::{draw_histograms, draw_sensor};
 use realgap::sensing::range::form::{FORMS, Form, form_by_name};
 use realgap::sensing::range::{Characterisation, LogOptions, Options, ReadingLog};
@@ -94,7 +93,7 @@ impl Characterise {
         self.bin.map_or(Ok(()), |bin| positive("--bin", bin))?;
         self.page.check()?;
         for picture in self.plot.iter().chain(&self.histograms) {
-            check_picture_path(picture)?;
+            output::check_picture(picture)?;
         }
         if let Some(output) = &self.output {
             output::check(output)?;

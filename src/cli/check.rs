@@ -10,7 +10,6 @@ use clap::Args;
 use realgap::calibration::{Definition, Overrides, read_parameters};
 use realgap::file::Source;
 use realgap::import::is_foreign;
-use realgap::plot::check_picture_path;
 use realgap::robot::genome::Specimen;
 use realgap::robot::morphology::{Assembly, Morphology};
 use realgap::search::{self, Search};
@@ -25,7 +24,7 @@ use realgap::{Error, Result, Warning, results::draw_arena, results::portrait, tr
 use super::kind::Kind;
 use super::option::Format;
 use super::reading::ReadingOptions;
-use super::terminal;
+use super::{output, terminal};
 use report::{FileReport, Motion, Varied};
 
 /// Validate morphologies, genomes, studies, searches, parameter files and trajectories, and print what they hold
@@ -98,7 +97,7 @@ impl Check {
     }
 
     fn draw(&self, plot: &Path) -> Result<()> {
-        check_picture_path(plot)?;
+        output::check_picture(plot)?;
         let [path] = self.files.as_slice() else {
             return Err(Error::usage("--plot draws one robot")
                 .found(format!("{} files", self.files.len()))

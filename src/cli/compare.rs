@@ -133,7 +133,7 @@ impl Compare {
             .into_iter()
             .flatten()
         {
-            realgap::plot::check_picture_path(plot)?;
+            output::check_picture(plot)?;
         }
         let components = match (self.components, self.variance) {
             (Some(count), _) => Components::Count(count),

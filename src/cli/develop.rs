@@ -90,7 +90,7 @@ pub enum DevelopReport {
 impl Develop {
     pub fn run(self) -> Result<()> {
         if let Some(plot) = &self.plot {
-            plot::check_picture_path(plot)?;
+            output::check_picture(plot)?;
         }
         let specimen = read_specimen(&self.genome)?;
         let robot = match specimen.develop() {

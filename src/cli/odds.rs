@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use realgap::calibration::{Study, read_noise};
-use realgap::file::check_writable;
 use realgap::optimization::RunOptions;
 use realgap::prediction::{Odds, OddsOptions};
 use realgap::simulation::parameter::ParameterSet;
@@ -51,7 +50,7 @@ impl OddsOption {
             }
         };
         if let Some(plot) = &self.plot {
-            check_writable(plot)?;
+            super::output::check_picture(plot)?;
         }
         let options = OddsOptions {
             noise,

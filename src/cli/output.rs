@@ -10,8 +10,10 @@ use realgap::{Error, Result};
 /// Set by `--force`.
 static FORCE: AtomicBool = AtomicBool::new(false);
 /// What stands in files that this program writes, near their beginning.
-const MARKS: [&str; 6] = [
-    "// Written by realgap",
+const MARKS: [&str; 7] = [
+    "Written by realgap",
+    // In a PNG.
+    "Software\0realgap",
     "exported by realgap",
     "content=\"realgap",
     "\"generator\":\"realgap",
@@ -49,6 +51,12 @@ pub fn check(path: &Path) -> Result<()> {
     )
 }
 
+/// Checks before the work that a picture can be written there.
+pub fn check_picture(path: &Path) -> Result<()> {
+    realgap::plot::check_picture_path(path)?;
+    check(path)
+}
+
 /// Checks before the work that a page can be written there.
 pub fn check_page(path: &Path) -> Result<()> {
     if path.extension().is_none_or(|ending| ending != "html") {
@@ -77,7 +85,7 @@ pub fn write_ron(path: &Path, text: &str) -> Result<()> {
     write(path, format!("{head}{text}").as_bytes())
 }
 
-/// Whether a file says that this program wrote it. Tables and pictures cannot say so; empty files are nobody's.
+/// Whether a file says that this program wrote it. Tables cannot say so; empty files are nobody's.
 fn is_ours(path: &Path) -> bool {
     let mut start = Vec::new();
     let read =

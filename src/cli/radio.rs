@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use realgap::plot::check_picture_path;
 use realgap::results::{draw_error_map, draw_strength_map};
 use realgap::sensing::arena::{Anchor, Arena};
 use realgap::sensing::radio::propagation::{PROPAGATIONS, propagation_by_name};
@@ -247,7 +246,7 @@ impl Evaluate {
     pub fn run(self) -> Result<()> {
         self.page.check()?;
         if let Some(plot) = &self.plot {
-            check_picture_path(plot)?;
+            output::check_picture(plot)?;
         }
         let model = RadioModel::read(&self.parameters)?;
         let (arena, anchors) = self.place.read()?;
@@ -274,7 +273,7 @@ impl Evaluate {
 
 impl Map {
     pub fn run(self) -> Result<()> {
-        check_picture_path(&self.plot)?;
+        output::check_picture(&self.plot)?;
         let model = RadioModel::read(&self.parameters)?;
         let (arena, anchors) = self.place.read()?;
         let anchor = anchors

@@ -5,13 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 use realgap::Result;
 use realgap::calibration::{Overrides, Sensitivity as Effects, Study};
-use realgap::plot::{
-    Bar, BarChart, Caption, Side, TextTable, check_picture_path, draw_bars, number, quantity,
-};
+use realgap::plot::{Bar, BarChart, Caption, Side, TextTable, draw_bars, number, quantity};
 
 use super::kind::read_study;
 use super::option::{Jobs, Print, Recordings, Values, metric_option};
-use super::{progress, terminal};
+use super::{output, progress, terminal};
 
 /// Change every parameter a little, one at a time, and see what it does to the score
 ///
@@ -40,7 +38,7 @@ pub struct Sensitivity {
 impl Sensitivity {
     pub fn run(self) -> Result<()> {
         if let Some(path) = &self.plot {
-            check_picture_path(path)?;
+            output::check_picture(path)?;
         }
         let overrides = Overrides {
             set: self.values.parameter_set()?,

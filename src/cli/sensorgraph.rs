@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use realgap::plot::check_picture_path;
 use realgap::results::{draw_segment, draw_visits, draw_way};
 use realgap::sensing::arena::Arena;
 use realgap::sensing::graph::regression::Stop;
@@ -284,7 +283,7 @@ impl Fit {
     pub fn run(self) -> Result<()> {
         self.page.check()?;
         for plot in self.way.iter().chain(&self.visits) {
-            check_picture_path(plot)?;
+            output::check_picture(plot)?;
         }
         if let Some(output) = &self.output {
             output::check(output)?;
@@ -324,7 +323,7 @@ impl Evaluate {
     pub fn run(self) -> Result<()> {
         self.page.check()?;
         if let Some(plot) = &self.plot {
-            check_picture_path(plot)?;
+            output::check_picture(plot)?;
         }
         let model = Sensorgraph::read(&self.parameters)?;
         let log = self.part.read(&self.log)?;

@@ -8,7 +8,9 @@ use realgap::calibration::{Definition, Overrides};
 use realgap::file::{Source, write_ron};
 use realgap::import::is_foreign;
 use realgap::robot::morphology::Morphology;
-use realgap::trajectory::{Ask, Axes, Guess, Open, Reading, Recording, read_all};
+use realgap::trajectory::{
+    Ask, Axes, Guess, Open, Prepared, Reading, Recording, prepare, read_all,
+};
 use realgap::unit::counted;
 use realgap::{Error, Result};
 
@@ -77,6 +79,7 @@ impl Start {
             subject.robot.name()
         )];
         lines.extend(clues);
+        lines.extend(alike(&recordings));
         lines.push(format!(
             "written {}, which is sound; next: realgap sweep {}",
             self.output.display(),
@@ -211,6 +214,35 @@ impl Start {
         )
         .replace("NAME", &self.output.display().to_string()))
     }
+}
+
+/// How far prepared paths lie from each other: whoever made the recordings knows whether they are repeats.
+fn alike(recordings: &[Recording]) -> Option<String> {
+    let prepared = recordings
+        .iter()
+        .map(|recording| prepare(&recording.trajectory).ok());
+    let paths: Vec<Prepared> = prepared.collect::<Option<_>>()?;
+    let (first, others) = paths.split_first()?;
+    let far = |path: &Prepared| {
+        let points = path.xy_m().iter().zip(first.xy_m());
+        let sum: f64 = points
+            .map(|(a, b)| (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2))
+            .sum();
+        (sum / path.xy_m().len() as f64).sqrt()
+    };
+    let farthest_m = others.iter().map(far).fold(0.0, f64::max);
+    let reach_m = first
+        .xy_m()
+        .iter()
+        .map(|[x, y]| x.hypot(*y))
+        .fold(0.0, f64::max);
+    if others.is_empty() || reach_m == 0.0 {
+        return None;
+    }
+    Some(format!(
+        "  repeats of one run, or not: from one start and turned alike, paths lie up to {:.0} % of their reach apart",
+        100.0 * farthest_m / reach_m
+    ))
 }
 
 /// Asks on a terminal; elsewhere names the option that answers.

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use realgap::plot::check_picture_path;
 use realgap::results::{draw_task_curves, draw_task_times};
 use realgap::task::{Goal, TaskComparison, TaskLog, time_to_reach};
 use realgap::unit::LengthUnit;
@@ -11,7 +10,7 @@ use realgap::{Error, Result, trajectory};
 
 use super::option::Print;
 use super::page::PageFile;
-use super::terminal;
+use super::{output, terminal};
 
 commands! {
     /// Compare how long tasks take in reality and in simulation (paper 002, section V)
@@ -72,7 +71,7 @@ impl Compare {
     pub fn run(self) -> Result<()> {
         self.page.check()?;
         for picture in self.plot.iter().chain(&self.curves) {
-            check_picture_path(picture)?;
+            output::check_picture(picture)?;
         }
         let (real, simulated) = (TaskLog::read(&self.real)?, TaskLog::read(&self.simulated)?);
         let found = TaskComparison::new(&real, &simulated, self.seed)?;

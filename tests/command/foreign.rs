@@ -259,6 +259,30 @@ fn nothing_in_a_file_steers_the_terminal() {
 }
 
 #[test]
+fn a_picture_of_others_is_not_replaced_and_one_of_ours_is_drawn_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let runs =
+        ["run_00.csv", "run_01.csv"].map(|run| format!("real_trajectories/tripod_standin/{run}"));
+    for name in ["a.png", "a.svg"] {
+        let plot = folder.path().join(name);
+        std::fs::write(&plot, "mine").unwrap();
+        let draw = || {
+            let mut compare = realgap();
+            compare.arg("compare").args(&runs).arg("--plot").arg(&plot);
+            compare.output().unwrap()
+        };
+        let refused = draw();
+        assert!(text(&refused.stderr).contains("--force"), "{refused:?}");
+        assert_eq!(common::read(folder.path(), name), "mine");
+        std::fs::remove_file(&plot).unwrap();
+        for _ in 0..2 {
+            let drawn = draw();
+            assert!(drawn.status.success(), "{}", text(&drawn.stderr));
+        }
+    }
+}
+
+#[test]
 fn files_of_others_are_never_replaced_or_removed() {
     let folder = tempfile::tempdir().unwrap();
     let study = quick_study(folder.path(), 2);

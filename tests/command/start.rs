@@ -66,6 +66,7 @@ fn three_commands_lead_from_own_files_to_a_verdict() {
         "times are in milliseconds",
         "line 3 names",
         "next: realgap sweep",
+        "of their reach apart",
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }

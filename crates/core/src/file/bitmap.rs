@@ -6,6 +6,13 @@ fn unexpected(error: png::EncodingError) -> Error {
     Error::invalid(format!("cannot encode the picture as PNG: {error}"))
 }
 
+/// Says in the file who wrote it, so that it may be written again.
+fn sign(encoder: &mut png::Encoder<'_, &mut Vec<u8>>) -> Result<()> {
+    encoder
+        .add_text_chunk("Software".to_owned(), "realgap".to_owned())
+        .map_err(unexpected)
+}
+
 /// The bytes of a PNG file with 8 bits a channel; `rgb` holds three bytes a pixel, row by row.
 ///
 /// # Errors
@@ -16,6 +23,7 @@ pub fn png_bytes(width: u32, height: u32, rgb: &[u8]) -> Result<Vec<u8>> {
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Balanced);
+    sign(&mut encoder)?;
     let mut writer = encoder.write_header().map_err(unexpected)?;
     writer.write_image_data(rgb).map_err(unexpected)?;
     writer.finish().map_err(unexpected)?;
@@ -48,6 +56,7 @@ impl<'f> Animated<'f> {
         encoder.set_color(png::ColorType::Rgba);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_compression(png::Compression::Balanced);
+        sign(&mut encoder)?;
         encoder
             .set_animated(u32::try_from(pictures).unwrap_or(u32::MAX), 0)
             .map_err(unexpected)?;

@@ -77,7 +77,15 @@ pub(super) fn write(picture: &impl Picture, path: &Path) -> Result<()> {
             let (width, height) = picture.size();
             png_bytes(width, height, &pixels(picture)?)?
         }
-        Format::Svg => realgap_paint::svg(&drawn(picture), picture.size())?,
+        Format::Svg => {
+            let mut bytes = realgap_paint::svg(&drawn(picture), picture.size())?;
+            // Says, behind its first tag, who wrote it, so that it may be written again.
+            if let Some(end) = bytes.iter().position(|byte| *byte == b'>') {
+                let mark = *b"<!-- Written by realgap -->";
+                bytes.splice(end + 1..end + 1, mark);
+            }
+            bytes
+        }
     };
     write_atomic(path, &bytes)
 }
