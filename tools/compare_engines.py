@@ -6,8 +6,9 @@
     python3 tools/compare_engines.py --realgap target/release/realgap
 
 The robots are exported by `realgap export`. Rounds of all engines are interleaved, so that a busy machine hurts all alike; medians are printed.
-`--curves` prints error against cost instead: every engine at a row of timesteps, its path against its own at the finest one (rms distance of the tracked
-module over the run), so that what is compared is how much CPU time an engine needs to come that near to its own limit.
+`--curves` prints error against cost instead: every engine at a row of timesteps, its path against its own limit (rms distance of the tracked module
+over the run): its finest timestep with contacts hardened to the same natural frequency in all of them. So what is compared is how much CPU time an
+engine needs to come that near to its own limit; `--error MM` adds the cheapest setting of each that does.
 
 The columns x and y show the net displacement of the tracked module: engines that disagree there did not simulate the same thing.
 """
@@ -162,23 +163,29 @@ class PyBullet:
         return np.array(pybullet.multiplyTransforms(position, turn, *back)[0])
 
 
-# Steps per second of the curves; the last is the limit that the others are compared with.
+# Steps per second of the curves; the last is the limit that the others are compared with, with contacts of this natural frequency.
 REALGAP_HZ = [120, 240, 480, 960, 1920, 7680]
+TREE_HZ = [120, 240, 360, 480, 960, 1920, 7680]
 MUJOCO_HZ = [250, 500, 1000, 2000, 4000, 16000]
+LIMIT_HZ = 600
 CURVE_RATE_HZ = 20
 
 
 class RealgapCurve:
-    name = "realgap"
+    name = "realgap, Rapier"
+    rates = REALGAP_HZ
+    engine = []
 
     def __init__(self, binary, morphology, _mjcf, duration_s, extra, folder):
         self.command = [binary, "simulate", str(morphology), "--duration", str(duration_s), "--format", "json", "--set", f"floor.friction={FRICTION}",
-                        "--set", "floor.restitution=0", *extra]
+                        "--set", "floor.restitution=0", *self.engine, *extra]
         self.path = folder / "curve.csv"
         self.duration_s = duration_s
 
     def run(self, hertz):
-        done = subprocess.run([*self.command, "--timestep", repr(1 / hertz), "-o", str(self.path)], capture_output=True, text=True)
+        hard = ["--set", f"contact.natural_frequency_hz={LIMIT_HZ}"] if hertz == self.rates[-1] else []
+        self.path.unlink(missing_ok=True)
+        done = subprocess.run([*self.command, *hard, "--timestep", repr(1 / hertz), "-o", str(self.path)], capture_output=True, text=True)
         if done.returncode != 0:
             raise SystemExit(f"error: realgap simulate failed:\n{done.stderr}")
         r = json.loads(done.stdout)
@@ -188,8 +195,17 @@ class RealgapCurve:
         return r["cpu_s"] / ((r["steps"] + r["settle_steps"]) * r["timestep_s"]), path - path[0]
 
 
+class TreeCurve(RealgapCurve):
+    """One solve a step."""
+
+    name = "realgap, tree"
+    rates = TREE_HZ
+    engine = ["--engine", "tree", "--substeps", "1"]
+
+
 class MuJoCoCurve:
     name = "MuJoCo"
+    rates = MUJOCO_HZ
 
     def __init__(self, _binary, _morphology, mjcf, duration_s, _extra, _folder):
         self.mjcf, self.duration_s = mjcf, duration_s
@@ -198,8 +214,16 @@ class MuJoCoCurve:
         robot = Robot(self.mjcf)
         m = robot.model
         m.opt.timestep = 1 / hertz
-        # The hardest contact that the timestep allows, down to the limit's.
-        m.geom_solref[:, 0] = max(2 / hertz, 0.0005)
+        # A speed servo below its speed limit is a spring, which rollout can drive.
+        for actuator, gain in zip(robot.actuator, robot.gain_1_s):
+            if robot.velocity_law[list(robot.actuator).index(actuator)]:
+                damping = m.actuator_gainprm[actuator, 0]
+                m.actuator_gainprm[actuator, 0] = gain * damping
+                m.actuator_biasprm[actuator, :3] = [0, -gain * damping, -damping]
+                m.actuator_ctrllimited[actuator] = 0
+        robot.velocity_law[:] = False
+        # The hardest contact that the timestep allows, down to the limit's: the time constant is 1 / (2 pi f) at damping ratio 1.
+        m.geom_solref[:, 0] = max(2 / hertz, 1 / (2 * math.pi * LIMIT_HZ))
         m.geom_solimp[:, :2] = [0.95, 0.99]
         data = robot.place()
         robot.settle(data)
@@ -220,20 +244,26 @@ class MuJoCoCurve:
         return spent / self.duration_s, path - path[0]
 
 
-def curves(binary, robots, duration_s, extra):
+def curves(binary, robots, duration_s, extra, most_mm):
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         print("| robot | engine | steps per s | CPU ms per s | rms distance to its own limit, mm |\n|---|---|---:|---:|---:|")
         for morphology in robots:
             mjcf = export(binary, morphology, folder, "mjcf")
-            for kind, rates in ((RealgapCurve, REALGAP_HZ), (MuJoCoCurve, MUJOCO_HZ)):
+            cheapest = {}
+            for kind in (RealgapCurve, TreeCurve, MuJoCoCurve):
                 engine = kind(binary, morphology, mjcf, duration_s, extra, folder)
-                runs = [engine.run(hertz) for hertz in rates]
+                runs = [engine.run(hertz) for hertz in kind.rates]
                 limit = runs[-1][1]
-                for hertz, (cost, path) in zip(rates[:-1], runs):
+                for hertz, (cost, path) in zip(kind.rates[:-1], runs):
                     samples = min(len(path), len(limit))
                     error = math.sqrt(((path[:samples] - limit[:samples]) ** 2).sum(axis=1).mean())
                     print(f"| {morphology.stem} | {engine.name} | {hertz} | {1e3 * cost:.2f} | {1e3 * error:.1f} |", flush=True)
+                    if most_mm is not None and 1e3 * error <= most_mm and cost < cheapest.get(engine.name, (math.inf, 0))[0]:
+                        cheapest[engine.name] = (cost, hertz)
+            if most_mm is not None:
+                said = [f"{name} {1e3 * cost:.2f} ms per s ({hertz} steps per s)" for name, (cost, hertz) in cheapest.items()]
+                print(f"cheapest within {most_mm:g} mm: {'; '.join(said)}", flush=True)
 
 
 def export(binary, morphology, folder, kind):
@@ -252,6 +282,7 @@ def main():
     a.add_argument("--duration", type=float, default=10.0, help="seconds per round (default 10)")
     a.add_argument("--rounds", type=int, default=5)
     a.add_argument("--curves", action="store_true", help="error against cost instead of the table")
+    a.add_argument("--error", type=float, metavar="MM", help="with --curves: the cheapest setting within this distance of the own limit")
     a.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="further settings of realgap, e.g. solver.substeps=4")
     a.add_argument("--joint", choices=["impulse", "multibody"], help="joint kind of realgap")
     a = a.parse_args()
@@ -259,7 +290,7 @@ def main():
     robots = a.robots or [here / f"{name}.ron" for name in ("chain3", "spider8", "chain30")]
     extra = [word for value in a.set for word in ("--set", value)] + (["--joint", a.joint] if a.joint else [])
     if a.curves:
-        curves(a.realgap, a.robots or [here / f"{name}.ron" for name in ("chain3", "chain5", "spider8")], a.duration, extra)
+        curves(a.realgap, a.robots or [here / f"{name}.ron" for name in ("chain3", "chain5", "spider8")], a.duration, extra, a.error)
         return
     if pybullet is None:
         print("PyBullet is not installed: left out (python3 -m pip install pybullet)")

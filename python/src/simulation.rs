@@ -111,7 +111,7 @@ pub fn simulate(
             "energy": run.energy,
             "timestep_s": experiment.solver.timestep_s,
             "substeps": experiment.solver.substeps,
-            "engine": simulation::ENGINE_VERSION,
+            "engine": experiment.engine().version(),
             "records_joints": experiment.records_joints,
             "warnings": warnings,
         });

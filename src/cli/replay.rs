@@ -8,7 +8,7 @@ use realgap::comparison;
 use realgap::file::{look_up, sha256, write_atomic};
 use realgap::report::{Replay, SIMULATION};
 use realgap::robot::morphology::Morphology;
-use realgap::simulation::{self, Divergence, Experiment, Film, Floor, Outcome, Sampling, film};
+use realgap::simulation::{Divergence, Experiment, Film, Floor, Outcome, Sampling, film};
 use realgap::trajectory::{self, Reading, Recording};
 use realgap::{Error, Result, Warning};
 
@@ -270,7 +270,7 @@ impl Shown<'_> {
     fn provenance(&self) -> Result<Vec<(String, String)>> {
         let mut all = vec![("realgap", env!("CARGO_PKG_VERSION").to_owned())];
         if let Some(experiment) = self.experiment {
-            all.push(("engine", simulation::ENGINE_VERSION.to_owned()));
+            all.push(("engine", experiment.engine().version().to_owned()));
             let solver = &experiment.solver;
             all.push(("timestep", format!("{} s", solver.timestep_s)));
             all.push(("substeps", solver.substeps.to_string()));

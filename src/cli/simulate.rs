@@ -250,7 +250,7 @@ impl Simulate {
                 times_real_time: times_real,
                 timestep_s: experiment.solver.timestep_s,
                 substeps: experiment.solver.substeps,
-                engine: experiment.solver.engine.get().version(),
+                engine: experiment.engine().version(),
                 version: env!("CARGO_PKG_VERSION"),
                 warnings: run.warnings.clone(),
                 output: self.output.clone(),

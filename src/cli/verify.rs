@@ -5,8 +5,8 @@ use std::process::ExitCode;
 use clap::Args;
 use realgap::plot::{Side, TextTable};
 use realgap::robot::morphology::Assembly;
-use realgap::simulation::Experiment;
 use realgap::simulation::verification::{self, Check, Limit, Settings, Tolerance, Verdict};
+use realgap::simulation::{EngineChoice, Experiment};
 use realgap::{Error, Result};
 use serde::Serialize;
 
@@ -73,11 +73,14 @@ impl Verify {
         let settings = self.settings()?;
         let checks = verification::run(&settings)?;
         let failed = checks.iter().filter(|c| c.verdict == Verdict::Fail).count();
-        let known: Vec<&Limit> = checks.iter().filter_map(Limit::of).collect();
+        let known: Vec<&Limit> = checks
+            .iter()
+            .filter_map(|check| Limit::of(check, settings.solver.engine))
+            .collect();
         let unexpected = failed - known.len();
         if self.print.is_json() {
             let joints: Vec<String> = settings
-                .joints
+                .kinds()
                 .iter()
                 .map(|kind| format!("{kind:?}").to_lowercase())
                 .collect();
@@ -98,16 +101,21 @@ impl Verify {
                 version: env!("CARGO_PKG_VERSION"),
             })?;
         } else {
-            terminal::print(table(&checks, terminal::stdout_wants_colour()));
+            terminal::print(table(
+                &checks,
+                settings.solver.engine,
+                terminal::stdout_wants_colour(),
+            ));
             terminal::print(format!(
-                "\n{} of {} checks passed at timestep {:.6} s, {} substeps",
+                "\n{} of {} checks passed at timestep {:.6} s, {} substeps, {}",
                 checks.len() - failed,
                 checks.len(),
                 settings.solver.timestep_s,
                 settings.solver.substeps,
+                settings.solver.engine.get().version(),
             ));
             for check in checks.iter().filter(|c| c.verdict == Verdict::Fail) {
-                terminal::print(match Limit::of(check) {
+                terminal::print(match Limit::of(check, settings.solver.engine) {
                     Some(limit) => format!("known limit: {}: {}", check.name, limit.why),
                     None => format!("failed: {}: {}", check.name, check.what),
                 });
@@ -160,7 +168,7 @@ impl Verify {
     }
 }
 
-fn table(checks: &[Check], colour: bool) -> String {
+fn table(checks: &[Check], engine: EngineChoice, colour: bool) -> String {
     let mut table = TextTable::new([
         ("check", Side::Left),
         ("expected", Side::Right),
@@ -184,7 +192,7 @@ fn table(checks: &[Check], colour: bool) -> String {
         };
         let verdict = match check.verdict {
             Verdict::Pass => "pass",
-            Verdict::Fail if Limit::of(check).is_some() => "known",
+            Verdict::Fail if Limit::of(check, engine).is_some() => "known",
             Verdict::Fail => "FAIL",
         };
         table.push([

@@ -5,6 +5,8 @@ use crate::common;
 
 #[path = "../../examples/compare.rs"]
 mod compare;
+#[path = "../../examples/own_engine.rs"]
+mod own_engine;
 #[path = "../../examples/own_sensor.rs"]
 mod own_sensor;
 #[path = "../../examples/predict.rs"]
@@ -33,6 +35,7 @@ fn every_example_runs() {
         compare::main,
         predict::main,
         own_sensor::main,
+        own_engine::main,
     ] {
         example().unwrap();
     }

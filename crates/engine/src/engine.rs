@@ -137,13 +137,18 @@ impl EngineChoice {
         Self(engine)
     }
 
+    /// The engine beside the reference: the tree solver, where it is built in.
+    pub(super) fn second() -> Option<Self> {
+        ENGINES.get(1).copied()
+    }
+
     /// The engine.
     pub fn get(&self) -> &'static dyn Engine {
         self.0
     }
 
     /// The engine that will simulate an experiment: the chosen one, or Rapier with the sentence that says why.
-    pub(super) fn able(&self, experiment: &Experiment) -> (&'static dyn Engine, Option<String>) {
+    pub fn able(&self, experiment: &Experiment) -> (&'static dyn Engine, Option<String>) {
         match self.0.refusal(experiment) {
             None => (self.0, None),
             Some(why) => (&RAPIER, Some(why)),

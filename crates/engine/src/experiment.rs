@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 use super::adjustment::{Adjustment, HingeAdjustment, ModuleAdjustment};
 use super::command::CommandTrack;
-use super::engine::EngineChoice;
+use super::engine::{Engine, EngineChoice};
 use super::scene::SceneBody;
 use super::vehicle::{Drive, Vehicle};
 use realgap_core::unit::GRAVITY_M_S2;
@@ -338,6 +338,23 @@ impl Experiment {
             recording_length_scale: 1.0,
             energy_from_s: None,
         }
+    }
+
+    /// The engine that will simulate this: the chosen one, or Rapier where that cannot.
+    pub fn engine(&self) -> &'static dyn Engine {
+        self.solver.engine.able(self).0
+    }
+
+    /// The engine that is as valid for this experiment as Rapier: the tree solver, unless it cannot simulate it, or the experiment
+    /// asks for what means something in Rapier only (impulse joints, relaxations, simplified friction) or for a third engine.
+    pub fn second_engine(&self) -> Option<EngineChoice> {
+        let (solver, second) = (&self.solver, EngineChoice::second()?);
+        let plain = solver.joint != JointKind::Impulse
+            && solver.relaxations == 0
+            && self.contact.friction_model == FrictionModel::Coulomb;
+        let is_known = [EngineChoice::default(), second].contains(&solver.engine);
+        let can = self.vehicle.is_none() && second.get().refusal(self).is_none();
+        (plain && is_known && can).then_some(second)
     }
 
     /// How this robot is jointed: never [`JointKind::Auto`].

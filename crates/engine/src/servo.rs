@@ -58,7 +58,7 @@ fn torque(torque_nm: f64) -> Command {
 }
 
 /// How strongly a servo that follows speeds holds them, N m s/rad.
-fn speed_damping_nm_s_rad(servo: &Servo) -> f64 {
+pub(super) fn speed_damping_nm_s_rad(servo: &Servo) -> f64 {
     let top_rad_s = if servo.max_speed_rad_s.is_finite() {
         servo.max_speed_rad_s
     } else {

@@ -67,6 +67,7 @@ fn hand_made(outcomes: Vec<Outcome<Motion>>, noise_free: Outcome<Motion>) -> Ens
         duration_s: 18.1,
         body_length_m: BODY_M,
         cpu: Duration::ZERO,
+        engine: "none",
         warnings: Vec::new(),
     }
 }

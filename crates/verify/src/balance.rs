@@ -27,7 +27,7 @@ fn walker() -> Result<Assembly> {
 
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     let both = [JointKind::Impulse, JointKind::Multibody];
-    if !both.iter().all(|kind| settings.joints.contains(kind)) {
+    if !both.iter().all(|kind| settings.kinds().contains(kind)) {
         return Ok(Vec::new());
     }
     let mut checks = Vec::new();

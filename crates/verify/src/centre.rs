@@ -2,10 +2,10 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::Settings;
 use super::body::{CUBE_ON_PLATE_M, STILL, module, stool, velocity_servo};
 use super::check::{Check, Tolerance};
 use super::film::{Film, at_rest, centre_world_m, largest, measure, moving};
-use super::{Settings, kind_name};
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 use realgap_engine::JointKind;
@@ -16,7 +16,7 @@ const DRIFT_M: f64 = 1e-4;
 
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     let mut checks = Vec::new();
-    for &kind in &settings.joints {
+    for &kind in settings.kinds() {
         checks.push(tumble(settings, kind)?);
         checks.push(ice(settings, kind)?);
     }
@@ -52,7 +52,7 @@ fn tumble(settings: &Settings, kind: JointKind) -> Result<Check> {
     );
     let film = Film::shoot(&experiment, &[])?;
     Ok(Check::new(
-        format!("energy.centre.tumble.{}", kind_name(kind)),
+        format!("energy.centre.tumble.{}", settings.joint_name(kind)),
         "how far the centre of mass of a tumbling, weightless robot with a lopsided root leaves its straight path in 0.6 s: 0",
         0.0,
         measure(film.as_ref(), |film| {
@@ -82,7 +82,7 @@ fn ice(settings: &Settings, kind: JointKind) -> Result<Check> {
     );
     let film = Film::shoot(&experiment, &[])?;
     Ok(Check::new(
-        format!("energy.centre.ice.{}", kind_name(kind)),
+        format!("energy.centre.ice.{}", settings.joint_name(kind)),
         "how far the centre of mass of the same robot moves sideways on a floor without friction in 2 s: 0",
         0.0,
         measure(film.as_ref(), |film| {

@@ -1,9 +1,9 @@
-//! Which known limits of the engine an experiment depends on.
+//! Which known limits of Rapier an experiment depends on.
 
 use std::f64::consts::TAU;
 
 use realgap_core::warning::{Code, Warning};
-use realgap_engine::{Experiment, JointKind};
+use realgap_engine::{EngineChoice, Experiment, JointKind};
 use realgap_robot::morphology::{Servo, ServoLaw};
 
 /// Below this a plate's tilt from sag is not seen, metres (as in `standing.sag`).
@@ -12,6 +12,9 @@ const SAG_M: f64 = 2e-5;
 /// What the reader of this experiment's results should know about the engine; `tuned` names the parameters that are fitted.
 pub fn known_limits(experiment: &Experiment, tuned: &[&str]) -> Vec<Warning> {
     let mut warnings = Vec::new();
+    if experiment.solver.engine != EngineChoice::default() {
+        return warnings;
+    }
     let mut warn = |message: String| warnings.push(Warning::new(Code::KnownLimit, message));
     if tuned.contains(&"floor.restitution") {
         warn("bounces of a flat face come out 7 to 9 % low, so a fitted restitution is that much too high where faces land flat (restitution.flat)".to_owned());

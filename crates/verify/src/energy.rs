@@ -10,7 +10,7 @@ use super::body::{
 };
 use super::check::{Check, Tolerance};
 use super::film::{Film, at_rest, centre_world_m, largest, measure, moving};
-use super::{Settings, centre, kind_name, toss};
+use super::{Settings, centre, euler, pendulum, toss};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_engine::{Experiment, JointKind, Push, Snapshot};
@@ -21,8 +21,10 @@ const ABYSS_M: f64 = -10.0;
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     let mut checks = vec![fall(settings)?];
     checks.extend(tumble(settings)?);
-    for &kind in &settings.joints {
-        checks.extend(pendulum(settings, kind)?);
+    checks.push(euler::check(settings)?);
+    for &kind in settings.kinds() {
+        checks.extend(swing(settings, kind)?);
+        checks.push(pendulum::check(settings, kind)?);
         checks.extend(afloat(settings, kind)?);
     }
     checks.extend(collision(settings)?);
@@ -31,7 +33,7 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     Ok(checks)
 }
 
-fn weightless(mut experiment: Experiment) -> Experiment {
+pub(super) fn weightless(mut experiment: Experiment) -> Experiment {
     experiment.gravity_m_s2 = 0.0;
     experiment.floor.height_m = ABYSS_M;
     experiment
@@ -105,8 +107,8 @@ fn tumble(settings: &Settings) -> Result<[Check; 2]> {
 }
 
 /// A module swings from the horizontal on a base that stands on the floor.
-fn pendulum(settings: &Settings, kind: JointKind) -> Result<[Check; 3]> {
-    let name = kind_name(kind);
+fn swing(settings: &Settings, kind: JointKind) -> Result<[Check; 3]> {
+    let name = settings.joint_name(kind);
     let robot = arm(MASS_KG, Vector3::y(), no_servo(), STILL);
     let mut experiment = settings.experiment(robot, 10.0);
     experiment.solver.joint = kind;
@@ -171,7 +173,7 @@ fn pendulum(settings: &Settings, kind: JointKind) -> Result<[Check; 3]> {
 
 /// The tripod works its servos in free space: no momentum can come of it.
 fn afloat(settings: &Settings, kind: JointKind) -> Result<[Check; 2]> {
-    let name = kind_name(kind);
+    let name = settings.joint_name(kind);
     let mut experiment = weightless(settings.experiment(tripod()?, 4.0));
     experiment.solver.joint = kind;
     experiment.start = at_rest(Vector3::zeros(), UnitQuaternion::identity());
@@ -282,6 +284,21 @@ fn collision(settings: &Settings) -> Result<Vec<Check>> {
         }),
         Unit::One,
         Tolerance::Relative(0.025),
+    ));
+    let face_to_face = film(0.0, 0.7_f64.sqrt())?;
+    checks.push(Check::new(
+        "energy.collision.turn",
+        "largest turn of two modules within half a second of meeting face to face at 1 m/s, e = 0.7: 0",
+        0.0,
+        measure(face_to_face.as_ref(), |film| {
+            let turned = |part: usize| {
+                let rotation = |s: &Snapshot| s.parts[part].world_from_part.rotation;
+                rotation(film.first()).angle_to(&rotation(film.last()))
+            };
+            Some(turned(0).max(turned(1)))
+        }),
+        Unit::Radian,
+        Tolerance::Absolute(0.1_f64.to_radians()),
     ));
     Ok(checks)
 }

@@ -2,12 +2,12 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::Settings;
 use super::body::{SIDE_M, STILL, bar, corner, cube, tripod};
 use super::check::{Check, Tolerance};
 use super::film::{Film, at_rest, largest, measure, worst};
 use super::slide::{slide, stopping_distance_m};
-use super::spin;
-use super::{Settings, kind_name};
+use super::{rolling, spin};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 
@@ -22,6 +22,7 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     checks.extend(jointed(settings)?);
     checks.extend(slope(settings)?);
     checks.extend(spin::checks(settings)?);
+    checks.extend(rolling::checks(settings)?);
     Ok(checks)
 }
 
@@ -78,7 +79,7 @@ fn jointed(settings: &Settings) -> Result<Vec<Check>> {
         }
     }
     let mut checks = Vec::new();
-    for &kind in &settings.joints {
+    for &kind in settings.kinds() {
         let (mut along, mut across) = (Vec::new(), Vec::new());
         for step in 0..6 {
             let yaw_rad = f64::from(step) * 60_f64.to_radians() + 0.2;
@@ -86,7 +87,7 @@ fn jointed(settings: &Settings) -> Result<Vec<Check>> {
             along.push(end.along_m);
             across.push(end.across_m / expected);
         }
-        let name = kind_name(kind);
+        let name = settings.joint_name(kind);
         checks.push(Check::new(
             format!("friction.stop.tripod.{name}"),
             "stopping distance of the tripod from 0.6 m/s, servos holding, friction 0.3, worst of 6 headings: v^2 / 2 mu g",

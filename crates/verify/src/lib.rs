@@ -20,10 +20,14 @@ mod centre;
 mod check;
 mod dependence;
 mod energy;
+mod euler;
 mod film;
 mod friction;
+mod impact;
 mod limit;
+mod pendulum;
 mod restitution;
+mod rolling;
 mod servo;
 mod slide;
 mod spin;
@@ -37,7 +41,7 @@ pub use dependence::known_limits;
 pub use limit::{LIMITS, Limit};
 
 use realgap_core::error::Result;
-use realgap_engine::{Contact, Experiment, JointKind, Solver};
+use realgap_engine::{Contact, EngineChoice, Experiment, JointKind, Solver};
 use realgap_robot::morphology::Assembly;
 
 /// The settings that are put to the test; everything else is up to each check.
@@ -47,7 +51,7 @@ pub struct Settings {
     pub solver: Solver,
     /// Contact model.
     pub contact: Contact,
-    /// Joint kinds with which checks that involve hinges are run.
+    /// Joint kinds with which checks that involve hinges are run in Rapier.
     pub joints: Vec<JointKind>,
 }
 
@@ -71,14 +75,28 @@ impl Settings {
         experiment.floor.restitution = 0.0;
         experiment
     }
-}
 
-/// Last part of the name of a check that involves hinges.
-fn kind_name(kind: JointKind) -> &'static str {
-    match kind {
-        JointKind::Impulse => "impulse",
-        JointKind::Multibody => "multibody",
-        JointKind::Auto => "auto",
+    /// Kinds of joint that are told apart: one in an engine that has no more.
+    pub fn kinds(&self) -> &[JointKind] {
+        if self.is_reference() {
+            &self.joints
+        } else {
+            &[JointKind::Auto]
+        }
+    }
+
+    /// Last part of the name of a check that involves hinges: the kind of joint, or the engine that has one kind only.
+    fn joint_name(&self, kind: JointKind) -> &'static str {
+        match kind {
+            _ if !self.is_reference() => self.solver.engine.get().name(),
+            JointKind::Impulse => "impulse",
+            JointKind::Multibody => "multibody",
+            JointKind::Auto => "auto",
+        }
+    }
+
+    fn is_reference(&self) -> bool {
+        self.solver.engine == EngineChoice::default()
     }
 }
 

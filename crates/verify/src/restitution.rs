@@ -2,10 +2,10 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::Settings;
 use super::body::{MASS_KG, SIDE_M, cube};
 use super::check::{Check, Tolerance};
 use super::film::{Film, at_rest, measure};
+use super::{Settings, impact};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 
@@ -53,6 +53,7 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     for (name, turn) in [("edge", edge), ("skew", skew)] {
         checks.extend(tilted(settings, name, turn)?);
     }
+    checks.extend(impact::checks(settings)?);
     Ok(checks)
 }
 

@@ -4,12 +4,12 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::Settings;
 use super::body::{
     ARM_M, BASE_HALF_M, MASS_KG, RUNAWAY, STILL, arm, arm_inertia_kg_m2, velocity_servo,
 };
 use super::check::{Check, Tolerance};
 use super::film::{Film, at_rest, largest, measure};
-use super::{Settings, kind_name};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_engine::{JointKind, Snapshot};
@@ -26,7 +26,7 @@ const LOAD_NM: f64 = MASS_KG * GRAVITY_M_S2 * ARM_M;
 
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     let mut checks = Vec::new();
-    for &kind in &settings.joints {
+    for &kind in settings.kinds() {
         let bench = Bench { settings, kind };
         checks.push(bench.torque_limit()?);
         checks.push(bench.holding_torque()?);
@@ -62,7 +62,7 @@ impl Bench<'_> {
     }
 
     fn name(&self, check: &str) -> String {
-        format!("servo.{check}.{}", kind_name(self.kind))
+        format!("servo.{check}.{}", self.settings.joint_name(self.kind))
     }
 
     fn torque_limit(&self) -> Result<Check> {

@@ -7,13 +7,13 @@
 
 use nalgebra::{Matrix2, Rotation2, UnitQuaternion, Vector2, Vector3};
 
+use super::Settings;
 use super::body::{
     CUBE_ON_PLATE_M, MASS_KG, PLATE_HALF_M, PLATE_KG, PLATE_THICKNESS_M, SIDE_M, STILL, cube,
     no_servo, on_plate,
 };
 use super::check::{Check, Tolerance};
 use super::film::{Film, centre_world_m, moving};
-use super::{Settings, kind_name};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_engine::JointKind;
@@ -110,7 +110,7 @@ impl Slider {
 
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     let mut checks = cube_spin(settings)?.to_vec();
-    for &kind in &settings.joints {
+    for &kind in settings.kinds() {
         checks.extend(plate_spin(settings, kind)?);
     }
     Ok(checks)
@@ -213,7 +213,7 @@ fn plate_spin(settings: &Settings, kind: JointKind) -> Result<[Check; 3]> {
     );
     let film = Film::shoot(&experiment, &[])?;
     Ok(compare(
-        kind_name(kind),
+        settings.joint_name(kind),
         "a cube on a plate under a free hinge",
         slider.rest(),
         rest(film.as_ref(), 1),

@@ -7,7 +7,7 @@ use super::body::{
 };
 use super::check::{Check, Tolerance};
 use super::film::{Film, at_rest, centre_world_m, largest, measure};
-use super::{Settings, balance, kind_name, topple};
+use super::{Settings, balance, topple};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_engine::{Experiment, JointKind};
@@ -24,7 +24,7 @@ const TREMBLE_M_S: f64 = 1e-3;
 
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     let mut checks = Vec::new();
-    for &kind in &settings.joints {
+    for &kind in settings.kinds() {
         checks.extend(rest(settings, kind)?);
         checks.push(slope(settings, kind)?);
         checks.push(twist(settings, kind)?);
@@ -57,7 +57,7 @@ fn standing(settings: &Settings, kind: JointKind, gait: Gait, seconds: f64) -> E
 
 /// A cube on its plate, the servo holding still.
 fn rest(settings: &Settings, kind: JointKind) -> Result<[Check; 2]> {
-    let name = kind_name(kind);
+    let name = settings.joint_name(kind);
     let film = Film::shoot(&standing(settings, kind, STILL, 3.0), &[])?;
     Ok([
         Check::new(
@@ -101,7 +101,7 @@ fn slope(settings: &Settings, kind: JointKind) -> Result<Check> {
     );
     let film = Film::shoot(&experiment, &[])?;
     Ok(Check::new(
-        format!("standing.slope.{}", kind_name(kind)),
+        format!("standing.slope.{}", settings.joint_name(kind)),
         "mean speed of a cube on a hinged plate on a slope with tan = 0.9 mu over 9 s, from 1 s on: it sticks",
         0.0,
         measure(film.as_ref(), |film| {
@@ -123,7 +123,7 @@ fn twist(settings: &Settings, kind: JointKind) -> Result<Check> {
     };
     let film = Film::shoot(&standing(settings, kind, gait, seconds), &[])?;
     Ok(Check::new(
-        format!("standing.twist.{}", kind_name(kind)),
+        format!("standing.twist.{}", settings.joint_name(kind)),
         "mean speed of a cube whose plate swings in place below it by 1 rad at 1 Hz for 20 s: 0 by symmetry",
         0.0,
         measure(film.as_ref(), |film| {

@@ -2,12 +2,12 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
+use super::Settings;
 use super::body::{
     BASE_HALF_M, MASS_KG, SIDE_M, STILL, arm, bar, cantilever, corner, tripod, velocity_servo,
 };
 use super::check::{Check, Tolerance};
 use super::film::{Film, at_rest, largest, measure};
-use super::{Settings, kind_name};
 use realgap_core::error::Result;
 use realgap_core::unit::Unit;
 use realgap_engine::JointKind;
@@ -20,7 +20,7 @@ const TILT_RAD: f64 = 0.0087;
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     let mut checks = compound(settings)?;
     checks.push(cantilever_sag(settings)?);
-    for &kind in &settings.joints {
+    for &kind in settings.kinds() {
         checks.extend(loaded_hinge(settings, kind)?);
         checks.extend(walking_hinge(settings, kind)?);
     }
@@ -140,7 +140,7 @@ fn cantilever_sag(settings: &Settings) -> Result<Check> {
 
 /// A kilogram hangs on a hinge sideways: along the axis nothing may open, across it nothing may tilt.
 fn loaded_hinge(settings: &Settings, kind: JointKind) -> Result<[Check; 2]> {
-    let name = kind_name(kind);
+    let name = settings.joint_name(kind);
     let servo = velocity_servo(30.0, 5.0, 8.0);
     let robot = arm(1.0, Vector3::z(), servo, STILL);
     let mut experiment = settings.experiment(robot, 1.0);
@@ -177,7 +177,7 @@ fn loaded_hinge(settings: &Settings, kind: JointKind) -> Result<[Check; 2]> {
 
 /// Hinges of the tripod while it walks: contacts, servos and weight at once.
 fn walking_hinge(settings: &Settings, kind: JointKind) -> Result<[Check; 2]> {
-    let name = kind_name(kind);
+    let name = settings.joint_name(kind);
     let mut experiment = settings.experiment(tripod()?, 4.0);
     experiment.solver.joint = kind;
     let film = Film::shoot(&experiment, &[])?;

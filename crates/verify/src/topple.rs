@@ -2,13 +2,13 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::Settings;
 use super::body::{
     CUBE_ON_PLATE_M, MASS_KG, PLATE_HALF_M, PLATE_KG, PLATE_THICKNESS_M, SIDE_M, STILL, on_plate,
     velocity_servo,
 };
 use super::check::{Check, Tolerance};
 use super::film::{Film, at_rest, measure};
-use super::{Settings, kind_name};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_engine::JointKind;
@@ -19,7 +19,7 @@ const TO_RAD: f64 = 0.5;
 
 pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     let mut checks = Vec::new();
-    for &kind in &settings.joints {
+    for &kind in settings.kinds() {
         checks.push(fall(settings, kind)?);
     }
     Ok(checks)
@@ -113,7 +113,7 @@ fn fall(settings: &Settings, kind: JointKind) -> Result<Check> {
         })
     });
     Ok(Check::new(
-        format!("standing.topple.{}", kind_name(kind)),
+        format!("standing.topple.{}", settings.joint_name(kind)),
         "time that a cube on its plate takes to fall over the plate's edge from 0.05 to 0.5 rad beyond the balance: integral of d theta / omega",
         closed_form_s(&block),
         measured,

@@ -4,10 +4,10 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
+use super::Settings;
 use super::body::{STILL, cube, on_plate, velocity_servo};
 use super::check::{Check, Tolerance};
 use super::film::{Film, largest, moving};
-use super::{Settings, kind_name};
 use realgap_core::error::Result;
 use realgap_core::unit::{GRAVITY_M_S2, Unit};
 use realgap_engine::{JointKind, Snapshot};
@@ -23,8 +23,8 @@ pub(super) fn checks(settings: &Settings) -> Result<Vec<Check>> {
     let mut checks = vec![energy(settings, "cube", settings.solver.joint, &cube())?];
     // The servo holds, so that the robot is as good as rigid and the servo gives no energy worth speaking of.
     let robot = on_plate(velocity_servo(30.0, 1.0, 8.0), STILL);
-    for &kind in &settings.joints {
-        checks.push(energy(settings, kind_name(kind), kind, &robot)?);
+    for &kind in settings.kinds() {
+        checks.push(energy(settings, settings.joint_name(kind), kind, &robot)?);
     }
     Ok(checks)
 }

@@ -5,7 +5,7 @@
 use std::sync::LazyLock;
 
 use realgap_core::unit::Unit;
-use realgap_engine::{JointKind, Solver};
+use realgap_engine::{EngineChoice, JointKind, Solver, engine_by_name};
 use realgap_verify::{Check, LIMITS, Limit, Settings, Tolerance, Verdict, run};
 
 /// Every check at the default settings, run once.
@@ -21,12 +21,30 @@ fn names(checks: &[Check], verdict: Verdict) -> Vec<&str> {
 
 #[test]
 fn the_default_settings_pass_every_check_but_the_documented_ones() {
-    let checks = &*DEFAULT;
-    let known: Vec<&str> = LIMITS.iter().map(|limit| limit.name).collect();
+    fails_as_known(&DEFAULT, EngineChoice::default());
+}
+
+#[test]
+fn the_tree_solver_passes_every_check_but_the_documented_ones() {
+    let engine = engine_by_name("tree").unwrap();
+    let solver = Solver {
+        engine,
+        ..Solver::default()
+    };
+    let checks = run(&Settings {
+        solver,
+        ..Settings::default()
+    });
+    fails_as_known(&checks.unwrap(), engine);
+}
+
+/// What fails is what is known, as far as is known and no farther.
+fn fails_as_known(checks: &[Check], engine: EngineChoice) {
+    let limits = LIMITS.iter().filter(|l| l.engine == engine.get().name());
+    let known: Vec<&str> = limits.map(|limit| limit.name).collect();
     assert_eq!(names(checks, Verdict::Fail), known);
-    // As far as is known, and no farther.
     for check in checks.iter().filter(|c| c.verdict == Verdict::Fail) {
-        assert!(Limit::of(check).is_some(), "{check:?}");
+        assert!(Limit::of(check, engine).is_some(), "{check:?}");
     }
 }
 
@@ -119,13 +137,14 @@ fn an_error_beyond_what_is_known_counts_as_a_failure() {
         )
     };
     let (low, high) = limit.error;
-    assert_eq!(Limit::of(&check(0.5 * (low + high))), Some(limit));
-    assert_eq!(Limit::of(&check(1.01 * high)), None);
-    assert_eq!(Limit::of(&check(0.99 * low)), None);
-    assert_eq!(Limit::of(&check(f64::NAN)), None);
+    let of = |check: &Check| Limit::of(check, EngineChoice::default());
+    assert_eq!(of(&check(0.5 * (low + high))), Some(limit));
+    assert_eq!(of(&check(1.01 * high)), None);
+    assert_eq!(of(&check(0.99 * low)), None);
+    assert_eq!(of(&check(f64::NAN)), None);
     let passed = Check {
         verdict: Verdict::Pass,
         ..check(low)
     };
-    assert_eq!(Limit::of(&passed), None);
+    assert_eq!(of(&passed), None);
 }

@@ -5,6 +5,7 @@ use nalgebra::{Point3, UnitQuaternion, Vector3};
 use super::format::{Exported, Format};
 use super::robot::{Robot, origin_robot_m, quaternion, seen_from};
 use super::xml::{Element, numbers, vector};
+use crate::servo::speed_damping_nm_s_rad;
 use realgap_core::warning::{Code, Warning};
 use realgap_robot::morphology::{Actuator, Freedom, Hinge, Motor, Servo, ServoLaw, Shape, Solid};
 
@@ -19,10 +20,6 @@ const SOLREF: &str = "0.002 1";
 const SOLIMP: &str = "0.95 0.99 0.001";
 /// Height above the floor at the start, m.
 const GAP_M: f64 = 0.001;
-/// A velocity servo spends its whole torque on this share of its top speed; as stiff as the timestep allows.
-const SPEED_SLACK: f64 = 1.0 / 8.0;
-/// Top speed that stands in for "unlimited" when the stiffness is chosen, rad/s.
-const UNLIMITED_RAD_S: f64 = 10.0;
 
 impl Format for Mjcf {
     fn name(&self) -> &'static str {
@@ -430,17 +427,12 @@ fn motor(name: &str, servo: &Servo) -> Element {
         .with("biastype", "affine");
     match servo.law {
         ServoLaw::Velocity { .. } => {
-            let limited = servo.max_speed_rad_s.is_finite();
-            let top_rad_s = if limited {
-                servo.max_speed_rad_s
-            } else {
-                UNLIMITED_RAD_S
-            };
-            let damping_nm_s_rad = servo.max_torque_nm / (SPEED_SLACK * top_rad_s);
+            let top_rad_s = servo.max_speed_rad_s;
+            let damping_nm_s_rad = speed_damping_nm_s_rad(servo);
             let motor = motor
                 .with("gainprm", numbers([damping_nm_s_rad]))
                 .with("biasprm", numbers([0.0, 0.0, -damping_nm_s_rad]));
-            if limited {
+            if top_rad_s.is_finite() {
                 motor.with("ctrlrange", numbers([-top_rad_s, top_rad_s]))
             } else {
                 motor

@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 use super::definition::Definition;
 use super::study::Study;
 use crate::calibration::identification::StartState;
-use realgap_engine::ENGINE_VERSION;
 use realgap_store::Fingerprint;
 
 impl Study {
@@ -15,7 +14,7 @@ impl Study {
         let experiment = &self.cases()[0].experiment;
         let mut print = Fingerprint::new()
             .with("realgap", env!("CARGO_PKG_VERSION"))
-            .with("engine", ENGINE_VERSION)
+            .with("engine", experiment.engine().version())
             .with("study", &definition.name)
             .with("morphology sha256", &definition.morphology_sha256)
             .with("metric", definition.metric.name())

@@ -141,7 +141,7 @@ impl StandIn {
                 });
             }
         }
-        trajectory::write_meta(folder, &self.meta(robot))?;
+        trajectory::write_meta(folder, &self.meta(robot, experiment.engine().version()))?;
         let values = self.values.iter();
         Ok(RecordReport {
             morphology: robot.name().to_owned(),
@@ -153,7 +153,7 @@ impl StandIn {
             seed: self.seed,
             parameters: values.map(|a| (a.parameter.name, a.value)).collect(),
             noise: self.noise,
-            engine: simulation::ENGINE_VERSION,
+            engine: experiment.engine().version(),
             version: env!("CARGO_PKG_VERSION"),
             warnings,
         })
@@ -180,7 +180,7 @@ impl StandIn {
         }
     }
 
-    fn meta(&self, robot: &Morphology) -> Meta {
+    fn meta(&self, robot: &Morphology, engine: &str) -> Meta {
         let noise = &self.noise;
         Meta {
             robot: robot.name().to_owned(),
@@ -189,7 +189,7 @@ impl StandIn {
                 "STAND-IN: simulated by realgap {} ({}), not recorded from hardware. {} repeats of {} s at {} Hz, seed {}, with {}. \
                  Noise (standard deviations): start {} m and {} rad, servo zero {} rad, camera {} m, {} rad and {} s.",
                 env!("CARGO_PKG_VERSION"),
-                simulation::ENGINE_VERSION,
+                engine,
                 self.repeats,
                 self.duration_s,
                 self.rate_hz,

@@ -14,7 +14,6 @@ use realgap_core::error::{Error, Result};
 use realgap_core::statistics::Proportion;
 use realgap_core::unit::{Unit, quantity};
 use realgap_core::warning::{Code, Warning};
-use realgap_engine::ENGINE_VERSION;
 use realgap_engine::parameter::ParameterSet;
 
 /// A robot that gets less far than this share of its body length without noise goes nowhere.
@@ -207,7 +206,7 @@ impl Card {
             success,
             parameters: BTreeMap::new(),
             noise_from: None,
-            engine: ENGINE_VERSION,
+            engine: ensemble.engine,
             version: env!("CARGO_PKG_VERSION"),
             growth: None,
             prediction,

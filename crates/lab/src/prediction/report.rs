@@ -14,8 +14,8 @@ use realgap_core::error::Result;
 use realgap_core::file::sha256;
 use realgap_core::statistics::Proportion;
 use realgap_core::warning::Warning;
+use realgap_engine::Noise;
 use realgap_engine::parameter::ParameterSet;
-use realgap_engine::{ENGINE_VERSION, Noise};
 use realgap_optimize::{Batch, Ending, Progress, RunOptions, drive};
 use realgap_path::trajectory::{Prepared, Source};
 use realgap_store::{Fingerprint, RunRow, Storage};
@@ -129,7 +129,7 @@ impl EnsembleReport {
         let experiments: String = experiments.collect();
         let fingerprint = Fingerprint::new()
             .with("realgap", env!("CARGO_PKG_VERSION"))
-            .with("engine", ENGINE_VERSION)
+            .with("engine", study.cases[0].experiment.engine().version())
             .with("study", &definition.name)
             .with("experiments sha256", sha256(experiments.as_bytes()))
             .with("noise", format!("{:?}", options.noise))
@@ -235,7 +235,7 @@ impl EnsembleReport {
             complete,
             parameters: by_name(&definition.set),
             noise_from: noise_from.to_owned(),
-            engine: ENGINE_VERSION,
+            engine: study.cases[0].experiment.engine().version(),
             version: env!("CARGO_PKG_VERSION"),
             source: definition.source(),
             reality: Reality::pooled(&parts),

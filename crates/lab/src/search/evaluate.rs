@@ -87,7 +87,7 @@ impl Search {
             let seen = format!("the plate of {} hits {}", names[0], names[1]);
             return fail(Reason::PlateBlocked, &seen);
         }
-        let settling = settle(&self.experiment(&robot))?;
+        let settling = settle(&self.exploring(&robot))?;
         for warning in settling.warnings() {
             let reason = match warning.code {
                 Code::Diverged => Reason::Diverged,
@@ -101,7 +101,7 @@ impl Search {
         Ok(Ok(robot))
     }
 
-    /// Repeats of one robot, in other settings where these are given; the failure of the first that fails.
+    /// Repeats of one robot as the search explores, or judged in these settings; the failure of the first that fails.
     ///
     /// # Errors
     /// Settings that cannot be simulated.
@@ -112,7 +112,10 @@ impl Search {
         repeats: usize,
         change: Option<fn(&mut Experiment)>,
     ) -> Result<Repeats> {
-        let base = self.experiment(robot);
+        let base = match change {
+            None => self.exploring(robot),
+            Some(_) => self.experiment(robot),
+        };
         let one = |number: usize| {
             let mut experiment = self.repeat(&base, seed, number as u64)?;
             if let Some(change) = change {

@@ -14,11 +14,15 @@ use realgap_engine::{EnergyBalance, Experiment};
 use realgap_optimize::{RunOptions, pool};
 use realgap_robot::morphology::Morphology;
 
+/// The engine that judges, where another explored.
+const JUDGE: &str = "judging engine";
+
 /// A change of the settings.
 type Change = fn(&mut Experiment);
 
-/// Other settings under which a robot must walk the same, with a name each.
-const RERUNS: [(&str, Change); 6] = [
+/// Other settings under which a robot must walk the same, with a name each; all in the engine that judges.
+const RERUNS: [(&str, Change); 7] = [
+    (JUDGE, |_| ()),
     ("half timestep", |e| e.solver.timestep_s *= 0.5),
     ("double timestep", |e| e.solver.timestep_s *= 2.0),
     ("half substeps", |e| {
@@ -134,6 +138,9 @@ impl Search {
         for (evaluated, robot) in best {
             let mut reruns = Vec::new();
             for (settings, change) in RERUNS {
+                if settings == JUDGE && self.explorer().is_none() {
+                    continue;
+                }
                 stopped(options)?;
                 let (seed, repeats) = (self.seed(), self.repeats);
                 let again = self.repeats_of(&robot, seed, repeats, Some(change))?;

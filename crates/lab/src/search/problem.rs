@@ -9,8 +9,8 @@ use super::objective::Objective;
 use super::strategy::{Space, Strategy};
 use super::uncertain::UncertainParameters;
 use realgap_engine::parameter::ParameterSet;
-use realgap_engine::{Experiment, Noise, Sampling};
-use realgap_robot::morphology::Morphology;
+use realgap_engine::{EngineChoice, Experiment, Noise, Sampling};
+use realgap_robot::morphology::{Assembly, Morphology};
 use realgap_store::Fingerprint;
 
 /// A search whose settings have been checked. It is made by [`Search::builder`] or read from a file by [`Search::read`].
@@ -116,11 +116,41 @@ impl Search {
         self.set.apply(&experiment)
     }
 
+    /// The experiment of a robot as the search explores: in the second engine, which is cheap, unless the search fixes `solver.engine`
+    /// or what only Rapier knows. Its finalists are judged in both.
+    pub fn exploring(&self, robot: &Morphology) -> Experiment {
+        let mut experiment = self.experiment(robot);
+        if let Some(second) = self.explorer() {
+            experiment.solver.engine = second;
+        }
+        experiment
+    }
+
+    /// The engine that explores, where that is not the one that judges.
+    pub(super) fn explorer(&self) -> Option<EngineChoice> {
+        let is_free = self.set.value("solver.engine").is_none();
+        self.judge().second_engine().filter(|_| is_free)
+    }
+
+    /// Engines with their versions: that which judges, and that which explores.
+    pub fn engines(&self) -> String {
+        let judge = self.judge().engine().version();
+        match self.explorer() {
+            Some(explorer) => format!("{judge}, explored in {}", explorer.get().version()),
+            None => judge.to_owned(),
+        }
+    }
+
+    /// The fixed values, which do not depend on the robot.
+    fn judge(&self) -> Experiment {
+        self.set.apply(&Experiment::new(Assembly::nobody()))
+    }
+
     /// Everything that decides the results.
     pub fn fingerprint(&self) -> Fingerprint {
         Fingerprint::new()
             .with("realgap", env!("CARGO_PKG_VERSION"))
-            .with("engine", realgap_engine::ENGINE_VERSION)
+            .with("engine", self.engines())
             .with("search", &self.name)
             .with("strategy", format!("{:?}", self.strategy))
             .with("body", format!("{:?}", self.body()))

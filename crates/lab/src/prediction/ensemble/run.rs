@@ -67,6 +67,8 @@ pub struct Ensemble {
     pub body_length_m: f64,
     /// CPU time of all runs.
     pub cpu: Duration,
+    /// Engine and its version.
+    pub engine: &'static str,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
 }
@@ -185,6 +187,7 @@ pub fn run_each(
         duration_s: experiment.duration_s,
         body_length_m: experiment.assembly.body_length_m,
         cpu,
+        engine: experiment.engine().version(),
         warnings: run_warnings,
     };
     let own = warnings(&ensemble);

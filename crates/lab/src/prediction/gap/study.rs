@@ -18,7 +18,7 @@ use crate::prediction::kept::{row_of, runs_in};
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::{Code, Warning};
 use realgap_engine::parameter::ParameterSet;
-use realgap_engine::{ENGINE_VERSION, Experiment, Noise, Run};
+use realgap_engine::{Experiment, Noise, Run};
 use realgap_optimize::{Batch, Ending, RunOptions, drive};
 use realgap_path::comparison::{self, Metric};
 use realgap_path::trajectory::Source;
@@ -255,7 +255,7 @@ fn study_gap(
         over_time: OverTime::new(&real, &cases),
         confidence: Confidence::new(&real, &cases, body_length_m)?,
         noise,
-        engine: ENGINE_VERSION,
+        engine: study.cases()[0].experiment.engine().version(),
         version: env!("CARGO_PKG_VERSION"),
         warnings,
     })

@@ -83,8 +83,8 @@ pub struct SearchSummary {
     pub baseline: Option<Baseline>,
     /// The best robots, looked at again; empty where the search was interrupted.
     pub best: Vec<BestRobot>,
-    /// The engine and its precision.
-    pub engine: &'static str,
+    /// Engines with their versions: that which judges the finalists, and that which explores.
+    pub engine: String,
     /// Version of this crate.
     pub version: &'static str,
     /// What the reader should know.
@@ -158,7 +158,7 @@ impl SearchSummary {
             warnings: warnings(search, &best, baseline),
             baseline: baseline.cloned(),
             best,
-            engine: realgap_engine::ENGINE_VERSION,
+            engine: search.engines(),
             version: env!("CARGO_PKG_VERSION"),
         })
     }
