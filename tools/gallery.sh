@@ -48,6 +48,9 @@ once readings.csv "$realgap" sense ultrasonic -o "$work/readings.csv"
 once sensor.png "$realgap" characterise "$work/readings.csv" --plot "$work/sensor.png" \
     --histograms "$work/histograms.png"
 once robot.png "$realgap" check morphologies/tripod.ron --plot "$work/robot.png"
+for robot in turtlebot3_burger unitree_a1 so101_arm; do
+    once "$robot.png" "$realgap" check "morphologies/$robot.ron" --plot "$work/$robot.png"
+done
 once search/gallery.png "$realgap" search sweeps/best_robot.ron -o "$work/search"
 
 # Stand-ins: a camera with other, hidden settings.
@@ -127,6 +130,9 @@ keep visits.png visits.png
 keep sensor.png sensor.png
 keep histograms.png histograms.png
 keep robot.png robot.png
+keep turtlebot3_burger.png turtlebot3_burger.png
+keep unitree_a1.png unitree_a1.png
+keep so101_arm.png so101_arm.png
 keep search/gallery.png gallery.png
 keep search/fitness.png fitness.png
 keep search/paths.png paths.png

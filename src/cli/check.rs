@@ -187,11 +187,16 @@ fn morphology(source: &Source, dynamics: usize) -> Result<Contents> {
     let robot = Morphology::parse(source)?;
     let summary = robot.summary();
     let size = summary.size_m();
+    let assembly = robot.assemble();
+    let pieces = match assembly.is_modular {
+        true => counted(summary.modules, "module"),
+        false => format!("{} bodies", summary.modules),
+    };
     let lines = vec![
         format!(
             "  morphology \"{}\": {}, {}, {}",
             robot.name(),
-            counted(summary.modules, "module"),
+            pieces,
             counted(summary.hinges, "hinge"),
             counted(summary.parts, "rigid part")
         ),
@@ -218,11 +223,11 @@ fn morphology(source: &Source, dynamics: usize) -> Result<Contents> {
             size_m: [size[0], size[1], size[2]],
             track: robot.modules()[robot.track()].name.clone(),
             body_length_m: summary.body_length_m,
-            dynamics: dynamics_of(&robot.assemble(), dynamics),
+            dynamics: dynamics_of(&assembly, dynamics),
         },
         warnings: [
             robot.warnings(),
-            known_limits(&Experiment::new(robot.assemble()), &[]),
+            known_limits(&Experiment::new(assembly), &[]),
         ]
         .concat(),
     })

@@ -437,3 +437,51 @@ fn a_recording_without_a_robot_is_a_point_that_moves() {
     assert!((first.translation.vector - wanted).norm() < 1e-6);
     assert!(alone.mcap().unwrap().len() > 1000);
 }
+
+#[test]
+fn wheels_and_balls_are_shown_as_they_are_and_not_as_boxes() {
+    let robot = Morphology::read(common::project().join("morphologies/turtlebot3_burger.ron"));
+    let robot = robot.unwrap();
+    let mut experiment = Experiment::new(robot.assemble());
+    experiment.duration_s = 0.2;
+    let run = film(&experiment).unwrap().1.unwrap();
+    let shown = replay(&robot, &run, &[]);
+    let (document, bytes) = parts(&shown.gltf().unwrap());
+    let nodes = document["nodes"].as_array().unwrap();
+    let count = |name: &str| nodes.iter().filter(|node| node["name"] == name).count();
+    assert_eq!(
+        (count("cylinder"), count("sphere"), count("box")),
+        (3, 1, 1)
+    );
+    // Every corner of a wheel is as far from its axle as it is wide.
+    let wheel = nodes
+        .iter()
+        .rfind(|node| node["name"] == "cylinder")
+        .unwrap();
+    let mesh = &document["meshes"][wheel["mesh"].as_u64().unwrap() as usize];
+    let attributes = &mesh["primitives"][0]["attributes"];
+    let corners = rows(&document, &bytes, &attributes["POSITION"]);
+    let radius = |row: &Vec<f32>| f64::from(row[0].hypot(row[1]));
+    assert!(corners.len() > 100 && corners.iter().all(|row| (radius(row) - 0.033).abs() < 1e-6));
+    for normal in rows(&document, &bytes, &attributes["NORMAL"]) {
+        let length = normal.iter().map(|v| v * v).sum::<f32>().sqrt();
+        assert!((length - 1.0).abs() < 1e-5);
+    }
+    let page = shown.page().unwrap();
+    let (_, scene) = page.split_once("id=\"scene-data\">").unwrap();
+    let (scene, _) = scene.split_once("</script>").unwrap();
+    let scene: Value = serde_json::from_str(scene).unwrap();
+    let shapes = scene["boxes"].as_array().unwrap();
+    let rounded = shapes.iter().filter(|shape| shape.get("corners").is_some());
+    let rounded: Vec<&Value> = rounded.collect();
+    assert_eq!((shapes.len(), rounded.len()), (5, 4));
+    for shape in rounded {
+        let corners = shape["corners"].as_array().unwrap().len() / 3;
+        let triangles = shape["triangles"].as_array().unwrap();
+        assert!(
+            triangles
+                .iter()
+                .all(|corner| corner.as_u64().unwrap() < corners as u64)
+        );
+    }
+}

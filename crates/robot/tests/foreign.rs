@@ -177,6 +177,90 @@ fn meshes_become_hulls_and_bad_ones_are_doubted() {
 }
 
 #[test]
+fn a_robot_without_masses_weighs_what_its_shapes_do_at_the_density_of_water() {
+    let link = |name: &str, shape: &str| {
+        format!("<link name=\"{name}\"><collision><geometry>{shape}</geometry></collision></link>")
+    };
+    let joint =
+        format!("<joint name=\"j\" type=\"continuous\"><origin xyz=\"0 0 1\"/>{ENDS}</joint>");
+    let (a, b) = ("<box size=\"0.1 0.2 0.3\"/>", "<sphere radius=\"0.1\"/>");
+    let text = format!(
+        "<robot name=\"r\">{}{}{joint}</robot>",
+        link("a", a),
+        link("b", b)
+    );
+    let (robot, notes) = import("r.urdf", &text);
+    let masses = robot
+        .parts
+        .iter()
+        .map(|part| part.mass(&Isometry3::identity()).mass_kg);
+    let masses: Vec<f64> = masses.collect();
+    let ball_kg = 1000.0 * 4.0 / 3.0 * std::f64::consts::PI * 1e-3;
+    assert!(
+        (masses[0] - 6.0).abs() < 1e-9 && (masses[1] - ball_kg).abs() < 1e-9,
+        "{masses:?}"
+    );
+    assert!(
+        says(&notes, Sort::Assumed, "no link has a mass: each weighs"),
+        "{notes:#?}"
+    );
+    // Without shapes there is less to go by, and it is said.
+    let (robot, notes) = import(
+        "r.urdf",
+        &format!("<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/>{joint}</robot>"),
+    );
+    assert_eq!(robot.hinges.len(), 1);
+    assert!(
+        says(&notes, Sort::Assumed, "each is a ball of 1 kg"),
+        "{notes:#?}"
+    );
+}
+
+#[test]
+fn what_other_readers_forgive_is_read_and_what_is_dropped_is_said() {
+    let joint = |name: &str, inside: &str| {
+        format!(
+            "<joint name=\"{name}\" type=\"revolute\">{inside}<limit lower=\"-1\" upper=\"1\" effort=\"2\" velocity=\"1\"/></joint>"
+        )
+    };
+    let text = format!(
+        r#"<!DOCTYPE robot>
+        <!-- ---- two hyphens are no XML ---- -->
+        <robot name="r"><link name="a">{LINK}</link><link name="b">{LINK}</link><link name="c">
+            <inertial><mass value="0.2"/><inertia ixx="1e-4" iyy="2e-4" izz="2.5e-4"/></inertial>
+            <collision><geometry><box size="-0.1 0.1 0.1"/></geometry></collision></link>
+        {}{}
+        <joint name="l" type="revolute"><parent link="a"/><child link="d"/><limit lower="-1" upper="1" effort="inf" velocity="inf" jerk="3"/></joint>
+        <link name="d">{LINK}</link><link name="e">{LINK}</link>
+        <joint name="m" type="revolute"><parent link="a"/><child link="e"/><limit lower="-1" upper="1"/></joint></robot>"#,
+        joint(
+            "j",
+            &format!("{ENDS}<mimic joint=\"k\"/><origin xyz=\"\" quat_xyzw=\"0 0 1 0\"/>")
+        ),
+        joint(
+            "k",
+            "<parent link=\"b\"/><child link=\"c\"/><mimic joint=\"j\"/>"
+        ),
+    );
+    let (robot, notes) = import("r.urdf", &text);
+    assert_eq!(robot.hinges.len(), 4);
+    // Half a turn about z.
+    let axis = robot.hinges[0].axis_robot;
+    assert!((axis.x + 1.0).abs() < 1e-12, "{axis:?}");
+    for (sort, part) in [
+        (Sort::LeftOut, "document type"),
+        (Sort::Changed, "is negative"),
+        (Sort::LeftOut, "mimics one that mimics it"),
+        (Sort::Changed, "empty list"),
+        (Sort::Changed, "the effort inf"),
+        (Sort::LeftOut, "`jerk` of <limit>"),
+        (Sort::LeftOut, "servos of 1 joints that state no effort"),
+    ] {
+        assert!(says(&notes, sort, part), "{part}: {notes:#?}");
+    }
+}
+
+#[test]
 fn what_is_no_robot_is_refused_with_file_line_and_reason() {
     let joint = |inside: &str| {
         two(&format!(
@@ -232,7 +316,6 @@ fn what_is_no_robot_is_refused_with_file_line_and_reason() {
             ),
             "bad.urdf:2:",
         ),
-        (body(""), "without mass"),
         (
             format!(
                 "<robot name=\"r\"><link name=\"a\">{LINK}</link><link name=\"a\">{LINK}</link></robot>"
@@ -240,6 +323,28 @@ fn what_is_no_robot_is_refused_with_file_line_and_reason() {
             "same name",
         ),
         ("<robot name=\"r\"/>".to_owned(), "without links"),
+        (
+            body("<inertial><mass value=\"0,5\"/></inertial>"),
+            "bad.urdf:2:",
+        ),
+        (
+            body("<inertial><mass value=\"1e300\"/></inertial>"),
+            "bad.urdf:2:",
+        ),
+        (
+            two(&format!(
+                "<joint name=\"j\" type=\"fixed\">{ENDS}</joint>\n<joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"b\"/></joint>"
+            )),
+            "two joints",
+        ),
+        (
+            format!(
+                "<robot name=\"r\"><link name=\"base\">{LINK}</link><link name=\"a\">{LINK}</link><link name=\"b\">{LINK}</link>\n\n<joint name=\"j\" type=\"fixed\">{ENDS}</joint><joint name=\"k\" type=\"fixed\"><parent link=\"b\"/><child link=\"a\"/></joint></robot>"
+            ),
+            // The link's collision shape stands on a second line, three times.
+            "bad.urdf:6:",
+        ),
+        (joint("<origin xyz=\"1e200 0 0\"/>"), "bad.urdf:6:"),
     ] {
         let error = refusal(&text);
         assert!(error.contains(said), "{text}\n{error}");

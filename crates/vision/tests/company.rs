@@ -26,6 +26,7 @@ fn cube(half_m: [f64; 3]) -> Vec<BodyBox> {
         half_m: half_m.into(),
         body_from_box: Isometry3::identity(),
         colour: WHITE,
+        planes: [].into(),
     }]
 }
 

@@ -1,12 +1,13 @@
 //! Pictures of robots in motion, and by cameras on them.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use realgap::calibration::Overrides;
 use realgap::file::{look_up, unknown_name};
-use realgap::report::{ShownBox, shown_body, shown_parts};
-use realgap::robot::morphology::{Assembly, Morphology};
-use realgap::sensing::vision::camera::{Body, BodyBox, Mount, Ride, Scene, Watch};
+use realgap::report::{ShownSolid, shown_body, shown_parts};
+use realgap::robot::morphology::{Assembly, Morphology, Shape};
+use realgap::sensing::vision::camera::{Body, BodyBox, Mount, Plane, Ride, Scene, Watch};
 use realgap::simulation::{Film, SceneBody, SceneMotion, part_name};
 use realgap::trajectory::{self, Reading, Recording, Trajectory};
 use realgap::{Error, Result};
@@ -283,11 +284,25 @@ fn part_motions(assembly: &Assembly, recording: &Recording) -> Result<Vec<(Strin
     )
 }
 
-fn taken(boxes: &[ShownBox]) -> Vec<BodyBox> {
-    let boxes = boxes.iter().map(|one| BodyBox {
-        half_m: one.half_m,
+fn taken(solids: &[ShownSolid]) -> Vec<BodyBox> {
+    let boxes = solids.iter().map(|one| BodyBox {
+        half_m: one.shape.half_extents_m(),
         body_from_box: one.pose,
         colour: one.colour,
+        planes: planes(&one.shape),
     });
     boxes.collect()
+}
+
+/// What makes a shape of the box around it.
+fn planes(shape: &Shape) -> Arc<[Plane]> {
+    let surface = shape.surface().filter(|_| !shape.is_box());
+    let planes = surface.iter().flat_map(|surface| {
+        let faces = surface.faces.iter().zip(&surface.normals);
+        faces.map(|(face, normal)| Plane {
+            normal: (*normal).into(),
+            level_m: normal.dot(&surface.corners_m[face.corners[0]]),
+        })
+    });
+    planes.collect()
 }

@@ -31,6 +31,32 @@ pub struct Source {
     form: Form,
 }
 
+/// XML that says that it is UTF-16 or Latin-1 as UTF-8; anything else as it is.
+fn xml_as_utf8(bytes: Vec<u8>) -> Vec<u8> {
+    let wide = |of: fn([u8; 2]) -> u16| -> Option<String> {
+        let pairs = bytes[2..]
+            .chunks_exact(2)
+            .map(|pair| of([pair[0], pair[1]]));
+        let text: Option<String> = char::decode_utf16(pairs)
+            .map(std::result::Result::ok)
+            .collect();
+        let text = text?;
+        text.trim_start().starts_with('<').then_some(text)
+    };
+    let text = match bytes.as_slice() {
+        [0xff, 0xfe, ..] => wide(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => wide(u16::from_be_bytes),
+        _ if bytes.starts_with(b"<?xml") => {
+            let end = bytes.iter().position(|byte| *byte == b'>').unwrap_or(0);
+            let says = String::from_utf8_lossy(&bytes[..end]).to_lowercase();
+            let is_latin = says.contains("8859-1\"") || says.contains("8859-1'");
+            is_latin.then(|| bytes.iter().map(|byte| char::from(*byte)).collect())
+        }
+        _ => None,
+    };
+    text.map_or(bytes, String::into_bytes)
+}
+
 impl Source {
     /// A text that is already in memory; `path` is what error messages call it.
     pub fn new(path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
@@ -87,7 +113,7 @@ impl Source {
                     .hint(format!("is this really a {kind} file?")),
             );
         }
-        match String::from_utf8(bytes) {
+        match String::from_utf8(xml_as_utf8(bytes)) {
             // Some editors of Windows start every file with a byte order mark.
             Ok(text) => Ok(Self::new(
                 path,

@@ -6,7 +6,7 @@ use super::format::{Exported, Format};
 use super::robot::{Robot, origin_robot_m};
 use super::xml::{Element, numbers, vector};
 use realgap_core::warning::{Code, Warning};
-use realgap_robot::morphology::body::hull_triangles;
+use realgap_robot::morphology::body::convex_hull;
 use realgap_robot::morphology::{Freedom, Hinge, Shape, Solid};
 
 /// The Unified Robot Description Format.
@@ -204,10 +204,11 @@ fn mesh_name(robot: &Robot<'_>, solid: &Solid) -> String {
 
 /// A hull as binary STL: a head of 80 bytes, the number of triangles, and of each its normal, corners and two bytes of nothing.
 fn stl(points_m: &[Vector3<f64>]) -> Vec<u8> {
-    let triangles = hull_triangles(points_m);
+    let (corners_m, triangles) = convex_hull(points_m).unwrap_or_default();
     let mut bytes = vec![b' '; 80];
     bytes.extend((triangles.len() as u32).to_le_bytes());
-    for [a, b, c] in triangles {
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|corner| corners_m[corner]);
         let normal = (b - a)
             .cross(&(c - a))
             .try_normalize(0.0)

@@ -3,9 +3,10 @@
 use rayon::prelude::*;
 
 use super::block::{ACTIVE, FLOOR, PASSIVE, SPIN, draw_length};
-use super::cuboid::{Cuboid, draw_cuboid, draw_outline, far_first, project, shadow};
 use super::kit::*;
+use super::surface::{draw_outline, draw_surface, far_first, project, shadow};
 use realgap_core::file::Animated;
+use realgap_robot::morphology::Surface;
 
 const WIDTH: f64 = 760.0;
 const MARGIN: f64 = 20.0;
@@ -20,7 +21,7 @@ const SHADOW: RGBColor = RGBColor(222, 222, 219);
 /// Frames that are drawn at once.
 const AT_ONCE: usize = 16;
 
-/// What a box in motion stands for.
+/// What a surface in motion stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Look {
     /// A cube without a servo.
@@ -49,10 +50,10 @@ pub struct Trace {
 pub struct Moment {
     /// Seconds since the start.
     pub time_s: f64,
-    /// Boxes of the run.
-    pub boxes: Vec<(Cuboid, Look)>,
-    /// Boxes of recorded robots, drawn as outlines.
-    pub outlines: Vec<Cuboid>,
+    /// What the run consists of, in the world.
+    pub solids: Vec<(Surface, Look)>,
+    /// What recorded robots consist of, drawn as outlines.
+    pub outlines: Vec<Surface>,
 }
 
 /// All of it.
@@ -68,8 +69,8 @@ pub struct Animation {
     pub floor_rise: [f64; 2],
     /// Paths.
     pub traces: Vec<Trace>,
-    /// Boxes that stand still.
-    pub fixed: Vec<Cuboid>,
+    /// What stands still.
+    pub fixed: Vec<Surface>,
     /// At least one, at equal intervals.
     pub moments: Vec<Moment>,
     /// How long each moment is shown, seconds.
@@ -144,11 +145,12 @@ impl Animation {
     fn room(&self) -> Room {
         let traces = self.traces.iter();
         let traces = traces.flat_map(|trace| trace.places_m.iter().copied());
-        let boxes = self.moments.iter().flat_map(|moment| {
-            let boxes = moment.boxes.iter().map(|(cuboid, _)| cuboid);
-            boxes.chain(&moment.outlines).flat_map(Cuboid::corners)
+        let corners = self.moments.iter().flat_map(|moment| {
+            let solids = moment.solids.iter().map(|(surface, _)| surface);
+            let all = solids.chain(&moment.outlines);
+            all.flat_map(|surface| surface.corners_m.iter().map(|corner| (*corner).into()))
         });
-        let all = traces.chain(boxes).chain(self.floor_m);
+        let all = traces.chain(corners).chain(self.floor_m);
         let finite = all.filter(|p| p.iter().all(|v| v.is_finite())).map(project);
         let infinite = (f64::INFINITY, f64::NEG_INFINITY);
         let ((x0, x1), (y0, y1)) = finite.fold((infinite, infinite), |(xs, ys), (x, y)| {
@@ -232,25 +234,25 @@ impl Frame<'_> {
         let [height, rise] = self.animation.floor_rise;
         let place = |point: [f64; 3]| self.room.place(point);
         let fixed = self.animation.fixed.iter();
-        let fixed = fixed.map(|cuboid| (*cuboid, Look::Other));
-        let all: Vec<(Cuboid, Look)> = fixed.chain(self.moment.boxes.iter().copied()).collect();
-        for (cuboid, _) in &all {
-            let below = shadow(cuboid).map(|[x, y]| place([x, y, height + rise * x]));
+        let fixed = fixed.map(|surface| (surface.clone(), Look::Other));
+        let all = fixed.chain(self.moment.solids.iter().cloned());
+        let (surfaces, looks): (Vec<Surface>, Vec<Look>) = all.unzip();
+        for surface in &surfaces {
+            let below = shadow(surface).into_iter();
+            let below = below.map(|[x, y]| place([x, y, height + rise * x]));
             canvas.polygon(&below.collect::<Vec<_>>(), SHADOW);
         }
-        let cuboids: Vec<Cuboid> = all.iter().map(|(cuboid, _)| *cuboid).collect();
-        for index in far_first(&cuboids) {
-            let (cuboid, look) = &all[index];
-            let colour = match look {
+        for index in far_first(&surfaces) {
+            let colour = match looks[index] {
                 Look::Passive => PASSIVE,
                 Look::Active => ACTIVE,
                 Look::Plate => SPIN,
                 Look::Other => OTHER,
             };
-            draw_cuboid(canvas, cuboid, &place, colour);
+            draw_surface(canvas, &surfaces[index], &place, colour, 1.1);
         }
-        for cuboid in &self.moment.outlines {
-            draw_outline(canvas, cuboid, &place, RECORDED);
+        for surface in &self.moment.outlines {
+            draw_outline(canvas, surface, &place, RECORDED);
         }
     }
 

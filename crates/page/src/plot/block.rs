@@ -1,9 +1,12 @@
-//! Boxes seen from the side and above: parallel projection, shaded faces, far boxes first.
+//! Robots seen from the side and above: parallel projection, shaded faces, far boxes first.
 
-use super::cuboid::{Cuboid, far_first};
+use nalgebra::Isometry3;
+
 use super::kit::*;
+use super::surface::{draw_surface, far_first, shadow};
+use realgap_robot::morphology::Surface;
 
-/// What a box stands for.
+/// What a block stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BlockKind {
     /// A cube without a servo.
@@ -12,6 +15,10 @@ pub enum BlockKind {
     Active,
     /// The plate that a servo spins.
     Plate,
+    /// A body that no servo moves.
+    Body,
+    /// A body at a joint that a servo moves.
+    DrivenBody,
 }
 
 /// How a driven face moves.
@@ -34,8 +41,8 @@ pub struct DrivenFace {
     pub motion: Motion,
 }
 
-/// A box along the axes of the robot, metres, z up.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A piece of a robot, metres, z up: a box along the axes, or whatever surface is inside of that.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     /// Lower corner.
     pub lower_m: [f64; 3],
@@ -45,6 +52,8 @@ pub struct Block {
     pub kind: BlockKind,
     /// The driven face, if it has one. Of a plate: the side that it turns on its cube.
     pub driven: Option<DrivenFace>,
+    /// Its surface, unless it is the box itself.
+    pub surface: Option<Surface>,
 }
 
 /// Where the viewer stands: this far round from +x, and this high. Not 45 degrees: corners of different cubes would
@@ -82,21 +91,19 @@ const VISIBLE_POSITIVE: [bool; 3] = [true, false, true];
 const BRIGHTNESS: [f64; 3] = [0.72, 0.88, 1.0];
 
 impl Block {
-    /// The same box as one that may stand anyhow.
-    fn cuboid(&self) -> Cuboid {
-        let half = |axis: usize| {
-            let mut edge = [0.0; 3];
-            edge[axis] = 0.5 * (self.upper_m[axis] - self.lower_m[axis]);
-            edge
-        };
-        Cuboid {
-            centre_m: middle(self.lower_m, self.upper_m),
-            half_m: [half(0), half(1), half(2)],
-        }
+    /// Its surface, also of a box.
+    fn surface(&self) -> Surface {
+        self.surface.clone().unwrap_or_else(|| {
+            let half = |axis: usize| 0.5 * (self.upper_m[axis] - self.lower_m[axis]);
+            let [x, y, z] = middle(self.lower_m, self.upper_m);
+            let pose = Isometry3::translation(x, y, z);
+            Surface::cuboid([half(0), half(1), half(2)].into()).placed(&pose)
+        })
     }
 
     fn is_finite(&self) -> bool {
-        self.cuboid().is_finite()
+        let ends = self.lower_m.iter().chain(&self.upper_m);
+        ends.copied().all(f64::is_finite)
     }
 
     /// Whether the way from a point to the viewer leads through the box.
@@ -156,8 +163,8 @@ pub(super) fn seen_at(blocks: &[Block], lower_m: [f64; 3], upper_m: [f64; 3]) ->
 /// Corners of the picture of all boxes and of their floor before scaling, metres; `None` without any finite box.
 pub(super) fn extent(blocks: &[Block]) -> Option<(Point, Point)> {
     let finite = blocks.iter().filter(|block| block.is_finite());
-    let corners = finite.flat_map(|block| block.cuboid().corners());
-    let corners = corners.chain(floor(blocks)?);
+    let corners = finite.flat_map(|block| block.surface().corners_m);
+    let corners = corners.map(<[f64; 3]>::from).chain(floor(blocks)?);
     corners.map(project).fold(None, |extent, (x, y)| {
         let (low, high) = extent.unwrap_or(((x, y), (x, y)));
         Some((
@@ -197,9 +204,21 @@ pub(super) fn draw_blocks(
     line: f64,
 ) {
     draw_floor(canvas, blocks, place);
-    let cuboids: Vec<Cuboid> = blocks.iter().map(Block::cuboid).collect();
-    for index in far_first(&cuboids) {
-        draw_block(canvas, &blocks[index], place, line);
+    let surfaces: Vec<Surface> = blocks.iter().map(Block::surface).collect();
+    for index in far_first(&surfaces) {
+        let block = &blocks[index];
+        if block.surface.is_some() {
+            let place = |point: [f64; 3]| place(project(point));
+            draw_surface(
+                canvas,
+                &surfaces[index],
+                &place,
+                colour_of(block.kind),
+                line,
+            );
+        } else {
+            draw_block(canvas, block, place, line);
+        }
     }
 }
 
@@ -209,21 +228,25 @@ fn draw_floor(canvas: &mut Canvas, blocks: &[Block], place: &impl Fn(Point) -> P
     canvas.polygon(&flat(corners), FLOOR);
     let floor_m = corners[0][2];
     for block in blocks.iter().filter(|block| block.is_finite()) {
-        let ([x, y, _], [to_x, to_y, _]) = (block.lower_m, block.upper_m);
-        let shadow = [(x, y), (to_x, y), (to_x, to_y), (x, to_y)];
-        canvas.polygon(&flat(shadow.map(|(x, y)| [x, y, floor_m])), SHADOW);
+        let shadow = shadow(&block.surface()).into_iter();
+        let shadow = shadow.map(|[x, y]| place(project([x, y, floor_m])));
+        canvas.polygon(&shadow.collect::<Vec<_>>(), SHADOW);
     }
 }
 
 /// Width of the piece of floor around a robot, as a share of the longest edge of its boxes.
 const FLOOR_MARGIN: f64 = 0.45;
 
-fn draw_block(canvas: &mut Canvas, block: &Block, place: &impl Fn(Point) -> Point, line: f64) {
-    let colour = match block.kind {
-        BlockKind::Passive => PASSIVE,
-        BlockKind::Active => ACTIVE,
+fn colour_of(kind: BlockKind) -> RGBColor {
+    match kind {
+        BlockKind::Passive | BlockKind::Body => PASSIVE,
+        BlockKind::Active | BlockKind::DrivenBody => ACTIVE,
         BlockKind::Plate => SPIN,
-    };
+    }
+}
+
+fn draw_block(canvas: &mut Canvas, block: &Block, place: &impl Fn(Point) -> Point, line: f64) {
+    let colour = colour_of(block.kind);
     for axis in 0..3 {
         let flat = |corners: [[f64; 3]; 4]| corners.map(|corner| place(project(corner)));
         let shade = |colour| darken(colour, BRIGHTNESS[axis]);

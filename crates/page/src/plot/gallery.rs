@@ -47,14 +47,14 @@ pub struct Command {
     pub angles_rad: Vec<f64>,
 }
 
-/// One robot: boxes and two texts, its modules' names and its gait where they are to be seen.
+/// One robot: blocks and two texts, its modules' names and its gait where they are to be seen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GalleryRobot {
     /// Its name.
     pub title: String,
     /// What to know about it, e.g. `3 modules, 0.16 m in 20 s`; may be empty.
     pub note: String,
-    /// Its boxes, z up, at zero servo angles.
+    /// Its blocks, z up, at zero servo angles.
     pub blocks: Vec<Block>,
     /// Names that stand on the modules; none where the picture would be too small for them.
     pub names: Vec<ModuleName>,
@@ -253,6 +253,12 @@ impl Gallery {
         let entries = [
             (has(BlockKind::Passive), PASSIVE, "passive module"),
             (has(BlockKind::Active), ACTIVE, "active module"),
+            (has(BlockKind::Body), PASSIVE, "body"),
+            (
+                has(BlockKind::DrivenBody),
+                ACTIVE,
+                "body that a servo moves",
+            ),
             (spins, SPIN, "driven face, spins"),
             (bends, BEND, "driven face, bends"),
         ];
@@ -317,23 +323,44 @@ impl Gallery {
     }
 }
 
-/// Names on a pale ground, each on a face of its cube that is seen, the tracked one with a ring in front.
+/// Names on a pale ground, each on a face of its cube that is seen, the tracked one with a ring in front. Of names that would cover
+/// each other the tracked one is there, else the first.
 fn draw_names(canvas: &mut Canvas, robot: &GalleryRobot, place: &impl Fn(Point) -> Point) {
     let letter = Letter::new(18.0, Weight::Regular, INK);
-    for name in &robot.names {
+    let ground = |name: &ModuleName| {
         let (x, y) = place(project(seen_at(&robot.blocks, name.lower_m, name.upper_m)));
         let text = shorten(&name.text, Weight::Regular, letter.size, NAME_AT_MOST);
         let ring = if name.is_tracked { 20.0 } else { 0.0 };
         let half = 0.5 * (letter.width(&text) + ring) + 7.0;
-        let (from, to) = ((x - half, y - 14.0), (x + half, y + 14.0));
-        canvas.fill(from, to, NAME_GROUND);
-        if name.is_tracked {
-            let centre = (x - half + 15.0, y);
+        ((x - half, y - 14.0), (x + half, y + 14.0), text)
+    };
+    let all: Vec<_> = robot.names.iter().map(ground).collect();
+    let mut order: Vec<usize> = (0..all.len()).collect();
+    order.sort_by_key(|index| !robot.names[*index].is_tracked);
+    let mut shown: Vec<usize> = Vec::new();
+    for index in order {
+        let (from, to, _) = &all[index];
+        let is_covered = shown.iter().any(|other| {
+            let (a, b, _) = &all[*other];
+            a.0 < to.0 && from.0 < b.0 && a.1 < to.1 && from.1 < b.1
+        });
+        if !is_covered {
+            shown.push(index);
+        }
+    }
+    shown.sort_unstable();
+    for index in shown {
+        let ((left, top), to, text) = &all[index];
+        let y = top + 14.0;
+        canvas.fill((*left, *top), *to, NAME_GROUND);
+        let is_tracked = robot.names[index].is_tracked;
+        if is_tracked {
+            let centre = (left + 15.0, y);
             canvas.ring(centre, 6.0, 2.5, INK);
             canvas.disc(centre, 2.0, INK);
         }
-        let start = (x - half + 7.0 + ring, y);
-        canvas.text_beside(&text, start, Align::Left, letter);
+        let start = (left + 7.0 + if is_tracked { 20.0 } else { 0.0 }, y);
+        canvas.text_beside(text, start, Align::Left, letter);
     }
 }
 

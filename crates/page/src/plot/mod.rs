@@ -13,7 +13,7 @@
 //! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
 //! | [`EnsemblePlot`] | [`draw_ensemble`] | repeats by behaviour, their envelope over time, the real runs |
 //! | [`Animation`] | [`draw_animation`] | a robot in motion, as the bytes of an animated PNG |
-//! | [`Gallery`] | [`draw_gallery`] | robots as shaded boxes |
+//! | [`Gallery`] | [`draw_gallery`] | robots, shaded |
 //! | [`TextTable`] | [`TextTable::render`] | a table for the terminal |
 //!
 //! Every `draw_…` function writes PNG or SVG by the extension of the path. The file is complete or
@@ -45,7 +45,6 @@ mod bar;
 mod block;
 mod colour;
 mod column;
-mod cuboid;
 mod curve;
 mod ensemble;
 mod font;
@@ -62,6 +61,7 @@ mod picture;
 mod plane;
 mod scale;
 mod stack;
+mod surface;
 #[cfg(test)]
 mod tests;
 
@@ -71,7 +71,6 @@ pub use bar::{Bar, BarChart, draw_bars};
 pub use block::{Block, BlockKind, DrivenFace, Motion};
 pub(crate) use colour::score_hex;
 pub use column::{ColumnChart, ColumnSeries, draw_columns};
-pub use cuboid::Cuboid;
 pub use curve::{Curve, draw_curve};
 pub use ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
 pub use gallery::{Command, Gallery, GalleryRobot, ModuleName, draw_gallery};

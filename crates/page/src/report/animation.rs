@@ -1,12 +1,12 @@
 //! A replay as an animated PNG: for slides, papers and pages that run nothing.
 
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Vector3};
 
 use super::replay::Replay;
 use super::stage::{Actor, Kind, Mover, Solid, Stage};
-use crate::plot::{Animation, Cuboid, Look, Moment, Trace, draw_animation};
+use crate::plot::{Animation, Look, Moment, Trace, draw_animation};
 use realgap_core::error::Result;
-use realgap_robot::morphology::Morphology;
+use realgap_robot::morphology::{Morphology, Surface};
 
 /// Most samples of one run that are looked at.
 const MOST_SAMPLES: usize = 20_000;
@@ -26,10 +26,11 @@ impl Replay<'_> {
         let step_s = (1.0 / PICTURES_1_S).max(duration_s / (MOST_PICTURES - 1.0));
         // A sliver of a step at the end is no picture of its own.
         let steps = (duration_s / step_s + 1e-6).floor() as usize;
-        let moments = (0..=steps).map(|step| moment(&stage, step as f64 * step_s));
+        let models: Vec<Vec<Model<'_>>> = stage.actors.iter().map(models).collect();
+        let moments = (0..=steps).map(|step| moment(&stage, &models, step as f64 * step_s));
         let (floor, fixed) = (&stage.fixed[0], &stage.fixed[1..]);
         let top = |[x, y]: [f64; 2]| {
-            let half = floor.half_m;
+            let half = floor.shape.half_extents_m();
             let corner = Vector3::new(x * half.x, y * half.y, half.z);
             <[f64; 3]>::from((floor.pose * nalgebra::Point3::from(corner)).coords)
         };
@@ -44,9 +45,7 @@ impl Replay<'_> {
             floor_m: corners,
             floor_rise: [self.floor.height_m, rise],
             traces: stage.actors.iter().map(trace).collect(),
-            fixed: (fixed.iter())
-                .map(|solid| cuboid(&Isometry3::identity(), solid))
-                .collect(),
+            fixed: (fixed.iter()).filter_map(placed).collect(),
             moments: moments.collect(),
             shown_s: step_s,
         })
@@ -61,27 +60,48 @@ fn trace(actor: &Actor) -> Trace {
     }
 }
 
+/// What moves, and its surfaces in its own frame.
+struct Model<'a> {
+    mover: &'a Mover,
+    surfaces: Vec<(Surface, Look)>,
+}
+
+fn models(actor: &Actor) -> Vec<Model<'_>> {
+    let model = |mover| Model {
+        mover,
+        surfaces: (mover.solids.iter())
+            .filter_map(|solid| Some((placed(solid)?, look(solid.kind))))
+            .collect(),
+    };
+    actor.movers.iter().map(model).collect()
+}
+
+/// A surface in the frame of what carries it.
+fn placed(solid: &Solid) -> Option<Surface> {
+    Some(solid.shape.surface()?.placed(&solid.pose))
+}
+
 /// Where everything is at a time; at its end afterwards.
-fn moment(stage: &Stage, time_s: f64) -> Moment {
+fn moment(stage: &Stage, models: &[Vec<Model<'_>>], time_s: f64) -> Moment {
     let mut moment = Moment {
         time_s,
         ..Moment::default()
     };
-    for actor in &stage.actors {
+    for (actor, models) in stage.actors.iter().zip(models) {
         let after = actor.times_s.partition_point(|t| *t <= time_s + 1e-9);
         let before = after.saturating_sub(1);
         let share = match actor.times_s.get(after) {
             Some(to) => (time_s - actor.times_s[before]) / (to - actor.times_s[before]),
             None => 0.0,
         };
-        for mover in &actor.movers {
-            let pose = pose(mover, before, share.clamp(0.0, 1.0));
-            for solid in &mover.solids {
-                let cuboid = cuboid(&pose, solid);
+        for model in models {
+            let pose = pose(model.mover, before, share.clamp(0.0, 1.0));
+            for (surface, look) in &model.surfaces {
+                let surface = surface.placed(&pose);
                 if actor.is_recorded {
-                    moment.outlines.push(cuboid);
+                    moment.outlines.push(surface);
                 } else {
-                    moment.boxes.push((cuboid, look(solid.kind)));
+                    moment.solids.push((surface, *look));
                 }
             }
         }
@@ -103,19 +123,5 @@ fn look(kind: Kind) -> Look {
         Kind::Active => Look::Active,
         Kind::Plate => Look::Plate,
         Kind::Floor | Kind::Other | Kind::Run | Kind::Recorded => Look::Other,
-    }
-}
-
-fn cuboid(world_from_body: &Isometry3<f64>, solid: &Solid) -> Cuboid {
-    let pose = world_from_body * solid.pose;
-    let turn: UnitQuaternion<f64> = pose.rotation;
-    let half = |axis: usize| {
-        let mut edge = Vector3::zeros();
-        edge[axis] = solid.half_m[axis];
-        <[f64; 3]>::from(turn * edge)
-    };
-    Cuboid {
-        centre_m: pose.translation.vector.into(),
-        half_m: [half(0), half(1), half(2)],
     }
 }

@@ -1,4 +1,4 @@
-//! A replay as an MCAP file that Foxglove shows: boxes in frames that move, paths, and poses to plot.
+//! A replay as an MCAP file that Foxglove shows: shapes in frames that move, paths, and poses to plot.
 
 use nalgebra::{Isometry3, Vector3};
 use serde_json::{Value, json};
@@ -17,7 +17,7 @@ const PATH_M: f64 = 0.008;
 
 impl Replay<'_> {
     /// The replay as an MCAP file for Foxglove, with its schemas in JSON: `/tf` (`FrameTransforms`) moves the frames `RUN/part0` and
-    /// so on, `/floor` and `/RUN/scene` (`SceneUpdate`) have the boxes in them and the whole path, `/RUN/pose` (`PoseInFrame`) is the
+    /// so on, `/floor` and `/RUN/scene` (`SceneUpdate`) have the shapes in them and the whole path, `/RUN/pose` (`PoseInFrame`) is the
     /// tracked module. Times count from the start of each run. Of a run of more than 20 000 samples every second, third, … is in the
     /// file.
     ///
@@ -35,8 +35,8 @@ impl Replay<'_> {
         }
         let mut file = McapWriter::new(topics);
         let [tf, floor, first] = [0, 1, 2];
-        let fixed: Vec<Value> = stage.fixed.iter().map(|solid| cube(solid, 1.0)).collect();
-        let fixed = entity("fixed", WORLD, &fixed, &[], &[]);
+        let fixed = stage.fixed.iter().map(|solid| (solid, 1.0));
+        let fixed = solid_entity("fixed", WORLD, fixed);
         file.message(floor, 0, &scene(vec![fixed]));
         for (index, actor) in stage.actors.iter().enumerate() {
             file.message(first + 2 * index, 0, &scene(entities(actor)));
@@ -103,10 +103,12 @@ const POINT: &str = "point";
 fn entities(actor: &Actor) -> Vec<Value> {
     let mut all = Vec::new();
     for mover in &actor.movers {
-        let cubes = mover.solids.iter().map(|solid| cube(solid, actor.alpha()));
-        let cubes: Vec<Value> = cubes.collect();
-        let frame = frame(actor, &mover.name);
-        all.push(entity(&mover.name, &frame, &cubes, &[], &[]));
+        let solids = mover.solids.iter().map(|solid| (solid, actor.alpha()));
+        all.push(solid_entity(
+            &mover.name,
+            &frame(actor, &mover.name),
+            solids,
+        ));
     }
     let colour = actor.kind();
     if actor.movers.is_empty() {
@@ -116,7 +118,7 @@ fn entities(actor: &Actor) -> Vec<Value> {
             "size": vector(&wide),
             "color": colour_json(colour, 1.0),
         });
-        all.push(entity(POINT, &frame(actor, POINT), &[], &[ball], &[]));
+        all.push(entity(POINT, &frame(actor, POINT), ("spheres", vec![ball])));
     }
     let points: Vec<Value> = actor.places_m.iter().map(vector).collect();
     let path = json!({
@@ -130,7 +132,7 @@ fn entities(actor: &Actor) -> Vec<Value> {
         "colors": [],
         "indices": [],
     });
-    all.push(entity("path", WORLD, &[], &[], &[path]));
+    all.push(entity("path", WORLD, ("lines", vec![path])));
     all
 }
 
@@ -138,17 +140,49 @@ fn scene(entities: Vec<Value>) -> Value {
     json!({ "deletions": [], "entities": entities })
 }
 
-fn entity(id: &str, frame: &str, cubes: &[Value], spheres: &[Value], lines: &[Value]) -> Value {
-    json!({
+/// An entity of one kind of things, named as its schema does.
+fn entity(id: &str, frame: &str, (kind, things): (&str, Vec<Value>)) -> Value {
+    let mut entity = json!({
         "timestamp": stamp(0),
         "frame_id": frame,
         "id": id,
         // Until it is replaced.
         "lifetime": stamp(0),
         "frame_locked": true,
-        "metadata": [], "arrows": [], "cubes": cubes, "spheres": spheres, "cylinders": [],
-        "lines": lines, "triangles": [], "texts": [], "models": [],
-    })
+        "metadata": [], "arrows": [], "cubes": [], "spheres": [], "cylinders": [],
+        "lines": [], "triangles": [], "texts": [], "models": [],
+    });
+    entity[kind] = things.into();
+    entity
+}
+
+/// An entity of boxes, and of triangles for what is no box.
+fn solid_entity<'a>(
+    id: &str,
+    frame: &str,
+    solids: impl Iterator<Item = (&'a Solid, f64)>,
+) -> Value {
+    let (boxes, others): (Vec<_>, Vec<_>) = solids.partition(|(solid, _)| solid.shape.is_box());
+    let boxes = boxes.into_iter().map(|(solid, alpha)| cube(solid, alpha));
+    let mut entity = entity(id, frame, ("cubes", boxes.collect()));
+    let others = others.into_iter();
+    entity["triangles"] = others
+        .filter_map(|(solid, alpha)| triangles(solid, alpha))
+        .collect();
+    entity
+}
+
+fn triangles(solid: &Solid, alpha: f64) -> Option<Value> {
+    let surface = solid.shape.surface()?;
+    let corners = surface.triangles().flat_map(|(_, corners)| corners);
+    let indices: Vec<usize> = corners.collect();
+    Some(json!({
+        "pose": pose_json(&solid.pose),
+        "points": surface.corners_m.iter().map(vector).collect::<Vec<_>>(),
+        "color": colour_json(solid.kind, alpha),
+        "colors": [],
+        "indices": indices,
+    }))
 }
 
 fn cube(solid: &Solid, alpha: f64) -> Value {
@@ -156,7 +190,7 @@ fn cube(solid: &Solid, alpha: f64) -> Value {
     let alpha = if is_floor { 0.6 } else { alpha };
     json!({
         "pose": pose_json(&solid.pose),
-        "size": vector(&(2.0 * solid.half_m)),
+        "size": vector(&(2.0 * solid.shape.half_extents_m())),
         "color": colour_json(solid.kind, alpha),
     })
 }

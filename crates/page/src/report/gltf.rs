@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use super::replay::Replay;
 use super::stage::{Actor, Kind, Solid, Stage, continuous};
 use realgap_core::error::Result;
+use realgap_robot::morphology::{Shape, Surface};
 
 /// Most samples of one run in a file.
 const MOST_SAMPLES: usize = 20_000;
@@ -27,13 +28,12 @@ impl Replay<'_> {
     pub fn gltf(&self) -> Result<Vec<u8>> {
         let stage = self.stage(MOST_SAMPLES)?;
         let mut model = Model::default();
-        let cube = model.cube();
         let mut children = Vec::new();
         for solid in &stage.fixed {
-            children.push(model.solid(cube, solid, 1.0));
+            children.extend(model.solid(solid, 1.0));
         }
         for actor in &stage.actors {
-            children.extend(model.actor(cube, actor));
+            children.extend(model.actor(actor));
         }
         // From z up to y up.
         let up = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -std::f64::consts::FRAC_PI_2);
@@ -52,15 +52,17 @@ struct Model {
     materials: Vec<Value>,
     /// What each material looks like.
     looks: Vec<(Kind, u64)>,
+    /// Shapes whose triangles are in the file; all boxes are one.
+    shapes: Vec<(Shape, Triangles)>,
     meshes: Vec<Value>,
     nodes: Vec<Value>,
     samplers: Vec<Value>,
     channels: Vec<Value>,
 }
 
-/// The corners of a unit cube, face by face, and its triangles.
+/// The corners of a surface, face by face, their normals, and its triangles.
 #[derive(Clone, Copy)]
-struct Cube {
+struct Triangles {
     positions: usize,
     normals: usize,
     triangles: usize,
@@ -101,11 +103,11 @@ impl Model {
         self.accessors.len() - 1
     }
 
-    fn cube(&mut self) -> Cube {
+    fn cube(&mut self) -> Triangles {
         let (mut positions, mut normals, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
         for axis in 0..3 {
             for sign in [1.0_f32, -1.0] {
-                let first = positions.len() as u16;
+                let first = positions.len();
                 for [u, v] in [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]] {
                     let mut corner = vec![0.0; 3];
                     corner[axis] = sign;
@@ -120,15 +122,24 @@ impl Model {
                 triangles.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
             }
         }
-        let positions = self.accessor(&positions, "VEC3");
-        let normals = self.accessor(&normals, "VEC3");
+        self.mesh(&positions, &normals, &triangles)
+    }
+
+    fn mesh(
+        &mut self,
+        positions: &[Vec<f32>],
+        normals: &[Vec<f32>],
+        triangles: &[usize],
+    ) -> Triangles {
+        let positions = self.accessor(positions, "VEC3");
+        let normals = self.accessor(normals, "VEC3");
         let offset = self.bytes.len();
-        for index in &triangles {
-            self.bytes.extend(index.to_le_bytes());
+        for index in triangles {
+            self.bytes.extend((*index as u16).to_le_bytes());
         }
         let content =
             json!({ "componentType": UNSIGNED_SHORT, "type": "SCALAR", "count": triangles.len() });
-        Cube {
+        Triangles {
             positions,
             normals,
             triangles: self.view(offset, content),
@@ -153,8 +164,42 @@ impl Model {
         self.looks.len() - 1
     }
 
-    /// A node with this box, in the frame of whoever has it as a child.
-    fn solid(&mut self, cube: Cube, solid: &Solid, alpha: f64) -> usize {
+    /// The triangles of a shape, once for all that have it; of all boxes those of a cube of half edge 1.
+    fn triangles(&mut self, shape: &Shape) -> Option<Triangles> {
+        let shape = match shape {
+            Shape::Box { .. } => &Shape::cuboid(Vector3::repeat(1.0)),
+            other => other,
+        };
+        if let Some((_, known)) = self.shapes.iter().find(|(known, _)| known == shape) {
+            return Some(*known);
+        }
+        let triangles = match shape {
+            Shape::Box { .. } => self.cube(),
+            other => self.surface(&other.surface()?),
+        };
+        self.shapes.push((shape.clone(), triangles));
+        Some(triangles)
+    }
+
+    fn surface(&mut self, surface: &Surface) -> Triangles {
+        let (mut positions, mut normals) = (Vec::new(), Vec::new());
+        for (face, corners) in surface.triangles() {
+            for corner in corners {
+                positions.push(vector(&surface.corners_m[corner]));
+                normals.push(vector(&surface.rounded_normal(face, corner)));
+            }
+        }
+        let triangles: Vec<usize> = (0..positions.len()).collect();
+        self.mesh(&positions, &normals, &triangles)
+    }
+
+    /// A node with this shape, in the frame of whoever has it as a child; none of what has no surface.
+    fn solid(&mut self, solid: &Solid, alpha: f64) -> Option<usize> {
+        let cube = self.triangles(&solid.shape)?;
+        let half_m = match solid.shape {
+            Shape::Box { half_extents_m } => half_extents_m,
+            _ => Vector3::repeat(1.0),
+        };
         let material = self.material(solid.kind, alpha);
         let primitive = json!({
             "attributes": { "POSITION": cube.positions, "NORMAL": cube.normals },
@@ -168,38 +213,46 @@ impl Model {
             self.meshes.len() - 1
         });
         let is_floor = solid.kind == Kind::Floor;
-        self.node(json!({
-            "name": if is_floor { "floor" } else { "box" },
+        let name = match solid.shape {
+            _ if is_floor => "floor",
+            Shape::Box { .. } => "box",
+            Shape::Sphere { .. } => "sphere",
+            Shape::Cylinder { .. } => "cylinder",
+            Shape::Capsule { .. } => "capsule",
+            Shape::Hull { .. } | Shape::Nothing => "hull",
+        };
+        Some(self.node(json!({
+            "name": name,
             "mesh": mesh,
             "translation": vector(&solid.pose.translation.vector),
             "rotation": quaternion(&solid.pose.rotation),
-            "scale": vector(&solid.half_m),
-        }))
+            "scale": vector(&half_m),
+        })))
     }
 
     /// The nodes of a run.
-    fn actor(&mut self, cube: Cube, actor: &Actor) -> Vec<usize> {
+    fn actor(&mut self, actor: &Actor) -> Vec<usize> {
         let times: Vec<Vec<f32>> = actor.times_s.iter().map(|t| vec![*t as f32]).collect();
         let times = self.accessor(&times, "SCALAR");
         let mut all = Vec::new();
         for mover in &actor.movers {
-            let boxes = mover.solids.iter();
-            let boxes = boxes.map(|solid| self.solid(cube, solid, actor.alpha()));
-            let boxes: Vec<usize> = boxes.collect();
+            let solids = mover.solids.iter();
+            let solids = solids.filter_map(|solid| self.solid(solid, actor.alpha()));
+            let solids: Vec<usize> = solids.collect();
             let name = format!("{}/{}", actor.name, mover.name);
-            all.push(self.moving(&name, boxes, times, mover.poses.iter().copied()));
+            all.push(self.moving(&name, solids, times, mover.poses.iter().copied()));
         }
         if actor.movers.is_empty() {
             let point = Solid {
-                half_m: Vector3::repeat(POINT_HALF_M),
+                shape: Shape::cuboid(Vector3::repeat(POINT_HALF_M)),
                 pose: Isometry3::identity(),
                 kind: actor.kind(),
             };
-            let boxes = vec![self.solid(cube, &point, 1.0)];
+            let point = self.solid(&point, 1.0).into_iter().collect();
             let places = actor.places_m.iter();
             let poses =
                 places.map(|place| Isometry3::from_parts((*place).into(), Default::default()));
-            all.push(self.moving(&actor.name, boxes, times, poses));
+            all.push(self.moving(&actor.name, point, times, poses));
         }
         let places: Vec<Vec<f32>> = actor.places_m.iter().map(vector).collect();
         let positions = self.accessor(&places, "VEC3");

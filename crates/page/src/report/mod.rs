@@ -36,5 +36,5 @@ mod value;
 pub use folder::folder_page;
 pub use kept::{KEPT_RECORDINGS, Kept, KeptPath, KeptReplay, PAGE_FILE};
 pub use leaf::Leaf;
-pub use look::{ShownBox, shown_body, shown_parts};
+pub use look::{ShownSolid, shown_body, shown_parts};
 pub use replay::{Replay, SIMULATION};

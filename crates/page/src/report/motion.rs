@@ -1,12 +1,12 @@
-//! A run in motion as numbers: boxes of the robot and of other bodies, and where they are over time.
+//! A run in motion as numbers: shapes of the robot and of other bodies, and where they are over time.
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Isometry3;
 use serde_json::{Value, json};
 
 use super::block::Block;
 use super::stage::{Kind, continuous, picks};
 use realgap_engine::{Film, SceneBody, SceneMotion, part_from_solid};
-use realgap_robot::morphology::{Drive, DriveAxis, Morphology, Role};
+use realgap_robot::morphology::{Drive, DriveAxis, Morphology, Role, Shape};
 
 /// Steps that numbers in the page are rounded to; also said on the page.
 const LENGTH_STEP_M: f64 = 2e-5;
@@ -14,6 +14,8 @@ const TURN_STEP: f64 = 1e-4;
 const TIME_STEP_S: f64 = 1e-4;
 /// Time, length, turn.
 pub(super) const STEPS: [f64; 3] = [TIME_STEP_S, LENGTH_STEP_M, TURN_STEP];
+/// Corners of surfaces are whole multiples of this, as `scene.js` knows.
+const CORNER_STEP_M: f64 = 1e-5;
 
 /// A pose as seven numbers: place, then orientation with its real part first.
 fn pose_json(pose: &Isometry3<f64>) -> Value {
@@ -21,11 +23,11 @@ fn pose_json(pose: &Isometry3<f64>) -> Value {
     json!([t.x, t.y, t.z, q.w, q.i, q.j, q.k])
 }
 
-/// A box of a robot.
-pub(super) struct RobotBox<'a> {
+/// A solid of a robot.
+pub(super) struct RobotSolid<'a> {
     pub(super) part: usize,
-    pub(super) half_m: Vector3<f64>,
-    pub(super) part_from_box: Isometry3<f64>,
+    pub(super) shape: Shape,
+    pub(super) part_from_solid: Isometry3<f64>,
     pub(super) kind: Kind,
     /// Of the first cube of a module: its name.
     name: &'a str,
@@ -33,24 +35,24 @@ pub(super) struct RobotBox<'a> {
     is_tracked: bool,
 }
 
-/// The boxes of a robot in the frames of their parts.
-pub(super) fn robot_boxes(robot: &Morphology) -> Vec<RobotBox<'_>> {
+/// The solids of a robot that have a surface, in the frames of their parts.
+pub(super) fn robot_solids(robot: &Morphology) -> Vec<RobotSolid<'_>> {
     let assembly = robot.assemble();
     let mut all = Vec::new();
     for (part, cluster) in assembly.parts.iter().enumerate() {
         // A plate with a module glued onto it is inside of that module.
-        for solid in cluster.solids.iter().filter(|solid| solid.collides) {
+        for solid in cluster.solids.iter().filter(|solid| solid.has_surface()) {
             let module = &robot.modules()[solid.module];
             let is_first = solid.number == 0 && solid.role == Role::Cube;
             let drive = module.drive.filter(|_| is_first);
-            all.push(RobotBox {
+            all.push(RobotSolid {
                 part,
-                half_m: solid.half_extents_m(),
-                part_from_box: part_from_solid(&assembly, part, solid),
-                kind: match (solid.role, drive.is_some()) {
-                    (Role::Plate, _) => Kind::Plate,
-                    (Role::Cube, true) => Kind::Active,
-                    (Role::Cube, false) => Kind::Passive,
+                shape: solid.shape.clone(),
+                part_from_solid: part_from_solid(&assembly, part, solid),
+                kind: match solid.role {
+                    Role::Plate => Kind::Plate,
+                    Role::Cube if drive.is_some() || assembly.drives(part) => Kind::Active,
+                    Role::Cube => Kind::Passive,
                 },
                 name: if is_first { &module.name } else { "" },
                 drive,
@@ -63,13 +65,13 @@ pub(super) fn robot_boxes(robot: &Morphology) -> Vec<RobotBox<'_>> {
 
 /// The same as the page has them.
 pub(super) fn boxes(robot: &Morphology) -> Vec<Value> {
-    let boxes = robot_boxes(robot).into_iter();
-    boxes
+    let solids = robot_solids(robot).into_iter();
+    solids
         .map(|one| {
-            json!({
+            let mut shown = json!({
                 "part": one.part,
-                "half": one.half_m.as_slice(),
-                "pose": pose_json(&one.part_from_box),
+                "half": one.shape.half_extents_m().as_slice(),
+                "pose": pose_json(&one.part_from_solid),
                 "name": one.name,
                 "kind": match one.kind {
                     Kind::Plate => "plate",
@@ -79,7 +81,14 @@ pub(super) fn boxes(robot: &Morphology) -> Vec<Value> {
                 "tracked": one.is_tracked,
                 "normal": one.drive.map(|drive| drive.face.normal().as_slice().to_vec()),
                 "spins": one.drive.map(|drive| matches!(drive.axis, DriveAxis::Normal { .. })),
-            })
+            });
+            if let Some(surface) = one.shape.surface().filter(|_| !one.shape.is_box()) {
+                let corners = surface.corners_m.iter().flatten();
+                let triangles = surface.triangles().flat_map(|(_, corners)| corners);
+                shown["corners"] = corners.map(|m| (m / CORNER_STEP_M).round()).collect();
+                shown["triangles"] = triangles.collect();
+            }
+            shown
         })
         .collect()
 }

@@ -1,15 +1,15 @@
-//! What a replay shows, apart from how: who moves, of which boxes they are, where they are over time.
+//! What a replay shows, apart from how: who moves, of which shapes they are, where they are over time.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use super::motion::robot_boxes;
+use super::motion::robot_solids;
 use realgap_engine::{Film, Floor, SceneBody, SceneMotion, part_name};
-use realgap_robot::morphology::Morphology;
+use realgap_robot::morphology::{Morphology, Shape};
 
 /// A colour: red, green, blue.
 pub(super) type Colour = [u8; 3];
 
-/// What a box stands for.
+/// What a shape stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Passive,
@@ -56,15 +56,15 @@ const FLOOR_HALF_M: f64 = 0.001;
 /// How far the floor reaches beyond the paths, metres.
 const FLOOR_MARGIN_M: f64 = 0.15;
 
-/// A box in the frame of what carries it.
+/// A shape in the frame of what carries it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Solid {
-    pub(super) half_m: Vector3<f64>,
+    pub(super) shape: Shape,
     pub(super) pose: Isometry3<f64>,
     pub(super) kind: Kind,
 }
 
-/// Boxes that move as one.
+/// Shapes that move as one.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Mover {
     pub(super) name: String,
@@ -109,7 +109,7 @@ impl Actor {
         }
     }
 
-    /// How much of its boxes hides what is behind: a recorded robot is seen through.
+    /// How much of it hides what is behind: a recorded robot is seen through.
     pub(super) fn alpha(&self) -> f64 {
         if self.is_recorded { 0.4 } else { 1.0 }
     }
@@ -166,17 +166,17 @@ fn actor(robot: Option<&Morphology>, film: &Film, scene: &[SceneBody], every: us
     let track = &film.track;
     let picks = picks(track.len(), every);
     let pick = |poses: &[Isometry3<f64>]| picks.iter().map(|k| poses[*k]).collect();
-    let boxes = robot.map(robot_boxes).unwrap_or_default();
+    let all = robot.map(robot_solids).unwrap_or_default();
     let mut movers = Vec::new();
     for (part, poses) in film.parts.iter().enumerate() {
         let Some(poses) = poses else { continue };
-        let own = boxes.iter().filter(|one| one.part == part);
+        let own = all.iter().filter(|one| one.part == part);
         movers.push(Mover {
             name: part_name(part),
             solids: own
                 .map(|one| Solid {
-                    half_m: one.half_m,
-                    pose: one.part_from_box,
+                    shape: one.shape.clone(),
+                    pose: one.part_from_solid,
                     kind: one.kind,
                 })
                 .collect(),
@@ -208,7 +208,7 @@ fn actor(robot: Option<&Morphology>, film: &Film, scene: &[SceneBody], every: us
 /// The boxes of a body beside the robot, the body's pose before them.
 fn solids(body: &SceneBody, from_body: Isometry3<f64>) -> impl Iterator<Item = Solid> + '_ {
     body.boxes.iter().map(move |one| Solid {
-        half_m: 0.5 * one.sides_m,
+        shape: Shape::cuboid(0.5 * one.sides_m),
         pose: from_body * one.body_from_box,
         kind: Kind::Other,
     })
@@ -239,7 +239,11 @@ fn slab(actors: &[Actor], floor: Floor) -> Solid {
     let z = floor.height_m - floor.slope_rad.tan() * x;
     let middle = Vector3::new(x, y, z) - FLOOR_HALF_M * up;
     Solid {
-        half_m: Vector3::new(half_x / floor.slope_rad.cos(), half_y, FLOOR_HALF_M),
+        shape: Shape::cuboid(Vector3::new(
+            half_x / floor.slope_rad.cos(),
+            half_y,
+            FLOOR_HALF_M,
+        )),
         pose: Isometry3::from_parts(middle.into(), turn),
         kind: Kind::Floor,
     }

@@ -1,8 +1,6 @@
-//! Portraits: what a robot looks like, as boxes for [`plot`](crate::plot).
+//! Portraits: what a robot looks like, for [`plot`](crate::plot).
 
 use std::path::Path;
-
-use nalgebra::Vector3;
 
 use crate::plot::{
     Block, BlockKind, Caption, Command, DrivenFace, Gallery, GalleryRobot, ModuleName, Motion,
@@ -10,7 +8,7 @@ use crate::plot::{
 };
 use realgap_core::Result;
 use realgap_core::unit::counted;
-use realgap_robot::morphology::{DriveAxis, Morphology, Role, Solid};
+use realgap_robot::morphology::{DriveAxis, Morphology, Role, Solid, Surface};
 
 /// Time over which a gait is drawn, seconds, and its points.
 pub(super) const GAIT_S: f64 = 2.0;
@@ -32,14 +30,13 @@ fn commands(robot: &Morphology) -> Vec<Command> {
     .collect()
 }
 
-fn centre_m(solid: &Solid) -> Vector3<f64> {
-    solid.robot_from_solid.translation.vector
-}
-
-/// Half of its sides along the robot's axes.
-fn half_m(solid: &Solid) -> Vector3<f64> {
+/// Its surface, unless that is the box along the robot's axes around it.
+fn surface(solid: &Solid) -> Option<Surface> {
     let turn = solid.robot_from_solid.rotation.to_rotation_matrix();
-    turn.matrix().abs() * solid.half_extents_m()
+    let is_along = |v: &f64| v.abs() < 1e-9 || v.abs() > 1.0 - 1e-9;
+    let is_block = solid.shape.is_box() && turn.matrix().iter().all(is_along);
+    let own = (!is_block).then(|| solid.shape.surface()).flatten()?;
+    Some(own.placed(&solid.robot_from_solid))
 }
 
 /// The names of its modules, if there are not too many.
@@ -52,26 +49,29 @@ fn names(robot: &Morphology) -> Vec<ModuleName> {
     let solids = assembly.parts.iter().flat_map(|part| &part.solids);
     solids
         .filter(|solid| solid.role == Role::Cube && solid.number == 0)
-        .map(|solid| ModuleName {
-            text: modules[solid.module].name.clone(),
-            lower_m: (centre_m(solid) - half_m(solid)).into(),
-            upper_m: (centre_m(solid) + half_m(solid)).into(),
-            is_tracked: solid.module == robot.track(),
+        .map(|solid| {
+            let (lower_m, upper_m) = solid.bounds_robot_m();
+            ModuleName {
+                text: modules[solid.module].name.clone(),
+                lower_m: lower_m.into(),
+                upper_m: upper_m.into(),
+                is_tracked: solid.module == robot.track(),
+            }
         })
         .collect()
 }
 
-/// The boxes of a robot at zero servo angles, robot frame, and its gait, with a title and a note to stand above them.
+/// The shapes of a robot at zero servo angles, robot frame, and its gait, with a title and a note to stand above them.
 pub fn portrait(robot: &Morphology, note: impl Into<String>) -> GalleryRobot {
     let modules = robot.modules();
     let mut blocks = Vec::new();
-    for solid in robot.assemble().parts.iter().flat_map(|part| &part.solids) {
-        // A plate with a module glued onto it is inside of that module; the band of its cube shows it.
-        if !solid.collides {
-            continue;
-        }
+    let assembly = robot.assemble();
+    let parts = assembly.parts.iter().enumerate();
+    let solids = parts.flat_map(|(part, cluster)| cluster.solids.iter().map(move |s| (part, s)));
+    // A plate with a module glued onto it is inside of that module; the band of its cube shows it.
+    for (part, solid) in solids.filter(|(_, solid)| solid.has_surface()) {
         let turn = solid.robot_from_solid.rotation;
-        let (centre_m, half_m) = (centre_m(solid), half_m(solid));
+        let (lower_m, upper_m) = solid.bounds_robot_m();
         let drive = modules[solid.module].drive.filter(|_| solid.number == 0);
         let driven = drive.map(|drive| {
             let normal = turn * drive.face.normal();
@@ -85,14 +85,17 @@ pub fn portrait(robot: &Morphology, note: impl Into<String>) -> GalleryRobot {
             }
         });
         blocks.push(Block {
-            lower_m: (centre_m - half_m).into(),
-            upper_m: (centre_m + half_m).into(),
+            lower_m: lower_m.into(),
+            upper_m: upper_m.into(),
             kind: match (solid.role, driven) {
+                _ if assembly.drives(part) => BlockKind::DrivenBody,
+                _ if !assembly.is_modular => BlockKind::Body,
                 (Role::Plate, _) => BlockKind::Plate,
                 (Role::Cube, Some(_)) => BlockKind::Active,
                 (Role::Cube, None) => BlockKind::Passive,
             },
             driven,
+            surface: surface(solid),
         });
     }
     GalleryRobot {
@@ -111,9 +114,12 @@ pub fn portrait(robot: &Morphology, note: impl Into<String>) -> GalleryRobot {
 pub fn draw(robot: &Morphology, path: impl AsRef<Path>) -> Result<()> {
     let summary = robot.summary();
     let size_m = summary.size_m();
+    let pieces = match robot.assemble().is_modular {
+        true => counted(summary.modules, "module"),
+        false => format!("{} bodies", summary.modules),
+    };
     let note = format!(
-        "{}, {}, {} g, {} × {} × {} cm, at zero servo angles",
-        counted(summary.modules, "module"),
+        "{pieces}, {}, {} g, {} × {} × {} cm, at zero servo angles",
         counted(summary.servos, "servo"),
         number(1e3 * summary.mass_kg),
         number(1e2 * size_m.x),

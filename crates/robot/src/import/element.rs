@@ -1,6 +1,6 @@
 //! Reading attributes of XML elements, with errors that name line and column.
 
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use roxmltree::Node;
 
 use realgap_core::error::{Error, Result};
@@ -38,8 +38,10 @@ impl Place<'_> {
     /// Numbers of an attribute, separated by blanks or commas; what follows them is not read.
     pub fn numbers<const N: usize>(&self, node: Node<'_, '_>, name: &str) -> Result<[f64; N]> {
         let text = self.text(node, name)?;
+        // Half of 0,5 is no number.
+        let is_decimal_comma = N == 1 && text.contains(',');
         let numbers: Option<Vec<f64>> = words(text)
-            .take(N)
+            .take(if is_decimal_comma { 0 } else { N })
             .map(|word| word.parse().ok().filter(|number: &f64| number.is_finite()))
             .collect();
         numbers
@@ -64,20 +66,27 @@ impl Place<'_> {
         }
     }
 
-    /// The pose that the child `origin` of an element says: metres, fixed-axis roll, pitch and yaw in radians.
+    /// The pose that the child `origin` of an element says: metres, fixed-axis roll, pitch and yaw in radians, or a quaternion with its
+    /// real part last; what is empty is 0.
     pub fn origin(&self, node: Node<'_, '_>) -> Result<Isometry3<f64>> {
         let Some(origin) = child(node, "origin") else {
             return Ok(Isometry3::identity());
         };
-        let triple = |name| match origin.has_attribute(name) {
-            true => self.numbers::<3>(origin, name),
-            false => Ok([0.0; 3]),
+        let triple = |name| match origin.attribute(name).map(str::trim) {
+            None | Some("") => Ok([0.0; 3]),
+            Some(_) => self.numbers::<3>(origin, name),
         };
         let ([x, y, z], [roll, pitch, yaw]) = (triple("xyz")?, triple("rpy")?);
-        Ok(Isometry3::from_parts(
-            Translation3::new(x, y, z),
-            UnitQuaternion::from_euler_angles(roll, pitch, yaw),
-        ))
+        let turn = match origin.has_attribute("quat_xyzw") {
+            false => UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+            true => {
+                let [i, j, k, w] = self.numbers::<4>(origin, "quat_xyzw")?;
+                UnitQuaternion::try_new(Quaternion::new(w, i, j, k), 1e-9).ok_or_else(|| {
+                    self.at(origin, Error::invalid("a quaternion of 0 is no turn"))
+                })?
+            }
+        };
+        Ok(Isometry3::from_parts(Translation3::new(x, y, z), turn))
     }
 
     /// A vector of an attribute.

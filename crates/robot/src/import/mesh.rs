@@ -26,6 +26,10 @@ pub(super) fn corners(path: &Path, scale: &Vector3<f64>) -> Result<Vec<Vector3<f
             "it has {bytes} bytes, at most {MOST_BYTES} are read"
         ));
     }
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    if !["stl", "obj", "dae"].contains(&ending.to_lowercase().as_str()) {
+        return Err(format!("a mesh of the kind `{ending}`"));
+    }
     // A crate of somebody else reads a file of somebody else: what it panics on is an error of that file.
     let scene = std::panic::catch_unwind(|| mesh_loader::Loader::default().load(path))
         .map_err(|_| "it cannot be read".to_owned())?

@@ -23,13 +23,16 @@
 mod element;
 mod mesh;
 mod mjcf;
+mod mjcf_actuator;
 mod mjcf_mass;
 mod note;
 mod package;
 mod tidy;
 mod urdf;
+mod urdf_joint;
 mod urdf_link;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use roxmltree::Document;
@@ -59,8 +62,8 @@ pub struct Imported {
     pub structure: Structure,
     /// What was left out, changed, assumed or looks wrong, by line.
     pub notes: Vec<Note>,
-    /// Lines of the first bodies, in their order; none where nobody knows them.
-    pub lines: Vec<usize>,
+    /// Lines of bodies and joints by their place here, e.g. `bodies[0]` and `joints[2]`; none where nobody knows them.
+    pub lines: BTreeMap<String, usize>,
 }
 
 /// Whether a file's name says that it is a robot of another program.
@@ -79,7 +82,7 @@ pub fn import(source: &Source, options: &Options) -> Result<Imported> {
     let text = readable(source, &mut notes)?;
     let document = Document::parse(&text).map_err(|error| not_xml(source, &error))?;
     let root = document.root_element();
-    let mut lines = Vec::new();
+    let mut lines = BTreeMap::new();
     let mut structure = match root.tag_name().name() {
         "robot" => urdf::read(source, root, options, &mut notes, &mut lines)?,
         "mujoco" => mjcf::read(source, root, options, &mut notes)?,
@@ -100,9 +103,34 @@ pub fn import(source: &Source, options: &Options) -> Result<Imported> {
     })
 }
 
-/// The text as strict XML: what other readers of URDF forgive is mended, without moving anything to another place.
+/// The text with blanks in place of comments: many hold `--`, which XML forbids and other readers forgive.
+fn without_comments(text: &str) -> String {
+    let (mut bare, mut rest) = (String::with_capacity(text.len()), text);
+    while let Some(start) = rest.find("<!--") {
+        let Some(end) = rest[start + 4..].find("-->").map(|end| start + 4 + end + 3) else {
+            break;
+        };
+        bare.push_str(&rest[..start]);
+        bare.extend(
+            rest[start..end]
+                .chars()
+                .map(|c| if c == '\n' { c } else { ' ' }),
+        );
+        rest = &rest[end..];
+    }
+    bare + rest
+}
+
+/// The text as strict XML: what other readers of URDF forgive is mended, without moving anything to another line.
 fn readable(source: &Source, notes: &mut Notes) -> Result<String> {
-    let mut text = source.text().to_owned();
+    let mut text = without_comments(source.text());
+    if let Some(at) = text.find("<!DOCTYPE")
+        && let Some(length) = text[at..].find(['>', '['])
+        && text[at + length..].starts_with('>')
+    {
+        text.replace_range(at..=at + length, "");
+        notes.left_out(None, "the document type", "remove <!DOCTYPE ...>");
+    }
     if let Some(at) = text.find("<?xml").filter(|at| *at > 0)
         && let Some(length) = text[at..].find("?>")
     {
@@ -117,7 +145,6 @@ fn readable(source: &Source, notes: &mut Notes) -> Result<String> {
     const END: &str = "</robot>";
     if let Some(end) = text.rfind(END).map(|at| at + END.len())
         && !text[end..].trim().is_empty()
-        && !text[end..].contains("<!--")
     {
         text.truncate(end);
         notes.changed(None, "what stands behind </robot> is no XML", "remove it");
@@ -148,6 +175,9 @@ fn not_xml(source: &Source, error: &roxmltree::Error) -> Error {
     let hint = match error {
         roxmltree::Error::DtdDetected => {
             "entities are not expanded here: xmllint --noent FILE writes the file without them"
+        }
+        _ if source.text().starts_with("version https://git-lfs") => {
+            "this is a pointer of Git LFS: `git lfs pull` fetches the file itself"
         }
         _ => "xmllint FILE says more",
     };

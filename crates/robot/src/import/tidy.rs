@@ -7,7 +7,7 @@ use parry3d_f64::query;
 
 use super::Options;
 use super::note::Notes;
-use crate::morphology::body::{JointKind, Pose, Structure, solid_surface};
+use crate::morphology::body::{JointKind, MAX_BODIES, Pose, Structure, solid_surface};
 use crate::morphology::{Assembly, Module, Morphology, Solid};
 
 /// Shapes of bodies that no joint joins may be this deep in each other at the start, metres.
@@ -17,6 +17,10 @@ const LARGEST_M: f64 = 50.0;
 
 /// Tidies a robot up.
 pub(super) fn tidy(structure: &mut Structure, options: &Options, notes: &mut Notes) {
+    if structure.bodies.len() > MAX_BODIES {
+        // Whoever makes a robot of it refuses it.
+        return;
+    }
     rename(structure, notes);
     weld_weightless(structure, notes);
     hold_weightless_root(structure, notes);

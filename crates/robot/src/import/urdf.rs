@@ -2,26 +2,20 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Isometry3;
 use roxmltree::Node;
 
 use super::Options;
 use super::element::{Place, child, children, words};
 use super::note::Notes;
-use super::urdf_link::Reader;
-use crate::morphology::body::{
-    Body, Driver, Follow, Joint, JointKind, Pose, Structure, TurnSpring,
-};
-use crate::morphology::{Servo, ServoLaw};
+use super::urdf_joint::GAIN_1_S;
+use super::urdf_link::{DENSITY_KG_M3, Reader, ball};
+use crate::morphology::body::{Body, Pose, Structure};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
 
-/// How strongly the servo that stands in for the one URDF does not describe answers an error of its angle, 1/s.
-const GAIN_1_S: f64 = 20.0;
-/// Limits farther away than this are none, radians or metres.
-const FAR: f64 = 1e3;
-/// Largest torque and speed that a servo may have.
-const MOST: f64 = 1e4;
+/// What each link of a robot weighs that has neither masses nor shapes, kg.
+const BALL_KG: f64 = 1.0;
 
 /// Reads the robot under the root element.
 pub(super) fn read(
@@ -29,7 +23,7 @@ pub(super) fn read(
     root: Node<'_, '_>,
     options: &Options,
     notes: &mut Notes,
-    lines: &mut Vec<usize>,
+    lines: &mut BTreeMap<String, usize>,
 ) -> Result<Structure> {
     let place = Place { source };
     let name = match root.attribute("name") {
@@ -71,14 +65,21 @@ pub(super) fn read(
             track: None,
         },
         lines: BTreeMap::new(),
+        joint_lines: Vec::new(),
         servos: 0,
+        passive: 0,
     };
     robot.links(root, notes)?;
+    robot.weigh(notes);
     robot.joints(root, notes)?;
     robot.roots(root, notes)?;
     robot.others(root, notes);
-    let bodies = robot.structure.bodies.iter();
-    lines.extend(bodies.map_while(|body| robot.lines.get(&body.name)));
+    let bodies = robot.structure.bodies.iter().enumerate();
+    lines.extend(bodies.filter_map(|(index, body)| {
+        Some((format!("bodies[{index}]"), *robot.lines.get(&body.name)?))
+    }));
+    let joints = robot.joint_lines.iter().enumerate();
+    lines.extend(joints.map(|(index, line)| (format!("joints[{index}]"), *line)));
     Ok(robot.structure)
 }
 
@@ -88,12 +89,16 @@ fn file_name(source: &Source) -> String {
 }
 
 /// A robot in the making.
-struct Robot<'a> {
-    reader: Reader<'a>,
-    structure: Structure,
+pub(super) struct Robot<'a> {
+    pub reader: Reader<'a>,
+    pub structure: Structure,
     /// Where links stand, by name.
-    lines: BTreeMap<String, usize>,
-    servos: usize,
+    pub lines: BTreeMap<String, usize>,
+    /// Where joints stand, in their order here.
+    joint_lines: Vec<usize>,
+    pub servos: usize,
+    /// Joints that move and have no servo, though the file's could have had one.
+    pub passive: usize,
 }
 
 impl Robot<'_> {
@@ -124,12 +129,24 @@ impl Robot<'_> {
                 return Err(self.reader.place.at(node, error));
             }
             self.joint(node, name, notes)?;
+            let line = self.reader.place.line(node).unwrap_or(1);
+            self.joint_lines.resize(self.structure.joints.len(), line);
+        }
+        if self.passive > 0 {
+            notes.left_out(
+                None,
+                format!(
+                    "servos of {} joints that state no effort above 0: they move freely",
+                    self.passive
+                ),
+                "give their limits an effort, or state `actuators`",
+            );
         }
         if self.servos > 0 {
             notes.assumed(
                 None,
                 format!(
-                    "the servos of {} joints: URDF has their limits only; each turns to its command at {GAIN_1_S} 1/s times its error, and holds 0 where nothing else is said",
+                    "the servos of {} joints: URDF has their limits only; each turns to its command at {GAIN_1_S} 1/s times its error, as fast as it likes where no velocity above 0 is stated, and holds 0 where nothing else is said",
                     self.servos
                 ),
                 "state laws and gaits in `actuators`, or import its joints passive",
@@ -138,234 +155,33 @@ impl Robot<'_> {
         Ok(())
     }
 
-    fn joint(&mut self, node: Node<'_, '_>, name: String, notes: &mut Notes) -> Result<()> {
-        let place = self.reader.place;
-        let line = place.line(node);
-        let end = |tag: &'static str| -> Result<String> {
-            let end = child(node, tag).ok_or_else(|| {
-                place.at(
-                    node,
-                    Error::invalid(format!("the joint `{name}` has no <{tag}>")),
-                )
-            })?;
-            let link = place.text(end, "link")?;
-            if self.lines.contains_key(link) {
-                return Ok(link.to_owned());
-            }
-            let names = self.lines.keys().map(String::as_str);
-            Err(place.at(end, realgap_core::file::unknown_name("link", link, names)))
-        };
-        let (parent, child_name) = (end("parent")?, end("child")?);
-        let pose = Pose::of(&place.origin(node)?);
-        let axis = match child(node, "axis") {
-            Some(axis) => place.vector(axis, "xyz")?,
-            None => Vector3::x(),
-        };
-        let kind = place.text(node, "type")?;
-        let joint = |kind: JointKind| Joint {
-            name: name.clone(),
-            parent: parent.clone(),
-            child: child_name.clone(),
-            pose,
-            kind,
-        };
-        let moves = matches!(kind, "revolute" | "continuous" | "prismatic");
-        if moves && axis.norm() < 1e-9 {
-            return Err(place.at(
-                node,
-                Error::invalid(format!("the axis of joint `{name}` has no direction"))
-                    .found("0 0 0"),
-            ));
+    /// Gives a robot masses of which no link states any.
+    fn weigh(&mut self, notes: &mut Notes) {
+        let bodies = &mut self.structure.bodies;
+        if bodies.is_empty() || bodies.iter().any(|body| body.mass_kg > 0.0) {
+            return;
         }
-        let bearing = self.bearing(node, kind, &name, notes)?;
-        match kind {
-            "fixed" => self.structure.joints.push(joint(JointKind::Fixed)),
-            "revolute" | "continuous" => self.structure.joints.push(joint(bearing.turn(&axis))),
-            "prismatic" => self.structure.joints.push(joint(bearing.slide(&axis))),
-            "floating" | "planar" | "spherical" => {
-                self.many(&joint(JointKind::Fixed), kind, line, notes);
+        let what = if bodies.iter().any(|body| body.volume_m3() > 0.0) {
+            for body in bodies {
+                body.mass_kg = DENSITY_KG_M3 * body.volume_m3();
             }
-            other => {
-                let error = Error::invalid("no such type of joint")
-                    .found(format!("{other} of `{name}`"))
-                    .allowed("fixed, revolute, continuous, prismatic, floating, planar, spherical");
-                return Err(place.at(node, error));
+            format!("no link has a mass: each weighs what its shapes do at {DENSITY_KG_M3} kg/m3")
+        } else {
+            for body in bodies {
+                body.mass_kg = BALL_KG;
+                body.inertia_kg_m2 = Some(ball(BALL_KG));
             }
-        }
-        if moves && !self.reader.options.passive {
-            self.servo(node, &name, bearing.effort, bearing.velocity, notes)?;
-        }
-        Ok(())
-    }
-
-    /// Friction and limits of a joint.
-    fn bearing(
-        &self,
-        node: Node<'_, '_>,
-        kind: &str,
-        name: &str,
-        notes: &mut Notes,
-    ) -> Result<Bearing> {
-        let place = self.reader.place;
-        let mut bearing = Bearing::default();
-        if let Some(dynamics) = child(node, "dynamics") {
-            let mut read = |attribute: &str| -> Result<f64> {
-                let value = place.number(dynamics, attribute)?.unwrap_or(0.0);
-                if value < 0.0 {
-                    let what = format!("the {attribute} of joint `{name}` is {value}: 0 is taken");
-                    notes.changed(
-                        place.line(dynamics),
-                        what,
-                        "friction takes energy: state 0 or more",
-                    );
-                }
-                Ok(value.max(0.0))
-            };
-            (bearing.viscous, bearing.dry) = (read("damping")?, read("friction")?);
-            let stiffness = place
-                .number(dynamics, "stiffness")?
-                .or(place.number(dynamics, "spring_stiffness")?);
-            let rest = place.number(dynamics, "spring_reference")?.unwrap_or(0.0);
-            bearing.spring = stiffness.filter(|k| *k > 0.0).map(|k| (k, rest));
-        }
-        let Some(limit) = child(node, "limit") else {
-            if kind == "prismatic" || kind == "revolute" {
-                let what = format!("the {kind} joint `{name}` has no limits");
-                notes.assumed(
-                    place.line(node),
-                    what,
-                    "add <limit lower=... upper=... effort=... velocity=.../>",
-                );
-            }
-            return Ok(bearing);
+            format!(
+                "no link has a mass, or a shape that could be read: each is a ball of {BALL_KG} kg and {DENSITY_KG_M3} kg/m3"
+            )
         };
-        bearing.effort = place.number(limit, "effort")?.unwrap_or(0.0);
-        bearing.velocity = place.number(limit, "velocity")?.unwrap_or(0.0);
-        let end = |name: &str| -> Result<f64> {
-            // Some say inf for no limit.
-            match limit
-                .attribute(name)
-                .and_then(|text| text.trim().parse().ok())
-            {
-                Some(value) if f64::is_infinite(value) => Ok(value),
-                _ => Ok(place.number(limit, name)?.unwrap_or(0.0)),
-            }
-        };
-        let (lower, upper) = (end("lower")?, end("upper")?);
-        let is_limited = kind == "revolute" || kind == "prismatic";
-        // Beyond any robot: somebody's way to say that there are none.
-        let are_far = lower <= -FAR && upper >= FAR;
-        bearing.limits = (is_limited && lower < upper && !are_far).then_some((lower, upper));
-        if is_limited && lower >= upper {
-            let what = format!(
-                "the limits {lower} to {upper} of joint `{name}` leave nothing: it has none here"
-            );
-            notes.changed(place.line(limit), what, "state the range, or make it fixed");
-        }
-        Ok(bearing)
-    }
-
-    /// A joint with several freedoms as a chain of single ones, with links of nothing between them.
-    fn many(&mut self, joint: &Joint, kind: &str, line: Option<usize>, notes: &mut Notes) {
-        let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
-        let free = Bearing::default();
-        let chain: Vec<(&str, JointKind)> = match kind {
-            "planar" => vec![
-                ("x", free.slide(&x)),
-                ("y", free.slide(&y)),
-                ("turn", free.turn(&z)),
-            ],
-            "spherical" => vec![
-                ("roll", free.turn(&x)),
-                ("pitch", free.turn(&y)),
-                ("yaw", free.turn(&z)),
-            ],
-            _ => vec![
-                ("x", free.slide(&x)),
-                ("y", free.slide(&y)),
-                ("z", free.slide(&z)),
-                ("roll", free.turn(&x)),
-                ("pitch", free.turn(&y)),
-                ("yaw", free.turn(&z)),
-            ],
-        };
-        let what = format!(
-            "the {kind} joint `{}` is a chain of {} joints with one freedom each",
-            joint.name,
-            chain.len()
-        );
-        notes.changed(
-            line,
+        notes.assumed(
+            None,
             what,
-            "at a pitch of 90 degrees it loses one freedom: keep away from there",
+            "weigh the links, and state <inertial>: how it moves depends on them",
         );
-        chained(&mut self.structure, joint, chain);
     }
 
-    fn servo(
-        &mut self,
-        node: Node<'_, '_>,
-        name: &str,
-        effort: f64,
-        velocity: f64,
-        notes: &mut Notes,
-    ) -> Result<()> {
-        let place = self.reader.place;
-        let mimic = child(node, "mimic");
-        if effort <= 0.0 {
-            if let Some(mimic) = mimic {
-                let what =
-                    format!("that joint `{name}` mimics another: it has no effort to do it with");
-                notes.left_out(place.line(mimic), what, "give its limit an effort");
-            }
-            return Ok(());
-        }
-        if effort > MOST || velocity > MOST {
-            let what = format!(
-                "the effort {effort} or velocity {velocity} of joint `{name}`: at most {MOST} here"
-            );
-            notes.changed(place.line(node), what, "state what its motor can do");
-        }
-        let follows = match mimic {
-            None => None,
-            Some(mimic) => Some(Follow {
-                joint: place.text(mimic, "joint")?.to_owned(),
-                factor: place.number(mimic, "multiplier")?.unwrap_or(1.0),
-                offset_rad: place.number(mimic, "offset")?.unwrap_or(0.0),
-            }),
-        };
-        if let (Some(follow), Some(mimic)) = (&follows, mimic) {
-            let what = format!(
-                "joint `{name}` is not geared to `{}`: a servo of its own copies that one's command",
-                follow.joint
-            );
-            notes.changed(
-                place.line(mimic),
-                what,
-                "the two part where a load parts them",
-            );
-        }
-        let servo = Servo {
-            law: ServoLaw::Velocity { gain_1_s: GAIN_1_S },
-            max_torque_nm: effort.min(MOST),
-            max_speed_rad_s: if velocity > 0.0 {
-                velocity.min(MOST)
-            } else {
-                f64::INFINITY
-            },
-            delay_s: 0.0,
-        };
-        self.servos += 1;
-        self.structure.actuators.push(Driver {
-            joint: name.to_owned(),
-            servo: servo.into(),
-            gait: None,
-            follows,
-        });
-        Ok(())
-    }
-
-    /// Whether the root is the world, and followers whose leaders have no servo.
     fn roots(&mut self, root: Node<'_, '_>, notes: &mut Notes) -> Result<()> {
         let structure = &mut self.structure;
         let driven: BTreeSet<String> = structure
@@ -383,6 +199,20 @@ impl Robot<'_> {
                     driver.joint, follow.joint
                 );
                 notes.left_out(None, what, "give the limit of that joint an effort");
+            }
+        }
+        let leaders: BTreeMap<String, String> = (structure.actuators.iter())
+            .filter_map(|d| Some((d.joint.clone(), d.follows.as_ref()?.joint.clone())))
+            .collect();
+        for driver in &mut structure.actuators {
+            let mut leader = driver.follows.as_ref().map(|follow| &follow.joint);
+            for _ in 0..leaders.len() {
+                leader = leader.and_then(|joint| leaders.get(joint));
+            }
+            if leader.is_some() {
+                let what = format!("that joint `{}` mimics one that mimics it", driver.joint);
+                notes.left_out(None, what, "let one of them lead");
+                driver.follows = None;
             }
         }
         if structure.bodies.is_empty() {
@@ -430,6 +260,30 @@ impl Robot<'_> {
             };
             return Err(self.reader.place.at(root, error));
         };
+        let mut reached = BTreeSet::from([only.name.as_str()]);
+        loop {
+            let before = reached.len();
+            let next = structure.joints.iter();
+            let next = next.filter(|joint| reached.contains(joint.parent.as_str()));
+            let next: Vec<&str> = next.map(|joint| joint.child.as_str()).collect();
+            reached.extend(next);
+            if reached.len() == before {
+                break;
+            }
+        }
+        let mut joints = structure.joints.iter().zip(&self.joint_lines);
+        if let Some((joint, line)) =
+            joints.find(|(joint, _)| !reached.contains(joint.child.as_str()))
+        {
+            return Err(Error::invalid("the joints go round in a circle")
+                .at_file(self.reader.place.source.path())
+                .at_line(*line, 1)
+                .found(format!(
+                    "joint `{}` leads to `{}`, which the root `{}` does not reach",
+                    joint.name, joint.child, only.name
+                ))
+                .allowed("a tree: one root, and every other link a child of one parent"));
+        }
         if only.name == "world" || self.reader.options.mounted {
             structure.mount = Some(Pose::of(&Isometry3::identity()));
         }
@@ -465,10 +319,28 @@ impl Robot<'_> {
             named.filter_map(move |name| Some((node, node.attribute(name)?)))
         });
         for (node, text) in lists {
-            if text.contains(',') || words(text).count() > 3 {
-                let what = format!("the list {text:?} has commas or more than three numbers");
-                let remedy = "write three numbers, separated by blanks";
-                notes.changed(self.reader.place.line(node), what, remedy);
+            let count = words(text).count();
+            let what = match count {
+                0 => "an empty list is three zeros".to_owned(),
+                _ if text.contains(',') || count > 3 => {
+                    format!("the list {text:?} has commas or more than three numbers")
+                }
+                _ => continue,
+            };
+            let remedy = "write three numbers, separated by blanks";
+            notes.changed(self.reader.place.line(node), what, remedy);
+        }
+        for node in root.descendants().filter(Node::is_element) {
+            let tag = node.tag_name().name();
+            let is_seen_only = node.ancestors().any(|above| above.has_tag_name("visual"));
+            let Some(known) = attributes(tag).filter(|_| !is_seen_only) else {
+                continue;
+            };
+            for attribute in node.attributes() {
+                if !known.contains(&attribute.name()) {
+                    let entry = seen.entry(format!("`{}` of <{tag}>", attribute.name()));
+                    entry.or_insert((0, self.reader.place.line(node))).0 += 1;
+                }
             }
         }
         for (what, (count, line)) in seen {
@@ -481,79 +353,26 @@ impl Robot<'_> {
     }
 }
 
-/// Friction, limits and motor of a joint, in radians or metres.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Bearing {
-    pub viscous: f64,
-    pub dry: f64,
-    pub armature: f64,
-    pub spring: Option<(f64, f64)>,
-    pub limits: Option<(f64, f64)>,
-    pub effort: f64,
-    pub velocity: f64,
-}
-
-impl Bearing {
-    /// A joint that turns.
-    pub fn turn(&self, axis: &Vector3<f64>) -> JointKind {
-        JointKind::Turn {
-            axis: (axis.x, axis.y, axis.z),
-            anchor_m: (0.0, 0.0, 0.0),
-            limits_rad: self.limits,
-            viscous_nm_s_rad: self.viscous,
-            dry_nm: self.dry,
-            armature_kg_m2: self.armature,
-            spring: self.spring.map(|(stiffness_nm_rad, rest_rad)| TurnSpring {
-                stiffness_nm_rad,
-                rest_rad,
-            }),
-        }
-    }
-
-    /// A joint that slides.
-    pub fn slide(&self, axis: &Vector3<f64>) -> JointKind {
-        JointKind::Slide {
-            axis: (axis.x, axis.y, axis.z),
-            limits_m: self.limits,
-            viscous_n_s_m: self.viscous,
-            dry_n: self.dry,
-            armature_kg: self.armature,
-            spring: self.spring.map(|(stiffness_n_m, rest_m)| {
-                crate::morphology::body::SlideSpring {
-                    stiffness_n_m,
-                    rest_m,
-                }
-            }),
-        }
-    }
-}
-
-/// Adds a chain of joints in place of one, with bodies of nothing between them; the pose is that of the first.
-pub(super) fn chained(structure: &mut Structure, joint: &Joint, chain: Vec<(&str, JointKind)>) {
-    let count = chain.len();
-    let mut parent = joint.parent.clone();
-    for (index, (name, kind)) in chain.into_iter().enumerate() {
-        let is_last = index + 1 == count;
-        let child = match is_last {
-            true => joint.child.clone(),
-            false => format!("{}_{name}", joint.child),
-        };
-        if !is_last {
-            structure.bodies.push(Body {
-                name: child.clone(),
-                ..Body::default()
-            });
-        }
-        structure.joints.push(Joint {
-            name: format!("{}_{name}", joint.name),
-            parent: std::mem::replace(&mut parent, child.clone()),
-            child,
-            pose: if index == 0 {
-                joint.pose
-            } else {
-                Pose::default()
-            },
-            kind,
-        });
-    }
+/// What is read of an element; `None` of one that is not looked into.
+fn attributes(tag: &str) -> Option<&'static [&'static str]> {
+    Some(match tag {
+        "origin" => &["xyz", "rpy", "quat_xyzw"],
+        "mass" => &["value"],
+        "inertia" => &["ixx", "ixy", "ixz", "iyy", "iyz", "izz"],
+        "axis" => &["xyz"],
+        "limit" => &["lower", "upper", "effort", "velocity"],
+        "dynamics" => &[
+            "damping",
+            "friction",
+            "stiffness",
+            "spring_stiffness",
+            "spring_reference",
+        ],
+        "mimic" => &["joint", "multiplier", "offset"],
+        "box" => &["size"],
+        "sphere" => &["radius"],
+        "cylinder" | "capsule" => &["radius", "length"],
+        "mesh" => &["filename", "file", "scale"],
+        _ => return None,
+    })
 }

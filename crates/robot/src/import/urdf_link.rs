@@ -13,8 +13,8 @@ use super::package::locate;
 use crate::morphology::body::{Body, Form, Piece, Pose, Tensor, Triple};
 use realgap_core::error::{Error, Result};
 
-/// Density of a ball that stands in for what has a mass and neither inertia nor shape, kg/m³.
-const DENSITY_KG_M3: f64 = 1000.0;
+/// Density of what has no mass, and of a ball that stands in for what has no shape, kg/m³: that of water, as MuJoCo assumes.
+pub(super) const DENSITY_KG_M3: f64 = 1000.0;
 
 /// What reads links.
 pub(super) struct Reader<'a> {
@@ -180,7 +180,7 @@ impl Reader<'_> {
                     body.name
                 );
                 notes.assumed(line, what, remedy);
-                inertia
+                Tensor::of(&inertia)
             }
             None => {
                 let what = format!(
@@ -188,12 +188,10 @@ impl Reader<'_> {
                     body.name
                 );
                 notes.assumed(line, what, remedy);
-                let radius_m =
-                    (0.75 * body.mass_kg / (std::f64::consts::PI * DENSITY_KG_M3)).cbrt();
-                Matrix3::from_diagonal_element(0.4 * body.mass_kg * radius_m * radius_m)
+                ball(body.mass_kg)
             }
         };
-        body.inertia_kg_m2 = Some(Tensor::of(&inertia));
+        body.inertia_kg_m2 = Some(inertia);
         Ok(())
     }
 
@@ -218,10 +216,21 @@ impl Reader<'_> {
             );
             return Ok(None);
         };
-        let one = |name: &str| -> Result<f64> { Ok(place.numbers::<1>(solid, name)?[0].abs()) };
+        let mut size = |found: Vector3<f64>| {
+            if found.min() < 0.0 {
+                let what =
+                    format!("a size of a shape of link `{link}` is negative: taken as positive");
+                notes.changed(line, what, "state sizes above 0");
+            }
+            found.abs()
+        };
+        let mut one = |name: &str| -> Result<f64> {
+            let [found] = place.numbers(solid, name)?;
+            Ok(size(Vector3::repeat(found)).x)
+        };
         let form = match solid.tag_name().name() {
             "box" => {
-                let sides_m = place.vector(solid, "size")?.abs();
+                let sides_m = size(place.vector(solid, "size")?);
                 Form::Box {
                     sides_m: triple(&sides_m),
                 }
@@ -300,6 +309,14 @@ impl Reader<'_> {
             }
         }
     }
+}
+
+/// The inertia of a ball of this mass, as dense as water.
+pub(super) fn ball(mass_kg: f64) -> Tensor {
+    let radius_m = (0.75 * mass_kg / (std::f64::consts::PI * DENSITY_KG_M3)).cbrt();
+    Tensor::of(&Matrix3::from_diagonal_element(
+        0.4 * mass_kg * radius_m * radius_m,
+    ))
 }
 
 fn form_is_nothing(form: &Form) -> bool {

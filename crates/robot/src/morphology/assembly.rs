@@ -335,6 +335,12 @@ impl Assembly {
         moved
     }
 
+    /// Whether a part of a robot of bodies hangs on a joint that is driven.
+    pub fn drives(&self, part: usize) -> bool {
+        let mut hinges = self.hinges.iter();
+        !self.is_modular && hinges.any(|hinge| hinge.child_part == part && hinge.actuator.is_some())
+    }
+
     /// Whether two modules are stated never to touch.
     pub fn are_apart(&self, a: usize, b: usize) -> bool {
         self.apart.contains(&(a, b)) || self.apart.contains(&(b, a))

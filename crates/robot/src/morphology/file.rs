@@ -1,18 +1,18 @@
 //! The RON form of a robot. Only this file knows it; everything else sees validated types.
 
-use nalgebra::{Unit, Vector3};
+use nalgebra::Unit;
 use serde::{Deserialize, Serialize};
 
 use super::assembly::{Actuator, Bearing};
 use super::face::Face;
 use super::flaw::{Checked, Flaw};
 use super::glue::Glue;
-use super::module::{Drive, DriveAxis, Module, ModuleBox, Plate};
+use super::module::Module;
+use super::module_file::{DefaultsFile, ModuleFile, Triple, required, triple, vector};
 use super::pivot::Pivot;
 use super::servo_file::{GaitFile, ServoFile};
 use super::tree::quarter_turns_flaw;
 use super::{Blueprint, Morphology, names};
-use realgap_core::Error;
 use realgap_core::file::unknown_name;
 
 /// A robot as its file states it.
@@ -47,101 +47,6 @@ pub struct MorphologyFile {
     track: Option<String>,
 }
 
-/// Three numbers along x, y and z.
-type Triple = (f64, f64, f64);
-
-#[derive(Debug, Clone, Copy, Default, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "defaults")]
-struct DefaultsFile {
-    /// Edge of a cube, metres.
-    side_m: Option<f64>,
-    /// Mass of a module without its plate, kg.
-    mass_kg: Option<f64>,
-    /// The servo.
-    servo: Option<ServoFile>,
-}
-
-#[derive(Debug, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "module")]
-struct ModuleFile {
-    /// Unique name: letters, digits, `_` and `-`.
-    name: String,
-    /// It is with or without a servo.
-    kind: KindFile,
-}
-
-#[derive(Debug, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "kind")]
-#[allow(clippy::large_enum_variant, reason = "read once, then gone")]
-enum KindFile {
-    /// It has no servo.
-    Passive {
-        /// Edge of a cube, metres; else that of `defaults`.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        side_m: Option<f64>,
-        /// Edge lengths along x, y and z in place of `side_m`, metres.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        sides_m: Option<Triple>,
-        /// What it consists of within that box; none: the whole of it.
-        #[serde(default, skip_serializing_if = "Vec::is_empty")]
-        boxes: Vec<BoxFile>,
-        /// Mass without the plate, kg; else that of `defaults`.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        mass_kg: Option<f64>,
-        /// Principal moments about the centre of mass, along the module's axes, kg m2; else those of uniform boxes.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        inertia_kg_m2: Option<Triple>,
-        /// Centre of mass in the module's frame, metres; else that of uniform boxes.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        centre_of_mass_m: Option<Triple>,
-    },
-    /// With a servo that moves one face.
-    Active {
-        /// Edge of a cube, metres; else that of `defaults`.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        side_m: Option<f64>,
-        /// Edge lengths along x, y and z in place of `side_m`, metres.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        sides_m: Option<Triple>,
-        /// What it consists of within that box; none: the whole of it.
-        #[serde(default, skip_serializing_if = "Vec::is_empty")]
-        boxes: Vec<BoxFile>,
-        /// Mass without the plate, kg; else that of `defaults`.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        mass_kg: Option<f64>,
-        /// Principal moments about the centre of mass, along the module's axes, kg m2; else those of uniform boxes.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        inertia_kg_m2: Option<Triple>,
-        /// Centre of mass in the module's frame, metres; else that of uniform boxes.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        centre_of_mass_m: Option<Triple>,
-        /// The driven face.
-        face: Face,
-        /// How the face moves.
-        axis: AxisFile,
-        /// Control law and limits; else those of `defaults`.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        servo: Option<ServoFile>,
-        /// The command that the servo follows; without it it holds 0 rad.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        gait: Option<GaitFile>,
-    },
-}
-
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "box")]
-struct BoxFile {
-    /// Edge lengths along the module's axes, metres.
-    sides_m: Triple,
-    /// Centre in the module's frame, metres.
-    #[serde(default)]
-    centre_m: Triple,
-}
-
 #[derive(Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "hinge")]
@@ -174,43 +79,6 @@ struct PivotFile {
     /// The command that the servo follows; without it it holds 0 rad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     gait: Option<GaitFile>,
-}
-
-fn vector((x, y, z): Triple) -> Vector3<f64> {
-    Vector3::new(x, y, z)
-}
-
-fn triple(v: &Vector3<f64>) -> Triple {
-    (v.x, v.y, v.z)
-}
-
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "axis")]
-enum AxisFile {
-    /// The face spins about its own outward normal, right-handed.
-    Normal {
-        /// The slab on the face; needed where no module is glued onto it.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        plate: Option<PlateFile>,
-    },
-    /// The face bends like a hinge whose axis runs through its centre.
-    Tangent {
-        /// Direction of the axis, right-handed, at right angles to the face.
-        axis: Face,
-    },
-}
-
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "plate")]
-struct PlateFile {
-    /// Edge length, metres.
-    side_m: f64,
-    /// Thickness, metres.
-    thickness_m: f64,
-    /// Mass, kg.
-    mass_kg: f64,
 }
 
 #[derive(Debug, Deserialize, Serialize)]
@@ -357,138 +225,6 @@ fn unknown_module(name: &str, path: String, modules: &[Module]) -> Flaw {
     Flaw::new(path, unknown_name("module", name, names))
 }
 
-fn required<T>(value: Option<T>, default: Option<T>, field: &str, at: &str) -> Checked<T> {
-    value.or(default).ok_or_else(|| {
-        Flaw::new(
-            at,
-            Error::invalid(format!("the field `{field}` is missing")).hint(format!(
-                "add `{field}` here, or to `defaults` for all modules"
-            )),
-        )
-    })
-}
-
-impl ModuleFile {
-    fn into_module(self, at: &str, defaults: &DefaultsFile) -> Checked<Module> {
-        let (side_m, sides_m, boxes, mass_kg, inertia_kg_m2, centre_of_mass_m, drive) =
-            match self.kind {
-                KindFile::Passive {
-                    side_m,
-                    sides_m,
-                    boxes,
-                    mass_kg,
-                    inertia_kg_m2,
-                    centre_of_mass_m,
-                } => (
-                    side_m,
-                    sides_m,
-                    boxes,
-                    mass_kg,
-                    inertia_kg_m2,
-                    centre_of_mass_m,
-                    None,
-                ),
-                KindFile::Active {
-                    side_m,
-                    sides_m,
-                    boxes,
-                    mass_kg,
-                    inertia_kg_m2,
-                    centre_of_mass_m,
-                    face,
-                    axis,
-                    servo,
-                    gait,
-                } => {
-                    let drive = Drive {
-                        face,
-                        axis: axis.into(),
-                        actuator: Actuator {
-                            servo: required(servo, defaults.servo, "servo", at)?.into(),
-                            gait: gait.unwrap_or(GaitFile::HOLD).into(),
-                        },
-                    };
-                    (
-                        side_m,
-                        sides_m,
-                        boxes,
-                        mass_kg,
-                        inertia_kg_m2,
-                        centre_of_mass_m,
-                        Some(drive),
-                    )
-                }
-            };
-        let sides_m = match (side_m, sides_m) {
-            (Some(_), Some(_)) => {
-                return Err(Flaw::new(
-                    format!("{at}.sides_m"),
-                    Error::invalid("a module has `side_m` or `sides_m`, not both"),
-                ));
-            }
-            (None, Some(sides_m)) => vector(sides_m),
-            (side_m, None) => Vector3::repeat(required(side_m, defaults.side_m, "side_m", at)?),
-        };
-        Ok(Module {
-            name: self.name,
-            sides_m,
-            boxes: boxes
-                .into_iter()
-                .map(|part| ModuleBox {
-                    sides_m: vector(part.sides_m),
-                    centre_m: vector(part.centre_m),
-                })
-                .collect(),
-            mass_kg: required(mass_kg, defaults.mass_kg, "mass_kg", at)?,
-            inertia_kg_m2: inertia_kg_m2.map(|(x, y, z)| [x, y, z]),
-            centre_of_mass_m: centre_of_mass_m.map(vector),
-            drive,
-        })
-    }
-
-    fn from_module(module: &Module) -> Self {
-        let side_m = module.is_cube().then_some(module.sides_m.x);
-        let sides_m = (!module.is_cube()).then(|| triple(&module.sides_m));
-        let boxes = module
-            .boxes
-            .iter()
-            .map(|part| BoxFile {
-                sides_m: triple(&part.sides_m),
-                centre_m: triple(&part.centre_m),
-            })
-            .collect();
-        let mass_kg = Some(module.mass_kg);
-        let inertia_kg_m2 = module.inertia_kg_m2.map(|[x, y, z]| (x, y, z));
-        let centre_of_mass_m = module.centre_of_mass_m.as_ref().map(triple);
-        let kind = match &module.drive {
-            None => KindFile::Passive {
-                side_m,
-                sides_m,
-                boxes,
-                mass_kg,
-                inertia_kg_m2,
-                centre_of_mass_m,
-            },
-            Some(drive) => KindFile::Active {
-                side_m,
-                sides_m,
-                boxes,
-                mass_kg,
-                inertia_kg_m2,
-                centre_of_mass_m,
-                face: drive.face,
-                axis: drive.axis.into(),
-                servo: Some(drive.actuator.servo.into()),
-                gait: Some(drive.actuator.gait.into()),
-            },
-        };
-        Self {
-            name: module.name.clone(),
-            kind,
-        }
-    }
-}
-
 impl PivotFile {
     fn from_pivot(pivot: &Pivot, name: impl Fn(usize) -> String) -> Self {
         Self {
@@ -503,36 +239,6 @@ impl PivotFile {
             limits_rad: pivot.bearing.limits_rad,
             servo: pivot.actuator.map(|actuator| actuator.servo.into()),
             gait: pivot.actuator.map(|actuator| actuator.gait.into()),
-        }
-    }
-}
-
-impl From<AxisFile> for DriveAxis {
-    fn from(file: AxisFile) -> Self {
-        match file {
-            AxisFile::Normal { plate } => Self::Normal {
-                plate: plate.map(|plate| Plate {
-                    side_m: plate.side_m,
-                    thickness_m: plate.thickness_m,
-                    mass_kg: plate.mass_kg,
-                }),
-            },
-            AxisFile::Tangent { axis } => Self::Tangent { axis },
-        }
-    }
-}
-
-impl From<DriveAxis> for AxisFile {
-    fn from(axis: DriveAxis) -> Self {
-        match axis {
-            DriveAxis::Normal { plate } => Self::Normal {
-                plate: plate.map(|plate| PlateFile {
-                    side_m: plate.side_m,
-                    thickness_m: plate.thickness_m,
-                    mass_kg: plate.mass_kg,
-                }),
-            },
-            DriveAxis::Tangent { axis } => Self::Tangent { axis },
         }
     }
 }

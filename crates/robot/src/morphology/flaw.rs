@@ -37,10 +37,10 @@ impl Flaw {
         }
     }
 
-    /// The index of the list entry that it is in: 2 for `bodies[2].mass_kg` of `bodies`.
-    pub(super) fn index_in(&self, list: &str) -> Option<usize> {
-        let rest = self.path.strip_prefix(list)?.strip_prefix('[')?;
-        rest.split_once(']')?.0.parse().ok()
+    /// The list entry that it is in: `bodies[2]` for `bodies[2].mass_kg`.
+    pub(super) fn entry(&self) -> &str {
+        let end = self.path.find(']').map_or(0, |end| end + 1);
+        &self.path[..end]
     }
 
     /// For blueprints that came from no file.

@@ -110,24 +110,27 @@
 
 mod assemble;
 mod assembly;
+mod blueprint;
 pub mod body;
 mod dynamics;
 mod face;
 mod file;
 mod flaw;
+mod gait;
 mod glue;
 mod layout;
 mod module;
+mod module_file;
 mod motor;
 mod pivot;
 mod plausibility;
 mod servo_file;
 mod shape;
 mod summary;
+mod surface;
 mod sweep;
 mod tree;
 
-use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -137,6 +140,8 @@ pub use assembly::{
     Actuator, Assembly, Bearing, ClusterMass, Freedom, Gait, Hinge, Mark, Part, Role, Servo,
     ServoLaw, Solid, Spring,
 };
+pub use blueprint::Blueprint;
+use blueprint::names;
 pub use dynamics::Dynamics;
 pub use face::Face;
 pub use glue::Glue;
@@ -145,37 +150,16 @@ pub use motor::{GearFriction, MOST_LOAD, Motor};
 pub use pivot::Pivot;
 pub use shape::Shape;
 pub use summary::Summary;
+pub use surface::{Facet, Surface};
 
 use crate::import::{Note, Options, import, is_foreign};
 use body::Structure;
 pub use file::MorphologyFile;
 use flaw::{Checked, Flaw};
 use layout::Placement;
-use realgap_core::Error;
 use realgap_core::Result;
 use realgap_core::file::{Source, parse_ron, write_ron};
-use tree::{Links, Tree};
-
-/// A robot as somebody wants it, not yet checked; [`Morphology::new`] checks it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Blueprint {
-    /// Name of the robot: letters, digits, `_` and `-`.
-    pub name: String,
-    /// Free text.
-    pub description: String,
-    /// The modules.
-    pub modules: Vec<Module>,
-    /// The glue, by index of module.
-    pub glue: Vec<Glue>,
-    /// Hinges stated by anchor and axis, by index of module.
-    pub pivots: Vec<Pivot>,
-    /// Pairs of modules that never touch each other.
-    pub never_touch: Vec<(usize, usize)>,
-    /// Where the root module is held, world frame, upright, m; `None` for a robot that moves freely.
-    pub mount_world_m: Option<Vector3<f64>>,
-    /// Index of the module whose motion is recorded; the root when `None`.
-    pub track: Option<usize>,
-}
+use tree::Tree;
 
 /// A robot that can be built: one tree of modules, nothing overlapping, every number in range.
 #[derive(Debug, Clone, PartialEq)]
@@ -257,9 +241,7 @@ impl Morphology {
     pub fn import(source: &Source, options: &Options) -> Result<(Self, Vec<Note>)> {
         let imported = import(source, options)?;
         let robot = Self::check_structure(imported.structure).map_err(|flaw| {
-            let line = flaw
-                .index_in("bodies")
-                .and_then(|body| imported.lines.get(body));
+            let line = imported.lines.get(flaw.entry());
             let error = flaw.without_file().at_file(source.path());
             let error = match line {
                 Some(line) => error.at_line(*line, 1),
@@ -304,129 +286,6 @@ impl Morphology {
     /// The robot as bodies and joints, where its file states it so.
     pub fn structure(&self) -> Option<&Structure> {
         self.built.as_deref().map(|built| &built.structure)
-    }
-
-    /// The gait of every module, in their order: of its servo, or of the joint that moves it; `None` for what nothing
-    /// drives, or follows another joint.
-    pub fn gaits(&self) -> Vec<Option<Gait>> {
-        let mut gaits = vec![None; self.modules.len()];
-        for hinge in self.assemble().hinges {
-            let follows = self.structure().is_some_and(|structure| {
-                let mut drivers = structure.actuators.iter();
-                drivers.any(|driver| driver.joint == hinge.name && driver.follows.is_some())
-            });
-            if let Some(actuator) = hinge.actuator.filter(|_| !follows) {
-                gaits[hinge.module].get_or_insert(actuator.gait);
-            }
-        }
-        gaits
-    }
-
-    /// The same robot under another name and description with other gaits, in the order of the modules; what nothing drives has none.
-    ///
-    /// # Errors
-    /// Gaits that no servo may have.
-    pub fn with_gaits(
-        &self,
-        name: &str,
-        description: &str,
-        gaits: &[Option<Gait>],
-    ) -> Result<Self> {
-        let gait_of = |module: usize| gaits.get(module).copied().flatten();
-        let (name, description) = (name.to_owned(), description.to_owned());
-        if let Some(built) = &self.built {
-            let mut structure = built.structure.clone();
-            (structure.name, structure.description) = (name, description);
-            for hinge in &built.assembly.hinges {
-                let mut drivers = structure.actuators.iter_mut();
-                if let Some(driver) = drivers.find(|driver| driver.joint == hinge.name)
-                    && let Some(gait) = gait_of(hinge.module).filter(|_| driver.follows.is_none())
-                {
-                    driver.gait = Some(gait.into());
-                }
-            }
-            return Self::of_bodies(structure);
-        }
-        let mut modules = self.modules.clone();
-        let mut pivots = self.pivots.clone();
-        for (index, module) in modules.iter_mut().enumerate() {
-            let pivot = pivots.iter_mut().find(|pivot| pivot.child == index);
-            let own = module.drive.as_mut().map(|drive| &mut drive.actuator);
-            let actuator = own.or_else(|| pivot.and_then(|pivot| pivot.actuator.as_mut()));
-            if let (Some(actuator), Some(gait)) = (actuator, gait_of(index)) {
-                actuator.gait = gait;
-            }
-        }
-        Self::new(Blueprint {
-            name,
-            description,
-            modules,
-            glue: self.glue.clone(),
-            pivots,
-            never_touch: self.never_touch.clone(),
-            mount_world_m: self.mount_world_m,
-            track: Some(self.track),
-        })
-    }
-
-    fn check(blueprint: Blueprint) -> Checked<Self> {
-        let Blueprint {
-            name,
-            description,
-            modules,
-            glue,
-            pivots,
-            never_touch,
-            mount_world_m,
-            track,
-        } = blueprint;
-        module::check_name(&name, "a robot", "name")?;
-        check_count(modules.len())?;
-        for (index, module) in modules.iter().enumerate() {
-            module.check(&format!("modules[{index}]"))?;
-        }
-        names(&modules)?;
-        pivot::check_names(&pivots, &modules)?;
-        check_never_touch(&never_touch, modules.len())?;
-        check_mount(mount_world_m)?;
-        let links = Links {
-            glue: &glue,
-            pivots: &pivots,
-        };
-        let tree = Tree::grow(&modules, links)?;
-        let track = track.unwrap_or(tree.root);
-        if track >= modules.len() {
-            return Err(Flaw::new(
-                "track",
-                Error::invalid("there is no such module")
-                    .found(format!("module number {track}"))
-                    .allowed(format!("0 to {}", modules.len() - 1)),
-            ));
-        }
-        let placements = layout::place(&modules, links, &tree);
-        let blocks = layout::blocks(&modules, &glue, &placements);
-        let are_apart = |a: usize, b: usize| {
-            never_touch.contains(&(a, b))
-                || never_touch.contains(&(b, a))
-                || pivots.iter().any(|pivot| {
-                    let ends = (pivot.parent, pivot.child);
-                    ends == (a, b) || ends == (b, a)
-                })
-        };
-        layout::check_overlap(&modules, &tree, &blocks, are_apart)?;
-        Ok(Self {
-            name,
-            description,
-            modules,
-            glue,
-            pivots,
-            never_touch,
-            mount_world_m,
-            track,
-            tree,
-            placements,
-            built: None,
-        })
     }
 
     /// Checks what a robot would be called.
@@ -514,58 +373,4 @@ impl Morphology {
         }
         sweep::blocked_plates(self)
     }
-}
-
-fn check_never_touch(pairs: &[(usize, usize)], modules: usize) -> Checked<()> {
-    for (index, &(a, b)) in pairs.iter().enumerate() {
-        if a == b || a >= modules || b >= modules {
-            return Err(Flaw::new(
-                format!("never_touch[{index}]"),
-                Error::invalid("not a pair of modules")
-                    .found(format!("numbers {a} and {b}"))
-                    .allowed("two different modules of this robot"),
-            ));
-        }
-    }
-    Ok(())
-}
-
-fn check_mount(mount_world_m: Option<Vector3<f64>>) -> Checked<()> {
-    for (index, value) in mount_world_m.iter().flatten().enumerate() {
-        module::Range::within(-1000.0, 1000.0, "m").check(*value, &format!("mount_m[{index}]"))?;
-    }
-    Ok(())
-}
-
-fn check_count(modules: usize) -> Checked<()> {
-    if (1..=Morphology::MAX_MODULES).contains(&modules) {
-        return Ok(());
-    }
-    let problem = if modules == 0 {
-        "a robot without modules"
-    } else {
-        "too many modules"
-    };
-    Err(Flaw::new(
-        "modules",
-        Error::invalid(problem)
-            .found(modules)
-            .allowed(format!("1 to {}", Morphology::MAX_MODULES)),
-    ))
-}
-
-/// The modules by name; refuses a name that is given twice.
-fn names(modules: &[Module]) -> Checked<HashMap<&str, usize>> {
-    let mut names: HashMap<&str, usize> = HashMap::new();
-    for (index, module) in modules.iter().enumerate() {
-        if let Some(first) = names.insert(&module.name, index) {
-            return Err(Flaw::new(
-                format!("modules[{index}].name"),
-                Error::invalid("two modules have the same name")
-                    .found(format!("`{}` is also modules[{first}]", module.name))
-                    .allowed("a name of its own for every module"),
-            ));
-        }
-    }
-    Ok(names)
 }

@@ -1,17 +1,18 @@
 //! Bodies that move through a room while pictures are taken: those of a robot, and what else is in its motion.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use nalgebra::{Isometry3, Vector3};
 
 use super::scene::Faces;
-use super::scene::{Block, Mount, Scene};
+use super::scene::{Block, Mount, Plane, Scene};
 use super::vector::Vector;
 use realgap_core::error::{Error, Result};
 use realgap_path::trajectory::{Interpolator, Trajectory};
 
-/// A box of a body.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A box of a body, or what planes leave of it.
+#[derive(Debug, Clone, PartialEq)]
 pub struct BodyBox {
     /// Half of its sides, metres.
     pub half_m: Vector3<f64>,
@@ -19,9 +20,11 @@ pub struct BodyBox {
     pub body_from_box: Isometry3<f64>,
     /// Share of the light that comes back, for red, green and blue.
     pub colour: [f64; 3],
+    /// What is beyond these is cut off; none for a box.
+    pub planes: Arc<[Plane]>,
 }
 
-/// A rigid body in the world of a motion. Its boxes show the dots of a die.
+/// A rigid body in the world of a motion. Its whole boxes show the dots of a die.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     name: String,
@@ -92,7 +95,11 @@ impl Body {
                 axes: [Vector3::x(), Vector3::y(), Vector3::z()]
                     .map(|axis| entry.direction(turn * axis)),
                 colour: one.colour,
-                faces: Faces::Die,
+                planes: Arc::clone(&one.planes),
+                faces: match one.planes.is_empty() {
+                    true => Faces::Die,
+                    false => Faces::Plain,
+                },
                 is_seen: true,
             }
         });

@@ -8,7 +8,7 @@ use super::vector::{Vector, add, dot, less, times};
 pub(super) enum Thing {
     /// One of the six sides of the room: axis, and whether it is the far one.
     Side(usize, bool),
-    /// A box, and the axis and sign of the face: true where it looks along the axis.
+    /// A box, and the axis and sign of the face: true where it looks along the axis; 3 + k for plane k.
     Block(usize, usize, bool),
     Poster(usize),
 }
@@ -228,6 +228,7 @@ fn meet_block(block: &Block, index: usize, from: Vector, direction: Vector) -> O
     let (from, towards) = (block.own_m(from), block.own(direction));
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut face = (0, false);
+    let mut normal = None;
     for axis in 0..3 {
         let inverse = 1.0 / towards[axis];
         let a = (-block.half_m[axis] - from[axis]) * inverse;
@@ -238,13 +239,29 @@ fn meet_block(block: &Block, index: usize, from: Vector, direction: Vector) -> O
         }
         leave = leave.min(a.max(b));
     }
+    for (number, plane) in block.planes.iter().enumerate() {
+        let (along, room) = (
+            dot(plane.normal, towards),
+            plane.level_m - dot(plane.normal, from),
+        );
+        if along > 0.0 {
+            leave = leave.min(room / along);
+        } else if along < 0.0 && room / along > enter {
+            enter = room / along;
+            face = (3 + number, true);
+            normal = Some(plane.normal);
+        } else if along == 0.0 && room < 0.0 {
+            return None;
+        }
+    }
     if enter > leave || enter <= BEFORE_M {
         return None;
     }
+    let own = normal.map(|own| less(block.point_m(own), block.centre_m));
     Some(Hit {
         distance_m: enter,
         thing: Thing::Block(index, face.0, face.1),
-        normal: times(block.axes[face.0], if face.1 { 1.0 } else { -1.0 }),
+        normal: own.unwrap_or_else(|| times(block.axes[face.0], if face.1 { 1.0 } else { -1.0 })),
     })
 }
 

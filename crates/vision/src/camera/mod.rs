@@ -34,7 +34,7 @@ pub use poster::Motif;
 pub use render::focused;
 pub use render::{expose, luminance, met_m, take};
 pub use ride::Ride;
-pub use scene::{Block, Camera, Faces, Lamp, Light, Mount, Poster, Scene, View};
+pub use scene::{Block, Camera, Faces, Lamp, Light, Mount, Plane, Poster, Scene, View};
 #[cfg(feature = "schema")]
 pub use scene_file::SceneFile;
 pub use truth::{ALPHABET_TEXT, alphabet_picture, known};

@@ -1,5 +1,7 @@
 //! What a scene holds.
 
+use std::sync::Arc;
+
 use super::exposure::Sensor;
 use super::lens::{Lens, Pose};
 use super::poster::{Motif, Texture};
@@ -45,7 +47,16 @@ pub enum Faces {
     Die,
 }
 
-/// A box.
+/// A plane: its normal, and how far along that it is from the origin, metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    /// Of length one.
+    pub normal: [f64; 3],
+    /// Distance from the origin, metres.
+    pub level_m: f64,
+}
+
+/// A box, or what planes leave of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     /// Centre, metres.
@@ -56,6 +67,8 @@ pub struct Block {
     pub axes: [[f64; 3]; 3],
     /// Share of the light that comes back, for red, green and blue.
     pub colour: [f64; 3],
+    /// What is beyond these is cut off; along its own axes, from its centre.
+    pub planes: Arc<[Plane]>,
     /// What its faces show.
     pub faces: Faces,
     /// Whether cameras see it; what they do not see throws its shadow all the same.
@@ -102,6 +115,7 @@ impl Block {
     pub(super) fn holds(&self, point_m: Vector) -> bool {
         let own_m = self.own_m(point_m);
         (0..3).all(|axis| own_m[axis].abs() < self.half_m[axis])
+            && (self.planes.iter()).all(|plane| dot(plane.normal, own_m) < plane.level_m)
     }
 }
 

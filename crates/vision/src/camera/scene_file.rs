@@ -204,6 +204,7 @@ impl Reader<'_> {
             }),
             colour: self.colour(&format!("{field}.colour"), file.colour)?,
             faces: file.faces,
+            planes: [].into(),
             is_seen: true,
         })
     }

@@ -75,6 +75,16 @@ fn scene_schema() -> Value {
             "indices": list(json!({ "type": "integer", "minimum": 0 })),
         }),
     );
+    let triangles = object(
+        "foxglove.TriangleListPrimitive",
+        json!({
+            "pose": pose_schema(),
+            "points": list(vector_schema()),
+            "color": colour,
+            "colors": list(colour.clone()),
+            "indices": list(json!({ "type": "integer", "minimum": 0 })),
+        }),
+    );
     let nothing = || list(json!({ "type": "object" }));
     let entity = object(
         "foxglove.SceneEntity",
@@ -90,7 +100,7 @@ fn scene_schema() -> Value {
             "spheres": list(solid("foxglove.SpherePrimitive")),
             "cylinders": nothing(),
             "lines": list(line),
-            "triangles": nothing(),
+            "triangles": list(triangles),
             "texts": nothing(),
             "models": nothing(),
         }),

@@ -1,4 +1,4 @@
-// What is seen in space: boxes, floor, paths, recorded runs as translucent robots or as points with a line to the run.
+// What is seen in space: shapes, floor, paths, recorded runs as translucent robots or as points with a line to the run.
 "use strict";
 realgap.scene = (canvas, data, tracks) => {
   const T = THREE;
@@ -99,17 +99,40 @@ realgap.scene = (canvas, data, tracks) => {
   ground.rotation.y = data.floor.slope_rad;
   world.add(ground);
 
+  // What is no box: triangles; faces that are not sharply turned from each other look like one rounded surface.
+  const geometryOf = box => {
+    if (!box.corners) return new T.BoxGeometry(...box.half.map(h => 2 * h));
+    const corner = k => new T.Vector3(...box.corners.slice(3 * k, 3 * k + 3)).multiplyScalar(1e-5);
+    const faces = [], at = new Map();
+    for (let k = 0; k < box.triangles.length; k += 3) {
+      const [a, b, c] = box.triangles.slice(k, k + 3).map(corner);
+      const area = b.clone().sub(a).cross(c.clone().sub(a));
+      const face = { corners: [a, b, c], area, normal: area.clone().normalize() };
+      faces.push(face);
+      for (const n of box.triangles.slice(k, k + 3)) at.set(n, [...(at.get(n) || []), face]);
+    }
+    const places = [], normals = [];
+    faces.forEach((face, k) => face.corners.forEach((place, n) => {
+      const normal = new T.Vector3();
+      for (const other of at.get(box.triangles[3 * k + n])) if (other.normal.dot(face.normal) >= 0.82) normal.add(other.area);
+      places.push(...place.toArray());
+      normals.push(...normal.normalize().toArray());
+    }));
+    const geometry = new T.BufferGeometry();
+    geometry.setAttribute("position", new T.BufferAttribute(new Float32Array(places), 3));
+    geometry.setAttribute("normal", new T.BufferAttribute(new Float32Array(normals), 3));
+    return geometry;
+  };
   const BASE = { passive: 0xd9d3c5, active: 0x78b2d8, plate: 0xd55e00, scene: 0xa9a39a };
   const boxMesh = (box, material) => {
-    const [x, y, z] = box.half;
-    const mesh = new T.Mesh(new T.BoxGeometry(2 * x, 2 * y, 2 * z), material);
+    const mesh = new T.Mesh(geometryOf(box), material);
     const p = box.pose;
     mesh.position.set(p[0], p[1], p[2]);
     if (p.length > 3) mesh.quaternion.set(p[4], p[5], p[6], p[3]);
     return mesh;
   };
   const edges = (mesh, colour, opacity) => {
-    const all = new T.LineSegments(new T.EdgesGeometry(mesh.geometry), new T.LineBasicMaterial({ transparent: true, opacity }));
+    const all = new T.LineSegments(new T.EdgesGeometry(mesh.geometry, 35), new T.LineBasicMaterial({ transparent: true, opacity }));
     all.material.userData.colour = colour;
     mesh.add(all);
   };

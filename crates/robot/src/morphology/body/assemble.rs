@@ -1,7 +1,6 @@
 //! From bodies and joints to rigid parts and hinges.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix3, Point3, SymmetricEigen, Unit, Vector3};
 
@@ -13,90 +12,13 @@ use super::super::module::{check_actuator, check_name};
 use super::super::servo_file::GaitFile;
 use super::super::shape::Shape;
 use super::check::{SINGULAR, check_body, check_joint, check_pose};
-use super::hull::ellipsoid;
-use super::mass::{UniformMass, uniform};
-use super::{Body, Form, JointKind, Structure, vector};
+use super::tree::{Tree, by_name, look_up};
+use super::{JointKind, Structure, vector};
 use realgap_core::Error;
 use realgap_core::file::unknown_name;
 
 /// Most bodies of one robot.
-pub(super) const MAX_BODIES: usize = 1000;
-
-/// How the bodies hang together.
-struct Tree {
-    /// Every body once, parents before children.
-    order: Vec<usize>,
-    /// The joint that makes a body a child.
-    up: Vec<Option<usize>>,
-    /// Parent and child of every joint.
-    ends: Vec<(usize, usize)>,
-}
-
-impl Form {
-    /// The shape, and where its own frame lies in the frame of the form.
-    pub fn shape(&self) -> (Shape, Isometry3<f64>) {
-        let points = match self {
-            Self::Box { sides_m } => {
-                return (Shape::cuboid(vector(*sides_m) / 2.0), Isometry3::identity());
-            }
-            Self::Sphere { radius_m } => {
-                let radius_m = *radius_m;
-                return (Shape::Sphere { radius_m }, Isometry3::identity());
-            }
-            Self::Cylinder { radius_m, length_m } => {
-                let (radius_m, half_length_m) = (*radius_m, length_m / 2.0);
-                let shape = Shape::Cylinder {
-                    radius_m,
-                    half_length_m,
-                };
-                return (shape, Isometry3::identity());
-            }
-            Self::Capsule { radius_m, length_m } => {
-                let (radius_m, half_length_m) = (*radius_m, length_m / 2.0);
-                let shape = Shape::Capsule {
-                    radius_m,
-                    half_length_m,
-                };
-                return (shape, Isometry3::identity());
-            }
-            Self::Ellipsoid { radii_m } => ellipsoid(&vector(*radii_m)),
-            Self::Hull { points_m } => points_m.iter().map(|point| vector(*point)).collect(),
-        };
-        let low = points.iter().fold(points[0], |low, point| low.inf(point));
-        let high = points.iter().fold(points[0], |high, point| high.sup(point));
-        let middle_m = (low + high) / 2.0;
-        let points_m: Arc<[Vector3<f64>]> = points.iter().map(|point| point - middle_m).collect();
-        let pose = Isometry3::translation(middle_m.x, middle_m.y, middle_m.z);
-        (Shape::Hull { points_m }, pose)
-    }
-}
-
-impl Body {
-    /// Mass (kg), centre of mass (m) and inertia about it (kg m²), in the body's frame; `None` where shapes should tell and cannot.
-    pub fn mass(&self) -> Option<(f64, Vector3<f64>, Matrix3<f64>)> {
-        let stated_m = self.centre_of_mass_m.map(vector);
-        if let Some(tensor) = &self.inertia_kg_m2 {
-            return Some((self.mass_kg, stated_m.unwrap_or_default(), tensor.matrix()));
-        }
-        if self.mass_kg == 0.0 {
-            return Some((0.0, stated_m.unwrap_or_default(), Matrix3::zeros()));
-        }
-        let pieces: Vec<(UniformMass, f64)> = self
-            .shapes
-            .iter()
-            .filter_map(|piece| {
-                let (shape, own) = piece.form.shape();
-                Some((uniform(&shape)?.posed(&(piece.pose.isometry() * own)), 1.0))
-            })
-            .collect();
-        let (volume_m3, centre_m, inertia_m5) = UniformMass::together(&pieces);
-        let density_kg_m3 = self.mass_kg / volume_m3;
-        (volume_m3 > 0.0).then(|| {
-            let centre_m = stated_m.unwrap_or(centre_m);
-            (self.mass_kg, centre_m, inertia_m5 * density_kg_m3)
-        })
-    }
-}
+pub(crate) const MAX_BODIES: usize = 1000;
 
 impl Structure {
     /// Checks everything and lets fixed joints set.
@@ -133,93 +55,6 @@ impl Structure {
         workshop.drive()?;
         workshop.finish(&tree, &bodies)
     }
-
-    fn tree(&self, bodies: &HashMap<&str, usize>) -> Checked<Tree> {
-        let mut up: Vec<Option<usize>> = vec![None; self.bodies.len()];
-        let mut down: Vec<Vec<usize>> = vec![Vec::new(); self.bodies.len()];
-        let mut ends = Vec::with_capacity(self.joints.len());
-        for (index, joint) in self.joints.iter().enumerate() {
-            let at = |field: &str| format!("joints[{index}].{field}");
-            let parent = look_up(&joint.parent, bodies, "body", at("parent"))?;
-            let child = look_up(&joint.child, bodies, "body", at("child"))?;
-            if let Some(earlier) = up[child].replace(index) {
-                return Err(Flaw::new(
-                    at("child"),
-                    Error::invalid(format!(
-                        "`{}` hangs on two joints: this is no tree",
-                        joint.child
-                    ))
-                    .found(format!(
-                        "`{}` and `{}`",
-                        self.joints[earlier].name, joint.name
-                    ))
-                    .allowed("one joint above every body")
-                    .hint("a closed loop has to be opened: remove one of the two joints"),
-                ));
-            }
-            down[parent].push(child);
-            ends.push((parent, child));
-        }
-        let roots: Vec<usize> = (0..up.len()).filter(|&body| up[body].is_none()).collect();
-        let [root] = roots.as_slice() else {
-            let names = roots
-                .iter()
-                .take(8)
-                .map(|&root| format!("`{}`", self.bodies[root].name));
-            let names: Vec<String> = names.collect();
-            return Err(Flaw::new(
-                roots.get(1).map_or_else(
-                    || "joints".to_owned(),
-                    |root| format!("bodies[{root}].name"),
-                ),
-                Error::invalid("a robot has one body that hangs on nothing: its root")
-                    .found(format!("{}: {}", roots.len(), names.join(", ")))
-                    .hint("join the others to it, or leave them out"),
-            ));
-        };
-        let mut order = vec![*root];
-        let mut next = 0;
-        while let Some(&body) = order.get(next) {
-            order.extend(&down[body]);
-            next += 1;
-        }
-        if order.len() < self.bodies.len() {
-            let lost = (0..self.bodies.len()).find(|body| !order.contains(body));
-            let joint = lost.and_then(|body| up[body]).unwrap_or(0);
-            return Err(Flaw::new(
-                format!("joints[{joint}]"),
-                Error::invalid("the joints go round in a circle")
-                    .found(format!("`{}`", self.joints[joint].name))
-                    .allowed("a tree: one root, and every other body a child of one parent"),
-            ));
-        }
-        Ok(Tree { order, up, ends })
-    }
-}
-
-fn by_name<'a>(
-    names: impl Iterator<Item = &'a String>,
-    list: &str,
-) -> Checked<HashMap<&'a str, usize>> {
-    let mut known = HashMap::new();
-    for (index, name) in names.enumerate() {
-        if let Some(first) = known.insert(name.as_str(), index) {
-            return Err(Flaw::new(
-                format!("{list}[{index}].name"),
-                Error::invalid("the same name twice")
-                    .found(format!("`{name}` is also {list}[{first}]")),
-            ));
-        }
-    }
-    Ok(known)
-}
-
-fn look_up(name: &str, known: &HashMap<&str, usize>, what: &str, at: String) -> Checked<usize> {
-    known.get(name).copied().ok_or_else(|| {
-        let mut names: Vec<&str> = known.keys().copied().collect();
-        names.sort_unstable();
-        Flaw::new(at, unknown_name(what, name, names))
-    })
 }
 
 /// Parts in the making.

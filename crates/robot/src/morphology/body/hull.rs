@@ -98,23 +98,17 @@ pub fn solid_surface(shape: &Shape, pose: &Isometry3<f64>) -> Option<(Placed, Sh
     Some((placed, surface))
 }
 
-/// The triangles of a convex hull, corners in the order that turns outwards; none of points that lie in one plane.
-pub fn hull_triangles(points_m: &[Vector3<f64>]) -> Vec<[Vector3<f64>; 3]> {
+/// The corners of the convex hull of points and its triangles, whose corners turn anticlockwise as seen from outside; `None` of points
+/// that lie on a line.
+pub fn convex_hull(points_m: &[Vector3<f64>]) -> Option<(Vec<Vector3<f64>>, Vec<[usize; 3]>)> {
     let points: Vec<Vector> = points_m
         .iter()
         .map(|p| Vector::new(p.x, p.y, p.z))
         .collect();
-    let Ok((corners, triangles)) = parry3d_f64::transformation::try_convex_hull(&points) else {
-        return Vec::new();
-    };
-    let corner = |index: u32| {
-        let corner = corners[index as usize];
-        Vector3::new(corner.x, corner.y, corner.z)
-    };
-    triangles
-        .into_iter()
-        .map(|triangle| triangle.map(corner))
-        .collect()
+    let (corners, triangles) = parry3d_f64::transformation::try_convex_hull(&points).ok()?;
+    let corners = corners.iter().map(|p| Vector3::new(p.x, p.y, p.z));
+    let triangles = triangles.into_iter().map(|t| t.map(|k| k as usize));
+    Some((corners.collect(), triangles.collect()))
 }
 
 /// Points on an ellipsoid.

@@ -34,6 +34,8 @@ mod assemble;
 mod check;
 mod hull;
 mod mass;
+mod piece;
+mod tree;
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -43,7 +45,8 @@ use super::module::Module;
 use super::servo_file::{GaitFile, ServoFile};
 use realgap_core::file::Source;
 
-pub use hull::{MOST_CORNERS, hull_triangles, simplified, solid_surface};
+pub(crate) use assemble::MAX_BODIES;
+pub use hull::{MOST_CORNERS, convex_hull, simplified, solid_surface};
 pub use mass::{UniformMass, uniform};
 
 /// Three numbers along x, y and z.

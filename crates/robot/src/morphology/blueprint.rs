@@ -1,0 +1,147 @@
+//! A robot of modules as somebody wants it, and what is checked before it is one.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
+
+use super::flaw::{Checked, Flaw};
+use super::tree::{Links, Tree};
+use super::{Glue, Module, Morphology, Pivot, layout, module, pivot};
+use realgap_core::Error;
+
+/// A robot as somebody wants it, not yet checked; [`Morphology::new`] checks it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Blueprint {
+    /// Name of the robot: letters, digits, `_` and `-`.
+    pub name: String,
+    /// Free text.
+    pub description: String,
+    /// The modules.
+    pub modules: Vec<Module>,
+    /// The glue, by index of module.
+    pub glue: Vec<Glue>,
+    /// Hinges stated by anchor and axis, by index of module.
+    pub pivots: Vec<Pivot>,
+    /// Pairs of modules that never touch each other.
+    pub never_touch: Vec<(usize, usize)>,
+    /// Where the root module is held, world frame, upright, m; `None` for a robot that moves freely.
+    pub mount_world_m: Option<Vector3<f64>>,
+    /// Index of the module whose motion is recorded; the root when `None`.
+    pub track: Option<usize>,
+}
+
+impl Morphology {
+    pub(super) fn check(blueprint: Blueprint) -> Checked<Self> {
+        let Blueprint {
+            name,
+            description,
+            modules,
+            glue,
+            pivots,
+            never_touch,
+            mount_world_m,
+            track,
+        } = blueprint;
+        module::check_name(&name, "a robot", "name")?;
+        check_count(modules.len())?;
+        for (index, module) in modules.iter().enumerate() {
+            module.check(&format!("modules[{index}]"))?;
+        }
+        names(&modules)?;
+        pivot::check_names(&pivots, &modules)?;
+        check_never_touch(&never_touch, modules.len())?;
+        check_mount(mount_world_m)?;
+        let links = Links {
+            glue: &glue,
+            pivots: &pivots,
+        };
+        let tree = Tree::grow(&modules, links)?;
+        let track = track.unwrap_or(tree.root);
+        if track >= modules.len() {
+            return Err(Flaw::new(
+                "track",
+                Error::invalid("there is no such module")
+                    .found(format!("module number {track}"))
+                    .allowed(format!("0 to {}", modules.len() - 1)),
+            ));
+        }
+        let placements = layout::place(&modules, links, &tree);
+        let blocks = layout::blocks(&modules, &glue, &placements);
+        let are_apart = |a: usize, b: usize| {
+            never_touch.contains(&(a, b))
+                || never_touch.contains(&(b, a))
+                || pivots.iter().any(|pivot| {
+                    let ends = (pivot.parent, pivot.child);
+                    ends == (a, b) || ends == (b, a)
+                })
+        };
+        layout::check_overlap(&modules, &tree, &blocks, are_apart)?;
+        Ok(Self {
+            name,
+            description,
+            modules,
+            glue,
+            pivots,
+            never_touch,
+            mount_world_m,
+            track,
+            tree,
+            placements,
+            built: None,
+        })
+    }
+}
+
+fn check_never_touch(pairs: &[(usize, usize)], modules: usize) -> Checked<()> {
+    for (index, &(a, b)) in pairs.iter().enumerate() {
+        if a == b || a >= modules || b >= modules {
+            return Err(Flaw::new(
+                format!("never_touch[{index}]"),
+                Error::invalid("not a pair of modules")
+                    .found(format!("numbers {a} and {b}"))
+                    .allowed("two different modules of this robot"),
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn check_mount(mount_world_m: Option<Vector3<f64>>) -> Checked<()> {
+    for (index, value) in mount_world_m.iter().flatten().enumerate() {
+        module::Range::within(-1000.0, 1000.0, "m").check(*value, &format!("mount_m[{index}]"))?;
+    }
+    Ok(())
+}
+
+fn check_count(modules: usize) -> Checked<()> {
+    if (1..=Morphology::MAX_MODULES).contains(&modules) {
+        return Ok(());
+    }
+    let problem = if modules == 0 {
+        "a robot without modules"
+    } else {
+        "too many modules"
+    };
+    Err(Flaw::new(
+        "modules",
+        Error::invalid(problem)
+            .found(modules)
+            .allowed(format!("1 to {}", Morphology::MAX_MODULES)),
+    ))
+}
+
+/// The modules by name; refuses a name that is given twice.
+pub(super) fn names(modules: &[Module]) -> Checked<HashMap<&str, usize>> {
+    let mut names: HashMap<&str, usize> = HashMap::new();
+    for (index, module) in modules.iter().enumerate() {
+        if let Some(first) = names.insert(&module.name, index) {
+            return Err(Flaw::new(
+                format!("modules[{index}].name"),
+                Error::invalid("two modules have the same name")
+                    .found(format!("`{}` is also modules[{first}]", module.name))
+                    .allowed("a name of its own for every module"),
+            ));
+        }
+    }
+    Ok(names)
+}
