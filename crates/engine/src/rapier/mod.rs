@@ -278,11 +278,7 @@ impl RapierWorld {
             .pose(to_pose(&(world_from_part * body_from_part.inverse())))
             .linvel(to_vector(&velocity))
             .angvel(to_vector(&angular_world_rad_s))
-            .additional_mass_properties(MassProperties::with_inertia_matrix(
-                Vector::ZERO,
-                narrow(mass.mass_kg),
-                to_matrix(&mass.inertia_kg_m2),
-            ))
+            .additional_mass_properties(mass_properties(&mass))
             .can_sleep(false)
             .build();
         member.body = self.bodies.insert(body);
@@ -508,6 +504,24 @@ pub(super) fn weighable(mass: ClusterMass, least_kg: f64) -> ClusterMass {
         inertia_kg_m2: Matrix3::from_diagonal_element(least_kg * LEAST_ARM_M * LEAST_ARM_M),
         ..mass
     }
+}
+
+/// What Parry makes of a body's inertia. It takes moments that differ by less than 1e-5 kg m² for equal, and turns their axes to
+/// wherever it likes: a power of two makes them large enough for that, and changes no digit of what it returns.
+fn mass_properties(mass: &ClusterMass) -> MassProperties {
+    let largest_kg_m2 = mass.inertia_kg_m2.amax();
+    let is_usual = largest_kg_m2.is_normal() && largest_kg_m2 < 1.0;
+    let up = match is_usual {
+        true => (-largest_kg_m2.log2().floor()).exp2(),
+        false => 1.0,
+    };
+    let mut properties = MassProperties::with_inertia_matrix(
+        Vector::ZERO,
+        narrow(mass.mass_kg),
+        to_matrix(&(mass.inertia_kg_m2 * up)),
+    );
+    properties.inv_principal_inertia *= narrow(up);
+    properties
 }
 
 fn parameters(experiment: &Experiment) -> IntegrationParameters {

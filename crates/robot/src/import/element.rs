@@ -10,21 +10,35 @@ use realgap_core::file::Source;
 #[derive(Clone, Copy)]
 pub(super) struct Place<'a> {
     pub source: &'a Source,
+    /// Where lines end: asking the document reads it from the beginning, each time.
+    pub ends: &'a [usize],
+}
+
+/// Where the lines of a text end.
+pub(super) fn line_ends(text: &str) -> Vec<usize> {
+    text.match_indices('\n').map(|(at, _)| at).collect()
 }
 
 impl Place<'_> {
     /// The error at an element.
     pub fn at(&self, node: Node<'_, '_>, error: Error) -> Error {
-        let place = node.document().text_pos_at(node.range().start);
-        error
-            .at_file(self.source.path())
-            .at_line(place.row as usize, place.col as usize)
-            .field(node.tag_name().name())
+        let (line, column) = self.line_column(node);
+        let name = node.tag_name().name();
+        error.at_file(self.source.path()).at_line(line, column).field(name)
     }
 
     /// The line of an element.
     pub fn line(&self, node: Node<'_, '_>) -> Option<usize> {
-        Some(node.document().text_pos_at(node.range().start).row as usize)
+        Some(self.line_column(node).0)
+    }
+
+    /// Line and column of an element, from 1; columns count characters.
+    fn line_column(&self, node: Node<'_, '_>) -> (usize, usize) {
+        let at = node.range().start;
+        let before = self.ends.partition_point(|end| *end < at);
+        let start = before.checked_sub(1).map_or(0, |last| self.ends[last] + 1);
+        let text = &node.document().input_text()[start..at];
+        (before + 1, text.chars().count() + 1)
     }
 
     /// An attribute that must be there.

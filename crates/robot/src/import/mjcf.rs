@@ -30,12 +30,12 @@ pub(super) fn isometry(pose: &mjcf_rs::Pose) -> Isometry3<f64> {
 
 /// Reads the model of a file, and of the files that it includes.
 pub(super) fn read(
-    source: &Source,
+    place: Place<'_>,
     root: Node<'_, '_>,
     options: &Options,
     notes: &mut Notes,
 ) -> Result<Structure> {
-    let place = Place { source };
+    let source = place.source;
     let folder = source.path().parent().unwrap_or(std::path::Path::new(""));
     let model = match source.path().is_file() {
         true => Model::from_file(source.path()),

@@ -82,12 +82,16 @@ pub fn import(source: &Source, options: &Options) -> Result<Imported> {
     let text = readable(source, &mut notes)?;
     let document = Document::parse(&text).map_err(|error| not_xml(source, &error))?;
     let root = document.root_element();
+    let ends = element::line_ends(&text);
+    let place = element::Place {
+        source,
+        ends: &ends,
+    };
     let mut lines = BTreeMap::new();
     let mut structure = match root.tag_name().name() {
-        "robot" => urdf::read(source, root, options, &mut notes, &mut lines)?,
-        "mujoco" => mjcf::read(source, root, options, &mut notes)?,
+        "robot" => urdf::read(place, root, options, &mut notes, &mut lines)?,
+        "mujoco" => mjcf::read(place, root, options, &mut notes)?,
         other => {
-            let place = element::Place { source };
             let error = Error::invalid("neither a URDF nor an MJCF")
                 .found(format!("<{other}>"))
                 .allowed("<robot>, <mujoco>")

@@ -19,13 +19,13 @@ const BALL_KG: f64 = 1.0;
 
 /// Reads the robot under the root element.
 pub(super) fn read(
-    source: &Source,
+    place: Place<'_>,
     root: Node<'_, '_>,
     options: &Options,
     notes: &mut Notes,
     lines: &mut BTreeMap<String, usize>,
 ) -> Result<Structure> {
-    let place = Place { source };
+    let source = place.source;
     let name = match root.attribute("name") {
         Some(name) => name.to_owned(),
         None => {

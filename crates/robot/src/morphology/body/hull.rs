@@ -98,9 +98,12 @@ pub fn solid_surface(shape: &Shape, pose: &Isometry3<f64>) -> Option<(Placed, Sh
     Some((placed, surface))
 }
 
+/// Corners, and triangles of them by number.
+type Triangles = (Vec<Vector3<f64>>, Vec<[usize; 3]>);
+
 /// The corners of the convex hull of points and its triangles, whose corners turn anticlockwise as seen from outside; `None` of points
 /// that lie on a line.
-pub fn convex_hull(points_m: &[Vector3<f64>]) -> Option<(Vec<Vector3<f64>>, Vec<[usize; 3]>)> {
+pub fn convex_hull(points_m: &[Vector3<f64>]) -> Option<Triangles> {
     let points: Vec<Vector> = points_m
         .iter()
         .map(|p| Vector::new(p.x, p.y, p.z))
