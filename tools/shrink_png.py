@@ -55,14 +55,14 @@ def read(path):
 
 
 def palette(picture, least):
-    """The colours that occur most often, at least so far apart, and the nearest of them for each."""
+    """The eight most frequent colours, then others, at least so far apart, and the nearest of them for each."""
     flat = picture.reshape(-1, 3)
     colours, index, count = numpy.unique(flat, axis=0, return_inverse=True, return_counts=True)
     colours, kept = colours.astype(int), []
     for apart in (least, 12, 24, 48):
         kept = []
         for one in numpy.argsort(-count, kind="stable"):
-            if all(abs(colours[one] - other).max() >= apart for other in kept):
+            if len(kept) < 8 or all(abs(colours[one] - other).max() >= apart for other in kept):
                 kept.append(colours[one])
                 if len(kept) > 256:
                     break

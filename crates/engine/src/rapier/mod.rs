@@ -278,7 +278,7 @@ impl RapierWorld {
             .pose(to_pose(&(world_from_part * body_from_part.inverse())))
             .linvel(to_vector(&velocity))
             .angvel(to_vector(&angular_world_rad_s))
-            .additional_mass_properties(mass_properties(&mass))
+            .additional_mass_properties(mass_properties(mass))
             .can_sleep(false)
             .build();
         member.body = self.bodies.insert(body);

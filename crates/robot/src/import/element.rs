@@ -24,7 +24,10 @@ impl Place<'_> {
     pub fn at(&self, node: Node<'_, '_>, error: Error) -> Error {
         let (line, column) = self.line_column(node);
         let name = node.tag_name().name();
-        error.at_file(self.source.path()).at_line(line, column).field(name)
+        error
+            .at_file(self.source.path())
+            .at_line(line, column)
+            .field(name)
     }
 
     /// The line of an element.
