@@ -4,7 +4,9 @@
 use std::path::Path;
 
 use crate::common::{self, realgap, text};
+use realgap::file::Source;
 use realgap::robot::morphology::Morphology;
+use realgap::simulation::{Experiment, JointKind, JointState, watch};
 
 #[test]
 fn what_is_exported_comes_back_with_the_same_masses_moments_and_places() {
@@ -111,4 +113,51 @@ fn what_realgap_did_not_write_is_not_replaced() {
     let missing = realgap().args(["import", "no_such.urdf"]).output().unwrap();
     assert_eq!(missing.status.code(), Some(1));
     assert!(text(&missing.stderr).contains("no_such.urdf") && !Path::new("no_such.urdf").exists());
+}
+
+#[test]
+fn a_light_link_keeps_the_moment_of_each_of_its_axes() {
+    // Moments that differ by a few 1e-6 kg m²: about the hinge the smallest, in the middle, the largest.
+    for [x, y, z] in [
+        [4e-6, 1e-6, 4.5e-6],
+        [1e-6, 3e-6, 3.5e-6],
+        [2e-6, 3e-6, 1.5e-6],
+    ] {
+        let text = format!(
+            r#"(
+            name: "light",
+            bodies: [(name: "stand", mass_kg: 1, inertia_kg_m2: (xx: 1, yy: 1, zz: 1)),
+                (name: "link", mass_kg: 0.02, centre_of_mass_m: (0, 0, -0.01), inertia_kg_m2: (xx: {x:e}, yy: {y:e}, zz: {z:e}))],
+            joints: [(name: "j", parent: "stand", child: "link", kind: Turn(axis: (0, 1, 0)))],
+            mount: (at_m: (0, 0, 1)),
+        )"#
+        );
+        let robot = Morphology::parse(&Source::new("light.ron", text)).unwrap();
+        // A quarter of a period of a physical pendulum from 0.02 rad.
+        let (moment, inertia) = (0.02 * 0.01, y + 0.02 * 0.01 * 0.01);
+        let quarter_s = 0.25 * std::f64::consts::TAU * (inertia / (moment * 9.81_f64)).sqrt();
+        for kind in [JointKind::Impulse, JointKind::Multibody] {
+            let mut experiment = Experiment::new(robot.assemble());
+            experiment.solver.joint = kind;
+            experiment.solver.timestep_s = 1e-3;
+            experiment.start_joints = vec![JointState {
+                angle_rad: 0.02,
+                speed_rad_s: 0.0,
+            }];
+            experiment.duration_s = 2.0 * quarter_s;
+            let mut film: Vec<(f64, f64)> = Vec::new();
+            let run = watch(&experiment, &[], &mut |s| {
+                film.push((s.time_s, s.hinges[0].angle_rad));
+            });
+            assert!(run.unwrap().outcome.is_completed());
+            let zero = film.iter().position(|(_, angle)| *angle <= 0.0).unwrap();
+            let ((t, a), (u, b)) = (film[zero - 1], film[zero]);
+            let measured_s = t + (u - t) * a / (a - b);
+            let off = measured_s / quarter_s - 1.0;
+            assert!(
+                off.abs() < 1e-2,
+                "{kind:?}, {y} kg m2: {measured_s} s is not {quarter_s} s"
+            );
+        }
+    }
 }
