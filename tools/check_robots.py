@@ -136,7 +136,7 @@ def swing(realgap, ron, folder):
     text = re.sub(r"shapes: \[.*\]\),$", "),", ron.read_text(), flags=re.M)
     ron.write_text(re.sub(r", (limits_rad|limits_m|dry_nm|dry_n): (\([^)]*\)|[0-9.e+-]+)", "", text))
     xml = folder / "robot.xml"
-    done = subprocess.run([realgap, "export", str(ron), "--format", "mjcf", "-o", str(xml)], capture_output=True, text=True)
+    done = subprocess.run([realgap, "export", str(ron), "--format", "mjcf", "-o", str(xml), "--force"], capture_output=True, text=True)
     if done.returncode:
         return None
     text = re.sub(r"<geom ", '<geom contype="0" conaffinity="0" ', re.sub(r' (contype|conaffinity)="0"', "", xml.read_text()))
@@ -151,7 +151,7 @@ def swing(realgap, ron, folder):
     while data.time < 0.2 - 1e-9:
         mujoco.mj_step(model, data)
     run = folder / "run.csv"
-    done = subprocess.run([realgap, "simulate", str(ron), "--duration", "0.2", "-o", str(run), "--set", "timestep_s=0.0005"],
+    done = subprocess.run([realgap, "simulate", str(ron), "--duration", "0.2", "-o", str(run), "--force", "--set", "timestep_s=0.0005"],
                           capture_output=True, text=True)
     if done.returncode:
         return None

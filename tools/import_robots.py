@@ -77,7 +77,7 @@ def main():
                 row["why"] = reason(err)
             if code == 0 and not options.no_simulation:
                 run = Path(folder) / "run.csv"
-                arguments = [options.realgap, "simulate", str(ron), "--duration", "2", "-o", str(run)]
+                arguments = [options.realgap, "simulate", str(ron), "--duration", "2", "-o", str(run), "--force"]
                 code, out, err = call(arguments, 300)
                 diverged = "diverged" in out + err
                 row["simulates"] = code == 0 and not diverged
