@@ -22,8 +22,7 @@ const SINGLE_BODY: &str = "the engine takes the stiffness of a contact from the 
 
 const UNFELT: &str = "the engine applies restitution after friction and does not solve friction again: what slides through a bounce keeps too much speed, more with shorter steps";
 const FIRST_ORDER: &str = "the engine turns a spinning body with an error in proportion to the substep, which a spin about the middle axis magnifies";
-const DRAINED: &str =
-    "the engine's multibody on a mount loses swing energy in proportion to the substep";
+const DRAINED: &str = "the engine's multibody on a mount loses swing energy, less with shorter steps and more substeps";
 const ROLLING: &str = "a cylinder of 3 cm rolls 5 % too slowly at any step; the cause is not found";
 
 const TOSS: &str = "one of twenty tosses gains 2 to 3 % of its energy in a hit; the cause is not found, and 1/960 s cures multibody joints";
