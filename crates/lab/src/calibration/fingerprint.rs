@@ -50,6 +50,15 @@ impl Study {
         if definition.start_state != StartState::FirstSample {
             print = print.with("start state", definition.start_state.label());
         }
+        if let Some(commands) = &definition.commands {
+            print = print.with("commands", format!("{commands:?}"));
+        }
+        if let Some(horizon) = definition.horizon {
+            print = print.with("horizon", format!("{horizon:?}"));
+        }
+        if definition.priors.iter().any(Option::is_some) {
+            print = print.with("priors", format!("{:?}", definition.priors));
+        }
         if let Some(split) = definition.split {
             print = print.with("split", split);
         }
