@@ -4,6 +4,9 @@
 mod answer;
 mod array;
 mod callback;
+/// The command, whose files are those of the program: a wheel holds it and the library once.
+#[path = "../../src/cli/mod.rs"]
+mod cli;
 mod error;
 mod folder;
 mod prediction;
@@ -46,6 +49,12 @@ mod _native {
     use crate::study::Study;
     #[pymodule_export]
     use crate::trajectory::{Trajectory, compare};
+
+    /// Runs the command with these words, the program's name first; how it ends.
+    #[pyfunction]
+    fn command(py: Python<'_>, words: Vec<std::ffi::OsString>) -> u8 {
+        py.detach(|| crate::cli::run(words.into_iter()))
+    }
 
     /// Versions of the package and of the engine.
     #[pyfunction]

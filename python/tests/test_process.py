@@ -210,3 +210,21 @@ def test_a_spawned_pool_works(tmp_path):
         [sys.executable, str(script), str(TRIPOD)], capture_output=True, text=True, timeout=120
     )
     assert done.stdout.strip() == "equal", done.stderr
+
+
+def test_the_command_of_the_wheel_is_the_command(tmp_path):
+    run = "from realgap._command import main; raise SystemExit(main())"
+
+    def said(*words):
+        command = [sys.executable, "-c", run, *map(str, words)]
+        return subprocess.run(command, capture_output=True, text=True, check=False)
+
+    assert said("--version").stdout.split() == ["realgap", realgap.__version__]
+    assert said("simulate", "nowhere.ron").returncode == 1
+    assert said("no-such-command").returncode == 2
+    out = tmp_path / "run.csv"
+    robot = tmp_path / "cube.ron"
+    robot.write_text('(name: "cube", modules: [(name: "cube", kind: Passive(side_m: 0.1, mass_kg: 0.1))])')
+    done = said("simulate", robot, "--duration", "0.1", "-o", out)
+    assert done.returncode == 0, done.stderr
+    assert out.read_text().startswith("t_s,x_m")

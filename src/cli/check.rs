@@ -4,7 +4,6 @@ pub mod report;
 mod sensing;
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use realgap::calibration::{Definition, Overrides, read_parameters};
@@ -58,7 +57,7 @@ struct Contents {
 }
 
 impl Check {
-    pub fn run(self) -> Result<ExitCode> {
+    pub fn run(self) -> Result<u8> {
         if let Some(plot) = &self.plot {
             self.draw(plot)?;
         }
@@ -91,9 +90,9 @@ impl Check {
                     self.files.len()
                 ));
             }
-            return Ok(ExitCode::FAILURE);
+            return Ok(1);
         }
-        Ok(ExitCode::SUCCESS)
+        Ok(0)
     }
 
     fn draw(&self, plot: &Path) -> Result<()> {

@@ -11,7 +11,7 @@ macro_rules! commands {
         }
 
         impl $name {
-            pub fn run(self) -> realgap::Result<std::process::ExitCode> {
+            pub fn run(self) -> realgap::Result<u8> {
                 use $crate::cli::Ending as _;
                 match self {
                     $(Self::$variant(options) => options.run().map(|ending| ending.code()),)*
@@ -82,7 +82,7 @@ mod vision;
 mod word;
 mod work;
 
-use std::process::ExitCode;
+use std::ffi::OsString;
 
 use clap::{Parser, Subcommand as _};
 use realgap::ErrorKind;
@@ -244,26 +244,26 @@ fn help() -> String {
 
 /// How a command ends that does not fail.
 trait Ending {
-    fn code(self) -> ExitCode;
+    fn code(self) -> u8;
 }
 
 /// Most commands have nothing to say.
 impl Ending for () {
-    fn code(self) -> ExitCode {
-        ExitCode::SUCCESS
+    fn code(self) -> u8 {
+        0
     }
 }
 
-impl Ending for ExitCode {
+impl Ending for u8 {
     fn code(self) -> Self {
         self
     }
 }
 
-/// Parses the arguments, runs the command, prints the error if there is one.
-pub fn main() -> ExitCode {
+/// Parses the words, the program's name first, runs the command and prints the error if there is one; how it ends.
+pub fn run(words: impl Iterator<Item = OsString>) -> u8 {
     interrupt::listen();
-    let ended = stream::kept(word::today(std::env::args_os())).and_then(|words| {
+    let ended = stream::kept(word::today(word::keep(words))).and_then(|words| {
         let cli = Cli::try_parse_from(words)
             .unwrap_or_else(|error| advice::with_decimal_point(error).exit());
         if cli.force {
@@ -273,15 +273,15 @@ pub fn main() -> ExitCode {
     });
     let handed_out = stream::finish();
     match ended.and_then(|code| handed_out.map(|()| code)) {
-        Ok(_) if terminal::output_lost() => ExitCode::FAILURE,
+        Ok(_) if terminal::output_lost() => 1,
         Ok(code) => code,
         Err(error) => {
             terminal::print_error(&error);
-            ExitCode::from(match error.kind() {
+            match error.kind() {
                 ErrorKind::Usage => 2,
                 ErrorKind::Interrupted => 130,
                 _ => 1,
-            })
+            }
         }
     }
 }

@@ -127,7 +127,10 @@ pub fn stands_for(words: &[String]) {
 
 /// The words of the command, the program's name first.
 fn typed() -> impl Iterator<Item = String> {
-    let own = || std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+    let own = || {
+        let words = super::word::typed().iter();
+        words.map(|word| word.to_string_lossy().into_owned())
+    };
     let words = STANDS_FOR.get().cloned();
     words.unwrap_or_else(|| own().collect()).into_iter()
 }

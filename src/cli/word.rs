@@ -1,10 +1,24 @@
 //! The words of the command line before clap reads them: names of before are those of today.
 
 use std::ffi::OsString;
+use std::sync::OnceLock;
 
 use clap::Subcommand as _;
 
 use super::{Command, terminal};
+
+/// The words as they were typed.
+static TYPED: OnceLock<Vec<OsString>> = OnceLock::new();
+
+/// Keeps the words for whoever names the command later.
+pub fn keep(words: impl Iterator<Item = OsString>) -> impl Iterator<Item = OsString> {
+    TYPED.get_or_init(|| words.collect()).iter().cloned()
+}
+
+/// The words as they were typed, the program's name first.
+pub fn typed() -> &'static [OsString] {
+    TYPED.get().map_or(&[], Vec::as_slice)
+}
 
 /// The words in today's names. What has moved is said on standard error.
 pub fn today(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
