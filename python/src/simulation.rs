@@ -10,7 +10,7 @@ use realgap::calibration::read_parameters;
 use realgap::file::Source;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{
-    self, Between, CommandTrack, Experiment, Film, JointKind, Outcome, Sampling, SceneBody, film,
+    Between, CommandTrack, Experiment, Film, JointKind, Outcome, Sampling, SceneBody, film,
 };
 use realgap::trajectory::write_with_bodies;
 use realgap::{Error, Result, Warning};
