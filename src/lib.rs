@@ -195,7 +195,8 @@ pub mod guide {
     // A page is a word in this table; `tests/documentation.rs` holds it to the folder.
     pages! {
         pictures: compare confidence convergence curves ensemble fitness gallery heatmap histograms map paths profile ride
-            robot seen sensitivity sensor steps template time times tosses trajectories visits watched;
+            robot seen sensitivity sensor so101_arm steps template time times tosses trajectories turtlebot3_burger unitree_a1 visits
+            watched;
         pages: tutorial cli conventions files python recordings joints robots scale glossary gallery pages design compare limits
             questions bibliography;
         #[doc = links!()]
