@@ -128,9 +128,9 @@ pub fn families() -> impl Iterator<Item = &'static Parameter> {
 }
 
 /// Other names of parameters: group and quantity, and those that are usual here.
-const ALSO: [((&str, &str), (&str, &str)); 2] = [
-    (("joint", "delay_s"), ("servo", "latency_s")),
-    (("hinge", "dry_friction_nm"), ("hinge", "dry_nm")),
+const ALSO: [[(&str, &str); 2]; 2] = [
+    [("joint", "delay_s"), ("servo", "latency_s")],
+    [("hinge", "dry_friction_nm"), ("hinge", "dry_nm")],
 ];
 
 /// The usual name of a parameter that goes by another.
@@ -142,8 +142,8 @@ fn usual(name: &str) -> String {
         "body" if !subject.is_empty() => "module",
         group => group,
     };
-    let also = ALSO.iter().find(|(other, _)| *other == (group, quantity));
-    let (group, quantity) = also.map_or((group, quantity), |(_, usual)| *usual);
+    let also = ALSO.iter().find(|[other, _]| *other == (group, quantity));
+    let (group, quantity) = also.map_or((group, quantity), |[_, usual]| *usual);
     [group, subject, quantity]
         .into_iter()
         .filter(|part| !part.is_empty())

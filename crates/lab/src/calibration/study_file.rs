@@ -153,7 +153,8 @@ impl RangeFile {
             return Ok(None);
         };
         let is_within = (range.from..=range.to).contains(&median);
-        if !is_within || !(sd > 0.0 && sd.is_finite()) {
+        let is_spread = sd > 0.0 && sd.is_finite();
+        if !is_within || !is_spread {
             return Err(Error::invalid("no prior knowledge of this parameter")
                 .field("prior")
                 .found(format!("({median}, {sd})"))
