@@ -117,6 +117,7 @@ impl World for Sledge {
     fn lead_driven(&mut self, _index: usize, _next: &Isometry3<f64>) {}
 }
 
+/// Slides a block and prints how far it went.
 pub fn main() -> Result<()> {
     let cube = Morphology::read("morphologies/cube.ron")?.assemble();
     let mut experiment = Experiment::new(cube);
