@@ -314,19 +314,26 @@ fn study(path: &Path) -> Result<Contents> {
         Ok(whole) => {
             let given = whole.recordings.len();
             let study = realgap::calibration::Study::new(whole)?;
-            let runs = study.sweep_runs() * study.cases().len();
+            let runs = study.sweep_runs().checked_mul(study.cases().len());
             let one = study.cpu_s_per_point()?;
             let cost_s = one * study.run_cost() * study.sweep_runs() as f64;
-            lines.push(format!(
-                "  {}, {}, {}",
-                counted(given, "recording"),
-                counted(points, "point"),
-                counted(runs, "simulation")
-            ));
-            lines.push(format!(
-                "  about {cost_s:.0} CPU s for a sweep ({one:.3} s a point and setting, from a slice of one on this machine just now)"
-            ));
-            (recordings, simulations, cpu_s) = (Some(given), Some(runs), Some(cost_s));
+            recordings = Some(given);
+            let given = counted(given, "recording");
+            if let Some(runs) = runs {
+                let (points, runs) = (counted(points, "point"), counted(runs, "simulation"));
+                lines.push(format!("  {given}, {points}, {runs}"));
+                lines.push(format!(
+                    "  about {cost_s:.0} CPU s for a sweep ({one:.3} s a point and setting, from a slice of one on this machine just now)"
+                ));
+                (simulations, cpu_s) = (Some(runs), Some(cost_s));
+            } else {
+                lines.push(format!(
+                    "  {given}, more points than a sweep can look at: see realgap tune"
+                ));
+                lines.push(format!(
+                    "  about {one:.3} CPU s a point, from a slice of one on this machine just now"
+                ));
+            }
             warnings = study.warnings().to_vec();
             let grid = &study.definition().grid;
             let tuned: Vec<&str> = grid.ranges().iter().map(|r| r.parameter.name).collect();

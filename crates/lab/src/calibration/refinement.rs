@@ -24,10 +24,12 @@ pub(super) fn runs_a_round(study: &Study) -> usize {
 }
 
 impl Study {
-    /// Simulations of a sweep, each of all cases: the grid, the points that are simulated again, and the settings of the best.
+    /// Simulations of a sweep, each of all cases: the grid, the points that are simulated again, and the settings of the best;
+    /// `usize::MAX` where nobody could count them.
     pub fn sweep_runs(&self) -> usize {
         let settings = self.settings().count;
-        self.definition().grid.len() + ROUNDS * runs_a_round(self) + settings - 1
+        let again = ROUNDS * runs_a_round(self) + settings - 1;
+        self.definition().grid.len().saturating_add(again)
     }
 
     /// What one of them costs on average, in runs with the study's own settings; substeps count like steps.
