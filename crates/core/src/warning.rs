@@ -131,8 +131,8 @@ codes! {
     SolverNotExported "solver-not-exported" "A format does not hold the solver's settings." "set timestep and solver by hand in the other simulator";
     SpeedLimitInvented "speed-limit-invented" "A format asks for a speed limit that the robot does not have." "check the speed limit in the written file";
     SpringNotExported "spring-not-exported" "Springs, armatures and marks are not in an exported file." "set them in the other program, or export as mjcf";
-    StandIn "stand-in" "A simulator made the recordings." "record real runs: a fit to a simulator says nothing about reality";
     StaleSamples "stale-samples" "Samples repeat the joints of the one before although commands move." "read the joints again in every sample, or expect errors as large as they move in one";
+    StandIn "stand-in" "A simulator made the recordings." "record real runs: a fit to a simulator says nothing about reality";
     Standstill "standstill" "A recording begins before the robot moves." "crop the standstill";
     TiedPlate "tied-plate" "A plate carries as much as its cube, and chance decides which of them slips." "change the robot a little, so that plate and cube do not carry alike";
     Toppled "toppled" "A robot fell over before its run." "turn the robot, or start it lower";

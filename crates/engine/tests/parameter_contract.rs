@@ -388,6 +388,7 @@ fn what_is_set_is_read_back_and_nothing_else_changes() {
             parameter.name.starts_with("servo.") && parameter.value(&walk()).is_none();
         let base = match parameter.name {
             name if name.starts_with("vehicle.sensor.") => case(parameter).0[0](),
+            "servo.stiffness_nm_rad" | "servo.damping_nm_s_rad" => sprung(),
             _ if is_of_motor => swung(),
             _ => walk(),
         };

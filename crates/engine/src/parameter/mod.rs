@@ -136,7 +136,12 @@ const ALSO: [[(&str, &str); 2]; 2] = [
 /// The usual name of a parameter that goes by another.
 fn usual(name: &str) -> String {
     let (group, rest) = name.split_once('.').unwrap_or((name, ""));
-    let (subject, quantity) = rest.rsplit_once('.').unwrap_or(("", rest));
+    let (subject, quantity) = match rest.rsplit_once('.') {
+        // A thing without a name is no parameter of all things.
+        Some(("", _)) => return name.to_owned(),
+        Some(parts) => parts,
+        None => ("", rest),
+    };
     // A module of a robot of bodies is one body.
     let group = match group {
         "body" if !subject.is_empty() => "module",
