@@ -320,8 +320,8 @@ fn study(path: &Path) -> Result<Contents> {
             recordings = Some(given);
             let given = counted(given, "recording");
             if let Some(runs) = runs {
-                let (points, runs) = (counted(points, "point"), counted(runs, "simulation"));
-                lines.push(format!("  {given}, {points}, {runs}"));
+                let (points, all) = (counted(points, "point"), counted(runs, "simulation"));
+                lines.push(format!("  {given}, {points}, {all}"));
                 lines.push(format!(
                     "  about {cost_s:.0} CPU s for a sweep ({one:.3} s a point and setting, from a slice of one on this machine just now)"
                 ));
