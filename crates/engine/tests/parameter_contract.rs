@@ -383,14 +383,15 @@ fn every_parameter_changes_a_run() {
 fn what_is_set_is_read_back_and_nothing_else_changes() {
     for parameter in parameter::all().chain(of_a_module()) {
         let (_, one, other) = case(parameter);
-        // Motors have what their robot's file states, and the tripod has none.
-        let is_of_motor =
-            parameter.name.starts_with("servo.") && parameter.value(&walk()).is_none();
+        // Servos and hinges have what their robot's file states, and the tripod's states little.
+        let own = case(parameter).0[0];
+        let has_it = |base: &Make| parameter.value(&base()).is_some();
         let base = match parameter.name {
-            name if name.starts_with("vehicle.sensor.") => case(parameter).0[0](),
-            "servo.stiffness_nm_rad" | "servo.damping_nm_s_rad" => sprung(),
-            _ if is_of_motor => swung(),
-            _ => walk(),
+            name if name.starts_with("vehicle.sensor.") => own(),
+            _ => [walk, own]
+                .iter()
+                .find(|base| has_it(base))
+                .unwrap_or(&(walk as _))(),
         };
         for value in [one, other] {
             let changed = parameter.apply(&base, value).unwrap();

@@ -251,9 +251,6 @@ impl fmt::Display for Report {
         for verdict in &self.verdicts {
             write!(f, "\n  {verdict}")?;
         }
-        for known in self.tuning.iter().flat_map(|tuned| &tuned.least_squares) {
-            write!(f, "\n  {known}")?;
-        }
         if let Some(audit) = &self.audit {
             write!(
                 f,
@@ -280,9 +277,9 @@ impl Report {
                 displacement_error_m: point.displacement_error_m,
             })
         });
-        let points_total = match evidence.method {
-            Method::Sweep => definition.grid.len(),
-            Method::Tune(tuned) => tuned.budget,
+        let (points_total, known) = match evidence.method {
+            Method::Sweep => (definition.grid.len(), Default::default()),
+            Method::Tune(tuned) => (tuned.budget, tuned.least_squares.as_slice()),
         };
         Ok(Self {
             study: definition.name.clone(),
@@ -308,6 +305,10 @@ impl Report {
                 indistinguishable: u.indistinguishable.iter().filter(|is_in| **is_in).count(),
             }),
             verdicts: match evidence.ending {
+                // Of the errors themselves least squares know more than an emulator of their mean.
+                Ending::Complete if !known.is_empty() => {
+                    Verdict::of_least_squares(definition, known)
+                }
                 Ending::Complete => verdicts(
                     study,
                     scores,

@@ -5,6 +5,8 @@ use std::fmt;
 use serde::Serialize;
 
 use super::audit::Audit;
+use super::definition::Definition;
+use super::method::Estimated;
 use super::posterior::{BestDraws, INTERVAL_LEVEL};
 use super::score::Scores;
 use super::study::Study;
@@ -37,6 +39,24 @@ pub struct Verdict {
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)
+    }
+}
+
+impl Verdict {
+    /// What least squares know: the ends of the 90 % interval stand for what fits as well.
+    pub(super) fn of_least_squares(definition: &Definition, known: &[Estimated]) -> Vec<Self> {
+        let verdict = |(known, range): (&Estimated, &Range)| Self {
+            parameter: known.parameter.to_owned(),
+            unit: range.parameter.unit.label().to_owned(),
+            best: known.value,
+            low: known.low,
+            high: known.high,
+            interval: Some((known.low, known.high)),
+            identified: known.is_told,
+            text: known.to_string(),
+        };
+        let ranges = definition.grid.ranges();
+        known.iter().zip(ranges).map(verdict).collect()
     }
 }
 
