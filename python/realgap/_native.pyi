@@ -14,6 +14,7 @@ __all__ = [
     "Simulation",
     "Study",
     "Trajectory",
+    "command",
     "compare",
     "folder_page",
     "metrics",

@@ -12,8 +12,8 @@ def files_of(folder):
     """The files of a results folder that depend on the study alone."""
     found = {}
     for file in sorted(folder.rglob("*")):
-        # The command leaves a page of its own, which names the command; Python makes one with `report`.
-        without = {"timing.json", "report.html", "page.json"}
+        # The command leaves a page of its own, which names the command; Python makes one with `report`. The check sums are of it, too.
+        without = {"timing.json", "report.html", "page.json", "SHA256SUMS"}
         if file.is_file() and file.name not in without and not file.name.startswith("."):
             found[str(file.relative_to(folder))] = file.read_bytes()
     return found
