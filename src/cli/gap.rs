@@ -20,8 +20,8 @@ use super::{progress, terminal};
 /// How many noise floors is the simulation away from reality, and until when may it be trusted?
 ///
 /// The noise floor is the distance between repeats of the same real run; the gap is that between simulation and reality; the gap
-/// ratio is one over the other, and 1 means indistinguishable. Where the study has noise, the repeats under it say how likely a
-/// real run lies inside what was predicted, over time. The folder gets gap.json, confidence.png, rmse.png and .svg.
+/// ratio is one over the other: at 1 the simulation is as far as repeats are from each other; whether both are drawn alike says the
+/// energy test. Where the study has noise, the repeats under it say how likely a real run lies inside what was predicted, over time. The folder gets gap.json, confidence.png, rmse.png and .svg.
 /// Without a study, the noise floor of the recordings alone: realgap gap --recordings 'runs.csv' --group condition
 #[derive(Debug, Args)]
 pub struct Gap {

@@ -13,7 +13,7 @@ const BODY_M: f64 = 0.06;
 
 /// Interval of a hand-made gap and of its floor, each end as a factor.
 const GAP_FACTOR: f64 = 3.199679;
-const FLOOR_FACTOR: f64 = 7.040630;
+const FLOOR_FACTOR: f64 = 6.402_51;
 
 /// A path along x that ends at `far_m`, swung sideways by `bend_m` in its middle.
 fn path(far_m: f64, bend_m: f64) -> Sample {
@@ -71,7 +71,8 @@ fn floor_gap_and_ratio_of_a_hand_made_set_are_those_worked_out_by_hand() {
         assert!((value - expected).abs() < 1e-12, "{value} {expected}");
     }
     // By numpy and scipy.stats.t.ppf(0.975, 2): without each recording the gap is 1, 3/2, 3/2 and the floor 2, 3, 1, and t times
-    // the jackknife's root of variance of the logarithms (halved for pairs) is 4.302653 times 0.270310 and 0.453603.
+    // the root of the variance is 4.302653 times 0.270310 (the jackknife's of the logarithms) and 0.431510 (a quarter of the jackknife's
+    // 0.411472, and that of a pair over the square of the mean, 1 / 4, over 3).
     let (gap, floor) = (ideal.gap, row.floor.unwrap());
     for (found, expected) in [
         (gap.high.unwrap() / gap.value, GAP_FACTOR),

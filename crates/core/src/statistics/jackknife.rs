@@ -1,23 +1,26 @@
 //! Intervals from leaving out one item after the other, for few items.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
-/// What a number is computed from, which decides how much the jackknife overstates its variance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What a number is computed from, which decides what the jackknife misses of its variance.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Degree {
     /// A mean over items, or a function of such means.
     Items,
     /// A mean over pairs of items.
-    Pairs,
+    Pairs {
+        /// Variance of a single pair, over the square of the mean.
+        variance: f64,
+    },
 }
 
 /// Student's t interval of a positive number at `level` by the jackknife of its logarithm (Tukey 1958; Efron & Tibshirani
 /// 1993, chapter 11; the logarithm because its spread is that of a scale: Miller 1974).
 ///
-/// `left_out` are the values without each item. For a mean over pairs the jackknife overstates the variance by about
-/// (n − 1)² / (n − 2)² (its pseudo-values are those of the projection, Efron & Stein 1981, times that root), and the projection
-/// leaves out the pairs' own part: the variance is multiplied by (n − 2) / (n − 1), between the two, which covers best
-/// (docs/fidelity/gap.md). `None` for fewer than three items, or values that are not all positive.
+/// `left_out` are the values without each item. A mean over pairs is a U-statistic, whose variance has two parts (Hoeffding 1948,
+/// section 5): that of the items, which the jackknife overstates by (n − 1)² / (n − 2)² (Efron & Stein 1981), and that of single pairs
+/// over n (n − 1) / 2, which it misses, and which is most of it where items are of few kinds. `None` for fewer than three
+/// items, or values that are not all positive.
 ///
 /// ```
 /// use realgap_core::statistics::{Degree, jackknife_interval};
@@ -42,8 +45,8 @@ pub fn jackknife_interval(
     }
     let logs: Vec<f64> = left_out.iter().map(|v| libm::log(*v)).collect();
     let mut variance = jackknife_variance(&logs);
-    if degree == Degree::Pairs {
-        variance *= (n - 2.0) / (n - 1.0);
+    if let Degree::Pairs { variance: of_pairs } = degree {
+        variance = variance * ((n - 2.0) / (n - 1.0)).powi(2) + 2.0 * of_pairs / (n * (n - 1.0));
     }
     let t = student_quantile(0.5 + 0.5 * level, n - 1.0);
     let factor = libm::exp(t * variance.sqrt());
@@ -62,6 +65,11 @@ pub fn student_quantile(level: f64, degrees: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees).map_or(f64::INFINITY, |t| t.inverse_cdf(level))
 }
 
+/// Quantile of the χ² distribution; infinite without degrees of freedom.
+pub fn chi_squared_quantile(level: f64, degrees: f64) -> f64 {
+    ChiSquared::new(degrees).map_or(f64::INFINITY, |chi| chi.inverse_cdf(level))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -76,7 +84,7 @@ mod tests {
         ] {
             assert!(jackknife_interval(value, &left_out, 0.95, Degree::Items).is_none());
         }
-        let same = jackknife_interval(2.0, &[2.0; 5], 0.95, Degree::Pairs);
+        let same = jackknife_interval(2.0, &[2.0; 5], 0.95, Degree::Pairs { variance: 0.0 });
         assert_eq!(same, Some((2.0, 2.0)));
     }
 }

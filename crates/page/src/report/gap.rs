@@ -9,7 +9,7 @@ use super::section::{Section, figures, pictures};
 use super::story::Story;
 use super::value::*;
 use realgap_core::error::Result;
-use realgap_core::unit::{decimals, number};
+use realgap_core::unit::{counted, decimals, number};
 
 pub(super) fn gap(folder: &Path, report: &Value) -> Result<Story> {
     let is_floor_alone = report.get("sets").is_some();
@@ -57,9 +57,24 @@ fn answer(report: &Value) -> String {
     };
     let (ratio, gap) = (either("ratio"), either("gap"));
     let unit = metric.text("unit");
+    let alike = match metric.float("alike.p_value") {
+        None => String::new(),
+        Some(p) if p < 0.05 => format!(
+            "Simulated repeats are NOT drawn like {reality} (energy test, p = {}). ",
+            number(p)
+        ),
+        Some(p) => format!(
+            "Nothing tells simulated repeats from {reality} (energy test, p = {}, {}). ",
+            number(p),
+            counted(
+                report.count("recordings").unwrap_or(0) as usize,
+                "recording"
+            )
+        ),
+    };
     let first = match ratio.float("value") {
         Some(value) => format!(
-            "The simulation is {} noise floors away from {reality} (95 %: {}; 1 means indistinguishable): {} {} where repeats of the recorded run are {} apart.",
+            "The simulation is {} noise floors away from {reality} (95 %: {}; at 1 as far on average as repeats are from each other, which does not say that they are alike): {} {} where repeats of the recorded run are {} apart.",
             number(value),
             ratio.span(["low", "high"], ""),
             metric.text("metric"),
@@ -88,7 +103,7 @@ fn answer(report: &Value) -> String {
             )
         ),
     };
-    first + &until
+    alike + &first + &until
 }
 
 fn floor_answer(report: &Value) -> String {
@@ -138,7 +153,7 @@ fn metrics(report: &Value) -> String {
     noted(
         "metric | noise floor (95 %) | gap (95 %) | gap ratio (95 %) | drawn alike? p",
         rows,
-        "A ratio of 1 means indistinguishable from reality. More recorded repeats narrow the noise floor, which the width of most of these intervals comes from.",
+        "A ratio of 1 means as far from a recording, on average, as another recording is; whether both are drawn alike says p. More recorded repeats narrow the noise floor, which the width of most of these intervals comes from.",
     )
 }
 

@@ -149,7 +149,11 @@ impl fmt::Display for Reality {
 fn honesty(coverage: &Coverage) -> &'static str {
     if coverage.is_honest {
         "not contradicted"
-    } else if coverage.at_end.share < coverage.level {
+    } else if coverage.at_end.high < coverage.level
+        || coverage
+            .whole_path
+            .is_some_and(|held| held.high < coverage.level)
+    {
         "NO: region too narrow"
     } else {
         "NO: region too wide"

@@ -46,7 +46,7 @@ pub struct Coverage {
     pub over_time: f64,
     /// Runs that end in it, with the 95 % Wilson interval.
     pub at_end: Proportion,
-    /// Whether `level` lies in that interval: the runs do not contradict the promise.
+    /// Whether `level` lies in that interval and in that of whole paths: the runs contradict neither promise.
     pub is_honest: bool,
     /// Runs that stay in the band for whole paths, with the 95 % Wilson interval; `None` without one.
     pub whole_path: Option<Proportion>,
@@ -141,15 +141,17 @@ impl Reality {
                 let shares: Vec<f64> = runs.iter().map(|run| run.time_inside[index]).collect();
                 let in_band: Option<Vec<bool>> =
                     runs.iter().map(|run| Some(run.in_band?[index])).collect();
+                let whole_path = in_band.map(|held| {
+                    let count = held.iter().filter(|held| **held).count();
+                    Proportion::new(count, held.len(), INTERVAL)
+                });
+                let mut shares_held = std::iter::once(at_end).chain(whole_path);
                 Coverage {
-                    whole_path: in_band.map(|held| {
-                        let count = held.iter().filter(|held| **held).count();
-                        Proportion::new(count, held.len(), INTERVAL)
-                    }),
+                    is_honest: shares_held.all(|held| (held.low..=held.high).contains(&level)),
+                    whole_path,
                     level,
                     over_time: mean(&shares),
                     at_end,
-                    is_honest: (at_end.low..=at_end.high).contains(&level),
                 }
             })
             .collect();

@@ -7,7 +7,7 @@ use super::estimate::Estimate;
 use super::sample::{Heard, Sample, Scoring, distance};
 use crate::calibration::few_recordings;
 use realgap_core::error::Result;
-use realgap_core::statistics::Degree;
+use realgap_core::statistics::{Degree, standard_deviation};
 use realgap_core::unit::Unit;
 use realgap_core::warning::{Code, Warning};
 use realgap_path::comparison::{Context, Metric};
@@ -84,6 +84,11 @@ impl Pairs {
         self.values.iter().sum::<f64>() / self.values.len() as f64
     }
 
+    /// Variance of a pair over the square of the mean.
+    fn relative_variance(&self) -> f64 {
+        (standard_deviation(&self.values) / self.mean()).powi(2)
+    }
+
     /// The mean over the pairs without one recording; `None` where it leaves no pair.
     pub(super) fn mean_without(&self, left_out: usize) -> Option<f64> {
         let (mut sum, mut count) = (0.0, 0);
@@ -142,7 +147,9 @@ pub(super) fn measure(
                 floor: Estimate::new(
                     pairs.mean(),
                     (0..count).map(|i| pairs.mean_without(i)),
-                    Degree::Pairs,
+                    Degree::Pairs {
+                        variance: pairs.relative_variance(),
+                    },
                 ),
             });
             all_pairs.push(pairs);
