@@ -7,6 +7,7 @@ mod common;
 mod confidence;
 mod coverage;
 mod elbow;
+mod engines;
 mod ensemble;
 mod gap;
 mod in_sample;

@@ -5,6 +5,7 @@ use std::fmt;
 use rayon::prelude::*;
 
 use super::audit::Audit;
+use super::engines::engine_answers;
 use super::method::Method;
 use super::posterior::BestDraws;
 use super::profile::Profile;
@@ -73,7 +74,12 @@ impl Answer {
             // Whoever interrupts does not want to wait for more simulations.
             Ending::Interrupted => None,
         };
+        let engines = match ending {
+            Ending::Complete => engine_answers(study, &scores)?,
+            Ending::Interrupted => Vec::new(),
+        };
         let evidence = Evidence {
+            engines,
             method: &method,
             ending,
             scores: &scores,

@@ -8,13 +8,20 @@ use crate::calibration::identification::StartState;
 use realgap_store::Fingerprint;
 
 impl Study {
+    /// Engines that simulate, with their versions.
+    fn engine_versions(&self) -> String {
+        let engines = self.settings().engines(&self.cases()[0].experiment);
+        let versions: Vec<&str> = engines.iter().map(|(version, _)| *version).collect();
+        versions.join(", ")
+    }
+
     /// Everything that decides the results.
     pub fn fingerprint(&self) -> Fingerprint {
         let definition = self.definition();
         let experiment = &self.cases()[0].experiment;
         let mut print = Fingerprint::new()
             .with("realgap", env!("CARGO_PKG_VERSION"))
-            .with("engine", experiment.engine().version())
+            .with("engine", self.engine_versions())
             .with("study", &definition.name)
             .with("morphology sha256", &definition.morphology_sha256)
             .with("metric", definition.metric.name())

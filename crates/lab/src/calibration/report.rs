@@ -6,6 +6,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::audit::Audit;
+use super::engines::EngineAnswer;
 use super::method::{Method, Tuned};
 use super::posterior::BestDraws;
 use super::recording::few_recordings;
@@ -55,6 +56,8 @@ pub struct Report {
     pub verdicts: Vec<Verdict>,
     /// How the best values of two parameters move together when reality is sampled again.
     pub correlations: Vec<Correlation>,
+    /// What each engine says to the answer; empty where one engine simulated all of it.
+    pub engines: Vec<EngineAnswer>,
     /// What the numerical settings change.
     pub audit: Option<Audit>,
     /// How the fit does on recordings that it has not seen.
@@ -130,6 +133,7 @@ pub(super) struct Evidence<'a> {
     pub scores: &'a Scores,
     pub uncertainty: Option<&'a Uncertainty>,
     pub draws: Option<&'a BestDraws>,
+    pub engines: Vec<EngineAnswer>,
     pub audit: Option<Audit>,
     pub validation: Option<Validation>,
 }
@@ -144,6 +148,11 @@ impl Evidence<'_> {
     /// What the reader should know, of a run of so many points.
     fn warnings(&self, study: &Study, points_total: usize) -> Vec<Warning> {
         let mut warnings = study.warnings().to_vec();
+        warnings.extend(
+            self.engines
+                .iter()
+                .filter_map(|e| e.warning(self.scores.unit)),
+        );
         let (scores, diverged) = (self.scores, self.diverged());
         if diverged > 0 {
             warnings.push(Warning::new(
@@ -319,6 +328,7 @@ impl Report {
                 Ending::Interrupted => Vec::new(),
             },
             correlations: correlations(study, evidence.draws),
+            engines: evidence.engines.clone(),
             audit: evidence.audit.clone(),
             validation: evidence.validation.clone(),
             components: scores.basis.as_ref().map(|b| {

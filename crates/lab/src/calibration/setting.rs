@@ -1,7 +1,7 @@
 //! Equally valid settings: numerics and starts that nobody can choose between by reason.
 //!
-//! A step that is half as long, twice the substeps, or a start a millimetre off is as good a choice as the study's own, and
-//! for a robot that walks it changes the score. What all of them say on average is an answer; what one of them says is luck.
+//! A step that is half as long, twice the substeps, the second engine, or a start a millimetre off is as good a choice as the
+//! study's own, and for a robot that walks it changes the score. What all of them say on average is an answer; what one of them says is luck.
 
 use realgap_engine::{Experiment, Noise};
 
@@ -36,6 +36,19 @@ impl Settings {
         Setting::new(index % self.count)
     }
 
+    /// The engines that simulate, with their versions, each with the numbers of its settings; the study's own first.
+    pub fn engines(&self, own: &Experiment) -> Vec<(&'static str, Vec<usize>)> {
+        let mut engines: Vec<(&'static str, Vec<usize>)> = Vec::new();
+        for number in 0..self.count {
+            let version = self.apply(Setting::new(number), own).engine().version();
+            match engines.iter_mut().find(|(known, _)| *known == version) {
+                Some((_, numbers)) => numbers.push(number),
+                None => engines.push((version, vec![number])),
+            }
+        }
+        engines
+    }
+
     /// What a run costs on average over the settings, in runs with the study's own.
     pub fn mean_cost(&self, own: &Experiment) -> f64 {
         let steps = |experiment: &Experiment| {
@@ -51,7 +64,7 @@ impl Settings {
             return experiment.clone();
         }
         let perturbed = self.noise.perturb(experiment, self.seed, setting.0);
-        perturbed.with_numerics(setting.0)
+        perturbed.with_setting(setting.0)
     }
 }
 
@@ -85,6 +98,13 @@ mod tests {
         let own = experiment();
         for number in 1..16 {
             let changed = settings().apply(Setting::new(number), &own).solver;
+            if changed.engine != own.solver.engine {
+                // One solve of the second engine stands for one and a half to three substeps.
+                let solves = (changed.substeps as f64 / changed.timestep_s)
+                    * (own.solver.timestep_s / own.solver.substeps as f64);
+                assert!((0.333..=0.667).contains(&solves), "{number}: {solves}");
+                continue;
+            }
             let finer = own.solver.timestep_s / changed.timestep_s;
             let more = changed.substeps as f64 / own.solver.substeps as f64;
             assert!((1.0..=2.0).contains(&finer), "{number}: {finer}");
