@@ -220,6 +220,18 @@ impl Canvas {
     }
 }
 
+/// A point on a grid with so many steps to a unit.
+pub(crate) fn on_grid((x, y): Point, per_unit: u32) -> (i32, i32) {
+    // Far outside is as good as further outside, and cannot overflow plotters' arithmetic.
+    let whole = |v: f64| (v * f64::from(per_unit)).round().clamp(-1e6, 1e6) as i32;
+    (whole(x), whole(y))
+}
+
+/// The upper left and the lower right corner of a rectangle.
+pub(crate) fn corners(a: Point, b: Point) -> (Point, Point) {
+    ((a.0.min(b.0), a.1.min(b.1)), (a.0.max(b.0), a.1.max(b.1)))
+}
+
 pub(crate) fn distance(a: Point, b: Point) -> f64 {
     (a.0 - b.0).hypot(a.1 - b.1)
 }

@@ -5,7 +5,7 @@ use plotters::style::{Color, RGBColor, ShapeStyle};
 use realgap_core::font::rasterise;
 use realgap_core::{Error, Result};
 
-use crate::canvas::{Align, Canvas, Mark, Point, Text, distance};
+use crate::canvas::{Align, Canvas, Mark, Point, Text, corners, distance, on_grid};
 
 /// Pixels are averages of this many by this many: smooth lines, evenly spaced letters.
 const OVERSAMPLING: u32 = 3;
@@ -31,21 +31,18 @@ pub fn pixels(canvas: &Canvas, (width, height): (u32, u32)) -> Result<Vec<u8>> {
 struct Sheet<'a>(BitMapBackend<'a>);
 
 /// The finer grid that is drawn on.
-fn at((x, y): Point) -> (i32, i32) {
-    // Far outside is as good as further outside, and cannot overflow plotters' arithmetic.
-    let whole = |v: f64| (v * f64::from(OVERSAMPLING)).round().clamp(-1e6, 1e6) as i32;
-    (whole(x), whole(y))
+fn at(point: Point) -> (i32, i32) {
+    on_grid(point, OVERSAMPLING)
 }
 
 impl Sheet<'_> {
     fn draw(&mut self, mark: &Mark) -> std::result::Result<(), String> {
         match mark {
             &Mark::Rectangle(from, to, colour) => {
-                let (a, b) = (at(from), at(to));
-                let (a, b) = ((a.0.min(b.0), a.1.min(b.1)), (a.0.max(b.0), a.1.max(b.1)));
+                let (a, b) = corners(from, to);
                 let style = ShapeStyle::from(colour).filled();
                 self.0
-                    .draw_rect(a, b, &style, true)
+                    .draw_rect(at(a), at(b), &style, true)
                     .map_err(|failure| failure.to_string())
             }
             Mark::Polygon(points, colour) => self.polygon(points, *colour),

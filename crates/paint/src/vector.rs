@@ -8,7 +8,7 @@ use plotters::style::{
 use realgap_core::font::Weight;
 use realgap_core::{Error, Result};
 
-use crate::canvas::{Align, Canvas, Mark, Point, Text};
+use crate::canvas::{Align, Canvas, Mark, Point, Text, corners, on_grid};
 
 /// SVG coordinates of plotters are whole numbers; this many to a unit.
 const PER_UNIT: u32 = 10;
@@ -39,17 +39,15 @@ pub fn svg(canvas: &Canvas, (width, height): (u32, u32)) -> Result<Vec<u8>> {
     Ok(text.replacen(&fine, &real, 1).into_bytes())
 }
 
-fn at((x, y): Point) -> (i32, i32) {
-    let whole = |v: f64| (v * f64::from(PER_UNIT)).round().clamp(-1e6, 1e6) as i32;
-    (whole(x), whole(y))
+fn at(point: Point) -> (i32, i32) {
+    on_grid(point, PER_UNIT)
 }
 
 fn draw(backend: &mut SVGBackend, mark: &Mark) -> std::result::Result<(), String> {
     match mark {
         &Mark::Rectangle(from, to, colour) => {
-            let (a, b) = (at(from), at(to));
-            let (a, b) = ((a.0.min(b.0), a.1.min(b.1)), (a.0.max(b.0), a.1.max(b.1)));
-            backend.draw_rect(a, b, &ShapeStyle::from(colour).filled(), true)
+            let (a, b) = corners(from, to);
+            backend.draw_rect(at(a), at(b), &ShapeStyle::from(colour).filled(), true)
         }
         Mark::Polygon(points, colour) => {
             let points: Vec<_> = points.iter().map(|&point| at(point)).collect();
