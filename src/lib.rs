@@ -204,6 +204,6 @@ pub mod guide {
         fidelity: verification contact settings precision joints tosses energy hardware servo engines stand_ins tuning
             intervals sensitivity ensembles gap genomes search sensing radio vision;
         /// Defects of the engine, each with a program that shows it.
-        upstream: contact_stiffness friction_direction multibody_root multibody_swing restitution;
+        upstream: contact_stiffness friction_direction multibody_root multibody_swing restitution small_inertia;
     }
 }

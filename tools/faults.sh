@@ -211,9 +211,7 @@ if stopped "$work/log" && stopped "$work/other" --points 7; then
             else
                 silent=$((silent + 1))
             fi
-            if [ $((i % 5)) = 1 ]; then
-                sweep -o "$work/damaged" --resume && equal "$work/damaged" || lost=$((lost + 1))
-            fi
+            sweep -o "$work/damaged" --resume && equal "$work/damaged" || lost=$((lost + 1))
         done
         row "log of a killed run, $fault" "$times" "$said errors, $same the same answer, $silent silently another or without a cure, $lost not cured by --resume" $((silent + lost))
     done

@@ -37,6 +37,9 @@ pub struct Import {
     /// Leave joints without the servos whose limits a URDF states
     #[arg(long)]
     passive: bool,
+    /// Most convex hulls that a mesh becomes, for what is hollow or bent: each costs time in every step
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
+    hulls: u16,
     /// How to print what there is to say; json goes to standard output and needs -o
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -97,6 +100,7 @@ impl Import {
             packages: self.package.clone(),
             mounted: self.mounted,
             passive: self.passive,
+            hulls: self.hulls.into(),
         };
         let (robot, notes) = Morphology::import(&source, &options)?;
         let head = self.head(&notes);

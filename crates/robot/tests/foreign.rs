@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use nalgebra::Isometry3;
 use realgap_core::file::Source;
 use realgap_robot::import::{Note, Options, Sort};
+use realgap_robot::morphology::body::uniform;
 use realgap_robot::morphology::{Assembly, Freedom, Morphology, Shape};
 
 const LINK: &str = r#"<inertial><mass value="0.2"/><inertia ixx="1e-4" iyy="2e-4" izz="2.5e-4"/></inertial>
@@ -174,6 +175,78 @@ fn meshes_become_hulls_and_bad_ones_are_doubted() {
         "m long"
     ));
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// The triangles of a box between two corners, as ASCII STL writes them.
+fn facets(low: [f64; 3], high: [f64; 3]) -> String {
+    let corner = |k: usize| {
+        [0, 1, 2].map(|axis| {
+            if k >> axis & 1 == 1 {
+                high[axis]
+            } else {
+                low[axis]
+            }
+        })
+    };
+    let sides = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let mut text = String::new();
+    for [a, b, c, d] in sides {
+        for triangle in [[a, b, c], [a, c, d]] {
+            text += "facet normal 0 0 0\nouter loop\n";
+            for [x, y, z] in triangle.map(corner) {
+                text += &format!("vertex {x} {y} {z}\n");
+            }
+            text += "endloop\nendfacet\n";
+        }
+    }
+    text
+}
+
+#[test]
+fn a_bent_mesh_stays_open_as_several_hulls_where_its_own_hull_is_filled() {
+    let folder = tempfile::tempdir().unwrap();
+    // A channel: a floor and two walls, 20 mm thick, 100 mm wide and high.
+    let channel = [
+        facets([0.0, 0.0, 0.0], [0.1, 0.1, 0.02]),
+        facets([0.0, 0.0, 0.02], [0.02, 0.1, 0.1]),
+        facets([0.08, 0.0, 0.02], [0.1, 0.1, 0.1]),
+    ];
+    let text = format!("solid s\n{}endsolid s\n", channel.concat());
+    std::fs::write(folder.path().join("channel.stl"), text).unwrap();
+    let volume_m3 = |hulls: usize| {
+        let text = r#"<robot name="r"><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
+            <collision><geometry><mesh filename="channel.stl"/></geometry></collision></link></robot>"#;
+        let source = Source::new(folder.path().join("r.urdf"), text);
+        let options = Options {
+            hulls,
+            ..Options::default()
+        };
+        let (robot, _) = Morphology::import(&source, &options).unwrap_or_else(|e| panic!("{e}"));
+        let solids = robot.assemble().parts[0].solids.clone();
+        let shapes = solids.iter().filter(|solid| solid.has_surface());
+        let volumes = shapes.map(|solid| uniform(&solid.shape).unwrap().volume_m3);
+        let volumes: Vec<f64> = volumes.collect();
+        (volumes.len(), volumes.iter().sum::<f64>())
+    };
+    let (filled, true_m3) = (1e-3, 0.1 * 0.1 * 0.02 + 2.0 * 0.02 * 0.1 * 0.08);
+    let (count, own_m3) = volume_m3(1);
+    assert!(
+        count == 1 && (own_m3 / filled - 1.0).abs() < 1e-6,
+        "{own_m3}"
+    );
+    let (count, parts_m3) = volume_m3(8);
+    assert!((3..=8).contains(&count), "{count}");
+    assert!(
+        (parts_m3 / true_m3 - 1.0).abs() < 0.05,
+        "{parts_m3} of {true_m3}"
+    );
 }
 
 #[test]

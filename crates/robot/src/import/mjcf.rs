@@ -223,14 +223,11 @@ impl Robot<'_> {
                 }
                 continue;
             }
-            body.shapes.extend(
-                self.weighing
-                    .piece(geom, &body.name, notes)
-                    .map(|(form, pose)| Piece {
-                        form,
-                        pose: Pose::of(&pose),
-                    }),
-            );
+            let posed = self.weighing.pieces(geom, &body.name, notes).into_iter();
+            body.shapes.extend(posed.map(|(form, pose)| Piece {
+                form,
+                pose: Pose::of(&pose),
+            }));
         }
         Ok(body)
     }

@@ -9,7 +9,7 @@ use mjcf_rs::compiler::InertiaFromGeom;
 use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Translation3, UnitQuaternion, Vector3};
 
 use super::Options;
-use super::mesh;
+use super::mesh::Mesh;
 use super::mjcf::isometry;
 use super::note::Notes;
 use super::package::locate;
@@ -109,15 +109,14 @@ impl<'a> Weighing<'a> {
                     pose,
                 ))
             }
-            GeomType::Mesh => self.points(geom, body, notes).and_then(|points| {
+            GeomType::Mesh => self.mesh(geom, body, notes).and_then(|mesh| {
                 let shape = Shape::Hull {
-                    points_m: Arc::from(points),
+                    points_m: Arc::from(mesh.corners()),
                 };
                 Some((uniform(&shape)?, pose))
             }),
-            _ => self
-                .piece(geom, body, notes)
-                .and_then(|(form, pose)| Some((uniform(&form.shape().0)?, pose))),
+            _ => (self.pieces(geom, body, notes).first())
+                .and_then(|(form, pose)| Some((uniform(&form.shape().0)?, *pose))),
         };
         let Some((mass, pose)) = exact else {
             return Ok(None);
@@ -135,8 +134,8 @@ impl<'a> Weighing<'a> {
         Ok(Some((mass.posed(&pose), density)))
     }
 
-    /// A shape that can touch; `None` for what has no surface here.
-    pub fn piece(&self, geom: &Geom, body: &str, notes: &mut Notes) -> Option<Posed> {
+    /// Shapes that can touch, several of a mesh in parts; none for what has no surface here.
+    pub fn pieces(&self, geom: &Geom, body: &str, notes: &mut Notes) -> Vec<Posed> {
         let (size, pose) = sized(geom);
         let (radius_m, length_m) = (size.x, 2.0 * size.y);
         let form = match geom.type_ {
@@ -150,15 +149,20 @@ impl<'a> Weighing<'a> {
                 radii_m: (size.x, size.y, size.z),
             },
             GeomType::Mesh => {
-                let points = self.points(geom, body, notes)?;
+                let Some(mesh) = self.mesh(geom, body, notes) else {
+                    return Vec::new();
+                };
                 let name = geom.mesh.clone().unwrap_or_default();
-                let (form, middle_m) = mesh::hull(&points, &name, None, notes);
-                return Some((form, pose * Translation3::from(middle_m)));
+                let forms = mesh.forms(self.options.hulls, &name, None, notes);
+                let posed = forms.into_iter();
+                return posed
+                    .map(|(form, middle_m)| (form, pose * Translation3::from(middle_m)))
+                    .collect();
             }
             GeomType::Plane | GeomType::Hfield | GeomType::Sdf => {
                 let what = format!("a plane, height field or distance field of `{body}`");
                 notes.left_out(None, what, "use boxes");
-                return None;
+                return Vec::new();
             }
         };
         if form.shape().0.half_extents_m().min() <= 0.0 {
@@ -167,13 +171,13 @@ impl<'a> Weighing<'a> {
                 format!("a shape of `{body}` without size"),
                 "state its size",
             );
-            return None;
+            return Vec::new();
         }
-        Some((form, pose))
+        vec![(form, pose)]
     }
 
-    /// The corners of a shape's mesh.
-    fn points(&self, geom: &Geom, body: &str, notes: &mut Notes) -> Option<Vec<Vector3<f64>>> {
+    /// The mesh of a shape.
+    fn mesh(&self, geom: &Geom, body: &str, notes: &mut Notes) -> Option<Mesh> {
         let name = geom.mesh.clone().unwrap_or_default();
         let mut doubt = |why: String| {
             notes.doubt(
@@ -189,11 +193,8 @@ impl<'a> Weighing<'a> {
         let scale = Vector3::from(mesh.scale);
         if let Some(vertices) = &mesh.inline_vertices {
             let points = vertices.chunks_exact(3);
-            return Some(
-                points
-                    .map(|p| Vector3::new(p[0], p[1], p[2]).component_mul(&scale))
-                    .collect(),
-            );
+            let vertices = points.map(|p| Vector3::new(p[0], p[1], p[2]).component_mul(&scale));
+            return Mesh::of(vertices.collect(), Vec::new()).map_err(doubt).ok();
         }
         let file = mesh.file.clone().unwrap_or_default();
         let compiler = &self.model.compiler;
@@ -210,13 +211,7 @@ impl<'a> Weighing<'a> {
             doubt(format!("{file} cannot be found"));
             return None;
         };
-        match mesh::corners(&path, &scale) {
-            Ok(points) => Some(points),
-            Err(why) => {
-                doubt(why);
-                None
-            }
-        }
+        Mesh::read(&path, &scale).map_err(doubt).ok()
     }
 
     /// What the compiler does to masses at the end.

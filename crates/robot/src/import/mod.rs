@@ -53,6 +53,8 @@ pub struct Options {
     pub mounted: bool,
     /// Whether joints are left without the servos that URDF gives only the limits of.
     pub passive: bool,
+    /// Most convex hulls that a mesh becomes; with 0 or 1 it is its own hull.
+    pub hulls: usize,
 }
 
 /// A robot from another format.

@@ -7,7 +7,7 @@ use roxmltree::Node;
 
 use super::Options;
 use super::element::{Place, child, children};
-use super::mesh;
+use super::mesh::Mesh;
 use super::note::Notes;
 use super::package::locate;
 use crate::morphology::body::{Body, Form, Piece, Pose, Tensor, Triple};
@@ -48,15 +48,14 @@ impl Reader<'_> {
         }
         let mut is_standing_in = false;
         for shape in children(link, "collision") {
-            match self.piece(shape, &body.name, notes)? {
-                Some(piece) => body.shapes.push(piece),
-                None => is_standing_in = true,
-            }
+            let pieces = self.pieces(shape, &body.name, notes)?;
+            is_standing_in |= pieces.is_empty();
+            body.shapes.extend(pieces);
         }
         let has_collision = child(link, "collision").is_some();
         if (is_standing_in && body.shapes.is_empty()) || (self.visuals_collide && !has_collision) {
             for shape in children(link, "visual") {
-                body.shapes.extend(self.piece(shape, &body.name, notes)?);
+                body.shapes.extend(self.pieces(shape, &body.name, notes)?);
             }
         }
         if is_standing_in && body.shapes.is_empty() {
@@ -171,7 +170,7 @@ impl Reader<'_> {
             ..Body::default()
         };
         for shape in children(link, "visual") {
-            seen.shapes.extend(self.piece(shape, &body.name, notes)?);
+            seen.shapes.extend(self.pieces(shape, &body.name, notes)?);
         }
         let inertia = match seen.mass() {
             Some((_, _, inertia)) => {
@@ -195,8 +194,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The shape of a collision or visual element; `None` where its mesh cannot be had.
-    fn piece(&self, shape: Node<'_, '_>, link: &str, notes: &mut Notes) -> Result<Option<Piece>> {
+    /// The shapes of a collision or visual element, several of a mesh in parts; none where its mesh cannot be had.
+    fn pieces(&self, shape: Node<'_, '_>, link: &str, notes: &mut Notes) -> Result<Vec<Piece>> {
         let place = &self.place;
         let line = place.line(shape);
         let Some(geometry) = child(shape, "geometry") else {
@@ -205,16 +204,16 @@ impl Reader<'_> {
                 format!("a shape of link `{link}` has no geometry"),
                 "add <geometry>",
             );
-            return Ok(None);
+            return Ok(Vec::new());
         };
-        let mut pose = place.origin(shape)?;
+        let pose = place.origin(shape)?;
         let Some(solid) = geometry.children().find(Node::is_element) else {
             notes.left_out(
                 line,
                 format!("a shape of link `{link}` has an empty geometry"),
                 "name a shape in it",
             );
-            return Ok(None);
+            return Ok(Vec::new());
         };
         let mut size = |found: Vector3<f64>| {
             if found.min() < 0.0 {
@@ -246,17 +245,18 @@ impl Reader<'_> {
                 radius_m: one("radius")?,
                 length_m: one("length")?,
             },
-            "mesh" => match self.mesh(solid, link, notes)? {
-                None => return Ok(None),
-                Some((form, middle_m)) => {
-                    pose *= Translation3::from(middle_m);
-                    form
-                }
-            },
+            "mesh" => {
+                let forms = self.mesh(solid, link, notes)?.into_iter();
+                let posed = forms.map(|(form, middle_m)| Piece {
+                    form,
+                    pose: Pose::of(&(pose * Translation3::from(middle_m))),
+                });
+                return Ok(posed.collect());
+            }
             other => {
                 let what = format!("a shape of link `{link}` is <{other}>, which is no shape here");
                 notes.left_out(line, what, "use box, sphere, cylinder, capsule or mesh");
-                return Ok(None);
+                return Ok(Vec::new());
             }
         };
         if form_is_nothing(&form) {
@@ -265,12 +265,12 @@ impl Reader<'_> {
                 format!("a shape of link `{link}` has no size"),
                 "state its size in metres",
             );
-            return Ok(None);
+            return Ok(Vec::new());
         }
-        Ok(Some(Piece {
+        Ok(vec![Piece {
             form,
             pose: Pose::of(&pose),
-        }))
+        }])
     }
 
     fn mesh(
@@ -278,7 +278,7 @@ impl Reader<'_> {
         mesh: Node<'_, '_>,
         link: &str,
         notes: &mut Notes,
-    ) -> Result<Option<(Form, Vector3<f64>)>> {
+    ) -> Result<Vec<(Form, Vector3<f64>)>> {
         let place = &self.place;
         let line = place.line(mesh);
         let name = mesh
@@ -295,17 +295,17 @@ impl Reader<'_> {
         let Some(path) = locate(name, self.robot(), self.options) else {
             let what = format!("the mesh {name} of link `{link}` cannot be found");
             notes.doubt(line, what, "say in which folder its package lies");
-            return Ok(None);
+            return Ok(Vec::new());
         };
-        match mesh::corners(&path, &scale) {
-            Ok(points) => Ok(Some(mesh::hull(&points, name, line, notes))),
+        match Mesh::read(&path, &scale) {
+            Ok(mesh) => Ok(mesh.forms(self.options.hulls, name, line, notes)),
             Err(why) => {
                 notes.doubt(
                     line,
                     format!("the mesh {name} of link `{link}` is not used: {why}"),
                     "STL, OBJ and DAE in metres are read",
                 );
-                Ok(None)
+                Ok(Vec::new())
             }
         }
     }
