@@ -507,7 +507,8 @@ pub(super) fn weighable(mass: ClusterMass, least_kg: f64) -> ClusterMass {
 }
 
 /// What Parry makes of a body's inertia. It takes moments that differ by less than 1e-5 kg m² for equal, and turns their axes to
-/// wherever it likes: a power of two makes them large enough for that, and changes no digit of what it returns (docs/upstream/small_inertia.md).
+/// wherever it likes: a power of two makes them large enough for that, and changes no digit of what it returns
+/// (docs/upstream/small_inertia.md).
 fn mass_properties(mass: &ClusterMass) -> MassProperties {
     let largest_kg_m2 = mass.inertia_kg_m2.amax();
     let is_usual = largest_kg_m2.is_normal() && largest_kg_m2 < 1.0;
