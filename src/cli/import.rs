@@ -149,7 +149,7 @@ impl Import {
         }
         let path = path.display();
         terminal::print(format!(
-            "{path}: {} bodies, {} joints that move, {} of them driven, {:.4} kg\nnext:\n  realgap check {path} --plot robot.png\n  realgap simulate {path} --duration 2 -o run.csv\n  realgap replay {path} run.csv -o robot.html",
+            "{path}: {} bodies, {} joints that move, {} of them driven, {:.4} kg\nnext:\n  realgap check {path} --plot robot.png\n  realgap simulate {path} --duration 2 -o run.csv\n  realgap replay run.csv --robot {path} -o robot.html",
             summary.modules, summary.hinges, summary.servos, summary.mass_kg
         ));
         Ok(())

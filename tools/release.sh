@@ -1,0 +1,88 @@
+#!/usr/bin/env bash
+# Everything that is handed out, in one folder with check sums: the command as one static file, the container image around it, the
+# wheel, the library's source. Each is tried as its user would.
+#
+#   tools/release.sh [FOLDER]        # target/handout unless named
+#
+# Needs Rust, Python and, for the static file, musl's C compiler (Debian: musl-tools). What cannot be made here says SKIPPED.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+folder="$(realpath -m "${1:-target/handout}")"
+version="$(sed -n 's/^version = "\(.*\)"$/\1/p' Cargo.toml | head -n 1)"
+machine="$(uname -m)"
+target="$machine-unknown-linux-musl"
+build="${CARGO_TARGET_DIR:-target}"
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+rm -rf "$folder"
+mkdir -p "$folder"
+say() { printf '== %s\n' "$*"; }
+
+# What a user of the command needs beside it: robots, studies and the recordings that they read.
+shipped=(README.md CHANGELOG.md CITATION.cff LICENSE-APACHE LICENSE-MIT arenas morphologies real_trajectories scenes sensors sweeps vehicles)
+name="realgap-$version-$machine-linux"
+
+say "the command, without any library of the machine's"
+if command -v musl-gcc >/dev/null && rustup target add "$target" >/dev/null 2>&1; then
+    cargo build --release --locked --bin realgap --target "$target"
+    mkdir "$work/$name"
+    cp "$build/$target/release/realgap" "$work/$name/"
+    strip "$work/$name/realgap"
+    git archive HEAD -- "${shipped[@]}" | tar -x -C "$work/$name"
+    tar -C "$work" --sort=name --owner=0 --group=0 --numeric-owner --mtime="@$(git log -1 --format=%ct)" -cf - "$name" \
+        | gzip -n -9 >"$folder/$name.tar.gz"
+    # In a folder that holds nothing else it does the main job.
+    mkdir -p "$work/$name/tmp"
+    if [ "$(id -u)" = 0 ]; then
+        chroot "$work/$name" /realgap sweep sweeps/cube_toss.ron --points 3 -o /tmp/out
+    else
+        unshare --map-root-user chroot "$work/$name" /realgap sweep sweeps/cube_toss.ron --points 3 -o /tmp/out
+    fi
+    test -s "$work/$name/tmp/out/report.html"
+    rm -rf "$work/$name/tmp"
+
+    say "the container image"
+    cat >"$work/Containerfile" <<END
+FROM scratch
+COPY $name /opt/realgap
+ENV PATH=/opt/realgap
+WORKDIR /opt/realgap
+VOLUME /data
+ENTRYPOINT ["/opt/realgap/realgap"]
+CMD ["--help"]
+END
+    image="$folder/realgap-$version-$machine-image.tar"
+    if command -v buildah >/dev/null; then
+        export BUILDAH_ISOLATION=chroot STORAGE_DRIVER=vfs
+        buildah build --quiet --file "$work/Containerfile" --tag "realgap:$version" "$work" >/dev/null
+        container="$(buildah from "realgap:$version")"
+        buildah run "$container" -- /opt/realgap/realgap sweep sweeps/cube_toss.ron --points 3 -o /data/out
+        buildah rm "$container" >/dev/null
+        buildah push --quiet "realgap:$version" "oci-archive:$image:realgap:$version" >/dev/null
+    elif docker info >/dev/null 2>&1; then
+        docker build --quiet --file "$work/Containerfile" --tag "realgap:$version" "$work" >/dev/null
+        docker run --rm "realgap:$version" sweep sweeps/cube_toss.ron --points 3 -o /data/out
+        docker save "realgap:$version" -o "$image"
+    else
+        echo "SKIPPED the container image: neither buildah nor a Docker engine is here"
+    fi
+else
+    echo "SKIPPED the static command and its container: no musl-gcc, or no Rust for $target"
+fi
+
+say "the wheel, with the command in it"
+python3 -m venv "$work/maker"
+"$work/maker/bin/pip" install --quiet 'maturin>=1.9,<2'
+"$work/maker/bin/maturin" build --release --locked -m python/Cargo.toml --out "$folder"
+python3 -m venv "$work/user"
+"$work/user/bin/pip" install --quiet "$folder"/*.whl
+"$work/user/bin/realgap" sweep sweeps/cube_toss.ron --points 3 -o "$work/wheel"
+"$work/user/bin/python" -c 'import realgap; print(realgap.__version__)'
+
+say "the source"
+git archive --format=tar.gz --prefix="realgap-$version/" -o "$folder/realgap-$version.tar.gz" HEAD
+
+cd "$folder"
+sha256sum -- * >SHA256SUMS
+say "in $folder"
+du -h -- *
