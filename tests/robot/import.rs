@@ -104,7 +104,9 @@ fn what_realgap_did_not_write_is_not_replaced() {
     let (code, said) = import(&["--force"]);
     assert_eq!(code, Some(0), "{said}");
     // It ends with the three commands that come next, which work as they are printed.
-    let next = said.lines().filter_map(|line| line.strip_prefix("  realgap "));
+    let next = said
+        .lines()
+        .filter_map(|line| line.strip_prefix("  realgap "));
     let next: Vec<&str> = next.collect();
     assert_eq!(next.len(), 3, "{said}");
     for command in next {

@@ -128,6 +128,26 @@ impl Pattern {
     }
 }
 
+/// The spectrum of two templates at once, one in the real part and one in the imaginary.
+fn spectrum(pair: &[Pattern], side: usize, transform: &Transform) -> Vec<Value> {
+    let mut values = vec![ZERO; side * side];
+    for (part, pattern) in pair.iter().enumerate() {
+        for (index, v) in pattern.values.iter().enumerate() {
+            // Turned by half a turn: a convolution with this is the correlation.
+            let x = pattern.width - 1 - index % pattern.width;
+            let y = pattern.height - 1 - index / pattern.width;
+            let place = &mut values[y * side + x];
+            if part == 0 {
+                place.re = *v;
+            } else {
+                place.im = *v;
+            }
+        }
+    }
+    transform.run(&mut values, false);
+    values
+}
+
 /// Visits the normalised correlation of every template at every place where it lies wholly inside of the picture:
 /// `visit(template, x, y, r)`, with (x, y) the template's top left pixel there. r is 0 where the picture or the template is the
 /// same everywhere.
@@ -160,27 +180,8 @@ pub fn correlate(
     let step = side - largest + 1;
     let transform = Transform::new(side);
     let patterns: Vec<Pattern> = templates.iter().map(Pattern::new).collect();
-    let spectra: Vec<Vec<Value>> = patterns
-        .chunks(2)
-        .map(|pair| {
-            let mut values = vec![ZERO; side * side];
-            for (part, pattern) in pair.iter().enumerate() {
-                for (index, v) in pattern.values.iter().enumerate() {
-                    // Turned by half a turn: a convolution with this is the correlation.
-                    let x = pattern.width - 1 - index % pattern.width;
-                    let y = pattern.height - 1 - index / pattern.width;
-                    let place = &mut values[y * side + x];
-                    if part == 0 {
-                        place.re = *v;
-                    } else {
-                        place.im = *v;
-                    }
-                }
-            }
-            transform.run(&mut values, false);
-            values
-        })
-        .collect();
+    let pairs = patterns.chunks(2);
+    let spectra: Vec<Vec<Value>> = pairs.map(|pair| spectrum(pair, side, &transform)).collect();
     let scale = 1.0 / (side * side) as f64;
     for top in (0..picture.height()).step_by(step) {
         for left in (0..picture.width()).step_by(step) {

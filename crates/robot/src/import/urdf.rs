@@ -182,7 +182,8 @@ impl Robot<'_> {
         );
     }
 
-    fn roots(&mut self, root: Node<'_, '_>, notes: &mut Notes) -> Result<()> {
+    /// Leaves out joints that mimic what nothing drives, or each other.
+    fn leaders(&mut self, notes: &mut Notes) {
         let structure = &mut self.structure;
         let driven: BTreeSet<String> = structure
             .actuators
@@ -215,6 +216,22 @@ impl Robot<'_> {
                 driver.follows = None;
             }
         }
+    }
+
+    /// The tree's root, and whether it is held.
+    fn roots(&mut self, root: Node<'_, '_>, notes: &mut Notes) -> Result<()> {
+        self.leaders(notes);
+        let only = self.one_root(root)?;
+        self.all_reached(only)?;
+        if only.name == "world" || self.reader.options.mounted {
+            self.structure.mount = Some(Pose::of(&Isometry3::identity()));
+        }
+        Ok(())
+    }
+
+    /// The one body that hangs on nothing.
+    fn one_root(&self, root: Node<'_, '_>) -> Result<&Body> {
+        let structure = &self.structure;
         if structure.bodies.is_empty() {
             return Err(self
                 .reader
@@ -260,6 +277,12 @@ impl Robot<'_> {
             };
             return Err(self.reader.place.at(root, error));
         };
+        Ok(only)
+    }
+
+    /// Refuses joints that the root does not lead to.
+    fn all_reached(&self, only: &Body) -> Result<()> {
+        let structure = &self.structure;
         let mut reached = BTreeSet::from([only.name.as_str()]);
         loop {
             let before = reached.len();
@@ -283,9 +306,6 @@ impl Robot<'_> {
                     joint.name, joint.child, only.name
                 ))
                 .allowed("a tree: one root, and every other link a child of one parent"));
-        }
-        if only.name == "world" || self.reader.options.mounted {
-            structure.mount = Some(Pose::of(&Isometry3::identity()));
         }
         Ok(())
     }

@@ -193,16 +193,7 @@ pub fn tune_camera(
     let (mut camera, extrinsics) = extrinsics_of(room, &start, &fitted, &prior)?;
     let (compression, quality) = compression(&start, &fitted)?;
     camera.sensor.jpeg_quality = quality;
-    if compression.known == Known::Undetermined {
-        let as_if = match quality {
-            Some(quality) => format!("had quality {quality}"),
-            None => "were not compressed".to_owned(),
-        };
-        warnings.push(Warning::new(
-            Code::CompressionUnknown,
-            format!("exposure, gain and read noise are found as if pictures {as_if}"),
-        ));
-    }
+    warnings.extend(unknown_compression(&compression, quality));
     let search = Search {
         settings: settings(&start),
         pictures: &reals_of(room, &camera, &fitted, &extrinsics)?,
@@ -227,19 +218,8 @@ pub fn tune_camera(
     };
     let found = search.again(&found)?;
     let tuned = search.camera_at(&found.shares);
-    if !found.is_ended {
-        let budget = options.budget;
-        let what = format!("the search had more to try when its budget of {budget} was spent");
-        warnings.push(Warning::new(Code::Incomplete, what));
-    }
-    if let Some(progress) = progress {
-        progress(Progress {
-            done: search.tried.get(),
-            total: search.tried.get(),
-            best: None,
-            finishing: Some("looking for what is wrong of the lens"),
-        });
-    }
+    warnings.extend(unfinished(&found, options.budget));
+    tell_of_the_lens(progress, search.tried.get());
     let pictures = (&fitted[..], &extrinsics[..]);
     let bias = lens_bias(room, &tuned, pictures, &known, (options.seed, LEVEL))?;
     let camera = Camera {
@@ -251,12 +231,7 @@ pub fn tune_camera(
     let mut all = lens_settings(&start.lens, &tuned.lens, pictures, &known, &bias);
     all.extend(sensor_settings(&search, &found, fitted_views.len()));
     all.push(compression);
-    if shots.source == PictureSource::StandIn {
-        warnings.push(Warning::new(
-            Code::StandIn,
-            "a simulated camera with other settings took the place of the real one",
-        ));
-    }
+    warnings.extend(stand_in(shots.source));
     let judge =
         |own: &[&Shot]| judged(room, [&start, &camera], own, &prior, (&found, options.seed));
     let named = |views: &[usize]| views.iter().map(|v| names[*v].to_owned()).collect();
@@ -281,6 +256,41 @@ pub fn tune_camera(
         warnings,
         camera: camera.clone(),
     })
+}
+
+/// What is done after the search.
+fn tell_of_the_lens(progress: Option<&(dyn Fn(Progress) + Sync)>, tried: usize) {
+    if let Some(progress) = progress {
+        progress(Progress {
+            done: tried,
+            total: tried,
+            best: None,
+            finishing: Some("looking for what is wrong of the lens"),
+        });
+    }
+}
+
+/// Says what was assumed where nobody can tell how pictures were compressed.
+fn unknown_compression(compression: &TunedSetting, quality: Option<u8>) -> Option<Warning> {
+    let as_if = match quality {
+        _ if compression.known != Known::Undetermined => return None,
+        Some(quality) => format!("had quality {quality}"),
+        None => "were not compressed".to_owned(),
+    };
+    let what = format!("exposure, gain and read noise are found as if pictures {as_if}");
+    Some(Warning::new(Code::CompressionUnknown, what))
+}
+
+/// Says that a search ended by its budget.
+fn unfinished(found: &sensor::Found, budget: usize) -> Option<Warning> {
+    let what = format!("the search had more to try when its budget of {budget} was spent");
+    (!found.is_ended).then(|| Warning::new(Code::Incomplete, what))
+}
+
+/// Says that pictures are not of a real camera.
+fn stand_in(source: PictureSource) -> Option<Warning> {
+    let what = "a simulated camera with other settings took the place of the real one";
+    (source == PictureSource::StandIn).then(|| Warning::new(Code::StandIn, what))
 }
 
 /// How far simulated pictures are from some real ones, with the camera of before and with the tuned one; both look for where these
