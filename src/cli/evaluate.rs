@@ -76,10 +76,13 @@ impl Evaluate {
         let values = ParameterSet::new();
         let (total, run) = (study.cases().len(), self.jobs.run());
         if is_of_joints {
-            let result = progress::during(total, "evaluating", run, |run| {
+            let mut result = progress::during(total, "evaluating", run, |run| {
                 study.evaluate_joints(&values, run)
-            });
-            return self.report_joints(result?);
+            })?;
+            if definition.horizon.is_some() {
+                self.add_whole_runs(&mut result, overrides)?;
+            }
+            return self.report_joints(result);
         }
         let mut result =
             progress::during(total, "evaluating", run, |run| study.evaluate(&values, run))?;
@@ -100,6 +103,21 @@ impl Evaluate {
         self.page
             .write("evaluation", &self.study, &found, &text, self.odds.plot())?;
         self.print.answer(&found, || printed)
+    }
+
+    /// The error of whole runs beside that of windows.
+    fn add_whole_runs(&self, result: &mut JointEvaluation, overrides: Overrides) -> Result<()> {
+        let overrides = Overrides {
+            whole_runs: true,
+            ..overrides
+        };
+        let study = read_study(&self.study, &overrides)?;
+        let (total, values) = (study.cases().len(), ParameterSet::new());
+        let whole = progress::during(total, "whole runs", self.jobs.run(), |run| {
+            study.evaluate_joints(&values, run)
+        })?;
+        result.whole_mrad = Some(whole.angle_mrad);
+        Ok(())
     }
 
     fn report_joints(&self, mut result: JointEvaluation) -> Result<()> {
@@ -128,13 +146,24 @@ fn words_of_joints(result: &JointEvaluation, colour: bool) -> String {
         true => String::new(),
         false => format!("\n{}", table.render(colour).trim_end()),
     };
+    let of = |joints: &Average| {
+        format!(
+            "{:.1} +- {:.1} mrad (median {:.1})",
+            joints.mean, joints.standard_error, joints.median
+        )
+    };
+    let whole = (result.whole_mrad.as_ref())
+        .map(|whole| format!("\n  over whole recordings instead: joints {}", of(whole)));
+    let joints = result.joints_mrad.iter();
+    let joints: Vec<String> = joints.map(|(name, mrad)| format!("{name} {mrad:.1}")).collect();
     format!(
-        "{}: joints {:.1} +- {:.1} mrad (median {:.1}); {:.2} CPU ms per simulated second{rows}",
+        "{}: joints {}, {:.1} at the end (median); {:.2} CPU ms per simulated second{}\n  {}{rows}",
         counted(result.recordings, "recording"),
-        result.angle_mrad.mean,
-        result.angle_mrad.standard_error,
-        result.angle_mrad.median,
-        result.cpu_ms_per_s
+        of(&result.angle_mrad),
+        result.end_mrad_median,
+        result.cpu_ms_per_s,
+        whole.unwrap_or_default(),
+        joints.join(", ")
     )
 }
 

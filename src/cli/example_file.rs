@@ -13,7 +13,7 @@ macro_rules! shipped {
 /// others stay in the repository.
 const SHIPPED: &[Shipped] = shipped![
     "arenas": "cartons.ron" "flat.ron" "paper000.ron" "pen.ron";
-    "morphologies": "chain3.ron" "chain30.ron" "chain5.ron" "cube.ron" "elbow.ron" "push_cube.ron" "servo_pendulum.ron"
+    "morphologies": "chain3.ron" "chain30.ron" "chain5.ron" "cube.ron" "double_pendulum.ron" "elbow.ron" "push_cube.ron" "servo_pendulum.ron"
         "so101_arm.ron" "so101_feetech.ron" "spider8.ron" "tripod.ron" "turtlebot3_burger.ron" "two_module.ron" "unitree_a1.ron";
     "real_trajectories/cube_tosses": "README.md" "meta.ron" "toss_003.csv" "toss_015.csv" "toss_026.csv" "toss_037.csv"
         "toss_051.csv" "toss_063.csv" "toss_074.csv" "toss_086.csv" "toss_101.csv" "toss_112.csv" "toss_133.csv"
@@ -33,7 +33,7 @@ const SHIPPED: &[Shipped] = shipped![
     "scenes": "pen.ron" "room.ron";
     "sensors": "infrared.ron" "laser.ron" "ultrasonic.ron";
     "sweeps": "best_robot.ron" "best_tripod_gait.ron" "cube_push_best.ron" "cube_push_fit.ron" "cube_toss.ron"
-        "cube_toss_best.ron" "cube_toss_fit.ron" "elbow_toss_best.ron" "elbow_toss_fit.ron" "servo_xl330_best.ron"
+        "cube_toss_best.ron" "cube_toss_fit.ron" "double_pendulum_best.ron" "double_pendulum_fit.ron" "elbow_toss_best.ron" "elbow_toss_fit.ron" "servo_xl330_best.ron"
         "servo_xl330_fit.ron" "so101_arm.ron" "so101_best.ron" "so101_fit.ron" "tripod_floor.ron" "tripod_self.ron" "turtlebot3_burger.ron" "two_wheel_ir.ron" "two_wheel_ir_bayesian.ron"
         "two_wheel_sensor.ron" "two_wheel_us1.ron" "two_wheel_us_bayesian.ron" "unitree_a1.ron";
     "vehicles": "two_wheel.ron";

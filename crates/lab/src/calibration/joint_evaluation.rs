@@ -43,6 +43,10 @@ pub struct JointEvaluation {
     pub angle_mrad: Average,
     /// Median over the recordings (windows of them where the study has a horizon) of the joints' mean error at the end, milliradians.
     pub end_mrad_median: f64,
+    /// Mean absolute error of the joints over whole recordings, milliradians, beside that over windows; only where the study has a
+    /// horizon.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub whole_mrad: Option<Average>,
     /// Mean over the recordings of each joint's absolute error, milliradians.
     pub joints_mrad: BTreeMap<String, f64>,
     /// CPU milliseconds per simulated second.
@@ -100,6 +104,7 @@ impl Study {
             recordings: rows.len(),
             angle_mrad,
             end_mrad_median: 0.5 * (ends[(ends.len() - 1) / 2] + ends[ends.len() / 2]),
+            whole_mrad: None,
             joints_mrad: by_joint.map(|(name, all)| (name, mean(&all))).collect(),
             cpu_ms_per_s: 1e3 * cpu_s / simulated_s,
             start: definition.start_used(),

@@ -64,6 +64,8 @@ pub struct Overrides {
     pub fitted_on: Vec<String>,
     /// How the recordings are read, before what the file says of it.
     pub reading: Reading,
+    /// Whether recordings stay whole where the study cuts them into windows.
+    pub whole_runs: bool,
     /// Whether sets of recordings without a study are cut to the shortest and compared at equal times; a study always does.
     pub equal_times: bool,
     /// Which recordings are kept from the fit to check it.

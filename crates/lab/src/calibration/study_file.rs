@@ -279,7 +279,7 @@ impl Definition {
             only_at_rest: file.only_at_rest,
             commands: file.commands,
             left_out: file.left_out,
-            horizon: file.horizon,
+            horizon: file.horizon.filter(|_| !overrides.whole_runs),
             duration_s: file.duration_s,
             reading: overrides.reading.clone().or(&file.reading),
             set,
