@@ -52,7 +52,7 @@ equal() { cmp -s "$work/whole/points.csv" "$1/points.csv" && cmp -s "$work/whole
 begun=$(now_ms)
 sweep -o "$work/whole" || { cat "$work/said"; exit 1; }
 whole_ms=$(($(now_ms) - begun))
-"$realgap" results "$work/whole" --format csv >"$work/whole.csv"
+"$realgap" study results "$work/whole" --format csv >"$work/whole.csv"
 
 # Starts a sweep into $1 with the options behind $2, and kills it after $2 milliseconds.
 killed() {
@@ -97,7 +97,7 @@ again_ms=$(($(now_ms) - begun))
 lost=0
 for i in $(seq "$second"); do
     killed "$work/whole" $((RANDOM % again_ms))
-    "$realgap" results "$work/whole" --format csv | cmp -s - "$work/whole.csv" || lost=$((lost + 1))
+    "$realgap" study results "$work/whole" --format csv | cmp -s - "$work/whole.csv" || lost=$((lost + 1))
     for file in "$work/before"/*.*; do
         name=$(basename "$file")
         [ "$name" = timing.json ] || [ "$name" = results.sqlite ] || cmp -s "$file" "$work/whole/$name" || lost=$((lost + 1))
@@ -137,7 +137,7 @@ fi
 # 5 Media that cannot be written.
 cat >"$work/read_only.sh" <<END
 mount --bind "$work/whole" "$work/whole" && mount -o remount,ro,bind "$work/whole" || exit 77
-"$realgap" results "$work/whole" --format csv | cmp - "$work/whole.csv" || exit 1
+"$realgap" study results "$work/whole" --format csv | cmp - "$work/whole.csv" || exit 1
 "$realgap" sweep "$work/study.ron" -o "$work/whole" >"$work/said" 2>&1
 [ \$? = 1 ] || exit 1
 END
@@ -164,7 +164,7 @@ for i in $(seq "$pages"); do
         1) damage "$work/damaged/results.sqlite" $((page * 4096 + RANDOM % 4000)) 64 ;;
         2) damage "$work/damaged/results.sqlite" $((page * 4096 + RANDOM % 4096)) 1 ;;
     esac
-    if ! "$realgap" results "$work/damaged" --format csv >"$work/damaged.csv" 2>/dev/null; then
+    if ! "$realgap" study results "$work/damaged" --format csv >"$work/damaged.csv" 2>/dev/null; then
         said=$((said + 1))
     elif ! cmp -s "$work/damaged.csv" "$work/whole.csv"; then
         silent=$((silent + 1))
@@ -175,7 +175,7 @@ row "damaged pages of the store" "$pages" "$said errors, $((pages - said - silen
 
 # 7 The log of a killed run: damaged, cut, gone, or that of another run. Whatever is refused is cured by resuming.
 # Sorted by trial: scores are told at the end alone.
-listed() { "$realgap" results "$1" --format csv --sort trial 2>"$work/said"; }
+listed() { "$realgap" study results "$1" --format csv --sort trial 2>"$work/said"; }
 stopped() { # folder, options behind it
     local folder=$1 share
     shift
