@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use realgap::results::{draw_histograms, draw_sensor};
 use realgap::sensing::range::form::{FORMS, Form, form_by_name};
-use realgap::sensing::range::{Characterisation, LogOptions, Options, ReadingLog};
+use realgap::sensing::range::{Characterisation, LEVEL, LogOptions, Options, ReadingLog};
 use realgap::unit::LengthUnit;
 use realgap::{Error, Result};
 
@@ -16,7 +16,7 @@ use super::{output, terminal};
 /// Make a range sensor's model of a log: mean and spread over the distance, with intervals
 ///
 /// The log is CSV with the columns distance_cm (or _m, _mm) and reading_cm (or _m, _mm, or any other ending for the sensor's own unit),
-/// one row a reading; where known also incidence_deg, offset_deg, material and t_s. An empty reading is one that never came. Forms are
+/// one row a reading; where known also incidence_deg, offset_deg, material, session and t_s. An empty reading is one that never came. Forms are
 /// chosen by how well they foretell the readings at distances that were left out (paper 000, section 4).
 #[derive(Debug, Args)]
 pub struct Characterise {
@@ -34,6 +34,12 @@ pub struct Characterise {
     /// Only readings off this material
     #[arg(long, value_name = "NAME")]
     material: Option<String>,
+    /// Column that names sessions, days or mountings, where it is not called `session`
+    #[arg(long, value_name = "COLUMN")]
+    session: Option<String>,
+    /// Level of all intervals
+    #[arg(long, value_name = "SHARE", default_value_t = LEVEL)]
+    level: f64,
     /// Width of a bin of the histograms, in the reading's unit [default: a fifth of the spread]
     #[arg(long, value_name = "WIDTH")]
     bin: Option<f64>,
@@ -81,6 +87,7 @@ impl Characterise {
             spread: form("--spread", &self.spread)?,
             bin: self.bin,
             tolerance: Some(self.tolerance),
+            level: Some(self.level),
             seed: self.seed,
         };
         let positive = |option: &str, value: f64| {
@@ -89,6 +96,12 @@ impl Characterise {
             }
             Err(Error::usage("must be above 0").field(option).found(value))
         };
+        if !(self.level > 0.0 && self.level < 1.0) {
+            return Err(Error::usage("not a level")
+                .field("--level")
+                .found(self.level)
+                .allowed("above 0 and below 1, e.g. 0.9"));
+        }
         positive("--tolerance", self.tolerance)?;
         self.bin.map_or(Ok(()), |bin| positive("--bin", bin))?;
         self.page.check()?;
@@ -101,6 +114,7 @@ impl Characterise {
         let reading = LogOptions {
             unit: self.unit,
             material: self.material.clone(),
+            session: self.session.clone(),
         };
         let log = ReadingLog::read_with(&self.log, &reading)?;
         let mut found = Characterisation::new(&log, &options).map_err(|e| e.at_file(&self.log))?;

@@ -38,6 +38,12 @@ pub struct Draw {
     /// Seed of the readings
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
+    /// Sessions, each of which reads all distances
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    sessions: u32,
+    /// Standard deviation of what a session adds to all its readings, in the reading's unit [default: the model's]
+    #[arg(long, value_name = "SD", requires = "sessions")]
+    session_sd: Option<f64>,
     /// The log to write (.csv)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -49,10 +55,15 @@ impl Draw {
             distances: self.distances,
             readings: self.readings,
             incidence_deg: self.incidence,
+            sessions: self.sessions,
             seed: self.seed,
         };
-        let log =
-            DrawnLog::new(&find_sensor(&self.sensor)?, &options).map_err(Error::into_usage)?;
+        let mut sensor = find_sensor(&self.sensor)?;
+        if let Some(sd) = self.session_sd {
+            sensor.session_sd = sd;
+            sensor.check().map_err(Error::into_usage)?;
+        }
+        let log = DrawnLog::new(&sensor, &options).map_err(Error::into_usage)?;
         output::write(&self.output, log.csv.as_bytes())?;
         terminal::print_warnings(&log.warnings);
         terminal::print(format!(

@@ -31,7 +31,7 @@ const SHIPPED: &[Shipped] = shipped![
     "real_trajectories/two_wheel_runs": "README.md" "meta.ron" "runs.csv";
     "real_trajectories/unitree_a1_standin": "meta.ron" "run_00.csv" "run_01.csv" "run_02.csv";
     "scenes": "pen.ron" "room.ron";
-    "sensors": "infrared.ron" "laser.ron" "ultrasonic.ron";
+    "sensors": "infrared.ron" "infrared_maker.ron" "laser.ron" "ultrasonic.ron";
     "sweeps": "best_robot.ron" "best_tripod_gait.ron" "cube_push_best.ron" "cube_push_fit.ron" "cube_toss.ron"
         "cube_toss_best.ron" "cube_toss_fit.ron" "double_pendulum_best.ron" "double_pendulum_fit.ron" "elbow_toss_best.ron" "elbow_toss_fit.ron" "servo_xl330_best.ron"
         "servo_xl330_fit.ron" "so101_arm.ron" "so101_best.ron" "so101_fit.ron" "tripod_floor.ron" "tripod_self.ron" "turtlebot3_burger.ron" "two_wheel_ir.ron" "two_wheel_ir_bayesian.ron"

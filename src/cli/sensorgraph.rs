@@ -41,6 +41,14 @@ struct Part {
     /// End after this share of the way
     #[arg(long, value_name = "SHARE", default_value_t = 1.0)]
     to: f64,
+    /// Take the pose of this long before each scan, seconds: for logs whose clocks differ
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    lag: f64,
 }
 
 impl Part {
@@ -59,6 +67,14 @@ impl Part {
                 .found(format!("{} to {}", self.from, self.to))
                 .allowed("two increasing shares, 0 to 1"));
         }
+        if !self.lag.is_finite() {
+            return Err(Error::usage("not a time").field("--lag").found(self.lag));
+        }
+        let log = if self.lag == 0.0 {
+            log
+        } else {
+            log.with_lag(self.lag)
+        };
         let part = log.part(self.from, self.to);
         if part.scans.is_empty() {
             return Err(Error::usage("no scan lies in this part of the way").field("--from, --to"));
@@ -70,7 +86,7 @@ impl Part {
 /// A frame, or none where the log decides; clap would take `Option` for an option that may be missing.
 type FrameChoice = Option<Frame>;
 
-/// What polynomials are of.
+/// What foretells a scan.
 const FRAMES: &[Choice<FrameChoice>] = &[
     (
         "auto",
@@ -86,6 +102,16 @@ const FRAMES: &[Choice<FrameChoice>] = &[
         "world",
         Some(Frame::World),
         "A polynomial for every direction of the world",
+    ),
+    (
+        "nearest",
+        Some(Frame::Nearest),
+        "No polynomials: the scan at the nearest logged pose",
+    ),
+    (
+        "turned",
+        Some(Frame::Turned),
+        "No polynomials: the scan at the nearest logged place, turned to the heading",
     ),
 ];
 
@@ -194,7 +220,7 @@ pub struct Fit {
     /// With `--stop terms`: number of terms
     #[arg(long, value_name = "N", default_value_t = 5)]
     terms: usize,
-    /// What the polynomials are of
+    /// What foretells a scan
     #[arg(long, value_parser = choice(FRAMES), default_value = "auto")]
     frame: FrameChoice,
     #[command(flatten)]
@@ -355,7 +381,7 @@ impl PrintOut {
             .map_err(Error::into_usage)?;
         let model = Sensorgraph::read(&self.model)?;
         let text = match language {
-            Some(language) => functions(&model, language),
+            Some(language) => functions(&model, language).map_err(|e| e.at_file(&self.model))?,
             None => model.to_string(),
         };
         terminal::print(text.trim_end());

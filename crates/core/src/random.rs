@@ -73,6 +73,8 @@ streams! {
     Refinement = 11;
     /// What a sensor reads.
     SensorReading = 30;
+    /// What one session of a sensor adds to all its readings.
+    SensorSession = 32;
     /// Errors of wheels: how far a command goes, how far it turns.
     Actuator = 31;
     /// What places add to the strength of a radio signal.

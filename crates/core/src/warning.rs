@@ -72,6 +72,7 @@ codes! {
     FewPlaces "few-places" "Too few places to say how wrong a model is elsewhere." "log more places";
     FewRecordings "few-recordings" "Too few recordings for what is asked of them." "record more repeats of the same run";
     FewRepeats "few-repeats" "Too few repeats for what is asked of them." "ask for more";
+    FewSessions "few-sessions" "Sessions are too few to tell how they differ." "log three sessions or more";
     FewerTerms "fewer-terms" "Polynomials have fewer terms than asked for: the log has too few samples." "log more samples, or ask for fewer terms";
     FloorNotExported "floor-not-exported" "A format has no floor." "add a floor by hand in the other simulator";
     FreeParameter "free-parameter" "A free parameter was given no value." "give it a value, or take it from a file of fitted ones";
@@ -87,6 +88,7 @@ codes! {
     KnownLimit "known-limit" "A result depends on something that the engine is known to do wrongly." "see docs/limits.md; check the result by another engine or by experiment";
     LackOfFit "lack-of-fit" "A fitted form misses the data by more than chance." "allow a form with more terms";
     LongTask "long-task" "A task took more than a week." "give durations in seconds";
+    LookupBetter "lookup-better" "A lookup of the nearest logged scan foretells better than polynomials." "fit again with `--frame turned` or `--frame nearest`";
     LostSamples "lost-samples" "Samples without numbers are left out." "look for gaps of the recorder; fine if they are few";
     MassRatio "mass-ratio" "A joint holds a very light and a very heavy part." "make the light part heavier, or use more substeps";
     MovingAtEnd "moving-at-end" "Recordings that end while moving are left out, as the study asks." "record until the body rests";
@@ -114,6 +116,7 @@ codes! {
     Overfitted "overfitted" "Recordings that were held out are fitted worse." "free fewer parameters, or record more";
     PicturesUnpaired "pictures-unpaired" "Pictures have no partner of the same name and are left out." "give both pictures of a pair one name";
     PlateBlocked "plate-blocked" "A plate hits its own robot." "turn or move the module whose plate is in the way";
+    QuantisedReadings "quantised-readings" "Readings come in steps as wide as they spread." "nothing to do: the spread counts the steps; a finer reading would tell more";
     QuaternionOrder "quaternion-order" "Orientations look as if their real part stood elsewhere." "say which column holds the real part";
     QuaternionsRenormalised "quaternions-renormalised" "Orientations had lengths other than 1." "nothing to do if the lengths were near 1";
     ReadAs "read-as" "Recordings are read otherwise than as they stand." "say with the options of docs/recordings.md how the file is meant, if this is wrong";
@@ -124,6 +127,7 @@ codes! {
     ScansWithoutPose "scans-without-pose" "Scans outside of the times of the poses are left out." "record poses for as long as scans";
     ServoTooSlow "servo-too-slow" "A gait asks for more speed than its servo has." "make the gait slower or smaller, or give the servo its true speed";
     SeveralMaterials "several-materials" "Readings off different materials are fitted as one sensor." "fit each material by itself";
+    SeveralPeaks "several-peaks" "Readings of one distance crowd in several places." "look at the histograms: an echo, a step of the converter or a second surface may be why";
     SeveralRobots "several-robots" "A recording looks like the paths of several robots." "choose one robot by the value of a column";
     SeveralSessions "several-sessions" "Sessions of a log are taken together." "fit each session by itself";
     ShortRecording "short-recording" "A recording ends before the study." "record longer, or shorten `duration_s` of the study";

@@ -100,3 +100,61 @@ fn a_belief_survives_readings_that_cannot_be_and_follows_a_motion() {
         side.simulated.bias
     );
 }
+
+/// Figure 6a of paper 000: the sensor tells distances apart that lie thousandths of a cell from each other, wherever the truth lies
+/// among the middles of cells and however many there are.
+#[test]
+fn a_sensor_that_is_surer_than_the_cells_are_wide_is_believed_as_far_as_it_is_sure() {
+    let infrared = sensor_by_name("infrared").unwrap();
+    for cells in [21, 401] {
+        let options = BeliefOptions {
+            distances: vec![1.1, 2.0, 2.037, 15.0],
+            cells,
+            trials: 500,
+            ..BeliefOptions::default()
+        };
+        let found = BeliefReport::new(&infrared, None, &options).unwrap();
+        for side in &found.distances {
+            let set = &side.simulated;
+            // The spread of a reading over the slope of the mean, of ten readings.
+            let d = 0.01 * side.distance;
+            let slope = (infrared.mean(&Beam::straight(d + 1e-6))
+                - infrared.mean(&Beam::straight(d - 1e-6)))
+                / 2e-4;
+            let expected = (infrared.sd(&Beam::straight(d)) / slope).abs() / 10f64.sqrt();
+            assert!(
+                (0.86..=0.945).contains(&set.held),
+                "{cells} cells, {}: {}",
+                side.distance,
+                set.held
+            );
+            let ratio = set.belief_sd / expected;
+            assert!(
+                (0.8..1.2).contains(&ratio),
+                "{cells} cells, {}: {ratio}",
+                side.distance
+            );
+            assert!(
+                set.bias.abs() < 0.5 * expected,
+                "{}: {}",
+                side.distance,
+                set.bias
+            );
+        }
+        assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+    }
+}
+
+#[test]
+fn a_distance_outside_of_the_sensors_range_is_on_the_grid_and_said_to_be_extrapolated() {
+    let mut maker = sensor_by_name("infrared").unwrap();
+    maker.range = (4.0, 30.0);
+    let options = BeliefOptions {
+        distances: vec![2.0],
+        ..BeliefOptions::default()
+    };
+    let found = BeliefReport::new(&maker, None, &options).unwrap();
+    let set = &found.distances[0].simulated;
+    assert!(set.held > 0.8 && set.bias.abs() < 0.01, "{set:?}");
+    assert_eq!(found.warnings[0].code.name(), "extrapolated");
+}

@@ -166,9 +166,12 @@ impl BeliefReport {
             .iter()
             .map(|s| s.simulated.restarts + s.real.as_ref().map_or(0, |r| r.restarts))
             .sum();
-        let cell = (model.range.1 - model.range.0) / (options.cells - 1) as f64;
-        let narrow = |side: &DistanceBelief| side.simulated.belief_sd < NARROW * cell;
-        if let Some(side) = distances.iter().find(|side| narrow(side)) {
+        let cell = grid(model, options).cell_m() / metres;
+        // Beliefs of a robot that stands still are looked at in finer cells; a motion is believed on one grid.
+        let narrow = |side: &&DistanceBelief| {
+            options.approach != 0.0 && side.simulated.belief_sd < NARROW * cell
+        };
+        if let Some(side) = distances.iter().find(narrow) {
             warnings.push(Warning::new(
                 Code::CoarseGrid,
                 format!(
@@ -231,32 +234,81 @@ fn check(model: &RangeModel, log: Option<&ReadingLog>, options: &BeliefOptions) 
     Ok(())
 }
 
+/// Cells over the sensor's range, and over the distances of the trials where these lie outside of it.
 fn grid(model: &RangeModel, options: &BeliefOptions) -> Belief {
-    let (near_m, far_m) = model.range_m();
+    let metres = model.distance_unit.metres();
+    let way = options.approach * (options.readings - 1) as f64;
+    let places = options.distances.iter().flat_map(|d| [*d, d - way]);
+    let (near_m, far_m) = places.fold(model.range_m(), |(near_m, far_m), d| {
+        (near_m.min(d * metres), far_m.max(d * metres))
+    });
     Belief::uniform(near_m, far_m, options.cells)
+}
+
+/// What is believed after the readings of one trial.
+struct Trial {
+    /// On the grid of all trials.
+    whole: Belief,
+    /// On a grid that is fine enough for this belief.
+    fine: Belief,
+}
+
+/// Cells of a finer grid, at least.
+const FINE_CELLS: usize = 65;
+/// Cells of the coarser grid on each side of the mean that a finer grid spans.
+const SPAN: f64 = 2.0;
+/// Finer grids, at most: each is at least sixteen times finer.
+const MOST_GRIDS: usize = 10;
+
+impl Trial {
+    fn new(model: &RangeModel, options: &BeliefOptions, readings: &[Option<f64>]) -> Self {
+        let metres = model.distance_unit.metres();
+        let after_all = |mut belief: Belief| {
+            for (index, value) in readings.iter().enumerate() {
+                if index > 0 && options.approach != 0.0 {
+                    belief.move_by(options.approach * metres, options.approach_sd * metres);
+                }
+                if let Some(value) = value {
+                    belief.observe_within(model, *value);
+                }
+            }
+            belief
+        };
+        let whole = after_all(grid(model, options));
+        let (near_m, far_m) = whole.ends_m();
+        let mut fine = whole.clone();
+        for _ in 0..MOST_GRIDS {
+            let cell_m = fine.cell_m();
+            if options.approach != 0.0 || fine.sd_m() >= NARROW * cell_m {
+                break;
+            }
+            let mean_m = fine.mean_m();
+            fine = after_all(Belief::uniform(
+                (mean_m - SPAN * cell_m).max(near_m),
+                (mean_m + SPAN * cell_m).min(far_m),
+                options.cells.max(FINE_CELLS),
+            ));
+        }
+        Self { whole, fine }
+    }
 }
 
 /// Trials of readings that the model draws.
 fn simulate(model: &RangeModel, options: &BeliefOptions, index: usize, start: f64) -> TrialSet {
     let metres = model.distance_unit.metres();
-    let mut beliefs = Vec::with_capacity(options.trials);
-    for trial in 0..options.trials {
-        let number = (index * options.trials + trial) as u64;
-        let mut rng = Numbered::SensorReading.generator(options.seed, number);
-        let mut belief = grid(model, options);
-        for reading in 0..options.readings {
-            if reading > 0 && options.approach != 0.0 {
-                belief.move_by(options.approach * metres, options.approach_sd * metres);
-            }
-            let distance = start - options.approach * reading as f64;
-            if let Some(value) = model.draw(&Beam::straight(distance * metres), &mut rng) {
-                belief.observe(model, value);
-            }
-        }
-        beliefs.push(belief);
-    }
+    let trials: Vec<Trial> = (0..options.trials)
+        .map(|trial| {
+            let number = (index * options.trials + trial) as u64;
+            let mut rng = Numbered::SensorReading.generator(options.seed, number);
+            let readings: Vec<Option<f64>> = (0..options.readings)
+                .map(|reading| start - options.approach * reading as f64)
+                .map(|distance| model.draw(&Beam::straight(distance * metres), &mut rng))
+                .collect();
+            Trial::new(model, options, &readings)
+        })
+        .collect();
     let end = start - options.approach * (options.readings - 1) as f64;
-    summary(&beliefs, end * metres, metres)
+    summary(&trials, end * metres, metres)
 }
 
 /// Readings of the log at a distance, in its order.
@@ -278,55 +330,38 @@ fn replay(
 ) -> TrialSet {
     let mut rng = Once::Subset.generator(options.seed.wrapping_add(index as u64));
     let mut next = 0;
-    let beliefs: Vec<Belief> = (0..options.trials)
+    let trials: Vec<Trial> = (0..options.trials)
         .map(|_| {
-            let mut belief = grid(model, options);
+            let mut of_trial = Vec::with_capacity(options.readings);
             for _ in 0..options.readings {
-                let value = match readings.get(next) {
+                of_trial.push(match readings.get(next) {
                     Some(value) => *value,
                     None => readings[rng.random_range(0..readings.len())],
-                };
+                });
                 next += 1;
-                if let Some(value) = value {
-                    belief.observe(model, value);
-                }
             }
-            belief
+            Trial::new(model, options, &of_trial)
         })
         .collect();
     let metres = model.distance_unit.metres();
-    summary(&beliefs, distance * metres, metres)
+    summary(&trials, distance * metres, metres)
 }
 
-fn summary(beliefs: &[Belief], true_m: f64, metres: f64) -> TrialSet {
-    let probabilities: Vec<Vec<f64>> = beliefs.iter().map(Belief::probabilities).collect();
+fn summary(trials: &[Trial], true_m: f64, metres: f64) -> TrialSet {
+    let probabilities: Vec<Vec<f64>> = trials.iter().map(|t| t.whole.probabilities()).collect();
     let cells = probabilities.first().map_or(0, Vec::len);
     let of = |cell: usize| probabilities.iter().map(|p| p[cell]).collect::<Vec<f64>>();
     let tail = 0.5 * (1.0 - LEVEL);
-    let held = beliefs.iter().zip(&probabilities).filter(|(belief, p)| {
-        // The mass below the true distance, half of its own cell included.
-        let distances = belief.distances_m();
-        let below: f64 = p
-            .iter()
-            .zip(distances)
-            .filter(|(_, d)| **d < true_m - 1e-12)
-            .map(|(p, _)| p)
-            .sum();
-        let own: f64 = p
-            .iter()
-            .zip(distances)
-            .filter(|(_, d)| (**d - true_m).abs() <= 1e-12)
-            .map(|(p, _)| p)
-            .sum();
-        (tail..=1.0 - tail).contains(&(below + 0.5 * own))
-    });
-    let sds: Vec<f64> = beliefs.iter().map(|b| b.sd_m() / metres).collect();
-    let means: Vec<f64> = beliefs
+    let held = trials
         .iter()
-        .map(|b| (b.mean_m() - true_m) / metres)
+        .filter(|trial| (tail..=1.0 - tail).contains(&trial.fine.below(true_m)));
+    let sds: Vec<f64> = trials.iter().map(|t| t.fine.sd_m() / metres).collect();
+    let means: Vec<f64> = trials
+        .iter()
+        .map(|t| (t.fine.mean_m() - true_m) / metres)
         .collect();
     TrialSet {
-        trials: beliefs.len(),
+        trials: trials.len(),
         mean: (0..cells).map(|cell| mean(&of(cell))).collect(),
         q05: (0..cells).map(|cell| quantile(&of(cell), tail)).collect(),
         q95: (0..cells)
@@ -334,8 +369,8 @@ fn summary(beliefs: &[Belief], true_m: f64, metres: f64) -> TrialSet {
             .collect(),
         belief_sd: mean(&sds),
         bias: mean(&means),
-        held: held.count() as f64 / beliefs.len() as f64,
-        restarts: beliefs.iter().map(Belief::restarts).sum(),
+        held: held.count() as f64 / trials.len() as f64,
+        restarts: trials.iter().map(|t| t.whole.restarts()).sum(),
     }
 }
 
@@ -347,7 +382,8 @@ fn kalman_sd(model: &RangeModel, distance: f64, options: &BeliefOptions) -> Opti
     }
     let slope = model.mean.values[1];
     let noise = (model.spread.at(distance) / slope).powi(2);
-    let mut variance = (model.range.1 - model.range.0).powi(2) / 12.0;
+    let (near_m, far_m) = grid(model, options).ends_m();
+    let mut variance = ((far_m - near_m) / model.distance_unit.metres()).powi(2) / 12.0;
     for _ in 0..options.readings {
         variance *= 1.0 - variance / (variance + noise);
     }

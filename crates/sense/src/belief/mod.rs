@@ -1,5 +1,6 @@
 //! Discrete Bayes filter over the distance (paper 000, algorithm 1), in logarithms.
 
+mod cell;
 mod experiment;
 
 use super::range::{Beam, RangeSensor};
@@ -52,6 +53,22 @@ impl Belief {
         self.normalise();
     }
 
+    /// As [`Belief::observe`], for a sensor that may tell distances within one cell apart: p(z | cell) is the mean over the cell
+    /// (a histogram filter; Thrun, Burgard & Fox 2005, section 4.1.2). The density at a cell's middle alone would call a reading from
+    /// between two middles impossible, and prefer the widest spread, however far away.
+    pub fn observe_within(&mut self, sensor: &dyn RangeSensor, reading: f64) {
+        let half_m = 0.5 * self.cell_m();
+        let (low_m, high_m) = self.ends_m();
+        for (weight, middle_m) in self.log_weights.iter_mut().zip(&self.distances_m) {
+            let edges_m = [
+                (middle_m - half_m).max(low_m),
+                (middle_m + half_m).min(high_m),
+            ];
+            *weight += cell::log_density(sensor, reading, *middle_m, edges_m);
+        }
+        self.normalise();
+    }
+
     /// Takes a motion into account: the distance becomes less by `closer_m` with this standard deviation. Mass that leaves the grid
     /// stays at its end.
     pub fn move_by(&mut self, closer_m: f64, sd_m: f64) {
@@ -59,7 +76,7 @@ impl Belief {
         let least = self.cell_m() * 0.3;
         let sd = sd_m.max(least);
         let mut new = vec![0.0; old.len()];
-        let (low, high) = (self.distances_m[0], self.distances_m[old.len() - 1]);
+        let (low, high) = self.ends_m();
         for (p, from) in old.iter().zip(&self.distances_m).filter(|(p, _)| **p > 0.0) {
             let centre = (from - closer_m).clamp(low, high);
             let weights: Vec<f64> = self
@@ -76,10 +93,26 @@ impl Belief {
         self.normalise();
     }
 
+    /// The first and the last distance of the grid, metres.
+    fn ends_m(&self) -> (f64, f64) {
+        (
+            self.distances_m[0],
+            self.distances_m[self.distances_m.len() - 1],
+        )
+    }
+
     /// Mean width of a cell, metres.
     fn cell_m(&self) -> f64 {
-        let last = self.distances_m.len() - 1;
-        (self.distances_m[last] - self.distances_m[0]) / last as f64
+        let (low, high) = self.ends_m();
+        (high - low) / (self.distances_m.len() - 1) as f64
+    }
+
+    /// The mass below a distance; that of a cell lies evenly in it.
+    fn below(&self, distance_m: f64) -> f64 {
+        let width = self.cell_m();
+        let share = |middle: f64| ((distance_m - middle) / width + 0.5).clamp(0.0, 1.0);
+        let cells = self.probabilities().into_iter().zip(&self.distances_m);
+        cells.map(|(p, middle)| p * share(*middle)).sum()
     }
 
     fn normalise(&mut self) {

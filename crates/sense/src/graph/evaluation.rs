@@ -5,8 +5,8 @@ use std::fmt;
 use rand::RngExt;
 use serde::Serialize;
 
-use super::model::{NOTHING, Sensorgraph};
-use super::scan::{ScanLog, wrapped};
+use super::model::{Frame, NOTHING, Sensorgraph};
+use super::scan::ScanLog;
 use crate::arena::Arena;
 use realgap_core::error::{Error, Result};
 use realgap_core::random::Once;
@@ -101,8 +101,6 @@ struct Sample {
 
 /// Parts of the way whose means are taken as independent.
 const PARTS: usize = 10;
-/// Metres that a radian of heading counts as, for what the nearest pose is.
-const METRES_PER_RADIAN: f64 = 1.0;
 
 impl Evaluation {
     /// Holds the model against a log; `arena` is where ideal beams are cast to compare with.
@@ -184,12 +182,17 @@ impl Evaluation {
             let found = whole(of);
             (!found.is_empty()).then(|| mean(&found))
         };
+        let (nearest_m, turned_m) = (optional(|s| s.nearest_m), optional(|s| s.turned_m));
+        if !model.frame.is_lookup() {
+            let tried = [(Frame::Nearest, nearest_m), (Frame::Turned, turned_m)];
+            warnings.extend(better_lookup(mean_absolute_error_m, &tried));
+        }
         Ok(Self {
             mean_absolute_error_m,
             standard_error_m: by_parts(&all, log.scans.len()),
             baseline_constant_m,
-            baseline_nearest_m: optional(|s| s.nearest_m),
-            baseline_nearest_turned_m: optional(|s| s.turned_m),
+            baseline_nearest_m: nearest_m,
+            baseline_nearest_turned_m: turned_m,
             baseline_ray_casting_m: optional(|s| s.cast_m),
             baseline_random_m: mean(&whole(|s| Some(s.random_m))),
             spearman: rank,
@@ -203,6 +206,24 @@ impl Evaluation {
             warnings,
         })
     }
+}
+
+/// What to know where looking the log up foretells better than a model does.
+pub(super) fn better_lookup(model_m: f64, tried: &[(Frame, Option<f64>)]) -> Option<Warning> {
+    let known = tried
+        .iter()
+        .filter_map(|(frame, error_m)| Some((frame, (*error_m)?)));
+    let (frame, error_m) = known.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (name, words) = match frame {
+        Frame::Turned => ("turned", "place, turned to the heading,"),
+        _ => ("nearest", "pose"),
+    };
+    (error_m < model_m).then(|| {
+        Warning::new(
+            Code::LookupBetter,
+            format!("the scan at the nearest logged {words} is {error_m:.3} m off where the polynomials are {model_m:.3} m off: `sense graph fit --frame {name}` makes a model of it"),
+        )
+    })
 }
 
 /// Absolute errors of one of the guesses, where it said something.
@@ -311,32 +332,12 @@ fn samples(model: &Sensorgraph, log: &ScanLog, arena: Option<&Arena>, seed: u64)
     let width = model.width_deg.to_radians();
     let mut samples = Vec::new();
     for (index, scan) in log.scans.iter().enumerate() {
-        let off = |pose: &super::LoggedPose, metres_per_radian: f64| {
-            let [dx, dy] = [
-                pose.pose.0 - scan.position_world_m[0],
-                pose.pose.1 - scan.position_world_m[1],
-            ];
-            let turn = metres_per_radian * wrapped(pose.pose.2 - scan.heading_rad);
-            dx * dx + dy * dy + turn * turn
-        };
-        let nearest = |metres_per_radian: f64| {
-            model
-                .log
-                .iter()
-                .min_by(|a, b| off(a, metres_per_radian).total_cmp(&off(b, metres_per_radian)))
-        };
-        let (pose, place) = (nearest(METRES_PER_RADIAN), nearest(0.0));
-        let something = |m: f64| (m != NOTHING).then_some(m);
+        let pose = model.nearest_pose(scan.position_world_m, scan.heading_rad);
+        let place = model.nearest_place(scan.position_world_m);
         for (segment, degrees) in model.segments_deg.iter().enumerate() {
             let Some(actual_m) = log.median_m(scan, degrees.to_radians(), width) else {
                 continue;
             };
-            let turned = place.and_then(|place| {
-                let (before, share) = model.between(scan.heading_rad, segment);
-                let at = |k: usize| something(*place.directions_m.get(k % model.headings)?);
-                let (low, high) = (at(before)?, at(before + 1)?);
-                Some(low + share * (high - low))
-            });
             samples.push(Sample {
                 segment,
                 scan: index,
@@ -344,8 +345,8 @@ fn samples(model: &Sensorgraph, log: &ScanLog, arena: Option<&Arena>, seed: u64)
                 predicted_m: model.range_m(scan.position_world_m, scan.heading_rad, segment),
                 constant_m: model.means_m[segment],
                 random_m: low + (high - low) * rng.random::<f64>(),
-                nearest_m: pose.and_then(|pose| something(pose.segments_m[segment])),
-                turned_m: turned,
+                nearest_m: pose.and_then(|pose| model.read_at(pose, segment)),
+                turned_m: place.and_then(|place| model.turned_at(place, scan.heading_rad, segment)),
                 cast_m: ideal.as_ref().and_then(|ideal| {
                     ideal.median_m(&ideal.scans[index], degrees.to_radians(), width)
                 }),

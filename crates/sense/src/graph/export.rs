@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::model::{Frame, Polynomial, Sensorgraph};
-use realgap_core::error::Result;
+use realgap_core::error::{Error, Result};
 use realgap_core::file::look_up;
 
 /// A language that functions can be written in.
@@ -64,12 +64,22 @@ fn sum(polynomial: &Polynomial) -> String {
 }
 
 /// A file with one function, `sensorgraph_range_m(x_m, y_m, heading_rad, segment)`, and what it needs.
-pub fn functions(model: &Sensorgraph, language: Language) -> String {
-    match language {
+///
+/// # Errors
+/// A model that looks its log up, and has no polynomials.
+pub fn functions(model: &Sensorgraph, language: Language) -> Result<String> {
+    if model.frame.is_lookup() {
+        return Err(
+            Error::invalid("a lookup has no polynomials that could be a function")
+                .field("frame")
+                .hint("fit polynomials, `--frame world` or `--frame robot`"),
+        );
+    }
+    Ok(match language {
         Language::C => c(model),
         Language::Python => python(model),
         Language::Rust => rust(model),
-    }
+    })
 }
 
 /// The numbers that pick polynomials: headings, segments, middles of the segments in radians.
@@ -136,7 +146,7 @@ fn c(model: &Sensorgraph) -> String {
                 "    double share = heading_rad / turn - floor(heading_rad / turn);\n    int k = (int)(share * {n}) % {n};\n    (void)middle;\n    return sensorgraph_polynomial(k * {segments} + segment, u, v);"
             );
         }
-        Frame::World => {
+        _ => {
             let _ = writeln!(
                 text,
                 "    double direction = (heading_rad + middle[segment]) / turn;\n    double steps = (direction - floor(direction)) * {n};\n    int k = (int)steps;\n    double low = sensorgraph_polynomial(k % {n}, u, v), high = sensorgraph_polynomial((k + 1) % {n}, u, v);\n    return low + (steps - k) * (high - low);"
@@ -174,7 +184,7 @@ fn python(model: &Sensorgraph) -> String {
                 "    k = int(heading_rad % (2 * math.pi) / (2 * math.pi) * {n}) % {n}\n    return _POLYNOMIALS[k * {segments} + segment](u, v)"
             );
         }
-        Frame::World => {
+        _ => {
             let _ = writeln!(
                 text,
                 "    steps = (heading_rad + _MIDDLE[segment]) % (2 * math.pi) / (2 * math.pi) * {n}\n    k = int(steps)\n    low, high = _POLYNOMIALS[k % {n}](u, v), _POLYNOMIALS[(k + 1) % {n}](u, v)\n    return low + (steps - k) * (high - low)"
@@ -218,7 +228,7 @@ fn rust(model: &Sensorgraph) -> String {
                 "    let k = (heading_rad.rem_euclid(turn) / turn * {n}.0) as usize % {n};\n    sensorgraph_polynomial(k * {segments} + segment, u, v)"
             );
         }
-        Frame::World => {
+        _ => {
             let _ = writeln!(
                 text,
                 "    let middle: [f64; {segments}] = [{}];\n    let steps = (heading_rad + middle[segment]).rem_euclid(turn) / turn * {n}.0;\n    let k = steps as usize;\n    let [low, high] = [k % {n}, (k + 1) % {n}].map(|k| sensorgraph_polynomial(k, u, v));\n    low + (steps - k as f64) * (high - low)",

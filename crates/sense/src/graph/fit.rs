@@ -5,6 +5,7 @@ use std::fmt;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::evaluation::better_lookup;
 use super::model::{Frame, Polynomial, Sensorgraph};
 use super::option::GraphOptions;
 use super::polynomial::{FOLDS, SAMPLES_PER_TERM, fold, polynomial};
@@ -12,8 +13,18 @@ use super::regression::{Stop, monomials};
 use super::sample::{frame_of_log, logged, samples};
 use super::scan::ScanLog;
 use realgap_core::error::{Error, Result};
-use realgap_core::statistics::mean;
+use realgap_core::statistics::{mean, median};
 use realgap_core::warning::{Code, Warning};
+
+/// How well a sensorgraph foretells whose poses are of another time than their scans.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Lag {
+    /// How long before its scan a pose is taken, seconds.
+    pub lag_s: f64,
+    /// Mean absolute error over parts of the way that were left out, metres.
+    pub error_m: f64,
+}
 
 /// A fitted sensorgraph and what chose it.
 #[derive(Debug, Clone, Serialize)]
@@ -29,6 +40,12 @@ pub struct FittedGraph {
     pub robot_frame_error_m: Option<f64>,
     /// The same with polynomials of directions of the world.
     pub world_frame_error_m: Option<f64>,
+    /// The same of the scan at the nearest logged pose.
+    pub nearest_error_m: Option<f64>,
+    /// Of the scan at the nearest logged place, turned to the heading.
+    pub turned_error_m: Option<f64>,
+    /// The same error of what was taken, with poses of half an interval before and after their scans.
+    pub lags: Vec<Lag>,
     /// Which was taken.
     pub frame: Frame,
     /// Number of polynomials.
@@ -69,6 +86,15 @@ pub fn fit(log: &ScanLog, options: &GraphOptions) -> Result<FittedGraph> {
         };
         tried.push((frame, error_m, graph));
     }
+    let is_open = options.frame.is_none();
+    let lookup = |frame: Frame| {
+        let graph = Sensorgraph {
+            frame,
+            ..base.clone()
+        };
+        is_open.then(|| left_out_error_m(log, &graph, options))
+    };
+    let (nearest_error_m, turned_error_m) = (lookup(Frame::Nearest), lookup(Frame::Turned));
     let error_of = |wanted: Frame| {
         tried
             .iter()
@@ -78,7 +104,16 @@ pub fn fit(log: &ScanLog, options: &GraphOptions) -> Result<FittedGraph> {
     let (robot_frame_error_m, world_frame_error_m) =
         (error_of(Frame::Robot), error_of(Frame::World));
     tried.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let (frame, _, graph) = tried.remove(0);
+    let (frame, error_m, graph) = tried.remove(0);
+    let mut lags = Vec::new();
+    if is_open {
+        let looked_up = [
+            (Frame::Nearest, nearest_error_m),
+            (Frame::Turned, turned_error_m),
+        ];
+        warnings.extend(better_lookup(error_m, &looked_up));
+        lags = with_lags(log, &graph, options, error_m);
+    }
     let whole: Vec<bool> = vec![true; log.scans.len()];
     let mut model = with_polynomials(log, graph, options, &whole);
     let empty = model.polynomials.iter().filter(|p| p.samples == 0).count();
@@ -107,6 +142,9 @@ pub fn fit(log: &ScanLog, options: &GraphOptions) -> Result<FittedGraph> {
         scans: log.scans.len(),
         robot_frame_error_m,
         world_frame_error_m,
+        nearest_error_m,
+        turned_error_m,
+        lags,
         frame,
         polynomials: model.polynomials.len(),
         terms: model.polynomials.iter().map(|p| p.terms.len()).sum(),
@@ -129,7 +167,7 @@ fn with_polynomials(
         .map(|(index, samples)| {
             let instead = match graph.frame {
                 Frame::Robot => graph.means_m[index % graph.segments_deg.len()],
-                Frame::World => everything,
+                _ => everything,
             };
             polynomial(samples, options, instead)
         })
@@ -140,6 +178,34 @@ fn with_polynomials(
     }
 }
 
+/// A lag matters that takes more than a fiftieth off the error.
+const MATTERS: f64 = 0.98;
+
+/// Half an interval between scans before and after, where the robot was then.
+fn with_lags(log: &ScanLog, graph: &Sensorgraph, options: &GraphOptions, error_m: f64) -> Vec<Lag> {
+    let steps_s: Vec<f64> = log
+        .scans
+        .windows(2)
+        .map(|w| w[1].time_s - w[0].time_s)
+        .filter(|dt| *dt > 0.0)
+        .collect();
+    if steps_s.is_empty() {
+        return Vec::new();
+    }
+    let half_s = 0.5 * median(&steps_s);
+    [-half_s, 0.0, half_s]
+        .into_iter()
+        .map(|lag_s| Lag {
+            lag_s,
+            error_m: if lag_s == 0.0 {
+                error_m
+            } else {
+                left_out_error_m(&log.with_lag(lag_s), graph, options)
+            },
+        })
+        .collect()
+}
+
 /// Mean absolute error of segments over parts of the way that are left out, metres.
 fn left_out_error_m(log: &ScanLog, graph: &Sensorgraph, options: &GraphOptions) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
@@ -147,7 +213,10 @@ fn left_out_error_m(log: &ScanLog, graph: &Sensorgraph, options: &GraphOptions) 
     for left_out in 0..FOLDS {
         let is_out = |index: usize| fold(index as f64 / log.scans.len() as f64) == left_out;
         let used: Vec<bool> = (0..log.scans.len()).map(|index| !is_out(index)).collect();
-        let fitted = with_polynomials(log, graph.clone(), options, &used);
+        let mut fitted = with_polynomials(log, graph.clone(), options, &used);
+        if fitted.frame.is_lookup() {
+            fitted.log = logged(&log.kept(&used), graph);
+        }
         for (_, scan) in log
             .scans
             .iter()
@@ -184,7 +253,31 @@ impl fmt::Display for FittedGraph {
                 "parts of the way left out: {robot:.3} m off with a polynomial for every heading and segment, {world:.3} m with one for every direction of the world"
             )?;
         }
+        if let (Some(nearest), Some(turned)) = (self.nearest_error_m, self.turned_error_m) {
+            writeln!(
+                f,
+                "looked up instead: {nearest:.3} m with the scan at the nearest pose, {turned:.3} m with that at the nearest place, turned to the heading"
+            )?;
+        }
+        let at = |lag: &Lag| format!("{:.3} m at {:+.2} s", lag.error_m, lag.lag_s);
+        if let [before, none, after] = self.lags.as_slice() {
+            let least = before.error_m.min(after.error_m);
+            let words = if least < MATTERS * none.error_m {
+                "a lag foretells better: fit and evaluate with that `--lag`"
+            } else {
+                "a lag is not needed"
+            };
+            writeln!(
+                f,
+                "poses before their scans: {}, {}, {}: {words}",
+                at(before),
+                at(none),
+                at(after)
+            )?;
+        }
         let taken = match self.frame {
+            Frame::Nearest => "the scan at the nearest logged pose",
+            Frame::Turned => "the scan at the nearest logged place, turned to the heading",
             Frame::Robot => "one polynomial for every heading and segment",
             Frame::World => "one polynomial for every direction of the world",
         };

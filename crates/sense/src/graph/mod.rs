@@ -8,6 +8,7 @@ mod evaluation;
 mod export;
 mod fit;
 mod logger;
+mod lookup;
 mod model;
 mod option;
 mod polynomial;
@@ -17,7 +18,7 @@ mod scan;
 
 pub use evaluation::{Evaluation, SegmentReport};
 pub use export::{Language, functions};
-pub use fit::{FittedGraph, fit};
+pub use fit::{FittedGraph, Lag, fit};
 pub use logger::Logger;
 pub use model::{Frame, LoggedPose, Polynomial, Sensorgraph, Term};
 pub use option::GraphOptions;

@@ -8,7 +8,7 @@ use super::regression::{Powers, monomial};
 use super::scan::wrapped;
 use realgap_core::error::{Error, Result};
 
-/// What the polynomials are of.
+/// What foretells a scan: polynomials, or the log itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Frame {
@@ -17,6 +17,17 @@ pub enum Frame {
     /// One for each direction in the world: a scanner that turns with its robot sees the same walls in other segments, so all headings
     /// teach all polynomials. A segment is read between the two directions beside its middle.
     World,
+    /// No polynomials: the scan at the nearest logged pose, a radian of heading counting as a metre.
+    Nearest,
+    /// No polynomials: the scan at the nearest logged place, turned to the heading.
+    Turned,
+}
+
+impl Frame {
+    /// Whether the log is looked up in place of polynomials.
+    pub fn is_lookup(self) -> bool {
+        matches!(self, Self::Nearest | Self::Turned)
+    }
 }
 
 /// One term of a polynomial.
@@ -79,7 +90,7 @@ pub struct LoggedPose {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Sensorgraph")]
 pub struct Sensorgraph {
-    /// What the polynomials are of.
+    /// What foretells a scan.
     pub frame: Frame,
     /// Middle of each segment, degrees counter-clockwise from straight ahead.
     pub segments_deg: Vec<f64>,
@@ -93,7 +104,7 @@ pub struct Sensorgraph {
     pub scale_m: f64,
     /// Mean of each segment over the log, metres: the simplest guess.
     pub means_m: Vec<f64>,
-    /// Frame::Robot: heading by heading, each segment by segment. Frame::World: direction by direction.
+    /// Frame::Robot: heading by heading, each segment by segment. Frame::World: direction by direction. None for lookups.
     pub polynomials: Vec<Polynomial>,
     /// The log, thinned where it is long.
     pub log: Vec<LoggedPose>,
@@ -110,23 +121,25 @@ impl Sensorgraph {
         let polynomials = match self.frame {
             Frame::Robot => self.headings * segments,
             Frame::World => self.headings,
+            Frame::Nearest | Frame::Turned => 0,
         };
         let sizes = [
             ("polynomials", self.polynomials.len(), polynomials),
             ("means_m", self.means_m.len(), segments),
         ];
         for (field, found, allowed) in sizes {
-            if found != allowed || found == 0 {
+            if found != allowed || segments == 0 || self.headings == 0 {
                 return Err(Error::invalid("wrong number of values")
                     .field(field)
                     .found(found)
-                    .allowed(allowed.max(1)));
+                    .allowed(allowed));
             }
         }
         let is_whole = self
             .log
             .iter()
-            .all(|pose| pose.segments_m.len() == segments);
+            .all(|pose| pose.segments_m.len() == segments)
+            && !(self.frame.is_lookup() && self.log.is_empty());
         let numbers = [
             self.centre_m.0,
             self.centre_m.1,
@@ -203,6 +216,14 @@ impl Sensorgraph {
                 let [low, high] = [before, after].map(|k| self.polynomials[k].at(place));
                 low + share * (high - low)
             }
+            Frame::Nearest => self
+                .nearest_pose(position_world_m, heading_rad)
+                .and_then(|pose| self.read_at(pose, segment))
+                .unwrap_or(self.means_m[segment]),
+            Frame::Turned => self
+                .nearest_place(position_world_m)
+                .and_then(|place| self.turned_at(place, heading_rad, segment))
+                .unwrap_or(self.means_m[segment]),
         }
     }
 
@@ -243,6 +264,9 @@ impl fmt::Display for Sensorgraph {
         )?;
         let segments = self.segments_deg.len();
         let step = 360.0 / self.headings as f64;
+        if self.frame.is_lookup() {
+            writeln!(f, "no polynomials: the nearest of {} scans", self.log.len())?;
+        }
         for (index, polynomial) in self.polynomials.iter().enumerate() {
             match self.frame {
                 Frame::Robot => write!(
@@ -252,7 +276,7 @@ impl fmt::Display for Sensorgraph {
                     step * (index / segments + 1) as f64,
                     self.segments_deg[index % segments]
                 )?,
-                Frame::World => write!(f, "direction {:.0} deg:", step * index as f64)?,
+                _ => write!(f, "direction {:.0} deg:", step * index as f64)?,
             }
             writeln!(f, " {polynomial}  ({} samples)", polynomial.samples)?;
         }

@@ -16,7 +16,7 @@ pub struct GraphOptions {
     pub width_deg: f64,
     /// When no more terms are taken.
     pub stop: Stop,
-    /// What the polynomials are of; where there is none, what foretells parts of the way that are left out better.
+    /// What foretells a scan; where there is none, those polynomials that foretell parts of the way that are left out better.
     pub frame: Option<Frame>,
 }
 

@@ -104,6 +104,7 @@ pub(super) fn samples(log: &ScanLog, graph: &Sensorgraph, used: &[bool]) -> Vec<
     let count = match graph.frame {
         Frame::Robot => graph.headings * segments,
         Frame::World => graph.headings,
+        Frame::Nearest | Frame::Turned => 0,
     };
     let width = graph.width_deg.to_radians();
     let step = std::f64::consts::TAU / graph.headings as f64;
@@ -132,6 +133,7 @@ pub(super) fn samples(log: &ScanLog, graph: &Sensorgraph, used: &[bool]) -> Vec<
                     push(heading * segments + segment, degrees.to_radians());
                 }
             }
+            Frame::Nearest | Frame::Turned => {}
             Frame::World => {
                 for direction in 0..graph.headings {
                     let centre = direction as f64 * step - scan.heading_rad;

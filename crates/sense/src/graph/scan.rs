@@ -151,6 +151,52 @@ impl ScanLog {
         }
     }
 
+    /// The scans that are kept.
+    pub(super) fn kept(&self, keep: &[bool]) -> Self {
+        let scans = self.scans.iter().zip(keep).filter(|(_, keep)| **keep);
+        Self {
+            beams_rad: self.beams_rad.clone(),
+            scans: scans.map(|(scan, _)| scan.clone()).collect(),
+        }
+    }
+
+    /// The same scans with the poses of `lag_s` before them, on straight lines between those of the log; its ends stay.
+    pub fn with_lag(&self, lag_s: f64) -> Self {
+        let pose_at = |time_s: f64| {
+            let after = self.scans.partition_point(|scan| scan.time_s <= time_s);
+            let (a, b) = match after {
+                0 => (&self.scans[0], &self.scans[0]),
+                after if after == self.scans.len() => {
+                    (&self.scans[after - 1], &self.scans[after - 1])
+                }
+                after => (&self.scans[after - 1], &self.scans[after]),
+            };
+            let share = if b.time_s > a.time_s {
+                (time_s - a.time_s) / (b.time_s - a.time_s)
+            } else {
+                0.0
+            };
+            let along = |axis: usize| {
+                let (from, to) = (a.position_world_m[axis], b.position_world_m[axis]);
+                from + share * (to - from)
+            };
+            let turn = wrapped(b.heading_rad - a.heading_rad);
+            ([along(0), along(1)], wrapped(a.heading_rad + share * turn))
+        };
+        let scans = self.scans.iter().map(|scan| {
+            let (position_world_m, heading_rad) = pose_at(scan.time_s - lag_s);
+            Scan {
+                position_world_m,
+                heading_rad,
+                ..scan.clone()
+            }
+        });
+        Self {
+            beams_rad: self.beams_rad.clone(),
+            scans: scans.collect(),
+        }
+    }
+
     /// Whether the beams go all round.
     pub fn is_all_round(&self) -> bool {
         let mut beams = self.beams_rad.clone();

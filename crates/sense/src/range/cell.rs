@@ -1,15 +1,18 @@
-//! Readings that share distance and angles, what is nonsense among them, and what the rest amounts to.
+//! Readings that share distance, angles and session, what is nonsense among them, and what the rest amounts to.
 
 use super::log::ReadingLog;
 use super::model::Outliers;
+use super::peak::peaks;
 use realgap_core::statistics::{mean, median, quantile};
 
-/// Readings at one distance and one pair of angles.
+/// Readings at one distance and one pair of angles, in one session.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Cell {
     pub distance: f64,
     pub incidence_deg: f64,
     pub offset_deg: f64,
+    /// Index of the session; 0 where the log has none.
+    pub session: usize,
     /// Readings that came and are no outliers, in the order of the log.
     pub values: Vec<f64>,
     /// Readings that have nothing to do with the distance.
@@ -24,6 +27,7 @@ pub(super) struct Summary {
     pub distance: f64,
     pub incidence_deg: f64,
     pub offset_deg: f64,
+    pub session: usize,
     pub count: f64,
     pub mean: f64,
     /// Sum of squared deviations from the mean.
@@ -44,9 +48,9 @@ pub(super) fn cells(log: &ReadingLog) -> (Vec<Cell>, f64) {
     let mut order: Vec<usize> = (0..log.readings.len()).collect();
     let key = |i: usize| {
         let r = &log.readings[i];
-        [r.distance, r.incidence_deg, r.offset_deg]
+        [r.distance, r.incidence_deg, r.offset_deg, r.session as f64]
     };
-    let compare = |a: &[f64; 3], b: &[f64; 3]| {
+    let compare = |a: &[f64; 4], b: &[f64; 4]| {
         let pairs = a.iter().zip(b);
         pairs
             .map(|(a, b)| a.total_cmp(b))
@@ -66,6 +70,7 @@ pub(super) fn cells(log: &ReadingLog) -> (Vec<Cell>, f64) {
                 distance: first.distance,
                 incidence_deg: first.incidence_deg,
                 offset_deg: first.offset_deg,
+                session: first.session,
                 dropouts: members.len() - values.len(),
                 values,
                 outliers: Vec::new(),
@@ -73,8 +78,9 @@ pub(super) fn cells(log: &ReadingLog) -> (Vec<Cell>, f64) {
         })
         .collect();
     let resolution = resolution(log);
+    let usual = usual_sd(&cells, resolution);
     for cell in &mut cells {
-        part(cell, resolution);
+        part(cell, resolution, usual);
     }
     (cells, resolution)
 }
@@ -95,20 +101,45 @@ fn resolution(log: &ReadingLog) -> f64 {
     if least.is_finite() { least } else { 0.0 }
 }
 
-/// Moves readings that are far from the others of the cell to its outliers.
-fn part(cell: &mut Cell, resolution: f64) {
+/// Robust standard deviation of readings around their median.
+fn robust(values: &[f64]) -> (f64, f64) {
+    let centre = median(values);
+    let deviations: Vec<f64> = values.iter().map(|v| (v - centre).abs()).collect();
+    (centre, PER_MAD * median(&deviations))
+}
+
+/// The median of the cells' robust standard deviations: what a cell spreads like whose readings are nearly all the same step.
+fn usual_sd(cells: &[Cell], resolution: f64) -> f64 {
+    let enough = cells.iter().filter(|cell| cell.values.len() >= LEAST);
+    let sds: Vec<f64> = enough.map(|cell| robust(&cell.values).1).collect();
+    if sds.is_empty() {
+        return resolution;
+    }
+    median(&sds).max(resolution)
+}
+
+/// Moves readings that are far from every crowd of the cell to its outliers.
+fn part(cell: &mut Cell, resolution: f64, usual: f64) {
     if cell.values.len() < LEAST {
         return;
     }
-    let centre = median(&cell.values);
-    let deviations: Vec<f64> = cell.values.iter().map(|v| (v - centre).abs()).collect();
-    let sd = (PER_MAD * median(&deviations)).max(resolution);
-    let far = (FAR + FAR_OF_FEW / cell.values.len() as f64) * sd;
-    let (near, outliers) = cell
-        .values
-        .iter()
-        .copied()
-        .partition(|v| (v - centre).abs() <= far);
+    let mut sorted = cell.values.clone();
+    sorted.sort_by(f64::total_cmp);
+    let reach = FAR + FAR_OF_FEW / cell.values.len() as f64;
+    let crowds: Vec<(f64, f64)> = peaks(&sorted, resolution)
+        .into_iter()
+        .map(|peak| {
+            let (centre, sd) = robust(&sorted[peak]);
+            // Most readings on one step hide how far the others spread.
+            (centre, reach * if sd < resolution { usual } else { sd })
+        })
+        .collect();
+    let is_near = |v: &f64| {
+        crowds
+            .iter()
+            .any(|(centre, far)| (v - centre).abs() <= *far)
+    };
+    let (near, outliers) = cell.values.iter().copied().partition(is_near);
     cell.values = near;
     cell.outliers = outliers;
 }
@@ -123,6 +154,7 @@ pub(super) fn summaries(cells: &[Cell]) -> Vec<Summary> {
                 distance: cell.distance,
                 incidence_deg: cell.incidence_deg,
                 offset_deg: cell.offset_deg,
+                session: cell.session,
                 count: cell.values.len() as f64,
                 mean: centre,
                 squares: cell.values.iter().map(|v| (v - centre).powi(2)).sum(),

@@ -11,15 +11,18 @@ use super::fit::{Fitted, Plan, fit};
 use super::form::{FORMS, Form, Linear};
 use super::log::ReadingLog;
 use super::model::{RangeModel, ReadingUnit};
+use super::peak::{Peak, described};
 use super::sample_size::{SampleSize, study};
+use super::session::{LEAST_SESSIONS, SessionSpread, with_sessions};
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{
     LEAST_FOR_NORMALITY, Proportion, anderson_darling, mean, normal_quantile, standard_deviation,
+    student_quantile,
 };
-use realgap_core::unit::LengthUnit;
+use realgap_core::unit::{LengthUnit, number};
 use realgap_core::warning::{Code, Warning};
 
-/// Level of all intervals.
+/// Level of intervals where none is asked for.
 pub const LEVEL: f64 = 0.95;
 
 /// How a log is characterised.
@@ -33,6 +36,8 @@ pub struct Options {
     pub bin: Option<f64>,
     /// Change below which a histogram counts as stopped; an eighth where there is none.
     pub tolerance: Option<f64>,
+    /// Level of all intervals, above 0 and below 1; [`LEVEL`] where there is none.
+    pub level: Option<f64>,
     /// Seed of the sample-size study.
     pub seed: u64,
 }
@@ -48,7 +53,7 @@ pub struct Value {
     pub name: String,
     /// The most likely value.
     pub value: f64,
-    /// Lower end of its 95 % interval.
+    /// Lower end of its interval.
     pub low: f64,
     /// Upper end.
     pub high: f64,
@@ -57,8 +62,9 @@ pub struct Value {
 }
 
 impl Value {
-    fn new(name: String, value: f64, standard_error: f64) -> Self {
-        let half = normal_quantile(0.5 + 0.5 * LEVEL) * standard_error;
+    /// `reach` is the half width of the interval in standard errors.
+    fn new(name: String, value: f64, standard_error: f64, reach: f64) -> Self {
+        let half = reach * standard_error;
         Self {
             name,
             value,
@@ -69,7 +75,7 @@ impl Value {
     }
 }
 
-/// What was read at one distance and one pair of angles.
+/// What was read at one distance and one pair of angles, in one session.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DistanceReport {
@@ -79,8 +85,14 @@ pub struct DistanceReport {
     pub incidence_deg: f64,
     /// Angle of offset, degrees.
     pub offset_deg: f64,
+    /// The session, where the log tells sessions apart.
+    pub session: Option<String>,
     /// Readings that came and are no outliers.
     pub readings: usize,
+    /// How many of these differ.
+    pub different: usize,
+    /// Where they crowd, if in several places: rising.
+    pub peaks: Vec<Peak>,
     /// Readings that have nothing to do with the distance.
     pub outliers: usize,
     /// Readings that never came.
@@ -123,8 +135,14 @@ pub struct Characterisation {
     pub spread_form: &'static str,
     /// Parameters of the mean, terms in the angles last.
     pub mean: Vec<Value>,
-    /// Parameters of the spread.
+    /// Parameters of the spread; within a session, where the log tells sessions apart.
     pub spread: Vec<Value>,
+    /// Level of the intervals.
+    pub level: f64,
+    /// How sessions differ, where the log tells them apart: all intervals of the mean hold for any session then.
+    pub sessions: Option<SessionSpread>,
+    /// Smallest step between two readings, in the reading's unit.
+    pub step: f64,
     /// Readings that never came, of all that were asked for.
     pub dropouts: Proportion,
     /// Readings that have nothing to do with the distance, of all that came.
@@ -155,6 +173,8 @@ struct Numbers<'a> {
     offset_per_deg: f64,
     dropout: f64,
     outliers: super::model::Outliers,
+    session_sd: f64,
+    session_share: f64,
 }
 fn as_file<S: Serializer>(
     model: &RangeModel,
@@ -169,6 +189,8 @@ fn as_file<S: Serializer>(
         offset_per_deg: model.offset_per_deg,
         dropout: model.dropout,
         outliers: model.outliers,
+        session_sd: model.session_sd,
+        session_share: model.session_share,
     }
     .serialize(serializer)
 }
@@ -212,15 +234,32 @@ impl Characterisation {
             differs(|s| s.offset_deg),
             least_spread,
         );
+        let level = options.level.unwrap_or(LEVEL);
         let (plan, candidates) = pick(&plans, &data, &mut warnings);
-        let fitted = fit(plan, &data).ok_or_else(|| cannot_fit(plan))?;
-        let outliers = outlier_model(&cells);
+        let mut fitted = fit(plan, &data).ok_or_else(|| cannot_fit(plan))?;
+        let mut reach = vec![normal_quantile(0.5 + 0.5 * level); plan.parameters(&fitted)];
+        let mut sessions = None;
+        if (1..LEAST_SESSIONS).contains(&log.sessions.len()) {
+            warnings.push(Warning::new(
+                Code::FewSessions,
+                format!("{} sessions do not tell how sessions differ: intervals are those of independent readings, and too sure for another session", log.sessions.len()),
+            ));
+        } else if !log.sessions.is_empty() {
+            let found = with_sessions(plan, &fitted, &data, log.sessions.len(), level)?;
+            fitted = found.fitted;
+            let degrees = found.degrees.iter();
+            reach = degrees
+                .map(|d| student_quantile(0.5 + 0.5 * level, *d))
+                .collect();
+            sessions = Some(found.spread);
+        }
         let (came, asked) = cells.iter().fold((0, 0), |(came, asked), cell| {
             let here = cell.values.len() + cell.outliers.len();
             (came + here, asked + here + cell.dropouts)
         });
         let nonsense: usize = cells.iter().map(|cell| cell.outliers.len()).sum();
-        let dropouts = Proportion::new(asked - came, asked, LEVEL);
+        let dropouts = Proportion::new(asked - came, asked, level);
+        let everywhere = sessions.as_ref().map(|s| s.everywhere);
         let model = RangeModel {
             description: String::new(),
             distance_unit: log.distance_unit,
@@ -232,13 +271,21 @@ impl Characterisation {
             incidence_per_deg: fitted.incidence_per_deg,
             offset_per_deg: fitted.offset_per_deg,
             dropout: dropouts.share,
-            outliers,
+            outliers: outlier_model(&cells),
+            session_sd: everywhere.map_or(0.0, |e| if e.grows_with_reading { 0.0 } else { e.sd }),
+            session_share: everywhere.map_or(0.0, |e| e.share),
         };
         model.check()?;
-        let distances: Vec<DistanceReport> =
-            cells.iter().map(|cell| report(cell, &fitted)).collect();
+        let distances: Vec<DistanceReport> = cells
+            .iter()
+            .map(|cell| report(cell, &fitted, log.sessions.get(cell.session), resolution))
+            .collect();
         let normality = normality(&distances);
-        let lack_of_fit_p = lack_of_fit(&fitted, &data);
+        // Sessions that differ are no lack of the form.
+        let lack_of_fit_p = match sessions {
+            Some(_) => None,
+            None => lack_of_fit(&fitted, &data),
+        };
         if lack_of_fit_p.is_some_and(|p| p < DOUBTFUL) {
             warnings.push(Warning::new(
                 Code::LackOfFit,
@@ -251,13 +298,17 @@ impl Characterisation {
                 format!("readings are not spread normally at {} of {} distances (rounded readings alone can be why)", normality.rejected, normality.tested),
             ));
         }
+        warnings.extend(crowds(&distances, resolution, log.reading_unit.symbol()));
         Ok(Self {
             mean_form: plan.mean.name(),
             spread_form: plan.spread.name(),
-            mean: mean_values(plan, &fitted),
-            spread: spread_values(plan, &fitted),
+            mean: mean_values(plan, &fitted, &reach),
+            spread: spread_values(plan, &fitted, normal_quantile(0.5 + 0.5 * level)),
+            level,
+            sessions,
+            step: resolution,
             dropouts,
-            outliers: Proportion::new(nonsense, came, LEVEL),
+            outliers: Proportion::new(nonsense, came, level),
             candidates,
             lack_of_fit_p,
             normality,
@@ -267,6 +318,47 @@ impl Characterisation {
             model,
         })
     }
+}
+
+/// Readings that come in steps as wide as they spread, or crowd in several places, in words.
+fn crowds(distances: &[DistanceReport], step: f64, unit: &str) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let many: Vec<&DistanceReport> = distances.iter().filter(|d| d.readings >= FEW).collect();
+    let is_rounded = |d: &&&DistanceReport| d.sd.is_some_and(|sd| step > ROUNDED * sd);
+    let rounded = many.iter().filter(is_rounded).count();
+    if rounded > 0 {
+        let alone = many.iter().filter(|d| d.different == 1).count();
+        warnings.push(Warning::new(
+            Code::QuantisedReadings,
+            format!("readings come in steps of {} {unit}, more than half of what they spread at {rounded} of {} distances; at {alone} all are the same: the spread there is at least that of rounding", number(step), many.len()),
+        ));
+    }
+    let crowded: Vec<&DistanceReport> = distances.iter().filter(|d| !d.peaks.is_empty()).collect();
+    if let Some(most) = crowded
+        .iter()
+        .max_by(|a, b| least_share(a).total_cmp(&least_share(b)))
+    {
+        let peaks: Vec<String> = most
+            .peaks
+            .iter()
+            .map(|p| format!("{} ({:.0} %)", number(p.centre), 100.0 * p.share))
+            .collect();
+        warnings.push(Warning::new(
+            Code::SeveralPeaks,
+            format!("readings crowd in several places at {} of {} distances, e.g. at {}: {} {unit}; one normal spread holds all of them", crowded.len(), distances.len(), most.distance, peaks.join(", ")),
+        ));
+    }
+    warnings
+}
+
+/// Fewest readings that steps are told of.
+const FEW: usize = 5;
+/// Steps count from this share of the spread on.
+const ROUNDED: f64 = 0.5;
+
+fn least_share(report: &DistanceReport) -> f64 {
+    let shares = report.peaks.iter().map(|p| p.share);
+    shares.fold(1.0, f64::min)
 }
 
 /// Every pair of forms that the options leave open.
@@ -316,22 +408,30 @@ fn cannot_fit(plan: Plan) -> Error {
         .hint("power and exponential need values of one sign; a linear spread must stay above 0; try the table")
 }
 
-fn values(form: &dyn Form, knots: &[f64], values: &[f64], errors: &[f64]) -> Vec<Value> {
+fn values(
+    form: &dyn Form,
+    knots: &[f64],
+    values: &[f64],
+    errors: &[f64],
+    reach: impl Fn(usize) -> f64,
+) -> Vec<Value> {
     let names = form.parameters(knots).into_iter();
     names
         .zip(values.iter().zip(errors))
-        .map(|(name, (value, error))| Value::new(name, *value, *error))
+        .enumerate()
+        .map(|(index, (name, (value, error)))| Value::new(name, *value, *error, reach(index)))
         .collect()
 }
 
 /// A spread is above 0, so its factors have intervals of their logarithms.
-fn spread_values(plan: Plan, fitted: &Fitted) -> Vec<Value> {
+fn spread_values(plan: Plan, fitted: &Fitted, reach: f64) -> Vec<Value> {
     let spread = &fitted.spread;
     let mut all = values(
         plan.spread,
         &spread.knots,
         &spread.values,
         &fitted.spread_errors,
+        |_| reach,
     );
     for (index, value) in all.iter_mut().enumerate() {
         if plan.spread.is_factor(index) && value.value > 0.0 {
@@ -345,15 +445,16 @@ fn spread_values(plan: Plan, fitted: &Fitted) -> Vec<Value> {
     all
 }
 
-fn mean_values(plan: Plan, fitted: &Fitted) -> Vec<Value> {
+fn mean_values(plan: Plan, fitted: &Fitted, reach: &[f64]) -> Vec<Value> {
     let own = fitted.mean.values.len();
     let mut all = values(
         plan.mean,
         &fitted.mean.knots,
         &fitted.mean.values,
         &fitted.mean_errors[..own],
+        |index| reach[index],
     );
-    let mut rest = fitted.mean_errors[own..].iter();
+    let mut rest = fitted.mean_errors[own..].iter().zip(&reach[own..]);
     for (is_fitted, name, value) in [
         (
             plan.incidence,
@@ -362,14 +463,19 @@ fn mean_values(plan: Plan, fitted: &Fitted) -> Vec<Value> {
         ),
         (plan.offset, "offset per degree", fitted.offset_per_deg),
     ] {
-        if let (true, Some(error)) = (is_fitted, rest.next().filter(|_| is_fitted)) {
-            all.push(Value::new(name.to_owned(), value, *error));
+        if let (true, Some((error, reach))) = (is_fitted, rest.next().filter(|_| is_fitted)) {
+            all.push(Value::new(name.to_owned(), value, *error, *reach));
         }
     }
     all
 }
 
-fn report(cell: &Cell, fitted: &Fitted) -> DistanceReport {
+fn report(
+    cell: &Cell,
+    fitted: &Fitted,
+    session: Option<&String>,
+    resolution: f64,
+) -> DistanceReport {
     let readings = cell.values.len();
     let centre = (readings > 0).then(|| mean(&cell.values));
     let sd = (readings > 1).then(|| standard_deviation(&cell.values));
@@ -383,7 +489,10 @@ fn report(cell: &Cell, fitted: &Fitted) -> DistanceReport {
         distance: cell.distance,
         incidence_deg: cell.incidence_deg,
         offset_deg: cell.offset_deg,
+        session: session.cloned(),
         readings,
+        different: different(&cell.values),
+        peaks: described(&cell.values, resolution),
         outliers: cell.outliers.len(),
         dropouts: cell.dropouts,
         mean: centre,
@@ -392,6 +501,13 @@ fn report(cell: &Cell, fitted: &Fitted) -> DistanceReport {
         sd_ratio: sd.map(|s| s / fitted.spread.at(cell.distance)),
         normality_p: tested.map(|test| test.p_value),
     }
+}
+
+fn different(values: &[f64]) -> usize {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup();
+    sorted.len()
 }
 
 fn normality(distances: &[DistanceReport]) -> Normality {

@@ -19,6 +19,8 @@ pub struct DrawOptions {
     pub readings: u32,
     /// Angle of incidence, degrees.
     pub incidence_deg: f64,
+    /// Sessions, each with all distances and so many readings; a column names them where they are several.
+    pub sessions: u32,
     /// Seed of the readings.
     pub seed: u64,
 }
@@ -53,7 +55,8 @@ impl DrawnLog {
                 .field("distances")
                 .found(wrong));
         }
-        let readings = distances.len() * options.readings as usize;
+        let sessions = options.sessions.max(1);
+        let readings = distances.len() * options.readings as usize * sessions as usize;
         if readings > MOST {
             return Err(
                 Error::invalid("too many readings for one log").allowed(format!("at most {MOST}"))
@@ -64,19 +67,34 @@ impl DrawnLog {
             (ReadingUnit::Own(_), "") => "reading".to_owned(),
             (_, symbol) => format!("reading_{symbol}"),
         };
-        let mut csv = format!("distance_{length},{reading},incidence_deg\n");
+        let column = if sessions > 1 { ",session" } else { "" };
+        let mut csv = format!("distance_{length},{reading},incidence_deg{column}\n");
+        let beam = |distance: f64| Beam {
+            incidence_rad: options.incidence_deg.to_radians(),
+            ..Beam::straight(distance * sensor.distance_unit.metres())
+        };
         let mut warnings = Vec::new();
-        for (index, distance) in distances.iter().enumerate() {
-            let beam = Beam {
-                incidence_rad: options.incidence_deg.to_radians(),
-                ..Beam::straight(distance * sensor.distance_unit.metres())
-            };
-            warnings.extend(sensor.warning_at(beam.distance_m));
-            let mut rng = Numbered::SensorReading.generator(options.seed, index as u64);
-            for _ in 0..options.readings {
-                let value = sensor.draw(&beam, &mut rng);
-                let value = value.map_or(String::new(), |v| v.to_string());
-                csv += &format!("{distance},{value},{}\n", options.incidence_deg);
+        for distance in &distances {
+            warnings.extend(sensor.warning_at(beam(*distance).distance_m));
+        }
+        for session in 0..sessions {
+            let mut own = Numbered::SensorSession.generator(options.seed, u64::from(session));
+            let in_session = sensor.in_session(&mut own);
+            for (index, distance) in distances.iter().enumerate() {
+                let number = u64::from(session) * distances.len() as u64 + index as u64;
+                let mut rng = Numbered::SensorReading.generator(options.seed, number);
+                for _ in 0..options.readings {
+                    let value = match sessions {
+                        1 => sensor.draw(&beam(*distance), &mut rng),
+                        _ => in_session.draw(&beam(*distance), &mut rng),
+                    };
+                    let value = value.map_or(String::new(), |v| v.to_string());
+                    csv += &format!("{distance},{value},{}", options.incidence_deg);
+                    if sessions > 1 {
+                        csv += &format!(",{}", session + 1);
+                    }
+                    csv.push('\n');
+                }
             }
         }
         Ok(Self {
@@ -100,6 +118,7 @@ mod tests {
             distances: vec![0.5 * (sensor.range.0 + sensor.range.1)],
             readings: 3,
             incidence_deg: 0.0,
+            sessions: 1,
             seed: 7,
         };
         let log = DrawnLog::new(&sensor, &options).unwrap();

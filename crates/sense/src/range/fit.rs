@@ -21,6 +21,13 @@ pub(super) struct Plan {
     pub least_spread: f64,
 }
 
+impl Plan {
+    /// Number of the mean's parameters.
+    pub(super) fn parameters(&self, fitted: &Fitted) -> usize {
+        fitted.mean.values.len() + usize::from(self.incidence) + usize::from(self.offset)
+    }
+}
+
 /// A fitted density.
 #[derive(Debug, Clone)]
 pub(super) struct Fitted {
@@ -93,8 +100,7 @@ pub(super) fn fit(plan: Plan, data: &[Summary]) -> Option<Fitted> {
     let readings: f64 = data.iter().map(|s| s.count).sum();
     // Rounding is a spread too: each cell has at least that of even errors within one step. And the parameters of the mean have taken
     // some of what spreads (as n − 1 does for a single mean).
-    let parameters =
-        fitted.mean.values.len() + usize::from(plan.incidence) + usize::from(plan.offset);
+    let parameters = plan.parameters(&fitted);
     let taken = readings / (readings - parameters as f64).max(1.0);
     let data: Vec<Summary> = data
         .iter()
@@ -164,7 +170,15 @@ fn spreads(mean: &Curve, data: &[Summary], least: f64) -> Vec<Point> {
 }
 
 impl Fitted {
-    fn move_mean(&mut self, plan: Plan, step: &[f64]) {
+    /// Derivatives of a mean reading by the parameters of the mean.
+    pub(super) fn mean_gradient(&self, plan: Plan, s: &Summary) -> Vec<f64> {
+        let mut gradient = self.mean.gradient(s.distance);
+        gradient.extend(plan.incidence.then_some(s.incidence_deg));
+        gradient.extend(plan.offset.then_some(s.offset_deg));
+        gradient
+    }
+
+    pub(super) fn move_mean(&mut self, plan: Plan, step: &[f64]) {
         let own = self.mean.values.len();
         self.mean
             .values
@@ -185,13 +199,7 @@ impl Fitted {
 fn mean_scores(fitted: &Fitted, plan: Plan, data: &[Summary]) -> (DMatrix<f64>, DVector<f64>) {
     accumulate(data, |s| {
         let sd = fitted.spread.at(s.distance);
-        let mut gradient = fitted.mean.gradient(s.distance);
-        if plan.incidence {
-            gradient.push(s.incidence_deg);
-        }
-        if plan.offset {
-            gradient.push(s.offset_deg);
-        }
+        let gradient = fitted.mean_gradient(plan, s);
         let weight = s.count / (sd * sd);
         (gradient, weight, weight * (s.mean - fitted.mean_at(s)))
     })

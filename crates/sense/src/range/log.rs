@@ -17,6 +17,8 @@ pub struct Reading {
     pub incidence_deg: f64,
     /// Angle of offset, degrees.
     pub offset_deg: f64,
+    /// Index of its session in the log's; 0 where the log has none.
+    pub session: usize,
     /// What the sensor said; `None` where it said nothing.
     pub value: Option<f64>,
 }
@@ -30,6 +32,8 @@ pub struct ReadingLog {
     pub reading_unit: ReadingUnit,
     /// The readings, in the order of the log.
     pub readings: Vec<Reading>,
+    /// Names of the sessions in the order in which they come; empty where the log does not tell them apart.
+    pub sessions: Vec<String>,
     /// Material that the log was limited to.
     pub material: Option<String>,
     /// Time from one reading to the next, seconds, where the log has times.
@@ -45,11 +49,13 @@ pub struct LogOptions {
     pub unit: LengthUnit,
     /// Only readings off this material.
     pub material: Option<String>,
+    /// The column that names sessions; `session` where there is one of that name.
+    pub session: Option<String>,
 }
 
 /// What columns may be called.
 const COLUMNS: &str = "distance_cm (or _m, _mm, or `distance`), reading_cm (or _m, _mm, any other ending for the sensor's own unit, or \
-     `reading`), and where known incidence_deg, offset_deg, material, t_s";
+     `reading`), and where known incidence_deg, offset_deg, material, session, t_s";
 
 impl ReadingLog {
     /// Reads a log with all defaults.
@@ -98,10 +104,15 @@ impl ReadingLog {
         let wanted = options.material.as_deref();
         let (rows, materials) = table.chosen("material", wanted)?;
         let time = table.column("t_s");
+        let session = match &options.session {
+            Some(name) => Some(table.require(name, "the option --session names it")?),
+            None => table.column("session"),
+        };
         let mut log = Self {
             distance_unit,
             reading_unit,
             readings: Vec::with_capacity(rows.len()),
+            sessions: Vec::new(),
             material: options.material.clone(),
             sampling_time_s: None,
             warnings: Vec::new(),
@@ -135,8 +146,19 @@ impl ReadingLog {
                 distance: distance_found,
                 incidence_deg: degrees(incidence)?,
                 offset_deg: degrees(offset)?,
+                session: session.map_or(0, |column| {
+                    let name = table.text(row, column);
+                    let known = log.sessions.iter().position(|known| known == name);
+                    known.unwrap_or_else(|| {
+                        log.sessions.push(name.to_owned());
+                        log.sessions.len() - 1
+                    })
+                }),
                 value,
             });
+        }
+        if log.sessions.len() == 1 {
+            log.sessions.clear();
         }
         let steps_s: Vec<f64> = times_s
             .windows(2)

@@ -11,14 +11,18 @@ mod fit;
 pub mod form;
 mod log;
 mod model;
+mod peak;
 mod sample_size;
+mod session;
 
 pub use characterisation::{Characterisation, DistanceReport, LEVEL, Normality, Options, Value};
 pub use choice::Candidate;
 pub use drawn::{DrawOptions, DrawnLog};
 pub use log::{LogOptions, Reading, ReadingLog};
 pub use model::{
-    Beam, Outliers, RangeModel, RangeSensor, ReadingUnit, find_sensor, sensor_by_name,
+    Beam, InSession, Outliers, RangeModel, RangeSensor, ReadingUnit, find_sensor, sensor_by_name,
     shipped_sensors,
 };
+pub use peak::Peak;
 pub use sample_size::{SampleSize, SizeStep};
+pub use session::{NextSession, SessionSpread, Spread};

@@ -138,6 +138,12 @@ pub struct RangeModel {
     /// Readings that have nothing to do with the distance.
     #[serde(default)]
     pub outliers: Outliers,
+    /// Standard deviation of what one session adds to all its mean readings, in the reading's unit.
+    #[serde(default)]
+    pub session_sd: f64,
+    /// Standard deviation of the share of the mean reading that one session adds.
+    #[serde(default)]
+    pub session_share: f64,
 }
 
 /// Where a spread that must be positive is looked at, between the ends of the range.
@@ -169,6 +175,12 @@ impl RangeModel {
                     .found(share)
                     .allowed("0 to 1"));
             }
+        }
+        for (field, sd) in [
+            ("session_sd", self.session_sd),
+            ("session_share", self.session_share),
+        ] {
+            Range::within(0.0, 1e9, "").check(sd, field)?;
         }
         let outliers = self.outliers;
         if outliers.share > 0.0
@@ -211,6 +223,16 @@ impl RangeModel {
                 ),
             )
         })
+    }
+
+    /// The sensor in one session: what that adds to all its mean readings is drawn.
+    pub fn in_session(&self, rng: &mut dyn Rng) -> InSession<'_> {
+        let (add, share): (f64, f64) = (rng.sample(StandardNormal), rng.sample(StandardNormal));
+        InSession {
+            model: self,
+            add: self.session_sd * add,
+            share: self.session_share * share,
+        }
     }
 
     fn d(&self, beam: &Beam) -> f64 {
@@ -270,6 +292,29 @@ impl RangeSensor for RangeModel {
         } else {
             self.mean(beam) + self.sd(beam) * normal
         })
+    }
+}
+
+/// A sensor in one session, which differs from others.
+#[derive(Debug, Clone)]
+pub struct InSession<'a> {
+    model: &'a RangeModel,
+    /// What the session adds to every mean reading.
+    add: f64,
+    /// The share of the mean reading that it adds.
+    share: f64,
+}
+
+impl InSession<'_> {
+    /// The mean reading in this session.
+    pub fn mean(&self, beam: &Beam) -> f64 {
+        self.model.mean(beam) * (1.0 + self.share) + self.add
+    }
+
+    /// A reading; `None` where none comes. The model's draws, moved by what the session adds.
+    pub fn draw(&self, beam: &Beam, rng: &mut dyn Rng) -> Option<f64> {
+        let moved = self.mean(beam) - self.model.mean(beam);
+        self.model.draw(beam, rng).map(|reading| reading + moved)
     }
 }
 

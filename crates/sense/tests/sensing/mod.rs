@@ -8,6 +8,7 @@
 mod contract;
 mod recovery;
 mod refusal;
+mod session;
 
 use realgap_core::file::Source;
 use realgap_core::random::Numbered;

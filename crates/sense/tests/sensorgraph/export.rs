@@ -47,15 +47,15 @@ fn functions_in_other_languages_say_what_the_model_says() {
         let run = |program: &str, args: &[&str]| {
             std::process::Command::new(program).args(args).output().ok()
         };
-        let python =
-            functions(&model, Language::Python) + &calls(&|call| format!("print(repr({call}))\n"));
+        let python = functions(&model, Language::Python).unwrap()
+            + &calls(&|call| format!("print(repr({call}))\n"));
         match run("python3", &["-c", &python]) {
             Some(output) => check(Language::Python, output),
             None => println!("SKIPPED: no python3"),
         }
         let c = format!(
             "{}#include <stdio.h>\nint main(void) {{\n{}return 0; }}\n",
-            functions(&model, Language::C),
+            functions(&model, Language::C).unwrap(),
             calls(&|call| format!("printf(\"%.17g\\n\", {call});\n"))
         );
         let (source, program) = (folder.path().join("graph.c"), folder.path().join("graph"));
@@ -75,7 +75,7 @@ fn functions_in_other_languages_say_what_the_model_says() {
             }
             None => println!("SKIPPED: no C compiler"),
         }
-        let rust = functions(&model, Language::Rust);
+        let rust = functions(&model, Language::Rust).unwrap();
         assert!(
             rust.contains("pub fn sensorgraph_range_m")
                 && rust.matches(" => (").count() == model.polynomials.len() + 1

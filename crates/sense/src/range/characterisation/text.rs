@@ -25,7 +25,14 @@ fn digits(value: f64) -> String {
     format!("{value:.*}", (4 - before).clamp(0, 8) as usize)
 }
 
-fn values(f: &mut fmt::Formatter<'_>, what: &str, form: &str, values: &[Value]) -> fmt::Result {
+fn values(
+    f: &mut fmt::Formatter<'_>,
+    what: &str,
+    form: &str,
+    values: &[Value],
+    level: f64,
+) -> fmt::Result {
+    let interval = format!("{:.0} % interval", 100.0 * level);
     let formula = form_by_name(form).map_or("", |form| form.formula());
     writeln!(f, "{what}: {form}, {formula}")?;
     let table = TextTable::of(
@@ -33,7 +40,7 @@ fn values(f: &mut fmt::Formatter<'_>, what: &str, form: &str, values: &[Value]) 
         &[
             ("  parameter", Left, &|v| format!("  {}", v.name)),
             ("value", Right, &|v| digits(v.value)),
-            ("95 % interval", Left, &|v| {
+            (&interval, Left, &|v| {
                 format!("{} to {}", digits(v.low), digits(v.high))
             }),
             ("standard error", Right, &|v| number(v.standard_error)),
@@ -42,12 +49,13 @@ fn values(f: &mut fmt::Formatter<'_>, what: &str, form: &str, values: &[Value]) 
     f.write_str(&table.render(false))
 }
 
-fn share(p: &Proportion) -> String {
+fn share(p: &Proportion, level: f64) -> String {
     format!(
-        "{} of {} ({:.2} %, 95 % interval {:.2} to {:.2} %)",
+        "{} of {} ({:.2} %, {:.0} % interval {:.2} to {:.2} %)",
         p.count,
         p.trials,
         100.0 * p.share,
+        100.0 * level,
         100.0 * p.low,
         100.0 * p.high
     )
@@ -66,16 +74,21 @@ impl fmt::Display for Characterisation {
             self.dropouts.trials, self.model.range.0, self.model.range.1
         )?;
         writeln!(f)?;
-        values(f, "mean", self.mean_form, &self.mean)?;
-        values(f, "spread", self.spread_form, &self.spread)?;
-        writeln!(f, "never came: {}", share(&self.dropouts))?;
-        writeln!(f, "nonsense:   {}", share(&self.outliers))?;
+        let level = self.level;
+        values(f, "mean", self.mean_form, &self.mean, level)?;
+        values(f, "spread", self.spread_form, &self.spread, level)?;
+        self.write_sessions(f)?;
+        writeln!(f, "never came: {}", share(&self.dropouts, level))?;
+        writeln!(f, "nonsense:   {}", share(&self.outliers, level))?;
         match self.lack_of_fit_p {
             Some(p) => writeln!(
                 f,
                 "misses the mean readings by chance alone with p = {p:.3}"
             )?,
-            None => writeln!(f, "too few readings a distance to test the form")?,
+            None if self.sessions.is_none() => {
+                writeln!(f, "too few readings a distance to test the form")?;
+            }
+            None => {}
         }
         if self.normality.tested > 0 {
             writeln!(
@@ -92,6 +105,58 @@ impl fmt::Display for Characterisation {
 }
 
 impl Characterisation {
+    fn write_sessions(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(found) = &self.sessions else {
+            return Ok(());
+        };
+        writeln!(
+            f,
+            "sessions: {}; spreads and intervals are those within and between them",
+            found.sessions
+        )?;
+        let rows = [
+            ("  a session adds everywhere", found.everywhere),
+            ("  and at each distance by itself", found.by_distance),
+        ];
+        let interval = format!("{:.0} % interval", 100.0 * self.level);
+        let table = TextTable::of(
+            &rows,
+            &[
+                ("  standard deviation", Left, &|(what, _)| {
+                    (*what).to_owned()
+                }),
+                ("value", Right, &|(_, s)| digits(s.sd)),
+                (&interval, Left, &|(_, s)| {
+                    format!("{} to {}", digits(s.low), digits(s.high))
+                }),
+                ("", Left, &|(_, s)| {
+                    let share = format!("{:.2} % of the reading", 100.0 * s.share);
+                    if s.grows_with_reading {
+                        share
+                    } else {
+                        String::new()
+                    }
+                }),
+            ],
+        );
+        f.write_str(&table.render(false))?;
+        writeln!(f, "the next session, {interval}s:")?;
+        let table = TextTable::of(
+            found.next.iter().take(MOST_ROWS),
+            &[
+                ("  distance", Right, &|n| n.distance.to_string()),
+                ("mean", Right, &|n| digits(n.mean)),
+                ("of its mean", Left, &|n| {
+                    format!("{} to {}", digits(n.mean_low), digits(n.mean_high))
+                }),
+                ("of its readings", Left, &|n| {
+                    format!("{} to {}", digits(n.reading_low), digits(n.reading_high))
+                }),
+            ],
+        );
+        f.write_str(&table.render(false))
+    }
+
     fn write_candidates(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.candidates.is_empty() {
             return Ok(());
@@ -159,6 +224,9 @@ impl Characterisation {
         let mut columns: Vec<Column<'_, DistanceReport>> =
             vec![("  distance", Right, &|d| d.distance.to_string())];
         columns.extend(angles.into_iter().filter(|_| has_angles));
+        let session: Column<'_, DistanceReport> =
+            ("session", Left, &|d| d.session.clone().unwrap_or_default());
+        columns.extend(self.sessions.is_some().then_some(session));
         let numbers: [Column<'_, DistanceReport>; 8] = [
             ("readings", Right, &|d| d.readings.to_string()),
             ("mean", Right, &|d| d.mean.map_or_else(none, digits)),
@@ -176,6 +244,15 @@ impl Characterisation {
             ("never came", Right, &|d| d.dropouts.to_string()),
         ];
         columns.extend(numbers);
+        let crowds: Column<'_, DistanceReport> = ("crowds at", Left, &|d| {
+            let peaks = d.peaks.iter();
+            let words: Vec<String> = peaks
+                .map(|p| format!("{} ({:.0} %)", digits(p.centre), 100.0 * p.share))
+                .collect();
+            words.join(", ")
+        });
+        let is_crowded = self.distances.iter().any(|d| !d.peaks.is_empty());
+        columns.extend(is_crowded.then_some(crowds));
         let table = TextTable::of(self.distances.iter().take(MOST_ROWS), &columns);
         let text = table.render(false);
         f.write_str(text.trim_end())?;
