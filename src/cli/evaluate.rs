@@ -155,7 +155,9 @@ fn words_of_joints(result: &JointEvaluation, colour: bool) -> String {
     let whole = (result.whole_mrad.as_ref())
         .map(|whole| format!("\n  over whole recordings instead: joints {}", of(whole)));
     let joints = result.joints_mrad.iter();
-    let joints: Vec<String> = joints.map(|(name, mrad)| format!("{name} {mrad:.1}")).collect();
+    let joints: Vec<String> = joints
+        .map(|(name, mrad)| format!("{name} {mrad:.1}"))
+        .collect();
     format!(
         "{}: joints {}, {:.1} at the end (median); {:.2} CPU ms per simulated second{}\n  {}{rows}",
         counted(result.recordings, "recording"),

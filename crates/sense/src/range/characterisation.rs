@@ -1,9 +1,13 @@
 //! From a log to a model, with what speaks for it and against it.
 
+mod distance;
 mod text;
 
 use serde::{Serialize, Serializer};
 use statrs::function::gamma::gamma_ur;
+
+pub use distance::{DistanceReport, Normality};
+use distance::{crowds, normality, report};
 
 use super::cell::{Cell, Summary, cells, outlier_model, summaries};
 use super::choice::{Candidate, choose};
@@ -11,15 +15,13 @@ use super::fit::{Fitted, Plan, fit};
 use super::form::{FORMS, Form, Linear};
 use super::log::ReadingLog;
 use super::model::{RangeModel, ReadingUnit};
-use super::peak::{Peak, described};
 use super::sample_size::{SampleSize, study};
 use super::session::{LEAST_SESSIONS, SessionSpread, with_sessions};
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{
-    LEAST_FOR_NORMALITY, Proportion, anderson_darling, mean, normal_quantile, standard_deviation,
-    student_quantile,
+    LEAST_FOR_NORMALITY, Proportion, normal_quantile, student_quantile,
 };
-use realgap_core::unit::{LengthUnit, number};
+use realgap_core::unit::LengthUnit;
 use realgap_core::warning::{Code, Warning};
 
 /// Level of intervals where none is asked for.
@@ -73,52 +75,6 @@ impl Value {
             standard_error,
         }
     }
-}
-
-/// What was read at one distance and one pair of angles, in one session.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct DistanceReport {
-    /// Distance, in the log's unit.
-    pub distance: f64,
-    /// Angle of incidence, degrees.
-    pub incidence_deg: f64,
-    /// Angle of offset, degrees.
-    pub offset_deg: f64,
-    /// The session, where the log tells sessions apart.
-    pub session: Option<String>,
-    /// Readings that came and are no outliers.
-    pub readings: usize,
-    /// How many of these differ.
-    pub different: usize,
-    /// Where they crowd, if in several places: rising.
-    pub peaks: Vec<Peak>,
-    /// Readings that have nothing to do with the distance.
-    pub outliers: usize,
-    /// Readings that never came.
-    pub dropouts: usize,
-    /// Mean of the readings.
-    pub mean: Option<f64>,
-    /// This is the standard deviation of the readings.
-    pub sd: Option<f64>,
-    /// Mean less the model's.
-    pub residual: Option<f64>,
-    /// Standard deviation over the model's.
-    pub sd_ratio: Option<f64>,
-    /// This is the p value of the Anderson–Darling test of normality, where there are enough readings.
-    pub normality_p: Option<f64>,
-}
-
-/// How many distances are normal.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Normality {
-    /// Distances with enough readings.
-    pub tested: usize,
-    /// Of these with p below 5 %; one in twenty by chance.
-    pub rejected: usize,
-    /// Smallest p value times the number of tests (Bonferroni), at most 1.
-    pub adjusted_p: f64,
 }
 
 /// A log's model, and what it rests on.
@@ -206,21 +162,7 @@ impl Characterisation {
     pub fn new(log: &ReadingLog, options: &Options) -> Result<Self> {
         let (cells, resolution) = cells(log);
         let data = summaries(&cells);
-        let (first, last) = match (data.first(), data.last()) {
-            (Some(first), Some(last)) => (first.distance, last.distance),
-            _ => {
-                return Err(Error::invalid("not a single reading came")
-                    .found(format!("{} rows", log.readings.len())));
-            }
-        };
-        if first == last {
-            return Err(
-                Error::invalid("readings at one distance say nothing about others")
-                    .field("distance")
-                    .found(format!("{first} only"))
-                    .allowed("two or more different distances"),
-            );
-        }
+        let (first, last) = ends(&data, log.readings.len())?;
         let least_spread = resolution / 12f64.sqrt();
         if resolution == 0.0 {
             return Err(Error::invalid("all readings are the same")
@@ -286,18 +228,7 @@ impl Characterisation {
             Some(_) => None,
             None => lack_of_fit(&fitted, &data),
         };
-        if lack_of_fit_p.is_some_and(|p| p < DOUBTFUL) {
-            warnings.push(Warning::new(
-                Code::LackOfFit,
-                format!("mean readings are further from the {} form than chance puts them: its intervals are too sure, and between the distances of the log it may be off", plan.mean.name()),
-            ));
-        }
-        if normality.adjusted_p < DOUBTFUL {
-            warnings.push(Warning::new(
-                Code::NotNormal,
-                format!("readings are not spread normally at {} of {} distances (rounded readings alone can be why)", normality.rejected, normality.tested),
-            ));
-        }
+        warnings.extend(doubts(plan, lack_of_fit_p, normality));
         warnings.extend(crowds(&distances, resolution, log.reading_unit.symbol()));
         Ok(Self {
             mean_form: plan.mean.name(),
@@ -320,45 +251,41 @@ impl Characterisation {
     }
 }
 
-/// Readings that come in steps as wide as they spread, or crowd in several places, in words.
-fn crowds(distances: &[DistanceReport], step: f64, unit: &str) -> Vec<Warning> {
+/// The first and the last distance of a log of so many rows.
+fn ends(data: &[Summary], rows: usize) -> Result<(f64, f64)> {
+    let (first, last) = match (data.first(), data.last()) {
+        (Some(first), Some(last)) => (first.distance, last.distance),
+        _ => {
+            return Err(Error::invalid("not a single reading came").found(format!("{} rows", rows)));
+        }
+    };
+    if first == last {
+        return Err(
+            Error::invalid("readings at one distance say nothing about others")
+                .field("distance")
+                .found(format!("{first} only"))
+                .allowed("two or more different distances"),
+        );
+    }
+    Ok((first, last))
+}
+
+/// Where the form or the normal spread misses the readings, in words.
+fn doubts(plan: Plan, lack_of_fit_p: Option<f64>, normality: Normality) -> Vec<Warning> {
     let mut warnings = Vec::new();
-    let many: Vec<&DistanceReport> = distances.iter().filter(|d| d.readings >= FEW).collect();
-    let is_rounded = |d: &&&DistanceReport| d.sd.is_some_and(|sd| step > ROUNDED * sd);
-    let rounded = many.iter().filter(is_rounded).count();
-    if rounded > 0 {
-        let alone = many.iter().filter(|d| d.different == 1).count();
+    if lack_of_fit_p.is_some_and(|p| p < DOUBTFUL) {
         warnings.push(Warning::new(
-            Code::QuantisedReadings,
-            format!("readings come in steps of {} {unit}, more than half of what they spread at {rounded} of {} distances; at {alone} all are the same: the spread there is at least that of rounding", number(step), many.len()),
+            Code::LackOfFit,
+            format!("mean readings are further from the {} form than chance puts them: its intervals are too sure, and between the distances of the log it may be off", plan.mean.name()),
         ));
     }
-    let crowded: Vec<&DistanceReport> = distances.iter().filter(|d| !d.peaks.is_empty()).collect();
-    if let Some(most) = crowded
-        .iter()
-        .max_by(|a, b| least_share(a).total_cmp(&least_share(b)))
-    {
-        let peaks: Vec<String> = most
-            .peaks
-            .iter()
-            .map(|p| format!("{} ({:.0} %)", number(p.centre), 100.0 * p.share))
-            .collect();
+    if normality.adjusted_p < DOUBTFUL {
         warnings.push(Warning::new(
-            Code::SeveralPeaks,
-            format!("readings crowd in several places at {} of {} distances, e.g. at {}: {} {unit}; one normal spread holds all of them", crowded.len(), distances.len(), most.distance, peaks.join(", ")),
+            Code::NotNormal,
+            format!("readings are not spread normally at {} of {} distances (rounded readings alone can be why)", normality.rejected, normality.tested),
         ));
     }
     warnings
-}
-
-/// Fewest readings that steps are told of.
-const FEW: usize = 5;
-/// Steps count from this share of the spread on.
-const ROUNDED: f64 = 0.5;
-
-fn least_share(report: &DistanceReport) -> f64 {
-    let shares = report.peaks.iter().map(|p| p.share);
-    shares.fold(1.0, f64::min)
 }
 
 /// Every pair of forms that the options leave open.
@@ -468,56 +395,6 @@ fn mean_values(plan: Plan, fitted: &Fitted, reach: &[f64]) -> Vec<Value> {
         }
     }
     all
-}
-
-fn report(
-    cell: &Cell,
-    fitted: &Fitted,
-    session: Option<&String>,
-    resolution: f64,
-) -> DistanceReport {
-    let readings = cell.values.len();
-    let centre = (readings > 0).then(|| mean(&cell.values));
-    let sd = (readings > 1).then(|| standard_deviation(&cell.values));
-    let model_mean = fitted.mean.at(cell.distance)
-        + fitted.incidence_per_deg * cell.incidence_deg
-        + fitted.offset_per_deg * cell.offset_deg;
-    let tested = (readings >= LEAST_FOR_NORMALITY)
-        .then(|| anderson_darling(&cell.values).ok())
-        .flatten();
-    DistanceReport {
-        distance: cell.distance,
-        incidence_deg: cell.incidence_deg,
-        offset_deg: cell.offset_deg,
-        session: session.cloned(),
-        readings,
-        different: different(&cell.values),
-        peaks: described(&cell.values, resolution),
-        outliers: cell.outliers.len(),
-        dropouts: cell.dropouts,
-        mean: centre,
-        sd,
-        residual: centre.map(|m| m - model_mean),
-        sd_ratio: sd.map(|s| s / fitted.spread.at(cell.distance)),
-        normality_p: tested.map(|test| test.p_value),
-    }
-}
-
-fn different(values: &[f64]) -> usize {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.dedup();
-    sorted.len()
-}
-
-fn normality(distances: &[DistanceReport]) -> Normality {
-    let p: Vec<f64> = distances.iter().filter_map(|d| d.normality_p).collect();
-    let least = p.iter().copied().fold(1.0, f64::min);
-    Normality {
-        tested: p.len(),
-        rejected: p.iter().filter(|p| **p < 0.05).count(),
-        adjusted_p: (least * p.len().max(1) as f64).min(1.0),
-    }
 }
 
 /// χ² of the cells' means about the curve, with the cells' own spreads.

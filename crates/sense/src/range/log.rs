@@ -142,18 +142,12 @@ impl ReadingLog {
             if let Some(column) = time {
                 times_s.push(table.number(row, column)?);
             }
+            let session = session.map_or(0, |column| log.session(table.text(row, column)));
             log.readings.push(Reading {
                 distance: distance_found,
                 incidence_deg: degrees(incidence)?,
                 offset_deg: degrees(offset)?,
-                session: session.map_or(0, |column| {
-                    let name = table.text(row, column);
-                    let known = log.sessions.iter().position(|known| known == name);
-                    known.unwrap_or_else(|| {
-                        log.sessions.push(name.to_owned());
-                        log.sessions.len() - 1
-                    })
-                }),
+                session,
                 value,
             });
         }
@@ -187,6 +181,15 @@ impl ReadingLog {
             ));
         }
         Ok(log)
+    }
+
+    /// The index of the session of this name, which may be new.
+    fn session(&mut self, name: &str) -> usize {
+        let known = self.sessions.iter().position(|known| known == name);
+        known.unwrap_or_else(|| {
+            self.sessions.push(name.to_owned());
+            self.sessions.len() - 1
+        })
     }
 }
 

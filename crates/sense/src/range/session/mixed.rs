@@ -1,0 +1,221 @@
+//! The likelihood of residuals that sessions share.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::Spread;
+use realgap_core::statistics::mean;
+
+/// Cells above which degrees of freedom are those of the sessions alone, because the exact ones cost the cube of the cells.
+const MOST_CELLS: usize = 600;
+/// −2 times the logarithm of the likelihood ratio that one more assumption needs: 1 % by chance (Wilks 1938).
+const CLEAR: f64 = 6.63;
+
+/// How readings of a log that are spread by sessions weigh.
+pub(super) struct Mixed {
+    /// Residuals of the cells' means from the curve.
+    pub residual: DVector<f64>,
+    /// Gradients of the curve.
+    pub gradient: DMatrix<f64>,
+    /// Variance of the cells' means within their session.
+    pub within: Vec<f64>,
+    pub session: Vec<usize>,
+    pub sessions: usize,
+    /// Weights w and u.
+    pub everywhere: Vec<f64>,
+    pub by_distance: Vec<f64>,
+    /// Whether w and u grow with the mean reading, and the mean of all mean readings.
+    pub grow: [bool; 2],
+    pub usual: f64,
+}
+
+/// The solution at given variances.
+pub(super) struct Solved {
+    /// −2 times the restricted log-likelihood, up to a constant.
+    pub deviance: f64,
+    pub step: DVector<f64>,
+    pub covariance: DMatrix<f64>,
+}
+
+impl Mixed {
+    /// V⁻¹ times the columns of a matrix, and ln |V|, session by session: a diagonal and one column more (Sherman & Morrison 1950).
+    fn weigh(&self, [a, c]: [f64; 2], of: &DMatrix<f64>) -> (DMatrix<f64>, f64) {
+        let diagonal: Vec<f64> = (0..self.within.len())
+            .map(|k| self.within[k] + c * self.by_distance[k].powi(2))
+            .collect();
+        let mut weighed = of.clone();
+        for (k, d) in diagonal.iter().enumerate() {
+            weighed.row_mut(k).scale_mut(1.0 / d);
+        }
+        let mut log_determinant: f64 = diagonal.iter().map(|d| libm::log(*d)).sum();
+        let mut size = vec![0.0; self.sessions];
+        let mut sums = DMatrix::<f64>::zeros(self.sessions, of.ncols());
+        for k in 0..diagonal.len() {
+            let s = self.session[k];
+            size[s] += self.everywhere[k].powi(2) / diagonal[k];
+            for column in 0..of.ncols() {
+                sums[(s, column)] += self.everywhere[k] * weighed[(k, column)];
+            }
+        }
+        for k in 0..diagonal.len() {
+            let s = self.session[k];
+            let factor = a * self.everywhere[k] / (diagonal[k] * (1.0 + a * size[s]));
+            for column in 0..of.ncols() {
+                weighed[(k, column)] -= factor * sums[(s, column)];
+            }
+        }
+        log_determinant += size.iter().map(|q| libm::log(1.0 + a * q)).sum::<f64>();
+        (weighed, log_determinant)
+    }
+
+    pub(super) fn solve(&self, variances: [f64; 2]) -> Option<Solved> {
+        let columns = self.gradient.ncols();
+        let mut all = self.gradient.clone().insert_column(columns, 0.0);
+        all.set_column(columns, &self.residual);
+        let (weighed, log_determinant) = self.weigh(variances, &all);
+        // Parameters may have sizes far apart.
+        let products = self.gradient.transpose() * &weighed;
+        let scale: Vec<f64> = (0..columns).map(|i| products[(i, i)].sqrt()).collect();
+        if !scale.iter().all(|s| s.is_finite() && *s > 0.0) {
+            return None;
+        }
+        let scaled = DMatrix::from_fn(columns, columns, |i, j| {
+            products[(i, j)] / (scale[i] * scale[j])
+        });
+        let factor = scaled.cholesky()?;
+        let information = 2.0
+            * factor
+                .l()
+                .diagonal()
+                .iter()
+                .map(|v| libm::log(*v))
+                .sum::<f64>();
+        let inverse = factor.inverse();
+        let covariance = DMatrix::from_fn(columns, columns, |i, j| {
+            inverse[(i, j)] / (scale[i] * scale[j])
+        });
+        let right = products.column(columns).into_owned();
+        let step = &covariance * &right;
+        let squares = self.residual.dot(&weighed.column(columns)) - right.dot(&step);
+        let scales: f64 = scale.iter().map(|s| 2.0 * libm::log(*s)).sum();
+        Some(Solved {
+            deviance: log_determinant + information + scales + squares,
+            step,
+            covariance,
+        })
+    }
+
+    /// The variances of least deviance: golden sections of their roots in turn.
+    pub(super) fn variances(&self, most: f64) -> [f64; 2] {
+        let deviance = |sds: [f64; 2]| {
+            let solved = self.solve([sds[0] * sds[0], sds[1] * sds[1]]);
+            solved.map_or(f64::INFINITY, |s| s.deviance)
+        };
+        let inner = |a: f64| golden(most, &|c| deviance([a, c]));
+        let a = golden(most, &|a| deviance([a, inner(a)]));
+        let c = inner(a);
+        [a * a, c * c]
+    }
+
+    /// Expected covariance of the two variances: the inverse of ½ tr(P Vᵢ P Vⱼ).
+    pub(super) fn variance_covariance(
+        &self,
+        variances: [f64; 2],
+        solved: &Solved,
+    ) -> Option<DMatrix<f64>> {
+        let cells = self.within.len();
+        if cells > MOST_CELLS {
+            return None;
+        }
+        let (inverse, _) = self.weigh(variances, &DMatrix::identity(cells, cells));
+        let weighed = &inverse * &self.gradient;
+        let p = &inverse - &weighed * &solved.covariance * weighed.transpose();
+        // P times the two derivatives of V: blocks of a session, a diagonal.
+        let mut sums = DMatrix::<f64>::zeros(cells, self.sessions);
+        for k in 0..cells {
+            for row in 0..cells {
+                sums[(row, self.session[k])] += p[(row, k)] * self.everywhere[k];
+            }
+        }
+        let by_session = DMatrix::from_fn(cells, cells, |i, k| {
+            sums[(i, self.session[k])] * self.everywhere[k]
+        });
+        let by_cell =
+            DMatrix::from_fn(cells, cells, |i, k| p[(i, k)] * self.by_distance[k].powi(2));
+        let parts = [&by_session, &by_cell];
+        let information = DMatrix::from_fn(2, 2, |i, j| {
+            0.5 * parts[i].component_mul(&parts[j].transpose()).sum()
+        });
+        information.try_inverse()
+    }
+
+    /// Satterthwaite's degrees of freedom of a variance that is a function of the two.
+    pub(super) fn degrees(
+        &self,
+        variances: [f64; 2],
+        covariance: Option<&DMatrix<f64>>,
+        of: impl Fn([f64; 2]) -> Option<f64>,
+    ) -> f64 {
+        let few = (self.sessions - 1) as f64;
+        let most = (self.within.len() - self.gradient.ncols()).max(1) as f64;
+        let found = || -> Option<f64> {
+            let value = of(variances)?;
+            let scale = variances[0] + variances[1] + mean(&self.within);
+            let slope: Option<Vec<f64>> = (0..2)
+                .map(|i| {
+                    let mut moved = variances;
+                    moved[i] += 1e-4 * scale;
+                    Some((of(moved)? - value) / (1e-4 * scale))
+                })
+                .collect();
+            let slope = DVector::from_vec(slope?);
+            let variance = (slope.transpose() * covariance? * &slope)[(0, 0)];
+            let degrees = 2.0 * value * value / variance;
+            degrees.is_finite().then_some(degrees)
+        };
+        found().map_or(few, |degrees| degrees.clamp(few.min(most), most))
+    }
+}
+
+/// Where a function of one peak or valley is least between 0 and `most`, to a thousandth of it.
+fn golden(most: f64, of: &dyn Fn(f64) -> f64) -> f64 {
+    const RATIO: f64 = 0.618_033_988_749_894_9;
+    let (mut low, mut high) = (0.0, most);
+    let (mut left, mut right) = (high - RATIO * (high - low), low + RATIO * (high - low));
+    let (mut at_left, mut at_right) = (of(left), of(right));
+    for _ in 0..14 {
+        if at_left <= at_right {
+            (high, right, at_right) = (right, left, at_left);
+            left = high - RATIO * (high - low);
+            at_left = of(left);
+        } else {
+            (low, left, at_left) = (left, right, at_right);
+            right = low + RATIO * (high - low);
+            at_right = of(right);
+        }
+    }
+    let found = 0.5 * (low + high);
+    if of(0.0) <= of(found) { 0.0 } else { found }
+}
+
+impl Mixed {
+    /// The deviance, with what an error of scale has to gain to be believed rather than a plain amount.
+    pub(super) fn doubt(&self, solved: &Solved) -> f64 {
+        let grow = self.grow.iter().filter(|grows| **grows).count();
+        solved.deviance + CLEAR * grow as f64
+    }
+
+    pub(super) fn spread(&self, which: usize, variance: f64, (low, high): (f64, f64)) -> Spread {
+        let sd = variance.sqrt();
+        Spread {
+            sd,
+            low,
+            high,
+            grows_with_reading: self.grow[which],
+            share: if self.grow[which] {
+                sd / self.usual
+            } else {
+                0.0
+            },
+        }
+    }
+}
