@@ -10,7 +10,7 @@ use realgap::{Error, Result};
 /// Set by `--force`.
 static FORCE: AtomicBool = AtomicBool::new(false);
 /// What stands in files that this program writes, near their beginning.
-const MARKS: [&str; 7] = [
+const MARKS: [&str; 8] = [
     "Written by realgap",
     // In a PNG.
     "Software\0realgap",
@@ -19,6 +19,8 @@ const MARKS: [&str; 7] = [
     "\"generator\":\"realgap",
     "(realgap identify)",
     "\"schema_version\"",
+    // In a JSON Schema.
+    "\"title\": \"realgap ",
 ];
 /// So much of a file is looked at.
 const LOOKED_AT: u64 = 16_384;

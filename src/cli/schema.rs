@@ -9,7 +9,7 @@ use realgap::unit::counted;
 use realgap::{Error, Result};
 
 use super::form::SCHEMAS;
-use super::terminal;
+use super::{output, terminal};
 
 /// Print the JSON Schema of a file or of an answer, or list all that there are
 ///
@@ -96,6 +96,7 @@ impl SchemaCommand {
                     let parent = folder.join(one.folder);
                     std::fs::create_dir_all(&parent)
                         .map_err(|e| Error::io("make the folder", &parent, &e))?;
+                    output::check(&file)?;
                     write_atomic(&file, one.text.as_bytes())?;
                 }
                 let count = counted(shipped().count(), "schema");

@@ -7,6 +7,7 @@ mod common;
 mod equal_runs;
 mod foreign;
 mod hint;
+mod kept;
 mod new;
 mod start;
 mod verify;

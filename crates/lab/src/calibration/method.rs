@@ -56,7 +56,7 @@ pub struct Tuned {
 pub struct Estimated {
     /// Name of the parameter.
     pub parameter: &'static str,
-    /// Where the loss is least.
+    /// The value of the simulated point whose robust loss is least: the answer's best.
     pub value: f64,
     /// Lower end of the 90 % interval.
     pub low: f64,
@@ -81,7 +81,8 @@ impl Estimated {
         let correlation = |a: usize, b: usize| known.covariance[a][b] / (sd(a) * sd(b));
         (0..ranges.len())
             .map(|axis| {
-                let (range, at) = (&ranges[axis], known.point[axis]);
+                let (range, at, middle) = (&ranges[axis], known.at[axis], known.point[axis]);
+                let doubt = NINETY * sd(axis);
                 let value = |coordinate: f64| range.at(coordinate.clamp(0.0, 1.0));
                 let others = (0..ranges.len()).filter(|other| *other != axis);
                 let partner = others.max_by(|a, b| {
@@ -93,8 +94,9 @@ impl Estimated {
                 Self {
                     parameter: range.parameter.name,
                     value: value(at),
-                    low: value(at - NINETY * sd(axis)),
-                    high: value(at + NINETY * sd(axis)),
+                    // Around where the loss is least by a quadratic; what was simulated is as good, and so within.
+                    low: value(at.min(middle - doubt)),
+                    high: value(at.max(middle + doubt)),
                     is_told: sd(axis) < NEWS * before,
                     partner: partner
                         .map(|other| (ranges[other].parameter.name, correlation(axis, other))),

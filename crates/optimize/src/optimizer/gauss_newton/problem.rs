@@ -9,10 +9,12 @@ use super::solve;
 /// The loss near a point, in coordinates from 0 to 1: what errors and prior knowledge say together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Quadratic {
-    /// The point.
-    pub point: UnitPoint,
+    /// The point with the least robust loss of those that were simulated.
+    pub at: UnitPoint,
     /// The robust loss there.
     pub loss: f64,
+    /// Where the loss is least by all that is known around it.
+    pub point: UnitPoint,
     /// Covariance of the point, row by row: of the errors' noise alone, whatever else is wrong with the model.
     pub covariance: Vec<Vec<f64>>,
     /// Variance of the point by prior knowledge alone; `None` where there is none but the range.
@@ -204,7 +206,7 @@ impl Problem {
         };
         let rows = covariance.row_iter();
         Quadratic {
-            // Where all that is known here leads.
+            at: self.at.clone(),
             point: self.step(&self.at, 0.0),
             loss,
             covariance: rows.map(|row| row.iter().copied().collect()).collect(),
