@@ -1,6 +1,6 @@
 //! *How far is my simulated robot from my real one, what closes the gap, and how sure may I be?*
 //!
-//! `realgap` simulates modular cube robots with Rapier, compares what they do with recorded real runs, and
+//! `realgap` simulates robots with Rapier or a solver of its own, compares what they do with recorded real runs, and
 //! searches the parameters of the simulation (friction, restitution, any other named number) for what matches
 //! reality best, together with everything that cannot be told apart from the best. The method is that of
 //! "Lessons on the Reality-Gap: Iterations between Virtual and Real Robots" (paper 003 in these pages).
@@ -192,12 +192,12 @@ pub mod guide {
         };
     }
 
-    // A page is a word in this table; `tests/documentation.rs` holds it to the folder.
+    // A page is a word in this table; `tests/document/documentation.rs` holds it to the folder.
     pages! {
         pictures: compare confidence convergence curves ensemble fitness gallery heatmap histograms map paths profile ride
             robot seen sensitivity sensor so101_arm steps template time times tosses trajectories turtlebot3_burger unitree_a1 visits
             watched;
-        pages: tutorial cli conventions files python recordings joints robots scale glossary gallery pages design compare limits
+        pages: tutorial cli results conventions files python recordings joints robots scale glossary gallery pages design compare limits
             questions bibliography;
         #[doc = links!()]
         #[doc = include_str!("../docs/fidelity.md")]

@@ -15,10 +15,20 @@ use super::{output, terminal};
 
 /// Make a range sensor's model of a log: mean and spread over the distance, with intervals
 ///
-/// The log is CSV with the columns distance_cm (or _m, _mm) and reading_cm (or _m, _mm, or any other ending for the sensor's own unit),
-/// one row a reading; where known also incidence_deg, offset_deg, material, session and t_s. An empty reading is one that never came. Forms are
-/// chosen by how well they foretell the readings at distances that were left out (paper 000, section 4).
+/// The log is CSV with the columns distance_cm (or _m, _mm) and reading_cm (or _m, _mm, or any other ending for the
+/// sensor's own unit), one row a reading; where known also incidence_deg, offset_deg, material, t_s and session
+/// (days, mountings). An empty reading, nan and inf are readings that never came, and so is a length of 0 or below,
+/// with a warning. With three sessions or more their spread is told, and intervals hold for the next one.
+///
+/// Forms are chosen by how well they foretell the readings at distances that were left out (paper 000, section 4);
+/// pairs within a standard error of the best count as equal, and fewer parameters win. Printed are the parameters with
+/// intervals (--level), how often nothing or nonsense came, whether the form misses the mean readings (χ²), whether readings
+/// are normal (Anderson and Darling), and how many readings are enough: the share of readings that lie in another bin
+/// of the histogram than in an endless log, by size.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense characterise log.csv -o sensor.ron --plot sensor.png")]
 pub struct Characterise {
     /// The log
     log: PathBuf,

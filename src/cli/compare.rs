@@ -25,10 +25,17 @@ use super::{output, terminal};
 
 /// Compare trajectories with a reference, real with simulated or real with real
 ///
-/// Every trajectory is resampled to 182 points uniform in time, moved to start at the origin and turned so that
-/// its net displacement lies on +x (paper 003, section 2.2); then each metric measures the distance.
+/// Every trajectory is resampled to 182 points uniform in time, moved to start at the origin and turned so that its net
+/// displacement lies on +x (paper 003, section 2.2); then each metric measures the distance. `displacement` and `shape`
+/// are the two parts of a path's distance: how far it leads, and all the rest. Numbers of `pca` depend on what is
+/// compared together, unless --save-basis and --basis let comparisons share a basis.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
+#[command(after_help = "\
+Examples:
+  realgap compare real.csv simulated.csv --plot gap.png
+  realgap compare runs/*.csv --metric rms --over-time time.png
+  realgap compare real.csv simulated.csv --metric pose --body-length 0.06")]
 pub struct Compare {
     /// The reference, usually the real run (.csv or .tum)
     reference: PathBuf,

@@ -3,8 +3,11 @@
 use clap::{Args, CommandFactory};
 use realgap::Result;
 
-/// Print shell completions, e.g. `realgap completions bash > ~/.local/share/bash-completion/completions/realgap`
+/// Print completions for a shell
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap completions bash > ~/.local/share/bash-completion/completions/realgap")]
 pub struct Completions {
     /// The shell
     shell: clap_complete::Shell,

@@ -23,6 +23,9 @@ use super::{output, terminal};
 /// one to start from. The robot is then put down in the simulator: one that keeps moving or falls over is
 /// flagged. `-o` writes a morphology for all other commands.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap robot develop genome.ron -o robot.ron --plot robot.png")]
 pub struct Develop {
     /// The genome
     genome: PathBuf,
@@ -41,11 +44,11 @@ pub struct Develop {
 #[serde(untagged)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum DevelopReport {
-    /// There is one.
+    /// The genome builds a robot.
     Robot {
         /// Its name.
         name: String,
-        /// True.
+        /// Always true: the robot can be built.
         develops: bool,
         /// Number of modules.
         modules: usize,
@@ -74,11 +77,11 @@ pub enum DevelopReport {
         /// Version of the program.
         version: &'static str,
     },
-    /// There is none.
+    /// The genome builds no robot.
     Misfit {
         /// Its name.
         name: String,
-        /// False.
+        /// Always false: nothing can be built.
         develops: bool,
         /// Code of the reason.
         reason: &'static str,

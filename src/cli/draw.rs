@@ -13,6 +13,9 @@ use super::{output, terminal};
 ///
 /// The log can be given to `realgap sense characterise` and `realgap sense belief`. Distances are in the model's own unit.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense draw ultrasonic --readings 300 -o log.csv")]
 pub struct Draw {
     /// A shipped sensor (ultrasonic, infrared, laser) or a model's .ron file
     sensor: String,

@@ -23,10 +23,14 @@ use super::{output, progress, terminal};
 ///
 /// The `noise` section of the study says how repeats differ. Printed are the distribution of the displacement, the
 /// behaviours (groups of repeats that do the same) with their probabilities, and, where there are recordings, how
-/// honest these confidences are. The folder gets ensemble.json, repeats.csv, ensemble.png and .svg. Where every
-/// recording has its own start (`start: FromRecording`), there is one ensemble a recording; --limit-recordings
-/// bounds the work.
+/// honest these confidences are. The folder gets ensemble.json, repeats.csv, ensemble.png and .svg; docs/results.md
+/// says how to read them. Repeat K is the same whatever --repeats is. Where every recording has its own start (`start:
+/// FromRecording`), there is one ensemble a recording; --limit-recordings bounds the work.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap ensemble sweeps/tripod_floor.ron --parameters best.ron --repeats 200
+  realgap ensemble sweeps/tripod_floor.ron --only 17 -o run.csv")]
 pub struct Ensemble {
     /// The study, e.g. sweeps/tripod_floor.ron
     study: PathBuf,

@@ -21,9 +21,20 @@ use super::{progress, terminal};
 
 /// Simulate a study once per recording with given values and report pose errors over the recordings
 ///
+/// One simulation a recording; mean, median and standard error of position and rotation, and how many end over 45° off.
 /// Nothing is fitted here. Check what was fitted on some recordings with others: --every 2 --offset 1 takes the
 /// odd-numbered ones.
+///
+/// --odds says how likely each final pose is (the face that is down, and the quarter turn of every hinge), scored by
+/// Brier and log score, how often the end lies in the 50, 80 and 90 % regions, and how often what had a probability
+/// happened.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap evaluate sweeps/cube_toss_fit.ron \\
+      --parameters sweeps/cube_toss_best.ron
+  realgap evaluate sweeps/cube_toss_fit.ron --every 2 --offset 1 --rows
+  realgap evaluate sweeps/cube_toss_fit.ron --odds --plot reliability.png")]
 pub struct Evaluate {
     /// The study, e.g. sweeps/cube_toss_fit.ron
     study: PathBuf,

@@ -17,8 +17,11 @@ commands! {
     Copy(CopyOptions),
 }
 
-/// List them
+/// List the shipped examples
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap study examples list")]
 pub struct List {}
 
 impl List {
@@ -29,8 +32,11 @@ impl List {
     }
 }
 
-/// Copy them
+/// Copy the shipped examples into a folder
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap study examples copy here")]
 pub struct CopyOptions {
     /// Into this folder
     folder: PathBuf,

@@ -17,6 +17,10 @@ use super::{output, terminal};
 /// What the format cannot carry is said on standard error and in comments of the file. Values of `--set` and
 /// `--parameters` (a calibrated floor, say) are written into the file.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap robot export morphologies/tripod.ron --format mjcf -o tripod.xml
+  realgap robot export robot.ron --format urdf --parameters best.ron -o out.urdf")]
 pub struct Export {
     /// The robot, e.g. morphologies/tripod.ron
     morphology: PathBuf,

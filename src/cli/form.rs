@@ -64,37 +64,37 @@ macro_rules! forms {
 
 // One line adds an answer: its name, whether it is one or rows, its type, what it is.
 forms! {
-    "belief" one BeliefReport, "what a Bayes filter believes after readings: `realgap belief`";
-    "characterise" one Characterisation, "a range sensor's model and what it rests on: `realgap characterise`";
+    "belief" one BeliefReport, "what a Bayes filter believes after readings: `realgap sense belief`";
+    "characterise" one Characterisation, "a range sensor's model and what it rests on: `realgap sense characterise`";
     "check" rows FileReport, "what files hold: `realgap check`";
     "compare" rows Compared, "distances of trajectories in every metric: `realgap compare`";
     "compare-metric" rows Scored, "distances of trajectories in one metric: `realgap compare --metric NAME`";
-    "develop" one DevelopReport, "the robot of a genome: `realgap develop`";
+    "develop" one DevelopReport, "the robot of a genome: `realgap robot develop`";
     "ensemble" one EnsembleReport, "repeats under noise, and ensemble.json: `realgap ensemble`";
     "evaluate" one Evaluated, "errors of fixed values: `realgap evaluate`";
     "evaluate-joints" one JointEvaluation, "the same of recordings of joints alone";
     "floor" one FloorReport, "noise floors of recordings alone, and their gap.json: `realgap gap --recordings`";
     "gap" one StudyGap, "how many noise floors between simulation and reality, and gap.json: `realgap gap`";
-    "genome" one GenomeReport, "a drawn genome: `realgap genome random`";
-    "identify" one Identified<'_>, "parameters read from motion without a fit: `realgap identify`";
+    "genome" one GenomeReport, "a drawn genome: `realgap robot genome random`";
+    "identify" one Identified<'_>, "parameters read from motion without a fit: `realgap study identify`";
     "identify-joints" one JointIdentification, "the same of bodies with joints";
-    "import" one ImportReport, "a robot of another program, and what there is to say about it: `realgap import`";
-    "parameters" rows ParameterRow, "every parameter: `realgap parameters`";
+    "import" one ImportReport, "a robot of another program, and what there is to say about it: `realgap robot import`";
+    "parameters" rows ParameterRow, "every parameter: `realgap study parameters`";
     "predict" one Card, "a prediction card, prediction.json, and those of a search: `realgap predict`";
-    "radio-evaluate" one RadioEvaluation, "a radio model against a log: `realgap radio evaluate`";
-    "radio-fit" one FittedRadio, "a radio model from a log: `realgap radio fit`";
-    "radio-send" one ServiceReport, "messages between two places: `realgap radio send`";
-    "record" one RecordReport, "stand-in recordings that were written: `realgap record`";
-    "results" rows TrialRow, "the trials of a folder: `realgap results`";
+    "radio-evaluate" one RadioEvaluation, "a radio model against a log: `realgap sense radio evaluate`";
+    "radio-fit" one FittedRadio, "a radio model from a log: `realgap sense radio fit`";
+    "radio-send" one ServiceReport, "messages between two places: `realgap sense radio send`";
+    "record" one RecordReport, "stand-in recordings that were written: `realgap study record`";
+    "results" rows TrialRow, "the trials of a folder: `realgap study results`";
     "search" one SearchSummary, "the best robots, and summary.json: `realgap search`";
-    "sensitivity" one Sensitivity, "which parameters matter: `realgap sensitivity`";
-    "sensorgraph-evaluate" one GraphEvaluation, "a sensorgraph against a log: `realgap sensorgraph evaluate`";
-    "sensorgraph-fit" one FittedGraph, "a sensorgraph from a log: `realgap sensorgraph fit`";
+    "sensitivity" one Sensitivity, "which parameters matter: `realgap study sensitivity`";
+    "sensorgraph-evaluate" one GraphEvaluation, "a sensorgraph against a log: `realgap sense graph evaluate`";
+    "sensorgraph-fit" one FittedGraph, "a sensorgraph from a log: `realgap sense graph fit`";
     "simulate" one SimulateReport, "one run: `realgap simulate`";
-    "status" one Status, "how far a plan is: `realgap status` and `realgap plan`";
+    "status" one Status, "how far a plan is: `realgap cluster status` and `realgap cluster plan`";
     "sweep" one Calibration, "the best values and how sure that is, and summary.json: `realgap sweep` and `realgap tune`";
-    "tasks" one TaskComparison, "durations, real against simulated: `realgap tasks compare`";
+    "tasks" one TaskComparison, "durations, real against simulated: `realgap sense tasks compare`";
     "verify" one VerifyReport<'_>, "closed forms: `realgap verify`";
-    "vision-compare" one VisionReport, "pictures, real against simulated: `realgap vision compare`";
-    "vision-tune" one TunedCamera, "a camera's settings from pictures: `realgap vision tune`";
+    "vision-compare" one VisionReport, "pictures, real against simulated: `realgap sense vision compare`";
+    "vision-tune" one TunedCamera, "a camera's settings from pictures: `realgap sense vision tune`";
 }

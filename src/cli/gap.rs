@@ -19,11 +19,19 @@ use super::{progress, terminal};
 
 /// How many noise floors is the simulation away from reality, and until when may it be trusted?
 ///
-/// The noise floor is the distance between repeats of the same real run; the gap is that between simulation and reality; the gap
-/// ratio is one over the other: at 1 the simulation is as far as repeats are from each other; whether both are drawn alike says the
-/// energy test. Where the study has noise, the repeats under it say how likely a real run lies inside what was predicted, over time. The folder gets gap.json, confidence.png, rmse.png and .svg.
-/// Without a study, the noise floor of the recordings alone: realgap gap --recordings 'runs.csv' --group condition
+/// The noise floor is the distance between repeats of the same real run; the gap is that between simulation and
+/// reality; the gap ratio is one over the other: at 1 the simulation is as far as repeats are from each other. An
+/// energy test says whether both are drawn alike. Where the study has noise, the repeats under it say how likely a real
+/// run lies inside what was predicted, over time. The folder gets gap.json, confidence.png, rmse.png and .svg;
+/// docs/results.md says how to read them.
+///
+/// Without a study it is the noise floor of the recordings alone, for each set of repeats: those of a column that
+/// --group names, whose column `run` tells the repeats of a set apart.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap gap sweeps/tripod_floor.ron --parameters results/tripod_floor/best.ron
+  realgap gap --recordings 'runs.csv' --group condition")]
 pub struct Gap {
     /// The study, e.g. sweeps/tripod_floor.ron; without one, the noise floor of --recordings
     study: Option<PathBuf>,

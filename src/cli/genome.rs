@@ -32,7 +32,7 @@ pub struct GenomeReport {
     genes: Vec<BTreeMap<&'static str, f64>>,
     /// Whether it develops.
     develops: bool,
-    /// Why not.
+    /// Why it does not develop.
     reason: Option<&'static str>,
     /// The file that it was written to.
     output: Option<PathBuf>,
@@ -48,6 +48,9 @@ pub fn named(genome: &Genome) -> Vec<BTreeMap<&'static str, f64>> {
 
 /// Draw a random genome, every number as likely
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap robot genome random --modules 3 --seed 1 -o genome.ron")]
 pub struct Random {
     /// Number of modules
     #[arg(long, value_name = "N", default_value_t = 3)]

@@ -40,6 +40,10 @@ const READINGS: &[Choice<LengthReading>] = &[
 /// down, how often, beside one simulation of each recording with the study's values and what was identified; contact
 /// is in those simulations alone, so friction and restitution are worth giving (--parameters best.ron).
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap study identify sweeps/cube_toss_fit.ron -o body.ron
+  realgap study identify sweeps/cube_toss_fit.ron --as gravity -o gravity.ron")]
 pub struct Identify {
     /// The study: robot, floor height and stated gravity
     study: PathBuf,

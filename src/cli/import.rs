@@ -22,6 +22,10 @@ const HEAD: &str = "// Imported by realgap from ";
 /// Links become bodies with their masses, inertias and shapes (meshes as their hulls, which the RON holds), joints with their limits
 /// and friction, motors and servos. What was left out, changed or assumed is said on standard error, each with its remedy.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap robot import robot.urdf -o robot.ron
+  realgap robot import scene.xml --mounted -o arm.ron")]
 pub struct Import {
     /// The URDF or MJCF
     robot: PathBuf,
@@ -52,7 +56,7 @@ fn package(text: &str) -> std::result::Result<(String, PathBuf), String> {
     }
 }
 
-/// What `realgap import --format json` says.
+/// What `realgap robot import --format json` says.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Report {

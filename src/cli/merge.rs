@@ -16,6 +16,9 @@ use super::{Command, shell, terminal, work};
 /// merged all the same; merging twice changes nothing. Where a round is whole, the next one is found out, and the shards are
 /// run again. After the last, PLAN/results is what the command itself would have written.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap cluster merge plan")]
 pub struct Merge {
     /// Folder of the plan
     plan: PathBuf,

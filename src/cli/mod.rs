@@ -7,7 +7,7 @@ macro_rules! commands {
         #[derive(Debug, clap::Subcommand)]
         #[allow(clippy::large_enum_variant, reason = "there is one, as long as the program runs")]
         pub enum $name {
-            $($(#[$meta])* $variant($options),)*
+            $($(#[$meta])* #[command(help_template = $crate::cli::LAYOUT)] $variant($options),)*
         }
 
         impl $name {
@@ -26,6 +26,8 @@ mod answer;
 mod belief;
 mod characterise;
 mod check;
+#[cfg(test)]
+mod committed;
 mod compare;
 mod completions;
 mod develop;
@@ -58,6 +60,8 @@ mod progress;
 mod radio;
 mod reading;
 mod record;
+#[cfg(test)]
+mod reference;
 mod replay;
 mod report;
 mod results;
@@ -89,10 +93,10 @@ use realgap::ErrorKind;
 
 /// How far is your simulated robot from the real one, what closes the gap, and how sure may you be?
 ///
-/// Robots are modular cubes described in RON files (morphologies/), studies are RON files too (sweeps/),
-/// real runs are CSV or TUM files (real_trajectories/).
+/// Robots are RON files (morphologies/), or URDF and MJCF; studies are RON files, too (sweeps/); real runs are CSV files or one
+/// of many other formats (real_trajectories/).
 #[derive(Debug, Parser)]
-#[command(name = "realgap", version, max_term_width = 100, arg_required_else_help = true, after_help = EXIT_CODES)]
+#[command(name = "realgap", version, max_term_width = 100, arg_required_else_help = true, after_help = NOTES)]
 #[command(help_template = help())]
 struct Cli {
     #[command(subcommand)]
@@ -116,9 +120,12 @@ The usual way through:
   realgap predict morphologies/tripod.ron           how far will it go, how likely?
   realgap search sweeps/best_tripod_gait.ron        which gait takes it farthest, on any floor?";
 
-const EXIT_CODES: &str = "\
+const NOTES: &str = "\
 `-` where one file is meant is standard input; behind -o it is standard output.
 Exit codes: 0 fine, 1 failed, 2 wrong usage, 130 interrupted (the work so far is saved).";
+
+/// How the help of a command is laid out: examples before everything that takes long to read.
+const LAYOUT: &str = "{about}{after-help}\n\n{usage-heading} {usage}\n\n{all-args}";
 
 commands! {
     /// What there is to do; in the help a question stands above the first command that answers it.

@@ -13,6 +13,9 @@ use super::{output, terminal};
 ///
 /// Every field stands there with what it means; what you do not need can go. `realgap check FILE` says whether it is sound.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap study new study -o study.ron")]
 pub struct New {
     /// What
     #[arg(value_parser = choice(TEMPLATES))]

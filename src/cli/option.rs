@@ -147,20 +147,25 @@ pub const STARTS: &[Choice<StartState>] = &[
     ),
 ];
 
+/// Headings of the help: options that are found together.
+const RECORDINGS: &str = "Which recordings";
+const VALUES: &str = "Values of parameters";
+const SOLVER: &str = "How it is simulated";
+
 /// Which recordings, and how they are read.
 #[derive(Debug, Clone, Args)]
 pub struct Recordings {
     /// Recordings in place of the study's own; quote the glob (repeatable)
-    #[arg(long, value_name = "GLOB")]
+    #[arg(long, help_heading = RECORDINGS, value_name = "GLOB")]
     recordings: Vec<String>,
     /// Use only every N-th recording, in order of their paths: a part for fitting, the others for checking
-    #[arg(long, value_name = "N", value_parser = parse_count)]
+    #[arg(long, help_heading = RECORDINGS, value_name = "N", value_parser = parse_count)]
     every: Option<NonZeroUsize>,
     /// Where --every starts, 0 to N-1
-    #[arg(long, value_name = "K", default_value_t = 0, requires = "every")]
+    #[arg(long, help_heading = RECORDINGS, value_name = "K", default_value_t = 0, requires = "every")]
     offset: usize,
     /// Use only the first N recordings (after --every)
-    #[arg(long, value_name = "N", value_parser = parse_count)]
+    #[arg(long, help_heading = RECORDINGS, value_name = "N", value_parser = parse_count)]
     limit_recordings: Option<NonZeroUsize>,
     #[command(flatten)]
     reading: ReadingOptions,
@@ -282,10 +287,10 @@ impl Jobs {
 #[derive(Debug, Clone, Args)]
 pub struct Values {
     /// Set a parameter, e.g. `--set floor.friction=0.4` (repeatable; `realgap study parameters` lists them)
-    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parse_assignment)]
+    #[arg(long = "set", help_heading = VALUES, value_name = "NAME=VALUE", value_parser = parse_assignment)]
     set: Vec<Assignment>,
     /// Take parameters from a file such as the `best.ron` of a sweep (repeatable)
-    #[arg(long = "parameters", value_name = "FILE")]
+    #[arg(long = "parameters", help_heading = VALUES, value_name = "FILE")]
     parameters: Vec<PathBuf>,
 }
 
@@ -328,14 +333,14 @@ impl Values {
 /// Settings of one run in place of the robot's own.
 #[derive(Debug, Clone, Args)]
 pub struct SolverOptions {
-    #[arg(long, value_name = "S", help = timestep_help())]
+    #[arg(long, help_heading = SOLVER, value_name = "S", help = timestep_help())]
     timestep: Option<f64>,
-    #[arg(long, value_name = "N", help = substeps_help())]
+    #[arg(long, help_heading = SOLVER, value_name = "N", help = substeps_help())]
     substeps: Option<usize>,
-    #[arg(long, value_parser = choice(JOINTS), help = joint_help())]
+    #[arg(long, help_heading = SOLVER, value_parser = choice(JOINTS), help = joint_help())]
     pub joint: Option<JointKind>,
     /// Which engine simulates [default: rapier, or solver.engine where it is set]
-    #[arg(long, value_name = "NAME", value_parser = engine)]
+    #[arg(long, help_heading = SOLVER, value_name = "NAME", value_parser = engine)]
     pub engine: Option<EngineChoice>,
 }
 

@@ -11,6 +11,9 @@ use super::terminal;
 
 /// List every parameter that can be set, swept or tuned, with unit, bounds, default and meaning
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap study parameters")]
 pub struct Parameters {
     #[command(flatten)]
     print: Print,
@@ -40,7 +43,7 @@ pub struct ParameterRow {
     default: Option<f64>,
     /// Whether it is a whole number.
     whole: bool,
-    /// What `realgap sensitivity` changes it by.
+    /// What `realgap study sensitivity` changes it by.
     small_step: String,
     /// Whether it is searched on a logarithmic scale.
     log: bool,

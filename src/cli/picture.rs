@@ -19,10 +19,24 @@ use motion::Moving;
 
 /// Take pictures with a simulated camera: a scene's posters, boxes and lights, seen through a lens and a sensor
 ///
-/// Writes NAME.png for every viewpoint of the scene, or of a robot in motion (`--ride`, `--watch`), and beside them what `realgap sense vision` needs: views.ron (what is
-/// where), template.png and alphabet.png. The same seed gives the same bytes.
+/// Writes NAME.png for every viewpoint of the scene, or of a robot in motion, and beside them what `realgap sense
+/// vision` needs: views.ron (what is where), template.png and alphabet.png. The same seed gives the same bytes.
+///
+/// --ride takes a camera along on a body: a mount of the scene says where it sits, where it looks, and where in the
+/// room the motion begins; a mount with a `body` rides on that part of a file of `simulate --parts`, else on the
+/// tracked module. A picture is called after its time, t_004.000.png. A camera inside of the body that carries it sees
+/// only that body's shadow. --watch stands at the scene's viewpoints instead and writes side_t_000.500.png and so on.
+/// --robot puts the robot into the pictures, and of a study what else is in its scene; it needs a run of all parts, or
+/// orientations and the angles of all joints, or a robot of one part. What moves while the camera exposes is smeared,
+/// as its own motion is. A run that leads through a wall or below the floor is refused.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("moving").args(["ride", "watch"])))]
+#[command(after_help = "\
+Examples:
+  realgap sense picture scenes/room.ron --light badly --repeats 3 -o pictures
+  realgap sense picture scenes/room.ron --ride tripod --run run.csv -o seen
+  realgap sense picture scenes/pen.ron --watch snake --run parts.csv \\
+      --robot morphologies/chain5.ron --every 0.5 --view side -o watched")]
 pub struct Picture {
     /// The scene (scenes/*.ron)
     scene: PathBuf,

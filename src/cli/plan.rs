@@ -13,14 +13,15 @@ use super::{kind, shell, terminal};
 
 /// Cut a sweep, a tuning, a search, an ensemble or a gap into shards that many machines can run
 ///
-/// The plan is a folder that all machines see. `realgap cluster run PLAN --shard I` makes a part of the rows, `realgap cluster merge PLAN` puts the
-/// parts together, says what is to be made next, and in the end writes PLAN/results: byte for byte what one machine would
-/// have written. `realgap cluster submit slurm PLAN` lets Slurm do all of that. Options of the command itself follow after --, e.g.
-///
-///   realgap cluster plan sweeps/tripod_floor.ron --shards 20 -o plan -- --points 41
-///
-/// A few runs are measured first, so that the plan says what it will cost.
+/// The plan is a folder that all machines see. `realgap cluster run PLAN --shard I` makes a part of the rows, `realgap
+/// cluster merge PLAN` puts the parts together, says what is to be made next, and in the end writes PLAN/results: byte
+/// for byte what one machine would have written. `realgap cluster submit slurm PLAN` lets Slurm do all of that. Options
+/// of the command itself follow after --. A few runs are measured first, so that the plan says what it will cost.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap cluster plan sweeps/tripod_floor.ron --shards 9 -o plan -- --points 41
+  realgap cluster plan sweeps/best_robot.ron --shard-minutes 30 -o plan")]
 pub struct PlanCommand {
     /// The study or search, e.g. sweeps/tripod_floor.ron
     study: PathBuf,

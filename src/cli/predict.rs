@@ -22,6 +22,10 @@ use super::{progress, terminal};
 /// behaviours with probabilities, the probability of success. -o writes prediction.json, repeats.csv and pictures.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
+#[command(after_help = "\
+Examples:
+  realgap predict morphologies/tripod.ron
+  realgap predict robot.ron --set floor.friction=0.43 --success-m 0.5 -o card")]
 pub struct Predict {
     /// The robot, e.g. morphologies/tripod.ron
     morphology: PathBuf,
@@ -30,7 +34,7 @@ pub struct Predict {
     /// Length of each run, seconds
     #[arg(long, value_name = "S", default_value_t = 20.0)]
     duration: f64,
-    /// How repeats differ, a file as a study's `noise` section [default: a robot that nobody has measured, see docs/cli.md]
+    /// How repeats differ, a file as a study's `noise` section [default: a robot that nobody has measured, see docs/results.md]
     #[arg(long, value_name = "FILE")]
     noise: Option<PathBuf>,
     /// Number of repeats

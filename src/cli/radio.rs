@@ -61,7 +61,19 @@ const BASES: &[Choice<LogBase>] = &[
 ];
 
 /// Fit a radio model to logged strengths
+///
+/// `walls` is equation 2 of paper 002: P(d₀) − 10 n log(d/d₀) − min(nW, C) WAF; `thickness` has a loss for every metre
+/// of wall, `materials` one for each class. `auto` takes the model, and the number C of walls that count, whose errors
+/// are smallest at places (squares of a metre) that were left out. The numbers of paper 002 need --log-base e.
+///
+/// Printed are parameters with 90 % intervals, which count readings near each other as sharing their errors, whether
+/// the log determines them and why not, what a place and what a reading adds to a strength, and how near to the
+/// prediction 90 % of the strengths at new places lie. Strengths of 0 dBm or more, or under −120 dBm, count as not
+/// heard, with a warning.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense radio fit poses.csv --arena arenas/flat.ron -o radio.ron")]
 pub struct Fit {
     /// The log
     log: PathBuf,
@@ -92,7 +104,15 @@ pub struct Fit {
 }
 
 /// Hold a radio model against a log that it has not seen, beside the guesses one would ask for
+///
+/// Printed are the error in all and for each anchor, the share of strengths in the 90 % interval, and the errors of
+/// other guesses: the other models of the same fit, the mean strength, and the mean of the nearest readings of a log
+/// (--fingerprints).
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense radio evaluate poses.csv --session 2 --arena arenas/flat.ron \\
+      --parameters radio.ron --fingerprints poses.csv --fingerprint-session 0")]
 pub struct Evaluate {
     /// The log
     log: PathBuf,
@@ -129,6 +149,10 @@ pub struct Evaluate {
 
 /// Draw how strong an anchor's signal is everywhere
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense radio map --arena arenas/flat.ron --parameters radio.ron \\
+      --anchor 2 --plot map.png")]
 pub struct Map {
     #[command(flatten)]
     place: Place,
@@ -144,7 +168,14 @@ pub struct Map {
 }
 
 /// Send messages between two places and count what becomes of them
+///
+/// What is under −92 dBm does not arrive; of the rest as many are lost as --loss-half and --loss-width say. Shadowing
+/// and fading are drawn. The fate of a message depends on its number and --seed alone.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense radio send --arena arenas/flat.ron --parameters radio.ron \\
+      --from 1,6 --to 8,5")]
 pub struct Send {
     #[command(flatten)]
     place: Place,

@@ -17,6 +17,9 @@ use super::{progress, terminal};
 /// truth. `meta.ron` beside them says that they are stand-ins and how they were made.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
+#[command(after_help = "\
+Examples:
+  realgap study record morphologies/tripod.ron -o recordings --repeats 10")]
 pub struct Record {
     /// The robot
     morphology: PathBuf,

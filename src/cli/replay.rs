@@ -20,12 +20,21 @@ use super::{output, shell, terminal};
 
 /// Show a run in space, over its recordings: a page that needs no network, an animation, or a file for Foxglove or a 3D program
 ///
-/// Of a robot's file the run is simulated from rest, as `simulate` does. Of a study, or the best.ron of one, it is the study's own
-/// run: with its settings, its scene and, where runs start from a recording, that recording's start. Of a recorded or simulated run the motion is shown
-/// as it is: all parts where the file has them (`simulate --parts`), else what the tracked module's orientation and the joints
-/// tell, else a point.
+/// Of a robot's file the run is simulated from rest, as `simulate` does, as long as the first recording. Of a study, or
+/// the best.ron of one, it is the study's own run: with its settings, its scene and, where runs start from a recording,
+/// that recording's start. Of a recorded or simulated run the motion is shown as it is: all parts where the file has
+/// them (`simulate --parts`), else what the tracked module's orientation and the joints tell, else a point.
+///
+/// Recorded runs are translucent as far as their poses are known, else a point with a line to the run. They are moved
+/// to the same start and turned about the vertical so that all go the same way, unless --as-recorded. What a page, an
+/// animation and a log hold: docs/pages.md
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
+#[command(after_help = "\
+Examples:
+  realgap replay morphologies/tripod.ron --against runs/run_00.csv
+  realgap replay parts.csv --robot morphologies/tripod.ron -o replay.png
+  realgap replay sweeps/cube_toss_fit.ron --parameters sweeps/cube_toss_best.ron")]
 pub struct ReplayCommand {
     /// A robot or a study (.ron), or a run (.csv or .tum)
     #[arg(value_name = "RUN|MORPHOLOGY|STUDY")]

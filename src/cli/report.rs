@@ -18,6 +18,9 @@ use super::terminal;
 /// audit, warnings, versions and hashes. Of other results: their numbers and pictures. Everything comes from the files in the folder, which
 /// are compared with their check sums (SHA256SUMS) first.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap report results/tripod_floor")]
 pub struct ReportCommand {
     /// A folder that sweep, tune, search, ensemble, gap or predict has written
     folder: PathBuf,

@@ -19,6 +19,10 @@ use super::{output, terminal};
 /// Everything comes from the folder's results.sqlite; the files of the study or search are not needed. Every row is checked against
 /// what was written, and then the folder's other files against their check sums.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap study results results/tripod_floor_cma-es --top 5
+  realgap study results results/tripod_floor --format csv -o trials.csv")]
 pub struct Results {
     /// A folder that sweep, tune or search has written, e.g. results/tripod_floor
     folder: PathBuf,

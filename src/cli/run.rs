@@ -15,6 +15,9 @@ use super::{progress, shell, terminal, work};
 /// A shard that was stopped or killed goes on where it was; one that is done has nothing to do. It writes into a store of its own,
 /// so any number of shards can run at the same time, on any machine that sees the plan's folder.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap cluster run plan --shard 0-3")]
 pub struct Run {
     /// Folder of the plan
     plan: PathBuf,

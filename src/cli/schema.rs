@@ -17,6 +17,11 @@ use super::{output, terminal};
 /// (docs/files.md has their fields for people). Schemas of answers describe what `--format json` prints and what results
 /// folders hold; each answer says its `schema_version`.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap study schema
+  realgap study schema study
+  realgap study schema -o schemas")]
 pub struct SchemaCommand {
     /// Which one, e.g. study or sweep; without it, all are listed
     name: Option<String>,
@@ -117,13 +122,15 @@ impl SchemaCommand {
 #[cfg(all(test, feature = "schema"))]
 #[allow(clippy::unwrap_used, reason = "helpers of tests")]
 mod tests {
-    use std::path::{Path, PathBuf};
-
     use realgap::file::SCHEMA_VERSION;
     use serde_json::{Value, json};
 
     use super::shipped;
+    use crate::cli::committed::must_hold;
     use crate::cli::form::FORMS;
+
+    /// What runs these tests.
+    const TEST: &str = "--features schema --bin realgap schema";
 
     /// What stands in the files: the types' own schemas with a title.
     fn made() -> Vec<(String, Value)> {
@@ -203,23 +210,6 @@ mod tests {
         }
     }
 
-    fn project(path: &str) -> PathBuf {
-        Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-    }
-
-    /// Compares a committed file with what it should hold; with REALGAP_BLESS=1 it is written.
-    fn must_hold(path: &str, text: &str) {
-        let file = project(path);
-        if std::env::var_os("REALGAP_BLESS").is_some_and(|value| value == "1") {
-            std::fs::write(&file, text).unwrap();
-        }
-        let found = std::fs::read_to_string(&file).unwrap_or_default();
-        assert!(
-            found == text,
-            "{path} is not what the types say; REALGAP_BLESS=1 cargo test --features schema --bin realgap schema writes it"
-        );
-    }
-
     #[test]
     fn committed_schemas_are_what_the_types_say() {
         let made = made();
@@ -228,12 +218,12 @@ mod tests {
         assert_eq!(paths, shipped.iter().collect::<Vec<_>>());
         for (path, schema) in made {
             let text = serde_json::to_string_pretty(&schema).unwrap() + "\n";
-            must_hold(&format!("schemas/{path}.json"), &text);
+            must_hold(&format!("schemas/{path}.json"), &text, TEST);
         }
     }
 
     #[test]
     fn the_page_of_files_is_what_the_schemas_say() {
-        must_hold("docs/files.md", &realgap::schema::page());
+        must_hold("docs/files.md", &realgap::schema::page(), TEST);
     }
 }

@@ -22,13 +22,20 @@ use super::{mujoco, progress, terminal};
 
 /// Search for the robot that walks best, by what will really happen
 ///
-/// Every robot is simulated several times under noise, and under what tuning left open (--indistinguishable). The best are looked
-/// at again with new draws, at half and double timestep and substeps, at the limit of hard contact and with the other joint kind at its
-/// own; one that does not walk the same there is marked and ranked last. Results reach the folder as they come; Ctrl-C saves, --resume goes on with the same bits.
+/// Every robot is simulated several times under noise, and under what tuning left open (--indistinguishable), in the
+/// tree solver unless the file says otherwise. The best are looked at again in Rapier with new draws, at half and
+/// double timestep and substeps, at the limit of hard contact and with the other joint kind at its own; one that does
+/// not walk the same there is marked and ranked last. Results reach the folder as they come; Ctrl-C saves, --resume
+/// goes on with the same bits.
 ///
 /// The folder gets history.csv, fitness.png, best/*.ron with a prediction card each (.json), gallery.png, paths.png,
-/// summary.json, and for map-elites archive.csv and archive.png.
+/// summary.json, and for map-elites archive.csv and archive.png; docs/results.md says how to read them.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap check sweeps/best_robot.ron           # how many robots?
+  realgap search sweeps/best_robot.ron
+  realgap search sweeps/best_robot.ron --indistinguishable results/tripod_floor")]
 pub struct Search {
     /// The search, e.g. sweeps/best_robot.ron
     search: PathBuf,

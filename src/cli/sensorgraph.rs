@@ -141,8 +141,14 @@ const STOPS: &[Choice<StopChoice>] = &[
 
 /// Let a simulated robot log scans in an arena: a stand-in for a real log, with known walls
 ///
-/// It walks at random from where the arena says that robots start, or goes along `--way`, turning on the spot.
+/// It walks at random from where the arena says that robots start, away from what is near and by a random angle every 8
+/// s, or goes along `--way`, turning on the spot. A scan a second, where paper 001 has four, because 1400 scans then
+/// see the whole arena.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense graph log arenas/cartons.ron -o walk.csv
+  realgap sense graph log arenas/cartons.ron --way 1,1:4.6,2.8:6,9 -o way.csv")]
 pub struct Log {
     /// The arena
     arena: PathBuf,
@@ -195,7 +201,16 @@ fn way(text: &str) -> std::result::Result<Way, String> {
 }
 
 /// Fit polynomials to a log
+///
+/// Beams become medians of segments (--width). `--frame robot` fits a polynomial in (x, y) for every range of headings
+/// and every segment, as paper 001; `world` one for each direction of the world, from all headings, and reads a segment
+/// between the two beside its middle. Terms are taken in the order in which they explain most (error reduction ratio),
+/// until --stop says enough. What a polynomial says is kept between the shortest and the longest range that it was
+/// fitted to.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense graph fit scans.csv --to 0.7 -o model.ron")]
 pub struct Fit {
     /// The log
     log: PathBuf,
@@ -238,7 +253,20 @@ pub struct Fit {
 }
 
 /// Hold a model against a log that it has not seen, beside the guesses one would ask for
+///
+/// Printed is the mean absolute error beside those of guesses: each segment's mean, the nearest logged pose (a radian
+/// counts as a metre), the nearest logged place with its scan turned to the heading, ideal beams in an arena (--arena),
+/// and a number at random; Spearman's rank correlation with its p value, and Mann and Whitney's test against the random
+/// guess.
+///
+/// Neighbouring scans see nearly the same, so a way counts for less than its scans. The standard error of the whole is
+/// that of ten parts of the way, that of a segment is widened by the autocorrelation of its errors; the p value of a
+/// rank correlation is for as many pairs as the two series are worth (Bartlett 1935), and the test against the random
+/// guess takes one scan in `every`.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense graph evaluate scans.csv --from 0.7 --parameters model.ron")]
 pub struct Evaluate {
     /// The log
     log: PathBuf,
@@ -267,6 +295,9 @@ pub struct Evaluate {
 
 /// Print the polynomials of a model, or a function in another language
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense graph print model.ron --language c")]
 pub struct PrintOut {
     /// The model that `fit` wrote
     model: PathBuf,

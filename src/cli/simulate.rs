@@ -22,10 +22,18 @@ use super::{output, terminal};
 
 /// Simulate one run of a robot from rest and print what it did
 ///
-/// The robot is placed on the floor with its servos at their first command, comes to rest, and then
-/// follows its gait. `-o` writes the tracked module's motion (.csv with velocities, or .tum).
+/// The robot is placed on the floor with its servos at their first command, comes to rest, and then follows its gait.
+/// `-o` writes the tracked module's motion (.csv with velocities, or .tum).
+///
+/// Walls of an arena are 0.5 m high, its circles have sixteen corners, and a robot that would start deeper than 5 mm in
+/// a wall is refused.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
+#[command(after_help = "\
+Examples:
+  realgap simulate morphologies/tripod.ron --duration 20 -o run.csv
+  realgap simulate morphologies/tripod.ron --set floor.friction=0.4 --energy
+  realgap simulate morphologies/tripod.ron --arena arenas/cartons.ron")]
 pub struct Simulate {
     /// The robot, e.g. morphologies/tripod.ron
     morphology: PathBuf,
@@ -48,7 +56,9 @@ pub struct Simulate {
     /// Write the motion to this file
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write the motion of every part and hinge to this .csv file
+    /// Write the motion of every part and hinge to this .csv file: the columns of -o, `NAME_rad` and `NAME_rad_s` of every hinge, and
+    /// `part0_x_m` to `part0_qz` and so on of every rigid part (part0 carries the root module, the others follow in the order of the
+    /// hinges; origin at the centre of the part's first box, axes of the robot at zero angles)
     #[arg(long, value_name = "FILE")]
     parts: Option<PathBuf>,
     /// Write what shows the run in space to this file: .html, .png, .mcap or .glb, as `replay` does
@@ -64,7 +74,7 @@ pub struct Simulate {
 pub struct SimulateReport {
     /// Name of the robot.
     morphology: String,
-    /// How it ended.
+    /// How the run ended.
     status: Status,
     /// Distance from the first to the last place on the floor, metres; nothing of a run that diverged.
     net_displacement_m: Option<f64>,
@@ -80,9 +90,9 @@ pub struct SimulateReport {
     servo_rms_rad: f64,
     /// Where the energy went, where that was asked.
     energy: Option<EnergyBalance>,
-    /// What going costs, J/m.
+    /// Energy that a metre of the way cost, J/m.
     joules_per_metre: Option<f64>,
-    /// The same over the weight.
+    /// That energy over the weight: the mechanical cost of transport.
     cost_of_transport: Option<f64>,
     /// CPU seconds.
     cpu_s: f64,
@@ -113,13 +123,13 @@ pub struct SimulateReport {
 #[serde(tag = "status", rename_all = "snake_case")]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 enum Status {
-    /// As asked.
+    /// It ran as long as was asked for.
     Completed,
-    /// It went to pieces.
+    /// The simulation blew up.
     Diverged {
-        /// When, seconds.
+        /// When it blew up, seconds of simulated time.
         at_s: f64,
-        /// How.
+        /// What was seen of it.
         why: String,
     },
 }

@@ -20,12 +20,21 @@ use super::{output, shell, terminal};
 
 /// Make a study of your own recordings and your robot: how the files are to be read is found out, said and written down
 ///
-/// The recordings are looked at: names and units of columns, the rate, lost and unsorted samples, holes, waiting before the motion,
-/// several objects in a file, which way is up, mirrored axes. Every guess is printed with what it was seen from, and stands in the
-/// study's `reading`. What the files do not tell is asked for on a terminal; elsewhere the error names the option that answers.
-/// Then the study is checked, and the next command named.
+/// Names of columns tell what they hold and in which unit, the usual interval the unit of time, free fall (9.81 m/s²
+/// everywhere) the unit of length and which way is up, else the floor and the robot's size do. Lost and unsorted
+/// samples, holes, waiting before the motion, several objects in a file and mirrored axes are noticed. Every guess is
+/// printed with what it was seen from, and stands in the study's `reading`.
+///
+/// What the files do not tell is asked for on a terminal; elsewhere the error names the option that answers. A robot
+/// without joints goes on from where it was seen first, any other starts at rest. Then the study is checked, and the
+/// next command named.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
+#[command(after_help = "\
+Examples:
+  realgap start runs/*.csv --cube 0.1 0.37
+  realgap start runs/*.csv robot.urdf -o study.ron
+  realgap sweep study.ron                   # what it leads to")]
 pub struct Start {
     /// Recordings (.csv, .tum, .mcap, ...), and the robot (.ron, .urdf or .xml)
     #[arg(required = true, value_name = "FILE")]

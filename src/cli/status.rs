@@ -12,6 +12,10 @@ use super::{shell, terminal};
 
 /// How far the shards of a plan are
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap cluster status plan
+  realgap cluster status plan --pending")]
 pub struct StatusCommand {
     /// Folder of the plan
     plan: PathBuf,

@@ -21,6 +21,9 @@ commands! {
 /// A round is an array of jobs, one a shard; a merge follows whatever became of them, and submits the shards that are still
 /// missing, or the next round, until PLAN/results is written. Jobs that are requeued go on where they were.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap cluster submit slurm plan --partition long --time 02:00:00 --go")]
 pub struct SlurmOptions {
     /// Folder of the plan
     plan: PathBuf,

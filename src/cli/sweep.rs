@@ -11,10 +11,17 @@ use super::progress;
 
 /// Simulate every combination of a study's parameters and find what matches reality best
 ///
-/// Results reach the folder as they come; Ctrl-C saves and draws what there is, --resume goes on. The folder gets
-/// points.csv, scores.csv, profiles.csv, summary.json, best.ron, a heat map (or curve), the profile of each parameter
-/// and trajectories.png. `realgap tune` needs far fewer simulations where there are more than two or three parameters.
+/// The grid is simulated, then again, with other equally valid settings, the points that may be the best. Results reach
+/// the folder as they come; Ctrl-C saves and draws what there is, --resume goes on and ends with the same bytes. The
+/// folder gets points.csv, scores.csv, profiles.csv, summary.json, best.ron, a heat map (or curve), the profile of each
+/// parameter and trajectories.png; docs/results.md says how to read them. `realgap tune` needs far fewer simulations
+/// where there are more than two or three parameters.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sweep sweeps/cube_toss.ron
+  realgap sweep sweeps/tripod_floor.ron --points 11 --folds 5 -o results/coarse
+  realgap sweep sweeps/tripod_floor.ron --resume")]
 pub struct Sweep {
     #[command(flatten)]
     options: StudyOptions,

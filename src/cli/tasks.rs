@@ -23,7 +23,15 @@ commands! {
 }
 
 /// Medians, tests, effects and orders of conditions, real against simulated
+///
+/// For every condition of both logs: medians with 90 % intervals (Kaplan and Meier, since a trial that was given up
+/// took longer than it lasted), their ratio, Cliff's δ with a bootstrap interval, and Mann and Whitney's test, or the
+/// log-rank test where trials were given up. For every column: whether both worlds put its values into the same order,
+/// and how often they would if trials were drawn again.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense tasks compare real.csv simulated.csv --plot times.png")]
 pub struct Compare {
     /// The real trials
     real: PathBuf,
@@ -46,6 +54,9 @@ pub struct Compare {
 
 /// Print when trajectories first reach a place, as a log of task times
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense tasks time runs/*.csv --reach 0.5,0 --condition robot=tripod")]
 pub struct Time {
     /// Trajectories (.csv or .tum)
     #[arg(required = true, value_name = "FILE")]

@@ -14,9 +14,10 @@ use super::progress;
 
 /// Let an optimizer find what matches reality best, with far fewer simulations than a sweep
 ///
-/// Any number of parameters. The same study, optimizer, seed and budget give the same bits for any number of threads and
-/// after any interruption; a larger budget with --resume goes on. The folder gets what a sweep writes, and
-/// convergence.png and trials.csv.
+/// Any number of parameters, within the ranges of the study. The same study, optimizer, seed and budget give the same
+/// bits for any number of threads and after any interruption; a larger budget with --resume goes on. Points that
+/// diverge count as worse than any other. It ends when the budget is spent, when the optimizer has nothing more to try
+/// (a grid), or with --patience. The folder gets what a sweep writes, and convergence.png and trials.csv.
 #[derive(Debug, Args)]
 #[command(after_help = optimizers())]
 pub struct Tune {
@@ -33,12 +34,16 @@ pub struct Tune {
     patience: Option<usize>,
 }
 
+const EXAMPLES: &str = "  realgap tune sweeps/tripod_floor.ron --budget 100
+  realgap tune sweeps/tripod_floor.ron --metric rms --optimizer bayesian --folds 5";
+
+/// Examples, and who may choose the points.
 fn optimizers() -> String {
     let lines = OPTIMIZERS
         .iter()
         .map(|optimizer| format!("  {:<15} {}", optimizer.name(), optimizer.doc()));
     format!(
-        "Optimizers:\n{}\n\nThe pca metric freezes its basis on a first design of 64 points, which counts.",
+        "Examples:\n{EXAMPLES}\n\nOptimizers:\n{}\n\nThe pca metric freezes its basis on a first design of 64 points, which counts.",
         lines.collect::<Vec<_>>().join("\n")
     )
 }

@@ -18,6 +18,10 @@ use super::terminal;
 /// Exit code 0: all passed, or fail as far as is known and for a known reason; 1: some failed otherwise.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true, mut_arg("joint", |arg| arg.help("Only this kind of joint")))]
+#[command(after_help = "\
+Examples:
+  realgap verify
+  realgap verify --timestep 0.002 --substeps 4 --strict")]
 pub struct Verify {
     #[command(flatten)]
     solver: SolverOptions,
@@ -44,7 +48,7 @@ pub struct VerifyReport<'a> {
     passed: usize,
     /// Number of checks that failed.
     failed: usize,
-    /// Those of them that fail as far as is known.
+    /// Failed checks whose error and reason are known.
     known_limits: Vec<KnownLimit>,
     /// The checks.
     checks: &'a [Check],

@@ -30,9 +30,18 @@ commands! {
 
 /// Is a simulated picture nearer to a real one than a badly lit real one is?
 ///
-/// Pictures (.png, .jpg) are paired by name. Several real pictures of a view are called NAME_1, NAME_2 and so on; their distances to
-/// each other are the noise floor. Intervals (90 %) are by bootstrap over views, the answer by Wilcoxon's signed-rank test.
+/// Pictures (.png, .jpg; at most 32 megapixels) are paired by name. Several real pictures of a view are called NAME_1,
+/// NAME_2 and so on; their distances to each other are the noise floor. Intervals (90 %) are by bootstrap over views,
+/// the answer by Wilcoxon's signed-rank test with the rank-biserial correlation as the size of the effect.
+///
+/// Nobody puts a camera down twice at the same place: one picture is therefore turned and shifted over the other by
+/// what views.ron says of each, never scaled. Else simulated pictures look better than they are, because two real ones
+/// part by two misplacements and not by one. Where the real pictures have no views.ron of their own, that is not
+/// possible, and a warning says so.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense vision compare simulated real --badly-lit real_dark -o figures")]
 pub struct Compare {
     /// Folder of simulated pictures, with views.ron
     simulated: PathBuf,
@@ -68,6 +77,9 @@ const RELATIVE: &[Choice<RelativeTo>] =
 
 /// Show what one extractor finds in pictures, step by step
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense vision extract desk.png --extractor contour -o steps.png")]
 pub struct Extract {
     /// The pictures; views.ron beside each says what is to be found in it
     #[arg(required = true, value_name = "PICTURE")]
@@ -85,9 +97,16 @@ pub struct Extract {
 
 /// Find the settings of the camera that took real pictures of a known room
 ///
-/// First where each picture was really taken and through which lens, from corners of the room; then exposure, gain, noise, blur and
-/// JPEG quality, from what the pictures look like. Intervals (90 %) are by how much views differ; views that are held out judge.
+/// First, from corners of the room that are found in the pictures: field of view, distortion, and where each was really
+/// taken. Then, from what the pictures look like, exposure, gain, read noise and blur; and from what compressing them
+/// once more changes, JPEG quality. Intervals (90 %) are by how much views differ; views that are held out judge. What
+/// the pictures do not say is called not determined: a gain that the camera sets itself, a quality of pictures that
+/// were scaled since. Exposure means electrons: it is as right as the scene's light.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  realgap sense vision tune scenes/room.ron real -o camera.ron
+  realgap sense picture scenes/room.ron --camera camera.ron -o tuned")]
 pub struct Tune {
     /// The scene (scenes/*.ron) that the pictures show
     scene: PathBuf,

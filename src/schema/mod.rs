@@ -82,7 +82,7 @@ pub fn files() -> Vec<FileKind> {
         ),
         ron::<genome::SpecimenFile>(
             "genome",
-            "A genome, from which `realgap develop` builds a robot.",
+            "A genome, from which `realgap robot develop` builds a robot.",
         ),
         ron::<calibration::BestFile>(
             "parameters",
@@ -95,17 +95,20 @@ pub fn files() -> Vec<FileKind> {
         ron::<simulation::VehicleFile>("vehicle", "A robot on two wheels."),
         ron::<range::RangeModel>(
             "sensor",
-            "A range sensor, as `realgap characterise` finds it.",
+            "A range sensor, as `realgap sense characterise` finds it.",
         ),
         ron::<graph::Sensorgraph>(
             "sensorgraph",
-            "Polynomials that foretell a sensor's readings, as `realgap sensorgraph fit` finds them.",
+            "Polynomials that foretell a sensor's readings, as `realgap sense graph fit` finds them.",
         ),
-        ron::<radio::RadioModel>("radio", "A radio model, as `realgap radio fit` finds it."),
+        ron::<radio::RadioModel>(
+            "radio",
+            "A radio model, as `realgap sense radio fit` finds it.",
+        ),
         ron::<vision::SceneFile>("scene", "A room to take pictures of."),
         ron::<vision::CameraFile>(
             "camera",
-            "A camera, as `realgap vision tune` finds it; in a scene, or a file of its own.",
+            "A camera, as `realgap sense vision tune` finds it; in a scene, or a file of its own.",
         ),
         ron::<vision::ViewsFile>(
             "views",
@@ -117,7 +120,7 @@ pub fn files() -> Vec<FileKind> {
         ),
         json::<plan::Saved>(
             "plan",
-            "`plan.json` of a plan's folder; written by `realgap plan`, not by hand.",
+            "`plan.json` of a plan's folder; written by `realgap cluster plan`, not by hand.",
         ),
     ]
 }

@@ -14,8 +14,8 @@ const HEAD: &str = "\
 # Files
 
 Every field of every file, from the types that read them: this page is made together with the JSON
-Schemas in `schemas/files/` (`realgap schema NAME` prints one), and a test holds all three together.
-`realgap new robot|study|search|arena|noise|meta` writes a commented file to start from;
+Schemas in `schemas/files/` (`realgap study schema NAME` prints one), and a test holds all three together.
+`realgap study new robot|study|search|arena|noise|meta` writes a commented file to start from;
 `realgap check FILE` says whether yours is sound.
 
 Files are RON: `(name: value, ...)` with or without a name in front, lists in `[]`, maps in `{}`,

@@ -29,7 +29,7 @@ use crate::warning::Code;
 
 as_text! {
     Unit, "Unit", "A unit, e.g. `m`; `1` for a plain number.";
-    Code, "Code", "What a warning is about; docs/cli.md explains each.", Code::ALL.iter().map(|code| code.name());
+    Code, "Code", "What a warning is about; docs/cli.md lists all of them.", Code::ALL.iter().map(|code| code.name());
     LengthUnit, "LengthUnit", "A unit of length.", LengthUnit::ALL.iter().map(|unit| unit.symbol());
     TimeUnit, "TimeUnit", "A unit of time.", TimeUnit::ALL.iter().map(|unit| unit.symbol());
     AngleUnit, "AngleUnit", "A unit of angles.", AngleUnit::ALL.iter().map(|unit| unit.symbol());

@@ -28,6 +28,13 @@ macro_rules! codes {
                 }
             }
 
+            /// What it says, one sentence.
+            pub fn about(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $doc,)*
+                }
+            }
+
             /// What to do about it.
             pub fn remedy(self) -> &'static str {
                 match self {
@@ -49,8 +56,8 @@ codes! {
     BaselineNotBeaten "baseline-not-beaten" "A search found nothing better than what it started from." "give the search a larger budget, more modules or another strategy";
     BeliefRestarted "belief-restarted" "Readings were impossible at every distance, and a belief began again." "characterise the sensor over more distances, or let its model expect more wrong readings";
     BentTooFar "bent-too-far" "A gait bends a face into its own cube." "make amplitude or offset smaller in the robot's file";
-    BodyContradicted "body-contradicted" "Flight says otherwise than the robot's file about masses, inertias or hinges." "take over what `realgap identify` found, or weigh and measure the robot again";
-    CentreOfMassContradicted "centre-of-mass-contradicted" "Flight puts the centre of mass elsewhere than the robot's file." "take over the values that `realgap identify` writes";
+    BodyContradicted "body-contradicted" "Flight says otherwise than the robot's file about masses, inertias or hinges." "take over what `realgap study identify` found, or weigh and measure the robot again";
+    CentreOfMassContradicted "centre-of-mass-contradicted" "Flight puts the centre of mass elsewhere than the robot's file." "take over the values that `realgap study identify` writes";
     CentreOfMassOutside "centre-of-mass-outside" "A centre of mass lies outside of its cube." "correct the centre of mass in the robot's file";
     CoarseGrid "coarse-grid" "Beliefs are narrower than the cells of their grid." "give the belief more cells";
     ColumnsIgnored "columns-ignored" "A recording has columns that nothing uses." "say what the columns are when reading, or leave them out of the file";
@@ -79,7 +86,7 @@ codes! {
     GaitNeedsProgram "gait-needs-program" "A format holds servos, but not what commands them." "command the servos from a program, as the file's comment says";
     GaitNotExported "gait-not-exported" "A format has no gait." "command the servos from a program";
     GaitTooFast "gait-too-fast" "A gait is faster than the steps can follow." "use a shorter timestep or a slower gait";
-    GravityContradicted "gravity-contradicted" "Flight falls otherwise than gravity says." "check units and times of the recordings; `realgap identify` says what flight tells";
+    GravityContradicted "gravity-contradicted" "Flight falls otherwise than gravity says." "check units and times of the recordings; `realgap study identify` says what flight tells";
     Hole "hole" "A recording has a hole that is interpolated." "record again, or crop the recording before the hole";
     ImpossibleReadings "impossible-readings" "Readings that cannot be were counted as missing." "check the sensor's wiring and range; the readings are counted as missing";
     InSample "in-sample" "The values were fitted on the same recordings." "judge on other recordings: hold some out, or fit in folds";
@@ -94,7 +101,7 @@ codes! {
     MovingAtEnd "moving-at-end" "Recordings that end while moving are left out, as the study asks." "record until the body rests";
     NoCamera "no-camera" "The noise has no camera, and recordings have one." "give the noise a `camera`, so that it knows what recording adds";
     NoEdges "no-edges" "A picture has no edges." "check that it is the right picture, and sharp";
-    NoEffect "no-effect" "Something that was set changes nothing." "remove it, or check its name with `realgap parameters`";
+    NoEffect "no-effect" "Something that was set changes nothing." "remove it, or check its name with `realgap study parameters`";
     NoFlight "no-flight" "No free flight was found." "record tosses in which the body flies for some samples";
     NoInterval "no-interval" "A model states no interval, so that its coverage says nothing." "fit a model that states one";
     NoNoise "no-noise" "Repeats that differ by nothing." "state at least one kind of noise";
@@ -149,7 +156,7 @@ codes! {
     UnlikelyTime "unlikely-time" "Times do not look like seconds." "name the unit of time when reading";
     UnmatchedConditions "unmatched-conditions" "A condition stands in one of two logs only." "log the same conditions in both";
     Unresolved "unresolved" "Numerical settings change a score as much as a parameter does." "use finer numerics, another gait or another metric; more recordings will not help";
-    VelocitiesLate "velocities-late" "Recorded velocities belong to an earlier moment." "let `realgap identify` correct the lag, or record velocities without filter";
+    VelocitiesLate "velocities-late" "Recorded velocities belong to an earlier moment." "let `realgap study identify` correct the lag, or record velocities without filter";
 }
 
 impl fmt::Display for Code {

@@ -25,7 +25,7 @@ pub struct SceneBody {
     pub boxes: Vec<SceneBox>,
     /// Coulomb friction coefficient of the pair robot and body, dimensionless.
     pub friction: f64,
-    /// How it moves.
+    /// How the body moves.
     pub motion: SceneMotion,
 }
 

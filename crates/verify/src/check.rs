@@ -9,7 +9,7 @@ use realgap_core::unit::Unit;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Tolerance {
-    /// As a share of the expected value.
+    /// The tolerance is a share of the expected value.
     Relative(f64),
     /// The tolerance is in the unit of the check.
     Absolute(f64),
@@ -44,7 +44,7 @@ pub struct Check {
     pub unit: Unit,
     /// Largest error that passes; set by what a user needs, not by what the engine reaches.
     pub tolerance: Tolerance,
-    /// The outcome.
+    /// Whether the check passed.
     pub verdict: Verdict,
 }
 

@@ -38,7 +38,7 @@ pub struct Mean {
     pub value: f64,
     /// Its interval.
     pub interval: Option<(f64, f64)>,
-    /// Views behind it.
+    /// Number of views that it rests on.
     pub views: usize,
 }
 
@@ -92,7 +92,7 @@ pub enum Answer {
     Nearer,
     /// The simulated picture is farther away.
     Farther,
-    /// These views do not tell.
+    /// These views do not tell which is nearer.
     Open,
 }
 

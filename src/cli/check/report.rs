@@ -34,7 +34,7 @@ enum Outcome {
         /// What the reader should know.
         warnings: Vec<Warning>,
     },
-    /// It is not.
+    /// It is not sound.
     Wrong {
         /// What is wrong.
         error: Fault,
@@ -45,7 +45,7 @@ enum Outcome {
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Fault {
-    /// In one sentence.
+    /// What is wrong, in one sentence.
     message: String,
     /// Line, from 1, where that is known.
     line: Option<usize>,
@@ -189,7 +189,7 @@ pub enum Contents {
     },
     /// Trajectories.
     Trajectories {
-        /// Each of them.
+        /// Each recording of the file.
         recordings: Vec<Motion>,
     },
 }

@@ -27,7 +27,7 @@ pub struct VehicleFile {
     /// Other robots of its kind in the same arena.
     #[serde(default)]
     others: Vec<PlaceFile>,
-    /// How it drives.
+    /// How the vehicle drives.
     #[serde(default)]
     drive: Drive,
 }

@@ -42,7 +42,7 @@ pub enum ScoreRule {
     Valid,
     /// These many of them, and the noise of the study's repeats besides: what an ensemble of real robots would do.
     Ensemble {
-        /// How many.
+        /// How many repeats the mean is over.
         repeats: usize,
     },
     /// Nothing: one run with the study's own settings, luck included.

@@ -60,7 +60,7 @@ pub struct Estimated {
     pub value: f64,
     /// Lower end of the 90 % interval.
     pub low: f64,
-    /// Upper end of it.
+    /// Upper end of the interval.
     pub high: f64,
     /// Whether the recordings tell it: its spread is less than half of what was known beforehand.
     pub is_told: bool,

@@ -24,7 +24,7 @@ pub(super) struct BodyFile {
     /// Coefficient of friction of its surface.
     #[serde(default = "default_friction")]
     friction: f64,
-    /// How it moves.
+    /// How the body moves.
     motion: MotionFile,
 }
 

@@ -71,7 +71,7 @@ pub struct StudyFile {
     substeps: Option<usize>,
     /// Kind of joint; the same as `set: { "solver.joint": ... }`.
     joint: Option<Joint>,
-    /// Parameters with a fixed value, by name; `realgap parameters` lists all.
+    /// Parameters with a fixed value, by name; `realgap study parameters` lists all.
     #[serde(default, deserialize_with = "unique_keys")]
     set: BTreeMap<String, f64>,
     /// What is varied.
@@ -132,7 +132,7 @@ enum BasisFile {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Range")]
 struct RangeFile {
-    /// Name of the parameter; `realgap parameters` lists all.
+    /// Name of the parameter; `realgap study parameters` lists all.
     name: String,
     /// Lowest value, in the parameter's unit.
     from: f64,

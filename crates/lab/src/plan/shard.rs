@@ -21,7 +21,7 @@ pub enum ShardState {
     Merged,
     /// All of its rows are made, and not merged yet.
     Done,
-    /// Somebody is making them.
+    /// Somebody is making its rows.
     Running,
     /// Begun, and nobody is at work.
     Stopped,
@@ -60,7 +60,7 @@ impl ShardState {
 pub struct Shard {
     /// Its number, from 0.
     pub shard: usize,
-    /// How far it is.
+    /// How far the shard is.
     pub state: ShardState,
     /// Rows that it has made.
     pub done: usize,

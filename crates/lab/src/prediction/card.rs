@@ -58,7 +58,7 @@ impl Serialize for SuccessRule {
 pub struct Success {
     /// Far enough, metres.
     pub least_displacement_m: f64,
-    /// Who said so.
+    /// Who said what success is.
     pub rule: SuccessRule,
     /// How likely, with its sampling error; diverged repeats are failures.
     pub probability: Proportion,

@@ -77,7 +77,7 @@ pub struct RecordingOdds {
 pub struct EndCoverage {
     /// What the region promises.
     pub level: f64,
-    /// What it held.
+    /// Share of the real ends that it held.
     pub observed: Proportion,
 }
 
@@ -93,11 +93,11 @@ pub struct Odds {
     pub diverged: usize,
     /// Brier's score, summed over poses (0 to 2), mean over recordings.
     pub brier: Scored,
-    /// The same of one run without noise, which is certain.
+    /// Brier score of one run without noise, which is certain of its end.
     pub brier_one_run: Scored,
     /// Mean logarithm of the probability of what happened; 0 would be certain and right.
     pub log_score: f64,
-    /// Of the ends' places in the plane.
+    /// How often regions of the ends' places in the plane hold the real end.
     pub end_coverage: [EndCoverage; LEVELS.len()],
     /// Given probabilities and how often it happened.
     pub reliability: Vec<ReliabilityBin>,

@@ -46,7 +46,7 @@ pub struct SearchFile {
     /// How genes become a robot.
     #[serde(default)]
     development: Development,
-    /// Parameters with a fixed value, by name; `realgap parameters` lists all.
+    /// Parameters with a fixed value, by name; `realgap study parameters` lists all.
     #[serde(default, deserialize_with = "unique_keys")]
     set: BTreeMap<String, f64>,
     /// What is not known exactly: every repeat draws from these ranges.

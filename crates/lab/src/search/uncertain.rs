@@ -16,7 +16,7 @@ use realgap_store::FolderLock;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Uncertain")]
 pub struct UncertainRange {
-    /// Name, as `realgap parameters` lists it.
+    /// Name, as `realgap study parameters` lists it.
     pub name: String,
     /// Lower end.
     pub low: f64,

@@ -4,7 +4,7 @@
 //! same batch, so a run can be interrupted anywhere and goes on with the same bits. Algorithms that are loops are
 //! replayed from the start on every call (`replay`), which costs microseconds where a simulation costs milliseconds.
 //!
-//! Adding an optimizer is one file and one line in [`OPTIMIZERS`]; tests/optimizer_contract.rs runs over all of them.
+//! Adding an optimizer is one file and one line in [`OPTIMIZERS`]; tests/contract.rs runs over all of them.
 
 mod bayesian;
 mod cma_es;

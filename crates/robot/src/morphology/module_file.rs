@@ -40,7 +40,7 @@ pub(super) struct ModuleFile {
 #[serde(deny_unknown_fields, rename = "kind")]
 #[allow(clippy::large_enum_variant, reason = "read once, then gone")]
 enum KindFile {
-    /// It has no servo.
+    /// A cube without a servo.
     Passive {
         /// Edge of a cube, metres; else that of `defaults`.
         #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -80,7 +80,7 @@ pub struct DistanceBelief {
     pub cells: Vec<f64>,
     /// These are the trials of the simulated sensor.
     pub simulated: TrialSet,
-    /// Of the real log, where there is one.
+    /// The trials of the real log, where there is one.
     pub real: Option<TrialSet>,
     /// Readings of the log at this distance.
     pub logged: Option<usize>,

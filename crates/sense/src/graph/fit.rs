@@ -38,15 +38,15 @@ pub struct FittedGraph {
     /// Mean absolute error over parts of the way that were left out, metres, with polynomials of headings and segments; `None` where it
     /// was not tried.
     pub robot_frame_error_m: Option<f64>,
-    /// The same with polynomials of directions of the world.
+    /// That error with polynomials of directions of the world.
     pub world_frame_error_m: Option<f64>,
-    /// The same of the scan at the nearest logged pose.
+    /// That error of the scan at the nearest logged pose.
     pub nearest_error_m: Option<f64>,
-    /// Of the scan at the nearest logged place, turned to the heading.
+    /// That error of the scan at the nearest logged place, turned to the heading.
     pub turned_error_m: Option<f64>,
     /// The same error of what was taken, with poses of half an interval before and after their scans.
     pub lags: Vec<Lag>,
-    /// Which was taken.
+    /// Which frame was taken.
     pub frame: Frame,
     /// Number of polynomials.
     pub polynomials: usize,

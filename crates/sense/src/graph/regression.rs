@@ -2,7 +2,7 @@
 //!
 //! In every step each candidate that is left is made orthogonal to the chosen ones, and the one with the largest error reduction
 //! ratio is taken: the share of yᵀy that it explains. As `sysidentpy.model_structure_selection.FROLS` 0.9 with `ols`
-//! (tests/golden/frols.csv).
+//! (tests/golden/frols.json).
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};

@@ -44,7 +44,7 @@ pub struct RadioModel {
     /// Where its numbers come from.
     #[serde(default)]
     pub description: String,
-    /// How strength falls, by name; `realgap radio fit --help` lists the models.
+    /// How strength falls, by name; `realgap sense radio fit --help` lists the models.
     #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub propagation: &'static dyn Propagation,
     /// Its parameters, in the order in which the fit prints them.

@@ -67,7 +67,7 @@ pub struct Message {
 pub enum Delivery {
     /// It arrives.
     Delivered {
-        /// When, seconds.
+        /// When it arrives, seconds.
         at_s: f64,
         /// How strong, dBm.
         strength_dbm: f64,

@@ -24,7 +24,7 @@ pub struct Candidate {
     pub behind: Option<f64>,
     /// The standard error of that difference over the distances.
     pub behind_error: Option<f64>,
-    /// The chosen one.
+    /// Whether this pair was chosen.
     pub is_chosen: bool,
 }
 

@@ -45,7 +45,7 @@ pub struct ConditionReport {
     pub condition: String,
     /// The real trials.
     pub real: SideReport,
-    /// The simulated ones.
+    /// The simulated trials.
     pub simulated: SideReport,
     /// Simulated over real median.
     pub median_ratio: Option<f64>,

@@ -40,7 +40,7 @@ pub struct Scene {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Faces {
-    /// Nothing.
+    /// Plain faces, without a rim or dots.
     #[default]
     Plain,
     /// A dark rim and the dots of a die: one where its x axis points, two for y, three for z, six, five and four on the other sides.

@@ -50,7 +50,7 @@ pub struct SceneFile {
     cameras: BTreeMap<String, CameraFile>,
     /// Where pictures are taken.
     views: Vec<ViewFile>,
-    /// How cameras ride on bodies (`realgap picture --ride`), and where motions begin, by name.
+    /// How cameras ride on bodies (`realgap sense picture --ride`), and where motions begin, by name.
     #[serde(default)]
     mounts: BTreeMap<String, MountFile>,
 }

@@ -120,7 +120,7 @@ pub struct TunedCamera {
     /// The camera.
     #[serde(skip)]
     pub camera: Camera,
-    /// The one it began with.
+    /// The camera that the tuning began with.
     pub start: String,
     /// Where the "real" pictures come from.
     pub real: PictureSource,
@@ -128,11 +128,11 @@ pub struct TunedCamera {
     pub settings: Vec<TunedSetting>,
     /// Views that it was fitted to.
     pub fitted_views: Vec<String>,
-    /// How far these are.
+    /// How far pictures of the fitted views are from the real ones.
     pub fitted: Mismatch,
     /// Views that only judged.
     pub held_out_views: Vec<String>,
-    /// How far those are.
+    /// How far pictures of the views that only judged are from the real ones.
     pub held_out: Option<Mismatch>,
     /// How far cameras stood from where they should, mean, metres.
     pub misplaced_m: f64,

@@ -36,7 +36,7 @@ const FEWEST_CORNERS: usize = 12;
 const SEARCHES: [(usize, i64); 5] = [(4, 7), (2, 5), (1, 5), (1, 3), (1, 3)];
 /// Sides below this are not made smaller, pixels.
 const SMALL_PX: usize = 60;
-/// Noise of simulated pictures begins here, far from the numbers of `realgap picture`.
+/// Noise of simulated pictures begins here, far from the numbers of `realgap sense picture`.
 const FIRST_NUMBER: u64 = 1 << 24;
 
 pub(super) fn read(shots: &Shots) -> Result<Vec<Shot>> {
@@ -161,7 +161,7 @@ pub(super) fn extrinsics_of(
                     .at_file(&shot.path)
                     .found(counted(seen.len(), "corner"))
                     .allowed(format!("{FEWEST_CORNERS} or more that look as in the scene"))
-                    .hint("the view's place, the light and the scene have to be about right; `realgap picture` shows them"));
+                    .hint("the view's place, the light and the scene have to be about right; `realgap sense picture` shows them"));
             }
             its.correspondences = seen;
         }

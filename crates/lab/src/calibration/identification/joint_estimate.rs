@@ -76,11 +76,11 @@ pub struct JointIdentification {
     pub verdicts: Vec<JointVerdict>,
     /// At the last sample of flights that were fitted whole, the robot as stated.
     pub last_sample_as_stated: FlightErrors,
-    /// The same with what was identified.
+    /// These errors with what was identified.
     pub last_sample: FlightErrors,
     /// At the last sample when only the first two thirds of each flight were fitted, the robot as stated.
     pub predicted_as_stated: FlightErrors,
-    /// The same with what was identified.
+    /// These errors with what was identified.
     pub predicted: FlightErrors,
     /// Root mean square of what is left of the positions, metres.
     pub residual_m: f64,

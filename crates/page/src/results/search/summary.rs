@@ -38,7 +38,7 @@ pub struct BestRobot {
     pub success: Option<f64>,
     /// What the servos give over the distance, J/m.
     pub joules_per_metre: Option<f64>,
-    /// The same per weight: mechanical cost of transport.
+    /// That energy per weight: the mechanical cost of transport.
     pub cost_of_transport: Option<f64>,
     /// Whether half and double timestep and substeps, the limit of hard contact and the other joint kind at its own leave its displacement
     /// within the tolerance.

@@ -314,9 +314,9 @@ pub struct Driver {
 pub struct Follow {
     /// The other joint.
     pub joint: String,
-    /// This command is so many times that one …
+    /// Factor on the command of that joint.
     pub factor: f64,
-    /// … plus this, radians.
+    /// Angle that is added to the product, radians.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub offset_rad: f64,
 }

@@ -1,0 +1,16 @@
+//! Files of the repository that tests make: they must be what the program says today.
+
+use std::path::Path;
+
+/// Compares a committed file with what it should hold; with REALGAP_BLESS=1 it is written.
+pub fn must_hold(path: &str, text: &str, test: &str) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    if std::env::var_os("REALGAP_BLESS").is_some_and(|value| value == "1") {
+        std::fs::write(&file, text).unwrap_or_else(|error| panic!("{path}: {error}"));
+    }
+    let found = std::fs::read_to_string(&file).unwrap_or_default();
+    assert!(
+        found == text,
+        "{path} is not what the program says; REALGAP_BLESS=1 cargo test {test} writes it"
+    );
+}

@@ -1,0 +1,417 @@
+//! docs/cli.md: what `--help` says of every command, on one page.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use clap::{Arg, Command, CommandFactory as _, Parser as _};
+use realgap::warning::Code;
+
+use super::committed::must_hold;
+use super::{Cli, NOTES, QUESTIONS};
+
+/// Widest line of prose.
+const WIDTH: usize = 100;
+/// An option is told once for all where so many commands have it in the same words.
+const COMMON: usize = 4;
+
+const HEAD: &str = "\
+# The command line
+
+This page is made from the commands: it says what `realgap --help` and `realgap COMMAND --help` say.
+How to read what they print and write is in [docs/results.md][docs/results.md], which question leads
+to which command in [docs/questions.md][docs/questions.md].
+
+";
+
+const WARNINGS: &str = "\
+## Warnings
+
+A warning is one sentence and a stable code; it is printed on standard error and stands in every
+JSON. Pages say for each what to do about it.
+
+| code | what it says | what to do about it |
+|---|---|---|
+";
+
+/// An option or argument as the page shows it: a row of a table, below the heading of its help.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
+struct Row {
+    heading: Option<String>,
+    name: String,
+    help: String,
+}
+
+impl Row {
+    fn of(arg: &Arg) -> Self {
+        let name = match (arg.get_short(), arg.get_long()) {
+            (Some(short), Some(_)) => format!("-{short}, {arg}"),
+            _ => arg.to_string(),
+        };
+        Self {
+            heading: arg.get_help_heading().map(ToOwned::to_owned),
+            name,
+            help: help_of(arg),
+        }
+    }
+
+    fn line(&self) -> String {
+        let name = self.name.replace('|', "\\|");
+        format!("| `{name}` | {} |\n", self.help.replace('|', "\\|"))
+    }
+
+    /// The option's long name, for lists.
+    fn short(&self) -> String {
+        let words = self.name.split([' ', '[', '=']);
+        let name = words.into_iter().find(|word| word.starts_with("--"));
+        format!("`{}`", name.unwrap_or(&self.name))
+    }
+}
+
+/// What an option means, its choices and its default, as Markdown.
+fn help_of(arg: &Arg) -> String {
+    let said = arg.get_long_help().or_else(|| arg.get_help());
+    let said = said.map(ToString::to_string).unwrap_or_default();
+    let mut text = match said.split_once("[default: ") {
+        Some((before, rest)) => {
+            let (default, after) = rest.split_once(']').unwrap_or((rest, ""));
+            let default = format!("{}. Default: {default}{after}", before.trim_end());
+            marked(&default)
+        }
+        None => marked(&said),
+    };
+    let takes_values = arg.get_action().takes_values();
+    if takes_values && !arg.is_hide_possible_values_set() {
+        let mut choices = Vec::new();
+        for value in arg
+            .get_possible_values()
+            .iter()
+            .filter(|v| !v.is_hide_set())
+        {
+            let meaning = value
+                .get_help()
+                .map(|help| format!(" ({})", marked(&help.to_string())));
+            choices.push(format!(
+                "`{}`{}",
+                value.get_name(),
+                meaning.unwrap_or_default()
+            ));
+        }
+        if !choices.is_empty() {
+            text += &format!(". One of {}", choices.join(", "));
+        }
+    }
+    let defaults = arg.get_default_values();
+    if takes_values && !defaults.is_empty() {
+        let words: Vec<String> = defaults
+            .iter()
+            .map(|d| format!("`{}`", d.display()))
+            .collect();
+        text += &format!(". Default: {}", words.join(" "));
+    }
+    text
+}
+
+/// Plain words as Markdown: options, file names and what else holds signs of it as code, pages as links.
+fn marked(text: &str) -> String {
+    let mut is_code = false;
+    let mut words = Vec::new();
+    for word in text.split_whitespace() {
+        let was_code = is_code;
+        is_code ^= word.matches('`').count() % 2 == 1;
+        let core = word.trim_matches(|c| "()[],.;:!?'".contains(c));
+        let is_page = core.starts_with("docs/") && core.ends_with(".md");
+        let is_option = core.starts_with('-') && core.len() > 1;
+        let is_technical = core.contains(['<', '>', '*', '_', '{', '|', '[', '~', '=']);
+        words.push(if was_code || word.contains('`') || core.is_empty() {
+            word.to_owned()
+        } else if is_page {
+            word.replace(core, &format!("[{core}][{core}]"))
+        } else if is_option || is_technical {
+            word.replacen(core, &format!("`{core}`"), 1)
+        } else {
+            word.replace('[', "\\[")
+        });
+    }
+    words.join(" ")
+}
+
+/// Prose in lines of at most [`WIDTH`] characters, none of which begins like a list.
+fn wrapped(text: &str) -> String {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let last = lines.last().map_or(0, |line| line.chars().count());
+        let begins_list = ["-", "+", "*", "#", "="].contains(&word);
+        if last > 0 && last + 1 + word.chars().count() > WIDTH && !begins_list {
+            lines.push(String::new());
+        }
+        if let Some(line) = lines.last_mut() {
+            *line += if line.is_empty() { "" } else { " " };
+            *line += word;
+        }
+    }
+    lines.join("\n") + "\n"
+}
+
+/// Help as clap keeps it: paragraphs, and blocks of indented lines below a line that says what they are.
+fn prose(text: &str) -> String {
+    let mut page = String::new();
+    for paragraph in text.split("\n\n").map(str::trim_end) {
+        let (first, indented) = paragraph.split_once("\n  ").unwrap_or((paragraph, ""));
+        if indented.is_empty() {
+            page += &format!("{}\n", wrapped(&marked(first)));
+            continue;
+        }
+        let is_example = first == "Examples:";
+        if !is_example {
+            page += &format!("{}\n", wrapped(&marked(first)));
+        }
+        let language = if is_example { "sh" } else { "text" };
+        let block = indented.replace("\n  ", "\n");
+        page += &format!("```{language}\n{block}\n```\n\n");
+    }
+    page
+}
+
+fn table(rows: &[&Row]) -> String {
+    let lines: String = rows.iter().map(|row| row.line()).collect();
+    format!("| | |\n|---|---|\n{lines}\n")
+}
+
+/// The text of a heading that the help's heading becomes.
+fn title(heading: Option<&str>) -> &str {
+    heading.map_or("Options of many commands", |heading| {
+        heading.split(" (").next().unwrap_or(heading)
+    })
+}
+
+fn anchor(title: &str) -> String {
+    title.to_lowercase().replace(' ', "-")
+}
+
+/// A command with its full name.
+struct Page {
+    name: String,
+    depth: usize,
+    command: Command,
+    rows: Vec<Row>,
+}
+
+/// Every command, those of a group behind it.
+fn pages(parent: &Command, path: &str, depth: usize, found: &mut Vec<Page>) {
+    for command in parent.get_subcommands().filter(|c| c.get_name() != "help") {
+        let name = format!("{path}{}", command.get_name());
+        let shown = command.get_arguments().filter(|arg| {
+            !arg.is_hide_set() && !["help", "version"].contains(&arg.get_id().as_str())
+        });
+        found.push(Page {
+            depth,
+            command: command.clone(),
+            rows: shown.map(Row::of).collect(),
+            name: name.clone(),
+        });
+        pages(command, &format!("{name} "), depth + 1, found);
+    }
+}
+
+impl Page {
+    fn about(&self) -> String {
+        self.command
+            .get_about()
+            .map(ToString::to_string)
+            .unwrap_or_default()
+    }
+
+    fn is_group(&self) -> bool {
+        self.command.has_subcommands()
+    }
+
+    /// What its help says below the first line.
+    fn text(&mut self, common: &BTreeSet<Row>) -> String {
+        let about = self.about();
+        let mut text = format!("{} `{}`\n\n", "#".repeat(self.depth), self.name);
+        text += &format!(
+            "{}\n",
+            wrapped(&format!("{}.", marked(&about)).replace("?.", "?"))
+        );
+        if let Some(examples) = self.command.get_after_help() {
+            text += &prose(&examples.to_string());
+        }
+        let long = self.command.get_long_about().map(ToString::to_string);
+        let rest = long.and_then(|long| long.strip_prefix(&about).map(str::to_owned));
+        text += &prose(rest.unwrap_or_default().trim_start_matches(['.', '\n']));
+        if self.is_group() {
+            return text.replace("\n\n\n", "\n\n");
+        }
+        let usage = self.command.render_usage().to_string();
+        text += &format!("```text\n{}\n```\n\n", usage.trim_start_matches("Usage: "));
+        let own: Vec<&Row> = self
+            .rows
+            .iter()
+            .filter(|row| !common.contains(row))
+            .collect();
+        if !own.is_empty() {
+            text += &table(&own);
+        }
+        text += &self.shared(common);
+        text.replace("\n\n\n", "\n\n")
+    }
+
+    /// The options that are told once for all: those below a heading by it where all of them are there.
+    fn shared(&self, common: &BTreeSet<Row>) -> String {
+        let is_global = |row: &Row| row.name == "--force";
+        let mut names = Vec::new();
+        for heading in headings(common) {
+            let all: Vec<&Row> = common.iter().filter(|row| row.heading == heading).collect();
+            let here: Vec<&Row> = self
+                .rows
+                .iter()
+                .filter(|row| all.contains(row) && !is_global(row))
+                .collect();
+            if heading.is_some() && here.len() == all.len() {
+                let title = title(heading.as_deref());
+                names.push(format!("[{}](#{})", title.to_lowercase(), anchor(title)));
+            } else {
+                names.extend(here.iter().map(|row| row.short()));
+            }
+        }
+        if names.is_empty() {
+            return String::new();
+        }
+        format!("{}\n", wrapped(&format!("Also: {}.", names.join(", "))))
+    }
+}
+
+fn headings(rows: &BTreeSet<Row>) -> BTreeSet<Option<String>> {
+    rows.iter().map(|row| row.heading.clone()).collect()
+}
+
+/// The rows of options that many commands have in the same words.
+fn common(pages: &[Page]) -> BTreeSet<Row> {
+    let mut count: BTreeMap<Row, usize> = BTreeMap::new();
+    for row in pages
+        .iter()
+        .filter(|page| !page.is_group())
+        .flat_map(|page| &page.rows)
+    {
+        *count.entry(row.clone()).or_default() += 1;
+    }
+    let many = count
+        .into_iter()
+        .filter(|(row, count)| *count >= COMMON && row.name.contains("--"));
+    many.map(|(row, _)| row).collect()
+}
+
+/// The tables of commands, by question and by group.
+fn contents(pages: &[Page]) -> String {
+    let mut text = String::from("## Commands\n\n");
+    let line = |page: &Page| {
+        let anchor = anchor(&page.name);
+        format!(
+            "| [`realgap {}`](#{anchor}) | {} |\n",
+            page.name,
+            marked(&page.about()).replace('|', "\\|")
+        )
+    };
+    for page in pages
+        .iter()
+        .filter(|page| page.depth == 2 && !page.command.is_hide_set())
+    {
+        for (_, question) in QUESTIONS.iter().filter(|(first, _)| *first == page.name) {
+            text += &format!("\n{question}\n\n| | |\n|---|---|\n");
+        }
+        text += &line(page);
+    }
+    for group in pages
+        .iter()
+        .filter(|page| page.depth == 2 && page.is_group())
+    {
+        text += &format!("\n`realgap {}`:\n\n| | |\n|---|---|\n", group.name);
+        let inside = format!("{} ", group.name);
+        let leaves = pages
+            .iter()
+            .filter(|page| page.name.starts_with(&inside) && !page.is_group());
+        text += &leaves.map(line).collect::<String>();
+    }
+    text += "\nNot in the list of `realgap --help`:\n\n| | |\n|---|---|\n";
+    let unlisted = pages.iter().filter(|page| page.command.is_hide_set());
+    text += &unlisted.map(line).collect::<String>();
+    text.replace("\n\n\n", "\n\n") + "\n"
+}
+
+/// The page.
+fn reference() -> String {
+    let mut root = Cli::command();
+    root.build();
+    let mut all = Vec::new();
+    pages(&root, "", 2, &mut all);
+    let common = common(&all);
+    let mut text = HEAD.to_owned() + &contents(&all);
+    text += "## Common options\n\n";
+    text += &prose(NOTES);
+    for heading in headings(&common) {
+        let rows: Vec<&Row> = common.iter().filter(|row| row.heading == heading).collect();
+        text += &format!("### {}\n\n{}", title(heading.as_deref()), table(&rows));
+    }
+    for page in &mut all {
+        text += &page.text(&common);
+    }
+    text += WARNINGS;
+    for code in Code::ALL {
+        let about = marked(code.about().trim_end_matches('.'));
+        text += &format!(
+            "| `{}` | {about} | {} |\n",
+            code.name(),
+            marked(code.remedy())
+        );
+    }
+    let links = links(&text);
+    text + "\n" + &links
+}
+
+/// The pages that the text names, where a reader of files finds them.
+fn links(text: &str) -> String {
+    let named = text
+        .split("][")
+        .skip(1)
+        .filter_map(|rest| rest.split(']').next());
+    let named: BTreeSet<&str> = named.collect();
+    let lines = named
+        .iter()
+        .map(|name| format!("[{name}]: {}\n", name.trim_start_matches("docs/")));
+    lines.collect()
+}
+
+#[test]
+fn the_page_of_the_command_line_is_what_the_commands_say() {
+    must_hold("docs/cli.md", &reference(), "--bin realgap reference");
+}
+
+#[test]
+fn every_example_is_understood() {
+    let mut root = Cli::command();
+    root.build();
+    let mut all = Vec::new();
+    pages(&root, "", 2, &mut all);
+    let mut count = 0;
+    for page in all.iter().filter(|page| !page.is_group()) {
+        let help = page.command.get_after_help().map(ToString::to_string);
+        let help = help.unwrap_or_default().replace("\\\n", " ");
+        let mut own = 0;
+        for line in help.lines().filter(|line| line.starts_with("  realgap ")) {
+            let words = line.split([';', '>']).next().unwrap_or_default();
+            let words: Vec<String> = words
+                .split_whitespace()
+                .map(|w| w.replace('\'', ""))
+                .collect();
+            let parsed = Cli::try_parse_from(&words);
+            assert!(parsed.is_ok(), "{line}: {:?}", parsed.err());
+            own += usize::from(line.contains(&format!("realgap {}", page.name)));
+            count += 1;
+        }
+        assert!(
+            own > 0 || page.name == "cluster status",
+            "{} has no example",
+            page.name
+        );
+    }
+    assert!(count > 50, "{count}");
+}
