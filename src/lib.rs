@@ -203,7 +203,7 @@ pub mod guide {
         #[doc = include_str!("../docs/fidelity.md")]
         fidelity: verification contact settings precision joints tosses energy hardware servo engines stand_ins tuning
             intervals sensitivity ensembles gap genomes search sensing radio vision;
-        /// Defects of the engine, each with a program that shows it.
+        /// Defects of the engine, each with what a program shows of it.
         upstream: contact_stiffness friction_direction multibody_root multibody_swing restitution small_inertia;
     }
 }

@@ -34,7 +34,7 @@ use super::{output, terminal};
 #[command(after_help = "\
 Examples:
   realgap compare real.csv simulated.csv --plot gap.png
-  realgap compare runs/*.csv --metric rms --over-time time.png
+  realgap compare real.csv runs/*.csv --metric rms --over-time time.png
   realgap compare real.csv simulated.csv --metric pose --body-length 0.06")]
 pub struct Compare {
     /// The reference, usually the real run (.csv or .tum)

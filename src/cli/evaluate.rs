@@ -22,7 +22,7 @@ use super::{progress, terminal};
 /// Simulate a study once per recording with given values and report pose errors over the recordings
 ///
 /// One simulation a recording; mean, median and standard error of position and rotation, and how many end over 45° off.
-/// Nothing is fitted here. Check what was fitted on some recordings with others: --every 2 --offset 1 takes the
+/// Nothing is fitted here. Check what was fitted on some recordings with others: `--every 2 --offset 1` takes the
 /// odd-numbered ones.
 ///
 /// --odds says how likely each final pose is (the face that is down, and the quarter turn of every hinge), scored by

@@ -64,7 +64,7 @@ const BASES: &[Choice<LogBase>] = &[
 ///
 /// `walls` is equation 2 of paper 002: P(d₀) − 10 n log(d/d₀) − min(nW, C) WAF; `thickness` has a loss for every metre
 /// of wall, `materials` one for each class. `auto` takes the model, and the number C of walls that count, whose errors
-/// are smallest at places (squares of a metre) that were left out. The numbers of paper 002 need --log-base e.
+/// are smallest at places (squares of a metre) that were left out. The numbers of paper 002 need `--log-base e`.
 ///
 /// Printed are parameters with 90 % intervals, which count readings near each other as sharing their errors, whether
 /// the log determines them and why not, what a place and what a reading adds to a strength, and how near to the

@@ -49,7 +49,7 @@ pub struct DistanceReport {
 pub struct Normality {
     /// Distances with enough readings.
     pub tested: usize,
-    /// Of these with p below 5 %; one in twenty by chance.
+    /// How many of these tests have p below 5 %; one in twenty by chance.
     pub rejected: usize,
     /// Smallest p value times the number of tests (Bonferroni), at most 1.
     pub adjusted_p: f64,
