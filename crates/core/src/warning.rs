@@ -95,7 +95,7 @@ codes! {
     KnownLimit "known-limit" "A result depends on something that the engine is known to do wrongly." "see docs/limits.md; check the result by another engine or by experiment";
     LackOfFit "lack-of-fit" "A fitted form misses the data by more than chance." "allow a form with more terms";
     LongTask "long-task" "A task took more than a week." "give durations in seconds";
-    LookupBetter "lookup-better" "A lookup of the nearest logged scan foretells better than polynomials." "fit again with `--frame turned` or `--frame nearest`";
+    LookupBetter "lookup-better" "A lookup of the nearest logged scan foretells better than polynomials." "fit again in the frame `turned` or `nearest`";
     LostSamples "lost-samples" "Samples without numbers are left out." "look for gaps of the recorder; fine if they are few";
     MassRatio "mass-ratio" "A joint holds a very light and a very heavy part." "make the light part heavier, or use more substeps";
     MovingAtEnd "moving-at-end" "Recordings that end while moving are left out, as the study asks." "record until the body rests";

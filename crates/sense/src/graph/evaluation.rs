@@ -221,7 +221,7 @@ pub(super) fn better_lookup(model_m: f64, tried: &[(Frame, Option<f64>)]) -> Opt
     (error_m < model_m).then(|| {
         Warning::new(
             Code::LookupBetter,
-            format!("the scan at the nearest logged {words} is {error_m:.3} m off where the polynomials are {model_m:.3} m off: `sense graph fit --frame {name}` makes a model of it"),
+            format!("the scan at the nearest logged {words} is {error_m:.3} m off where the polynomials are {model_m:.3} m off: a fit in the frame `{name}` makes a model of it"),
         )
     })
 }

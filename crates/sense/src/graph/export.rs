@@ -72,7 +72,7 @@ pub fn functions(model: &Sensorgraph, language: Language) -> Result<String> {
         return Err(
             Error::invalid("a lookup has no polynomials that could be a function")
                 .field("frame")
-                .hint("fit polynomials, `--frame world` or `--frame robot`"),
+                .hint("fit polynomials, in the frame `world` or `robot`"),
         );
     }
     Ok(match language {

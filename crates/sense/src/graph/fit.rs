@@ -263,7 +263,7 @@ impl fmt::Display for FittedGraph {
         if let [before, none, after] = self.lags.as_slice() {
             let least = before.error_m.min(after.error_m);
             let words = if least < MATTERS * none.error_m {
-                "a lag foretells better: fit and evaluate with that `--lag`"
+                "a lag foretells better: fit and evaluate with that lag"
             } else {
                 "a lag is not needed"
             };

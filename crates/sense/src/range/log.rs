@@ -105,7 +105,7 @@ impl ReadingLog {
         let (rows, materials) = table.chosen("material", wanted)?;
         let time = table.column("t_s");
         let session = match &options.session {
-            Some(name) => Some(table.require(name, "the option --session names it")?),
+            Some(name) => Some(table.require(name, "it was named as that of sessions")?),
             None => table.column("session"),
         };
         let mut log = Self {
