@@ -13,6 +13,7 @@ macro_rules! shipped {
 /// others stay in the repository.
 const SHIPPED: &[Shipped] = shipped![
     "arenas": "cartons.ron" "flat.ron" "paper000.ron" "pen.ron";
+    "controllers": "tripod_avoid.ron";
     "morphologies": "chain3.ron" "chain30.ron" "chain5.ron" "cube.ron" "double_pendulum.ron" "elbow.ron" "push_cube.ron" "servo_pendulum.ron"
         "so101_arm.ron" "so101_feetech.ron" "spider8.ron" "tripod.ron" "turtlebot3_burger.ron" "two_module.ron" "unitree_a1.ron";
     "real_trajectories/cube_tosses": "README.md" "meta.ron" "toss_003.csv" "toss_015.csv" "toss_026.csv" "toss_037.csv"

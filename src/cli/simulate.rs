@@ -8,7 +8,8 @@ use realgap::plot::quantity;
 use realgap::report::SIMULATION;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{
-    self, Divergence, EnergyBalance, Experiment, Film, Outcome, Run, Sampling, SceneBody, film,
+    self, Controller, Divergence, EnergyBalance, Experiment, Film, Log, Outcome, Run, Sampling,
+    SceneBody, film, steer,
 };
 use realgap::trajectory;
 use realgap::unit::{Unit, decimals};
@@ -33,7 +34,8 @@ use super::{output, terminal};
 Examples:
   realgap simulate morphologies/tripod.ron --duration 20 -o run.csv
   realgap simulate morphologies/tripod.ron --set floor.friction=0.4 --energy
-  realgap simulate morphologies/tripod.ron --arena arenas/cartons.ron")]
+  realgap simulate morphologies/tripod.ron --arena arenas/cartons.ron
+  realgap simulate morphologies/tripod.ron --controller controllers/tripod_avoid.ron --decisions way.csv")]
 pub struct Simulate {
     /// The robot, e.g. morphologies/tripod.ron
     morphology: PathBuf,
@@ -45,6 +47,15 @@ pub struct Simulate {
     /// Put the robot where this arena says that robots start, among its walls; the motion begins at (0, 0) all the same
     #[arg(long, value_name = "FILE")]
     arena: Option<PathBuf>,
+    /// Let it read sensors and act on them as this controller's file says, in the file's arena and among others of its kind
+    #[arg(long, value_name = "FILE", conflicts_with = "arena")]
+    controller: Option<PathBuf>,
+    /// Draw what sensors and radio read with this seed; without one they read their mean
+    #[arg(long, value_name = "SEED", requires = "controller")]
+    seed: Option<u64>,
+    /// Write what was read, heard and decided to this .csv file
+    #[arg(long, value_name = "FILE", requires = "controller")]
+    decisions: Option<PathBuf>,
     #[command(flatten)]
     values: Values,
     /// Say where the energy came from and went, and what going costs
@@ -156,12 +167,20 @@ impl Simulate {
             let plan = Source::read(path, "arena")?;
             experiment.scene.push(SceneBody::read_arena(&plan, true)?);
         }
+        if let Some(path) = &self.controller {
+            let controller = Controller::read(path, &experiment)?;
+            experiment = experiment.with_controller(controller)?;
+            experiment.perturbation.draw = self.seed.map(|seed| (seed, 0));
+        }
         terminal::print_warnings(&morphology.warnings());
         let (experiment, warnings) = self.values.apply(&experiment)?;
         terminal::print_warnings(&warnings);
         let mut experiment = self.solver.apply(experiment);
         for output in self.output.iter().chain(&self.parts) {
             trajectory::check_output(output)?;
+        }
+        let files = [&self.output, &self.parts, &self.decisions];
+        for output in files.into_iter().flatten() {
             output::check(output)?;
         }
         if let Some(page) = &self.replay {
@@ -177,8 +196,22 @@ impl Simulate {
             (simulation::run(&experiment)?, None)
         };
         terminal::print_warnings(&run.warnings);
+        let log = match &experiment.controller {
+            // The same run again, which says what was decided on the way.
+            Some(_) if self.output.is_some() || self.decisions.is_some() => {
+                steer(&experiment, None, None)?.1
+            }
+            _ => Log::default(),
+        };
         if let (Some(output), Some(motion)) = (&self.output, run.outcome.get()) {
-            terminal::print_warnings(&trajectory::write(output, motion)?);
+            if log.others.is_empty() {
+                terminal::print_warnings(&trajectory::write(output, motion)?);
+            } else {
+                trajectory::write_with_bodies(output, motion, &log.others)?;
+            }
+        }
+        if let (Some(file), Some(controller)) = (&self.decisions, &experiment.controller) {
+            output::write(file, log.to_csv(controller).as_bytes())?;
         }
         if let Some(film) = &film {
             self.write_film(&morphology, &experiment, film, &run.warnings)?;
@@ -206,6 +239,7 @@ impl Simulate {
         };
         let mut files = vec![self.morphology.as_path()];
         files.extend(self.arena.as_deref());
+        files.extend(self.controller.as_deref());
         let all: Vec<Warning> = morphology
             .warnings()
             .iter()
@@ -316,7 +350,10 @@ impl Simulate {
                 motion.len()
             ));
         }
-        for file in [&self.parts, &self.replay].into_iter().flatten() {
+        for file in [&self.parts, &self.replay, &self.decisions]
+            .into_iter()
+            .flatten()
+        {
             lines.push(format!("  written           {}", file.display()));
         }
         terminal::print(lines.join("\n"));

@@ -93,6 +93,10 @@ pub fn files() -> Vec<FileKind> {
             "An arena: walls, boxes, radio stations, seen from above.",
         ),
         ron::<simulation::VehicleFile>("vehicle", "A robot on two wheels."),
+        ron::<simulation::ControllerFile>(
+            "controller",
+            "What a robot reads, hears and does about it: `realgap simulate --controller`.",
+        ),
         ron::<range::RangeModel>(
             "sensor",
             "A range sensor, as `realgap sense characterise` finds it.",

@@ -61,6 +61,7 @@ fn no_shipped_file_points_outside_of_the_repository() {
     let project = project().canonicalize().unwrap();
     let folders = [
         "arenas",
+        "controllers",
         "morphologies",
         "scenes",
         "sensors",

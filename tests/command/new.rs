@@ -76,6 +76,7 @@ fn the_examples_inside_of_the_program_are_those_of_the_repository() {
         "morphologies",
         "sweeps",
         "arenas",
+        "controllers",
         "sensors",
         "vehicles",
         "scenes",

@@ -7,6 +7,8 @@ use crate::common;
 mod compare;
 #[path = "../../examples/own_engine.rs"]
 mod own_engine;
+#[path = "../../examples/own_feedback.rs"]
+mod own_feedback;
 #[path = "../../examples/own_sensor.rs"]
 mod own_sensor;
 #[path = "../../examples/predict.rs"]
@@ -34,6 +36,7 @@ fn every_example_runs() {
         tune::main,
         compare::main,
         predict::main,
+        own_feedback::main,
         own_sensor::main,
         own_engine::main,
     ] {

@@ -75,6 +75,8 @@ streams! {
     SensorReading = 30;
     /// What one session of a sensor adds to all its readings.
     SensorSession = 32;
+    /// What a sensor on a robot in an engine's hands reads.
+    MountedSensor = 33;
     /// Errors of wheels: how far a command goes, how far it turns.
     Actuator = 31;
     /// What places add to the strength of a radio signal.

@@ -19,6 +19,9 @@ const BOXES_OF_A_CIRCLE: usize = 8;
 const TOUCH_M: f64 = 0.005;
 
 impl SceneBody {
+    /// Name of the body that is an arena.
+    pub const ARENA: &'static str = "arena";
+
     /// What stands in an arena, one fixed body 0.5 m high.
     ///
     /// A robot that starts at the origin, looking along +x, stands where the arena says that robots start if `at_start`; otherwise the
@@ -67,7 +70,7 @@ impl SceneBody {
             }
         }
         let body = Self {
-            name: "arena".to_owned(),
+            name: Self::ARENA.to_owned(),
             boxes,
             friction: FRICTION,
             motion: SceneMotion::Fixed {

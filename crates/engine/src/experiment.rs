@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 
 use super::adjustment::{Adjustment, HingeAdjustment, ModuleAdjustment};
 use super::command::CommandTrack;
+use super::control::Controller;
 use super::engine::{Engine, EngineChoice};
 use super::scene::SceneBody;
 use super::vehicle::{Drive, Vehicle};
@@ -288,6 +289,8 @@ pub struct Experiment {
     pub vehicle: Option<Arc<Vehicle>>,
     /// The numbers of the two-wheel robot.
     pub drive: Drive,
+    /// What the robot reads and hears, and does about it ([`Experiment::with_controller`]).
+    pub controller: Option<Arc<Controller>>,
     /// Other bodies beside the robot.
     pub scene: Vec<SceneBody>,
     /// Length of the run, seconds.
@@ -326,6 +329,7 @@ impl Experiment {
             commands: BTreeMap::new(),
             vehicle: None,
             drive: Drive::default(),
+            controller: None,
             scene: Vec::new(),
             duration_s: 10.0,
             sampling: Sampling::Rate(60.0),

@@ -11,6 +11,7 @@ mod adjustment;
 mod arena;
 mod camera;
 mod command;
+mod control;
 mod distribution;
 mod energy;
 mod engine;
@@ -38,6 +39,12 @@ mod watch;
 pub use adjustment::{Adjustment, HingeAdjustment, ModuleAdjustment};
 pub use camera::Camera;
 pub use command::{Between, CommandTrack, Quantity};
+#[cfg(feature = "schema")]
+pub use control::ControllerFile;
+pub use control::{
+    Condition, Controller, Decision, Feedback, Heard, Log, Mounted, Other, Radio, Reads, Rule,
+    Sensed, Steer,
+};
 pub use distribution::Distribution;
 pub use energy::EnergyBalance;
 pub use engine::{ENGINES, Engine, EngineChoice, Load, Motion, Setup, World, engine_by_name};
@@ -52,7 +59,7 @@ pub use outcome::{Divergence, Outcome};
 pub use part_state::PartState;
 pub use posture::Posture;
 pub use rapier::{ENGINE_VERSION, RAPIER, Rapier};
-pub use run::{Run, run, watch};
+pub use run::{Run, run, steer, watch};
 pub use scene::{SceneBody, SceneBox, SceneMotion};
 pub use servo::Command;
 pub use settle::{Settling, settle};

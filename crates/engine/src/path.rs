@@ -46,6 +46,7 @@ fn between_states(before: &State, after: &State, share: f64) -> State {
 }
 
 /// Samples on their way to becoming a trajectory.
+#[derive(Default)]
 pub(super) struct Path {
     times_s: Vec<f64>,
     positions: Vec<Vector3<f64>>,

@@ -1,18 +1,20 @@
 //! One run: settle, step, sample, and stop when the state becomes absurd.
 
+mod course;
+
 use std::time::Duration;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::adjustment::HingeAdjustment;
 use super::command::{Orders, Quantity};
+use super::control::{Feedback, Log, Steer, steered};
 use super::energy::{EnergyBalance, Meter};
 use super::engine::{Motion, Setup, World};
 use super::experiment::{Experiment, JointState, Start};
 use super::kinematics::{lowest_m, part_from_track, robot_from_parts};
 use super::motor::{Effort, duty, effort};
-use super::outcome::{Divergence, Outcome};
-use super::path::{Path, between};
+use super::outcome::Outcome;
 use super::scene::{Guide, SceneMotion};
 use super::servo::{NOTHING, command, error_beyond_play};
 use super::vehicle;
@@ -68,11 +70,37 @@ pub fn run(experiment: &Experiment) -> Result<Run> {
         run.cpu = thread_cpu_time().saturating_sub(started);
         return Ok(run);
     }
+    if let Some(controller) = &experiment.controller {
+        let (mut run, _) = steered(experiment, controller, None, None)?;
+        run.cpu = thread_cpu_time().saturating_sub(started);
+        return Ok(run);
+    }
     let assembly = experiment.adjusted_assembly();
     let mut rollout = Rollout::new(experiment, &assembly)?;
     let mut run = rollout.run(experiment, None)?;
     run.cpu = thread_cpu_time().saturating_sub(started);
     Ok(run)
+}
+
+/// Simulates an experiment with its controller, and says what was read and decided; `feedback` has the last word of every decision.
+/// `observer` sees every step as in [`watch`].
+///
+/// # Errors
+/// As [`run`]; an experiment without a controller; whatever `feedback` refuses.
+pub fn steer(
+    experiment: &Experiment,
+    observer: Observer<'_>,
+    feedback: Option<Feedback<'_>>,
+) -> Result<(Run, Log)> {
+    experiment.check()?;
+    let Some(controller) = &experiment.controller else {
+        return Err(Error::invalid("the experiment has no controller")
+            .hint("give it one with `with_controller`"));
+    };
+    let started = thread_cpu_time();
+    let (mut run, log) = steered(experiment, controller, observer, feedback)?;
+    run.cpu = thread_cpu_time().saturating_sub(started);
+    Ok((run, log))
 }
 
 /// Simulates the experiment and shows every part and hinge to `observer`: at time 0 and after every step
@@ -88,6 +116,12 @@ pub fn watch(
     experiment.check()?;
     if experiment.vehicle.is_some() {
         return Err(Error::invalid("a vehicle has no parts to watch"));
+    }
+    if experiment.controller.is_some() {
+        return match pushes {
+            [] => steer(experiment, Some(observer), None).map(|(run, _)| run),
+            _ => Err(Error::invalid("a robot with a controller is not pushed")),
+        };
     }
     let started = thread_cpu_time();
     let assembly = experiment.adjusted_assembly();
@@ -120,8 +154,10 @@ fn thread_cpu_time() -> Duration {
     START.get_or_init(std::time::Instant::now).elapsed()
 }
 
+pub(super) use course::{Course, Observer};
+
 /// A world in motion, with the servos' memory.
-struct Rollout<'a> {
+pub(super) struct Rollout<'a> {
     assembly: &'a Assembly,
     world: Box<dyn World>,
     part_from_track: Isometry3<f64>,
@@ -131,6 +167,8 @@ struct Rollout<'a> {
     angles_rad: Vec<f64>,
     squared_error_rad2: f64,
     orders: Vec<Orders<'a>>,
+    /// What a controller has servos do in place of their orders, by hinge.
+    steering: Vec<Steer>,
     meter: Option<Meter>,
     /// What every motor behind a gear did during the step before.
     efforts: Vec<Option<Effort>>,
@@ -176,7 +214,7 @@ fn total_change(experiment: &Experiment, assembly: &Assembly, hinge: usize) -> H
 }
 
 impl<'a> Rollout<'a> {
-    fn new(experiment: &'a Experiment, assembly: &'a Assembly) -> Result<Self> {
+    pub(super) fn new(experiment: &'a Experiment, assembly: &'a Assembly) -> Result<Self> {
         let joints: Vec<JointState> = assembly
             .hinges
             .iter()
@@ -269,6 +307,7 @@ impl<'a> Rollout<'a> {
                 .iter()
                 .map(|hinge| Orders::new(experiment, hinge))
                 .collect(),
+            steering: vec![Steer::Own; assembly.hinges.len()],
             meter: experiment
                 .energy_from_s
                 .map(|from_s| Meter::new(experiment, assembly, from_s)),
@@ -298,14 +337,23 @@ impl<'a> Rollout<'a> {
             let Some(Actuator { servo, .. }) = &hinge.actuator else {
                 continue;
             };
-            let orders = &mut self.orders[index];
+            let orders = &self.orders[index];
             let change = &self.changes[index];
             let quantity = orders.quantity();
-            let mut target = orders.over(from_s, end_s, change.latency_s);
+            let steer = self.steering[index];
+            let asked = |at_s: f64| match steer {
+                Steer::Own => orders.value(at_s),
+                Steer::Gait(gait) => gait.angle_rad(at_s),
+                Steer::Hold(value) => value,
+            };
+            let mut target = match steer {
+                Steer::Own => orders.over(from_s, end_s, change.latency_s),
+                _ => asked((t_s - change.latency_s).max(0.0)),
+            };
             if quantity == Quantity::Position {
                 // The servo turns until its encoder reads what it is told.
                 let lead_rad = change.offset_rad - change.zero_rad;
-                self.squared_error_rad2 += (orders.value(t_s) + lead_rad - angle_rad).powi(2);
+                self.squared_error_rad2 += (asked(t_s) + lead_rad - angle_rad).powi(2);
                 target += lead_rad;
             }
             let is_on = orders.is_on(t_s);
@@ -347,7 +395,7 @@ impl<'a> Rollout<'a> {
         (self.track(), (0..joints).map(joint).collect())
     }
 
-    fn track(&self) -> State {
+    pub(super) fn track(&self) -> State {
         let (pose, velocity_world_m_s, angular_world_rad_s) =
             self.world.part(self.assembly.track_part);
         let world_from_track = pose * self.part_from_track;
@@ -383,7 +431,7 @@ impl<'a> Rollout<'a> {
         None
     }
 
-    fn poses(&self) -> Vec<Isometry3<f64>> {
+    pub(super) fn poses(&self) -> Vec<Isometry3<f64>> {
         (0..self.assembly.parts.len())
             .map(|part| self.world.part(part).0)
             .collect()
@@ -419,99 +467,5 @@ impl<'a> Rollout<'a> {
             ),
         ));
         None
-    }
-
-    fn run(
-        &mut self,
-        experiment: &Experiment,
-        observer: Option<&mut dyn FnMut(&Snapshot)>,
-    ) -> Result<Run> {
-        let outcome = self.simulate(experiment, observer)?;
-        let hinges = self.assembly.hinges.iter();
-        let servos = hinges.filter(|hinge| hinge.actuator.is_some()).count();
-        let commands = self.steps * servos as u64;
-        let servo_rms_rad = if commands > 0 && outcome.is_completed() {
-            (self.squared_error_rad2 / commands as f64).sqrt()
-        } else {
-            0.0
-        };
-        let meter = self.meter.as_ref().filter(|_| outcome.is_completed());
-        let energy = meter.map(Meter::balance);
-        self.warnings
-            .extend(energy.and_then(|energy| energy.warning()));
-        Ok(Run {
-            outcome,
-            steps: self.steps,
-            settle_steps: self.settle_steps,
-            cpu: Duration::ZERO,
-            servo_rms_rad,
-            energy,
-            warnings: std::mem::take(&mut self.warnings),
-        })
-    }
-
-    fn simulate(
-        &mut self,
-        experiment: &Experiment,
-        mut observer: Option<&mut dyn FnMut(&Snapshot)>,
-    ) -> Result<Outcome<Trajectory>> {
-        let timestep_s = experiment.solver.timestep_s;
-        let origin_world_m = self.track().position_world_m;
-        // What is held needs no floor to come to rest on.
-        if experiment.start == Start::Settled && self.assembly.world_from_mount.is_none() {
-            if let Some(why) = self.settle(timestep_s, &origin_world_m) {
-                let at_s = (self.settle_steps as f64 * timestep_s) - SETTLE_LIMIT_S;
-                let at_s = at_s.min(0.0);
-                return Ok(Outcome::Diverged(Divergence { at_s, why }));
-            }
-            self.squared_error_rad2 = 0.0;
-        }
-
-        let times_s = experiment.sample_times_s();
-        let mut path = Path::with_capacity(times_s.len());
-        if self.records_joints {
-            let hinges = self.assembly.hinges.iter();
-            path.joint_names = hinges.map(|hinge| hinge.name.clone()).collect();
-        }
-        if let Some(observer) = &mut observer {
-            observer(&Snapshot::take(0.0, self.assembly, self.world.as_ref()));
-        }
-        if let Some(meter) = &mut self.meter {
-            meter.start(self.assembly, self.world.as_ref());
-        }
-        let mut before = self.sample();
-        let mut next = 0;
-        while next < times_s.len() && times_s[next] <= 0.0 {
-            path.push(times_s[next], &before);
-            next += 1;
-        }
-        let end_s = experiment.duration_s.max(times_s[times_s.len() - 1]);
-        let steps = (end_s / timestep_s - 1e-9).ceil() as u64;
-        for step in 1..=steps {
-            let (from_s, to_s) = ((step - 1) as f64 * timestep_s, step as f64 * timestep_s);
-            self.step(from_s, to_s);
-            self.steps = step;
-            if let Some(why) = self.absurd(&origin_world_m) {
-                return Ok(Outcome::Diverged(Divergence { at_s: to_s, why }));
-            }
-            if let Some(meter) = &mut self.meter {
-                meter.read(self.assembly, self.world.as_ref(), from_s, &self.efforts);
-            }
-            if let Some(observer) = &mut observer {
-                observer(&Snapshot::take(to_s, self.assembly, self.world.as_ref()));
-            }
-            if next < times_s.len() && times_s[next] <= to_s + 1e-9 * timestep_s.max(1e-3) {
-                let after = self.sample();
-                while next < times_s.len() && times_s[next] <= to_s + 1e-9 * timestep_s.max(1e-3) {
-                    let share = ((times_s[next] - from_s) / timestep_s).clamp(0.0, 1.0);
-                    path.push(times_s[next], &between(&before, &after, share));
-                    next += 1;
-                }
-                before = after;
-            } else {
-                before = self.sample();
-            }
-        }
-        path.finish().map(Outcome::Completed)
     }
 }

@@ -1,0 +1,303 @@
+//! Robots that read sensors and radio in an engine's hands, and act on them.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use std::path::Path;
+
+use crate::common;
+
+use realgap_engine::{
+    Controller, EngineChoice, Experiment, Log, Run, Steer, engine_by_name, steer, watch,
+};
+use realgap_path::trajectory::Trajectory;
+use realgap_robot::morphology::Morphology;
+
+/// A wall across the way of a robot that walks towards -x from (2, 1).
+const ARENA: &str = "Arena(name: \"hall\", size_m: (4.0, 2.0), boundary: Open, \
+    boxes: [(centre_m: (1.4, 1.0), half_m: (0.05, 0.8))], start: (x_m: 2.0, y_m: 1.0))";
+const RADIO: &str =
+    "Radio(propagation: \"thickness\", values: [-40.0, 2.0, 0.0, 600.0], shadowing_sd_db: 0.0)";
+
+/// The eye of the chain looks to where it walks; where something is nearer than 15 cm, the floor too, it holds still.
+const RULES: &str =
+    "sensors: [(name: \"front\", on: \"m0\", turn_deg: 180, model: \"ultrasonic\")],
+    rules: [(when: (sensor: \"front\", below_m: 0.15), then: [HOLD])],";
+
+fn chain() -> Experiment {
+    let robot = Morphology::read(common::project().join("morphologies/chain5.ron")).unwrap();
+    let mut experiment = Experiment::new(robot.assemble());
+    experiment.duration_s = 10.0;
+    experiment
+}
+
+/// Every servo held at zero.
+fn hold(experiment: &Experiment) -> String {
+    let hinges = experiment.assembly.hinges.iter();
+    let driven = hinges.filter(|hinge| hinge.actuator.is_some());
+    let all: Vec<String> = driven
+        .map(|hinge| format!("(actuator: \"{}\", hold: 0.0)", hinge.name))
+        .collect();
+    all.join(", ")
+}
+
+fn first_module(experiment: &Experiment) -> &str {
+    &experiment.assembly.module_names[0]
+}
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("hall.ron"), ARENA).unwrap();
+    std::fs::write(folder.path().join("radio.ron"), RADIO).unwrap();
+    folder
+}
+
+fn controller(
+    folder: &Path,
+    experiment: &Experiment,
+    text: &str,
+) -> realgap_core::Result<Controller> {
+    let text = text
+        .replace("HOLD", &hold(experiment))
+        .replace("\"m0\"", &format!("{:?}", first_module(experiment)));
+    let path = folder.join("controller.ron");
+    std::fs::write(&path, format!("Controller(arena: \"hall.ron\", {text})")).unwrap();
+    Controller::read(path, experiment)
+}
+
+fn steered(text: &str, seed: Option<u64>, engine: EngineChoice) -> (Run, Log) {
+    let folder = folder();
+    let mut experiment = chain();
+    experiment.solver.engine = engine;
+    experiment.perturbation.draw = seed.map(|seed| (seed, 0));
+    let controller = controller(folder.path(), &experiment, text).unwrap();
+    let experiment = experiment.with_controller(controller).unwrap();
+    steer(&experiment, None, None).unwrap()
+}
+
+fn motion(run: &Run) -> &Trajectory {
+    run.outcome.get().unwrap()
+}
+
+fn farthest_m(run: &Run) -> f64 {
+    let positions = motion(run).positions_world_m().iter();
+    positions.map(|p| -p.x).fold(0.0, f64::max)
+}
+
+/// A cube in the middle of the hall looks at the wall, and at another cube that stands between.
+#[test]
+fn what_is_read_is_the_distance_from_the_sensor_to_what_is_ahead() {
+    let folder = folder();
+    let robot = Morphology::read(common::project().join("morphologies/cube.ron")).unwrap();
+    let half_m = 0.5 * robot.assemble().body_length_m;
+    let module = robot.assemble().module_names[0].clone();
+    let mut experiment = Experiment::new(robot.assemble());
+    experiment.duration_s = 0.2;
+    for (others, expected_m) in [
+        ("", 2.0 - half_m - 1.45),
+        (
+            "others: [(name: \"other\", x_m: 1.7, y_m: 1.0, heading_deg: 90)],",
+            0.3 - 2.0 * half_m,
+        ),
+        (
+            "others: [(name: \"beside\", x_m: 1.7, y_m: 1.5)],",
+            2.0 - half_m - 1.45,
+        ),
+    ] {
+        let text = format!(
+            "rate_hz: 20, {others} sensors: [
+                (name: \"laser\", on: {module:?}, at_m: ({}, 0, 0), turn_deg: 180, model: \"laser\"),
+                (name: \"near\", on: {module:?}, turn_deg: 180, model: \"ultrasonic\")],",
+            -half_m
+        );
+        let controller = controller(folder.path(), &experiment, &text).unwrap();
+        let experiment = experiment.with_controller(controller).unwrap();
+        let (_, log) = steer(&experiment, None, None).unwrap();
+        let readings = &log.decisions[0].sensed.readings;
+        let read_m = readings[0].unwrap();
+        assert!(
+            (read_m - expected_m).abs() < 1e-4,
+            "{others}: {read_m}, {expected_m}"
+        );
+        // An ultrasonic sensor hears nothing from beyond its 21 cm.
+        let is_far = expected_m + half_m > 0.21;
+        assert_eq!(readings[1].is_none(), is_far, "{readings:?}");
+    }
+}
+
+/// Paper 000's avoidance with a modular robot: it walks to the box, turns before it touches it, and walks away.
+#[test]
+fn a_modular_robot_avoids_the_box_of_paper_000_in_both_engines() {
+    let path = common::project().join("controllers/tripod_avoid.ron");
+    let robot = Morphology::read(common::project().join("morphologies/tripod.ron")).unwrap();
+    for name in ["rapier", "tree"] {
+        let mut experiment = Experiment::new(robot.assemble());
+        experiment.duration_s = 25.0;
+        experiment.solver.engine = engine_by_name(name).unwrap();
+        experiment.perturbation.draw = Some((1, 0));
+        let seeing = Controller::read(&path, &experiment).unwrap();
+        let blind = Controller {
+            rules: Vec::new(),
+            ..seeing.clone()
+        };
+        let ways = [seeing, blind].map(|controller| {
+            let experiment = experiment.with_controller(controller).unwrap();
+            let (run, log) = steer(&experiment, None, None).unwrap();
+            assert!(run.outcome.is_completed());
+            let ways = log.decisions.iter().map(|d| d.sensed.position_m[0]);
+            ways.collect::<Vec<f64>>()
+        });
+        let [seeing, blind] = ways.map(|way| {
+            let most = way.iter().copied().fold(0.0, f64::max);
+            (most, way[way.len() - 1])
+        });
+        // The near face of the box is at 0.86 m, and the tripod's front 5 cm before its core and more.
+        assert!(seeing.0 > 0.6 && seeing.0 < 0.8, "{name}: {seeing:?}");
+        assert!(blind.0 > seeing.0 + 0.02, "{name}: {seeing:?} {blind:?}");
+        assert!(seeing.1 < seeing.0 - 0.1, "{name}: {seeing:?}");
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_and_another_does_not() {
+    let text = format!("rate_hz: 20, {RULES}");
+    let engine = EngineChoice::default();
+    let first = steered(&text, Some(7), engine);
+    let again = std::thread::spawn({
+        let text = text.clone();
+        move || steered(&text, Some(7), engine)
+    });
+    assert_eq!(first, {
+        let mut again = again.join().unwrap();
+        again.0.cpu = first.0.cpu;
+        again
+    });
+    assert_ne!(first.1, steered(&text, Some(8), engine).1);
+}
+
+#[test]
+fn a_callback_has_the_last_word_at_a_fixed_rate() {
+    let folder = folder();
+    let experiment = chain();
+    let controller = controller(folder.path(), &experiment, "rate_hz: 10,").unwrap();
+    let experiment = experiment.with_controller(controller).unwrap();
+    let mut times_s = Vec::new();
+    let (held, _) = steer(
+        &experiment,
+        None,
+        Some(&mut |sensed, steering| {
+            times_s.push(sensed.time_s);
+            if sensed.time_s > 3.0 {
+                steering.fill(Steer::Hold(0.0));
+            }
+            Ok(())
+        }),
+    )
+    .unwrap();
+    assert_eq!(times_s.len(), 100);
+    assert!(times_s.windows(2).all(|w| (w[1] - w[0] - 0.1).abs() < 3e-3));
+    let free = realgap_engine::run(&experiment).unwrap();
+    assert!(farthest_m(&held) < 0.6 * farthest_m(&free));
+    let mut seen = 0;
+    let run = watch(&experiment, &[], &mut |_| seen += 1).unwrap();
+    assert_eq!((seen, run.outcome), (run.steps + 1, free.outcome));
+    let refused = steer(
+        &experiment,
+        None,
+        Some(&mut |_, _| Err(realgap_core::Error::invalid("no more"))),
+    );
+    assert!(refused.unwrap_err().to_string().contains("no more"));
+}
+
+/// Two chains walk one behind the other: the one behind sees the first, and is told where it was when that was sent.
+#[test]
+fn robots_see_one_another_and_hear_where_the_others_were() {
+    let text = "rate_hz: 20, name: \"behind\",
+        sensors: [(name: \"front\", on: \"m0\", turn_deg: 180, model: \"laser\")],
+        others: [(name: \"ahead\", x_m: 2.0, y_m: 1.6), (name: \"hidden\", x_m: 0.8, y_m: 1.0)],
+        rules: [(when: (heard: \"ahead\", within_m: 0.4), for_s: 0.5, then: [HOLD])],
+        radio: (model: \"radio.ron\", every_s: 0.5, latency_s: 0.2),";
+    let (run, log) = steered(text, None, EngineChoice::default());
+    assert!(run.outcome.is_completed());
+    assert_eq!(log.others.len(), 2);
+    let of = |robot: usize| {
+        log.decisions
+            .iter()
+            .filter(move |d| d.sensed.robot == robot)
+    };
+    let ahead: Vec<&_> = of(1).collect();
+    for decision in of(0).skip(8) {
+        let heard: Vec<usize> = decision.sensed.heard.iter().map(|h| h.from).collect();
+        // The wall is 0.1 m thick and takes 60 dB: together with the way too much for -92 dBm.
+        assert_eq!(heard, [1]);
+        let message = &decision.sensed.heard[0];
+        assert!((message.arrived_s - message.sent_s - 0.2).abs() < 1e-9);
+        assert!(decision.sensed.time_s >= message.arrived_s - 1e-9);
+        // It says where the other was when it was sent.
+        let then = ahead
+            .iter()
+            .min_by(|a, b| {
+                let off = |d: &&&realgap_engine::Decision| (d.sensed.time_s - message.sent_s).abs();
+                off(a).total_cmp(&off(b))
+            })
+            .unwrap();
+        for axis in 0..2 {
+            let off_m = then.sensed.position_m[axis] - message.position_m[axis];
+            assert!(off_m.abs() < 0.02, "{off_m}");
+        }
+    }
+    let near = |path: &Trajectory| path.positions_world_m()[0];
+    assert!(
+        (near(&log.others[0].1).y - 0.6).abs() < 0.01,
+        "in the frame of the first robot"
+    );
+}
+
+#[test]
+fn a_bad_controller_is_told_what_is_wrong_with_it() {
+    let (folder, experiment) = (folder(), chain());
+    for (text, said) in [
+        ("rate_hz: 0,", "rate_hz"),
+        ("rate_hz: -5,", "rate_hz"),
+        ("rate_hz: 1e6,", "at most once a timestep"),
+        (
+            "rate_hz: 10, sensors: [(name: \"a\", on: \"nose\", model: \"ultrasonic\")],",
+            "no mark, module or body",
+        ),
+        (
+            "rate_hz: 10, sensors: [(name: \"a\", on: \"m0\", model: \"sonic\")],",
+            "ultrasonic",
+        ),
+        (
+            "rate_hz: 10, sensors: [(name: \"a\", on: \"m0\")],",
+            "one of `model` and `graph`",
+        ),
+        (
+            "rate_hz: 10, rules: [(when: (sensor: \"frnt\", below_m: 0.3), then: [])],",
+            "sensor",
+        ),
+        (
+            "rate_hz: 10, rules: [(when: (), then: [(actuator: \"leg\", hold: 0)])],",
+            "servo",
+        ),
+        (
+            "rate_hz: 10, rules: [(when: (heard: \"nobody\", within_m: 1), then: [])],",
+            "nobody",
+        ),
+        (
+            "rate_hz: 10, rules: [(when: (within_m: 1), then: [])],",
+            "one condition",
+        ),
+        (
+            "rate_hz: 10, others: [(name: \"b\", x_m: 1.4, y_m: 1.0)],",
+            "cannot start here",
+        ),
+        (
+            "rate_hz: 10, others: [(name: \"robot\", x_m: 3, y_m: 1)],",
+            "a name of its own",
+        ),
+    ] {
+        let error = controller(folder.path(), &experiment, text)
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(said), "{text}: {error}");
+    }
+}
