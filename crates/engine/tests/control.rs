@@ -123,6 +123,40 @@ fn what_is_read_is_the_distance_from_the_sensor_to_what_is_ahead() {
     }
 }
 
+/// A scanner whose four polynomials say where it is: x ahead, whatever its heading.
+#[test]
+fn a_sensorgraph_is_read_at_the_place_of_the_scanner_in_the_arena() {
+    let folder = folder();
+    let polynomial = "(samples: 1, limits_m: (0.0, 9.0), terms: [(powers: (1, 0), value: 1.0)])";
+    let graph = format!(
+        "Sensorgraph(frame: World, segments_deg: [0.0], width_deg: 30.0, headings: 4, \
+         centre_m: (0.0, 0.0), scale_m: 1.0, means_m: [1.0], polynomials: [{}], log: [])",
+        [polynomial; 4].join(", ")
+    );
+    std::fs::write(folder.path().join("graph.ron"), graph).unwrap();
+    let mut experiment = chain();
+    experiment.duration_s = 1.0;
+    let text = |segment: usize| {
+        format!(
+            "rate_hz: 20, sensors: [(name: \"scan\", on: \"m0\", graph: \"graph.ron\", segment: {segment})],"
+        )
+    };
+    let controller_of = |segment| controller(folder.path(), &experiment, &text(segment));
+    let steered = experiment
+        .with_controller(controller_of(0).unwrap())
+        .unwrap();
+    let (_, log) = steer(&steered, None, None).unwrap();
+    for decision in &log.decisions {
+        let off_m = decision.sensed.readings[0].unwrap() - decision.sensed.position_m[0];
+        assert!(off_m.abs() < 1e-9, "{off_m}");
+    }
+    let error = controller_of(1).unwrap_err().to_string();
+    assert!(
+        error.contains("no such segment") && error.contains("0 to 0"),
+        "{error}"
+    );
+}
+
 /// Paper 000's avoidance with a modular robot: it walks to the box, turns before it touches it, and walks away.
 #[test]
 fn a_modular_robot_avoids_the_box_of_paper_000_in_both_engines() {
