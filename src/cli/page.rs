@@ -11,6 +11,7 @@ use realgap::file::{remove_sealed, write_atomic, write_sealed};
 use realgap::optimization::Ending;
 use realgap::report::{
     KEPT_RECORDINGS, Kept, KeptPath, KeptReplay, Leaf, PAGE_FILE, Replay, SIMULATION, folder_page,
+    side_by_side,
 };
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, film};
@@ -266,6 +267,20 @@ pub fn of_robot(experiment: &Experiment, robot: &Morphology) -> Kept {
     Kept {
         duration_s: experiment.duration_s,
         replay: moving(experiment, robot, &[], true),
+        ..Kept::default()
+    }
+}
+
+/// What the page of a search shows beside its results: its best side by side.
+pub fn of_robots(robots: &[(Experiment, &Morphology)]) -> Kept {
+    let runs: Vec<_> = robots
+        .iter()
+        .filter_map(|(experiment, robot)| Some((*robot, film(experiment).ok()?.1?)))
+        .collect();
+    let first = robots.first().map(|(experiment, _)| experiment);
+    Kept {
+        duration_s: first.map_or(0.0, |first| first.duration_s),
+        replay: first.and_then(|first| side_by_side(&runs, first.floor).ok().flatten()),
         ..Kept::default()
     }
 }

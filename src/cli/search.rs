@@ -20,6 +20,9 @@ use super::option::{Jobs, Print, Values, recording_unused};
 use super::page::{self, PageOption};
 use super::{mujoco, progress, terminal};
 
+/// So many of the best are shown in motion.
+const SIDE_BY_SIDE: usize = 5;
+
 /// Search for the robot that walks best, by what will really happen
 ///
 /// Every robot is simulated several times under noise, and under what tuning left open (--indistinguishable), in the
@@ -129,8 +132,14 @@ impl Search {
         let page_said = self
             .page
             .write(folder.path(), || match finalists.as_deref() {
-                Ok([best, ..]) => page::of_robot(&search.experiment(&best.robot), &best.robot),
-                _ => Kept::default(),
+                Ok(best) => {
+                    let runs = best
+                        .iter()
+                        .take(SIDE_BY_SIDE)
+                        .map(|one| (search.experiment(&one.robot), &one.robot));
+                    page::of_robots(&runs.collect::<Vec<_>>())
+                }
+                Err(_) => Kept::default(),
             });
         folder.write_timing(options.jobs)?;
         terminal::print_warnings(&summary.warnings);

@@ -19,3 +19,4 @@ mod recovery;
 mod servo;
 mod strategy_contract;
 mod toss;
+mod walkers;

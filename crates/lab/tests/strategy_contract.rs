@@ -224,6 +224,8 @@ fn map_elites() -> MapElites {
         initial: 20,
         batch: 8,
         evaluations: 300,
+        selection: None,
+        again: 0.0,
         variation: Variation::default(),
         seed: 5,
     }
@@ -240,7 +242,7 @@ fn small(name: &str) -> Search {
         "Evolution" => ("population: 7, generations: 5, elites: 2", ""),
         "MapElites" => (
             "axes: [(name: \"modules\", from: 0.5, to: 5.5, cells: 5), (name: \"straightness\", from: 0, to: 1, cells: 4)],
-             initial: 20, batch: 8, evaluations: 300",
+             initial: 20, batch: 8, evaluations: 300, selection: \"rank\", again: 0.3",
             "",
         ),
         "Grid" => (
@@ -298,6 +300,9 @@ fn a_search_cut_off_anywhere_goes_on_as_if_nothing_had_happened() {
                 .collect();
             assert!(!rest.is_empty(), "{kind} after {cut}");
             assert_eq!(rest, expected, "{kind} after {cut}");
+            let parents = strategy.parents(&whole[..cut]).unwrap();
+            assert_eq!(parents.len(), rest.len(), "{kind} after {cut}");
+            assert!(parents.iter().flatten().all(|parent| *parent < cut), "{kind} after {cut}");
         }
     }
 }
@@ -371,6 +376,23 @@ fn evolution_beats_random_search_on_a_smooth_fitness() {
     }
     // By chance 9 or more of 10 happen once in 93.
     assert!(wins >= 9, "{wins} of 10");
+}
+
+#[test]
+fn who_is_tried_again_is_its_first_parent() {
+    let strategy = MapElites {
+        again: 1.0,
+        selection: Some("rank".to_owned()),
+        ..map_elites()
+    };
+    let history = follow(&strategy);
+    for cut in [strategy.initial, 100] {
+        let proposed = strategy.propose(&history[..cut]).unwrap();
+        for (child, parents) in proposed.iter().zip(strategy.parents(&history[..cut]).unwrap()) {
+            assert_eq!(parents.len(), 1);
+            assert_eq!(*child, history[parents[0]].genome);
+        }
+    }
 }
 
 #[test]

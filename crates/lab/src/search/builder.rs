@@ -6,8 +6,10 @@ use super::body::Body;
 use super::descriptor::descriptor_named;
 use super::failure::FailureRules;
 use super::finals_settings::FinalsSettings;
+use super::gait::GaitTuning;
 use super::objective::Objective;
 use super::problem::Search;
+use super::setting::SettingsChoice;
 use super::strategy::{Space, StrategySettings, within};
 use super::uncertain::{UncertainParameters, UncertainRange};
 use realgap_core::file::check_name;
@@ -42,6 +44,8 @@ pub struct SearchBuilder {
     objective: Objective,
     repeats: usize,
     failures: FailureRules,
+    settings: SettingsChoice,
+    gait: Option<GaitTuning>,
     finals: FinalsSettings,
     seed: u64,
 }
@@ -73,6 +77,8 @@ impl SearchBuilder {
             objective: Objective::default(),
             repeats: 8,
             failures: FailureRules::default(),
+            settings: SettingsChoice::default(),
+            gait: None,
             finals: FinalsSettings::default(),
             seed: 1,
         }
@@ -170,6 +176,20 @@ impl SearchBuilder {
         self
     }
 
+    /// In which settings of engine and steps repeats run.
+    #[must_use]
+    pub fn settings(mut self, settings: SettingsChoice) -> Self {
+        self.settings = settings;
+        self
+    }
+
+    /// Tunes the gait of every body by short runs before the body is judged.
+    #[must_use]
+    pub fn gait(mut self, gait: GaitTuning) -> Self {
+        self.gait = Some(gait);
+        self
+    }
+
     /// How the best are looked at again.
     #[must_use]
     pub fn finals(mut self, finals: FinalsSettings) -> Self {
@@ -202,6 +222,9 @@ impl SearchBuilder {
             return Err(error.field(format!("noise.{field}")));
         }
         self.objective.check().map_err(|e| within("objective", e))?;
+        if let Some(gait) = &self.gait {
+            gait.check().map_err(|e| within("gait", e))?;
+        }
         if self.objective.from_s >= self.duration_s {
             return Err(Error::invalid("nothing of the run counts")
                 .field("objective.from_s")
@@ -243,6 +266,8 @@ impl SearchBuilder {
             objective: self.objective,
             repeats: self.repeats,
             failures: self.failures,
+            settings: self.settings,
+            gait: self.gait,
             finals: self.finals,
         })
     }

@@ -4,9 +4,10 @@ use rayon::prelude::*;
 
 use super::descriptor::{Behaviour, descriptor_named};
 use super::failure::{Failure, Reason};
-use super::objective::{Measure, Travel};
+use super::objective::{Measure, Objective, Travel};
 use super::problem::Search;
 use super::robot::{EvaluatedRobot, Outcome, Performance};
+use super::setting::SettingsChoice;
 use realgap_core::Result;
 use realgap_core::warning::Code;
 use realgap_engine::{Experiment, Floor, Posture, settle, watch};
@@ -30,25 +31,42 @@ impl Search {
         Ok(self.noise.perturb(&drawn, seed, number))
     }
 
-    /// Simulates one robot. Repeat 0 goes first: a robot that fails there is not repeated, and one that fails in any
+    /// Simulates one robot, with the gait that was tuned for it where the search does that. Repeat 0 goes first: a robot that fails there is not repeated, and one that fails in any
     /// repeat has failed, so that this saves time without changing any result. Uses the current rayon pool; the result does not depend
     /// on it.
     ///
     /// # Errors
     /// Settings that cannot be simulated.
     pub fn evaluate(&self, index: usize, genome: &Genome) -> Result<EvaluatedRobot> {
-        let outcome = match self.build(index, genome)? {
-            Err(failure) => Outcome::Failed(failure),
-            Ok(robot) => match self.repeats_of(&robot, self.seed(), self.repeats, None)? {
-                Err(failure) => Outcome::Failed(failure),
-                Ok(repeats) => Outcome::Walked(self.performance(&robot, repeats)?),
-            },
+        let tuned = match &self.gait {
+            None => Ok(genome.clone()),
+            Some(tuning) => self.tuned(tuning, index, genome)?,
+        };
+        let (genome, outcome) = match tuned {
+            Err(failure) => (genome.clone(), Outcome::Failed(failure)),
+            Ok(genome) => {
+                let outcome = self.judged(index, &genome)?;
+                (genome, outcome)
+            }
         };
         Ok(EvaluatedRobot {
             index,
-            genome: genome.clone(),
+            genome,
             outcome,
         })
+    }
+
+    fn judged(&self, index: usize, genome: &Genome) -> Result<Outcome> {
+        let robot = match self.build(index, genome)? {
+            Err(failure) => return Ok(Outcome::Failed(failure)),
+            Ok(robot) => robot,
+        };
+        Ok(
+            match self.repeats_of(&robot, self.seed(), self.repeats, None)? {
+                Err(failure) => Outcome::Failed(failure),
+                Ok(repeats) => Outcome::Walked(self.performance(&robot, repeats)?),
+            },
+        )
     }
 
     fn performance(&self, robot: &Morphology, repeats: Vec<Travel>) -> Result<Performance> {
@@ -71,22 +89,15 @@ impl Search {
     }
 
     /// The robot of a genome if it is worth simulating.
-    fn build(
+    pub(super) fn build(
         &self,
         index: usize,
         genome: &Genome,
     ) -> Result<std::result::Result<Morphology, Failure>> {
-        let fail = |reason, seen: &dyn std::fmt::Display| Ok(Err(Failure::new(reason, seen)));
-        let robot = match self.body().build(&self.robot_name(index), genome) {
+        let robot = match self.unblocked(index, genome) {
             Ok(robot) => robot,
-            Err(misfit) => return fail(Reason::DoesNotDevelop, &misfit),
+            Err(failure) => return Ok(Err(failure)),
         };
-        let blocked = robot.blocked_plates();
-        if let (true, Some((plate, other))) = (self.failures.plate_blocked, blocked.first()) {
-            let names = [plate, other].map(|&m| &robot.modules()[m].name);
-            let seen = format!("the plate of {} hits {}", names[0], names[1]);
-            return fail(Reason::PlateBlocked, &seen);
-        }
         let settling = settle(&self.exploring(&robot))?;
         for warning in settling.warnings() {
             let reason = match warning.code {
@@ -95,10 +106,27 @@ impl Search {
                 _ => Reason::NotSettled,
             };
             if self.failures.unstable || reason == Reason::Diverged {
-                return fail(reason, &warning.message);
+                return Ok(Err(Failure::new(reason, &warning.message)));
             }
         }
         Ok(Ok(robot))
+    }
+
+    /// The robot of a genome if nothing of it is in its own way.
+    pub(super) fn unblocked(
+        &self,
+        index: usize,
+        genome: &Genome,
+    ) -> std::result::Result<Morphology, Failure> {
+        let robot = self.body().build(&self.robot_name(index), genome);
+        let robot = robot.map_err(|misfit| Failure::new(Reason::DoesNotDevelop, misfit))?;
+        let blocked = robot.blocked_plates();
+        if let (true, Some((plate, other))) = (self.failures.plate_blocked, blocked.first()) {
+            let names = [plate, other].map(|&m| &robot.modules()[m].name);
+            let seen = format!("the plate of {} hits {}", names[0], names[1]);
+            return Err(Failure::new(Reason::PlateBlocked, seen));
+        }
+        Ok(robot)
     }
 
     /// Repeats of one robot as the search explores, or judged in these settings; the failure of the first that fails.
@@ -118,13 +146,16 @@ impl Search {
         };
         let one = |number: usize| {
             let mut experiment = self.repeat(&base, seed, number as u64)?;
+            if change.is_none() && self.settings == SettingsChoice::EquallyValid {
+                experiment = self.equally_valid(&experiment, number as u64);
+            }
             if let Some(change) = change {
                 change(&mut experiment);
             }
             if self.objective.measure == Measure::SpeedPerEnergy {
                 experiment.energy_from_s = Some(self.objective.from_s);
             }
-            self.observe(&experiment)
+            self.observe(&experiment, &self.objective)
         };
         let first = match one(0)? {
             Ok(first) => first,
@@ -134,8 +165,23 @@ impl Search {
         Ok(std::iter::once(Ok(first)).chain(rest?).collect())
     }
 
-    /// One run, watched for what no robot can do.
-    fn observe(&self, experiment: &Experiment) -> Result<std::result::Result<Travel, Failure>> {
+    /// The repeat of this number in its own of the settings that nobody can choose between by reason: the engines in turn, and in
+    /// each of them other steps.
+    fn equally_valid(&self, repeat: &Experiment, number: u64) -> Experiment {
+        let mut repeat = repeat.clone();
+        let engines = if self.explorer().is_some() { 2 } else { 1 };
+        if number % engines == 1 {
+            repeat.solver.engine = self.judge().solver.engine;
+        }
+        repeat.with_numerics(number / engines)
+    }
+
+    /// What counts of one run by this objective, watched for what no robot can do.
+    pub(super) fn observe(
+        &self,
+        experiment: &Experiment,
+        objective: &Objective,
+    ) -> Result<std::result::Result<Travel, Failure>> {
         let assembly = &experiment.assembly;
         let body_length_m = assembly.body_length_m;
         let posture = Posture::new(assembly);
@@ -164,11 +210,11 @@ impl Search {
             realgap_engine::Outcome::Completed(motion) => {
                 let path = prepare(motion)?;
                 let turned_rad = motion.turned_rad().unwrap_or(0.0);
-                return Ok(Ok(self.objective.travel(
+                return Ok(Ok(objective.travel(
                     &path,
                     turned_rad,
                     run.energy.as_ref(),
-                    self.duration_s,
+                    experiment.duration_s,
                 )));
             }
         };

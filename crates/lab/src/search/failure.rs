@@ -23,11 +23,13 @@ pub enum Reason {
     Flying,
     /// Parts of the robot went into each other by more than the rules allow.
     SelfPenetrating,
+    /// The best gait that was found for the body promises too little to be judged.
+    GoesNowhere,
 }
 
 impl Reason {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::DoesNotDevelop,
         Self::PlateBlocked,
         Self::NotSettled,
@@ -35,6 +37,7 @@ impl Reason {
         Self::Diverged,
         Self::Flying,
         Self::SelfPenetrating,
+        Self::GoesNowhere,
     ];
 
     /// The reason of this short name; `None` for any other text.
@@ -52,6 +55,7 @@ impl Reason {
             Self::Diverged => "diverged",
             Self::Flying => "flying",
             Self::SelfPenetrating => "self-penetrating",
+            Self::GoesNowhere => "goes-nowhere",
         }
     }
 }

@@ -5,6 +5,7 @@ use super::objective::Travel;
 use super::problem::Search;
 use super::robot::{EvaluatedRobot, mean_displacement_m};
 use super::run::SearchResults;
+use super::strategy::Evaluated;
 use crate::prediction::ensemble::{self, Draws, Ensemble, Forecast};
 use crate::prediction::{Card, Economy, Finals, Growth, Rerun, Success, SuccessRule};
 use realgap_core::warning::{Code, Warning};
@@ -16,6 +17,9 @@ use realgap_robot::morphology::Morphology;
 
 /// The engine that judges, where another explored.
 const JUDGE: &str = "judging engine";
+
+/// The limits, which cost more than all else together: who does not walk the same before is not run there.
+const LIMITS: [&str; 2] = ["limit of hard contact", "other joint kind at its limit"];
 
 /// A change of the settings.
 type Change = fn(&mut Experiment);
@@ -30,8 +34,8 @@ const RERUNS: [(&str, Change); 7] = [
     }),
     ("double substeps", |e| e.solver.substeps *= 2),
     // Convergence in the timestep alone is not correctness: too soft a contact converges, too, to something else.
-    ("limit of hard contact", |e| *e = e.at_limit(e.joint_kind())),
-    ("other joint kind at its limit", |e| {
+    (LIMITS[0], |e| *e = e.at_limit(e.joint_kind())),
+    (LIMITS[1], |e| {
         *e = e.at_limit(e.joint_kind().other());
     }),
 ];
@@ -85,10 +89,17 @@ impl Search {
         self.seed().wrapping_add(1 << 32)
     }
 
-    /// The best different robots, best first.
+    /// The best different robots, best first; of different cells where the strategy keeps an archive, so that what is wrong with one kind of
+    /// robot is not wrong with all of them.
     fn best(&self, robots: &[EvaluatedRobot]) -> Result<Vec<(EvaluatedRobot, Morphology)>> {
-        let mut order: Vec<&EvaluatedRobot> =
-            robots.iter().filter(|r| r.fitness().is_some()).collect();
+        let history: Vec<Evaluated> = robots.iter().map(EvaluatedRobot::evaluated).collect();
+        let mut order: Vec<&EvaluatedRobot> = match self.strategy.archive(&history)? {
+            Some(archive) => {
+                let elites = archive.elites().into_iter();
+                elites.map(|(_, elite)| &robots[elite]).collect()
+            }
+            None => robots.iter().filter(|r| r.fitness().is_some()).collect(),
+        };
         // Stable: of equals the earlier.
         order.sort_by(|a, b| {
             let [a, b] = [a, b].map(|r| r.fitness().unwrap_or(f64::NEG_INFINITY));
@@ -138,7 +149,10 @@ impl Search {
         for (evaluated, robot) in best {
             let mut reruns = Vec::new();
             for (settings, change) in RERUNS {
-                if settings == JUDGE && self.explorer().is_none() {
+                let is_lost = !reruns.iter().all(|rerun: &Rerun| rerun.survives);
+                if settings == JUDGE && self.explorer().is_none()
+                    || is_lost && LIMITS.contains(&settings)
+                {
                     continue;
                 }
                 stopped(options)?;

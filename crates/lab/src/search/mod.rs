@@ -51,9 +51,11 @@
 //! | `parameters` | what is only known to a range, `[(name, low, high)]`: every repeat draws | |
 //! | `indistinguishable` | a folder of `sweep` or `tune`: every repeat gets one of the points that cannot be told from its best | |
 //! | `noise` | as in a study | an estimate |
-//! | `objective` | `(measure: Displacement, Straightness, Speed or SpeedPerEnergy; aggregate: Mean, LowerQuantile(level) or MeanMinusSd(k); from_s: what comes before does not count)` | displacement, 20 % quantile |
+//! | `objective` | `(measure: Displacement, Straightness, Speed or SpeedPerEnergy; aggregate: Mean, LowerQuantile(level) or MeanMinusSd(k); from_s: what comes before does not count; last_quarters: a run counts for at most so many times its last quarter)` | displacement, 20 % quantile |
 //! | `repeats` | runs of every robot; all robots get the same draws | 8 |
 //! | `failures` | [`FailureRules`] | |
+//! | `settings` | `One`, or `EquallyValid`: every repeat in its own of engine and steps | `One` |
+//! | `gait` | [`GaitTuning`]: every body's gait is tuned by short runs before the body is judged | bodies have the gait of their genome |
 //! | `finalists` | [`FinalsSettings`] | |
 //! | `seed` | of everything random | 1 |
 //!
@@ -93,11 +95,13 @@ mod evaluate;
 mod failure;
 mod finals;
 mod finals_settings;
+mod gait;
 mod objective;
 mod problem;
 mod robot;
 mod run;
 mod search_file;
+mod setting;
 mod strategy;
 mod uncertain;
 
@@ -108,6 +112,7 @@ pub use descriptor::{Behaviour, DESCRIPTORS, Descriptor, descriptor_named};
 pub use failure::{Failure, FailureRules, Reason};
 pub use finals::{Finalist, rank};
 pub use finals_settings::FinalsSettings;
+pub use gait::GaitTuning;
 pub use objective::{Aggregate, Measure, Objective, Travel};
 pub use problem::Search;
 pub use realgap_store::Mode;
@@ -116,6 +121,7 @@ pub use run::SearchResults;
 pub use search_file::Overrides;
 #[cfg(feature = "schema")]
 pub use search_file::SearchFile;
+pub use setting::SettingsChoice;
 pub use strategy::{
     Archive, Axis, CmaEs, CmaEsSettings, Dose, Evaluated, Evolution, GeneValues, Grid,
     GridSettings, MapElites, OPERATORS, Operator, SELECTIONS, STRATEGIES, Selection, Space,

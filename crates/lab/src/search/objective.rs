@@ -49,6 +49,9 @@ pub struct Objective {
     pub aggregate: Aggregate,
     /// Seconds of each run that do not count: whoever falls over does so at once, and gets somewhere by that.
     pub from_s: f64,
+    /// A run counts for at most so many times what the last quarter of the counted time brings, 4 to a steady walker: who falls over and
+    /// lies gets nothing for it. Nothing: the whole counts as it is.
+    pub last_quarters: Option<f64>,
 }
 
 impl Default for Objective {
@@ -58,6 +61,7 @@ impl Default for Objective {
             measure: Measure::Displacement,
             aggregate: Aggregate::LowerQuantile(0.2),
             from_s: 0.0,
+            last_quarters: None,
         }
     }
 }
@@ -118,19 +122,23 @@ impl Objective {
         let xy_m = path.xy_m();
         let share = (self.from_s / duration_s).clamp(0.0, 1.0);
         let first = (share * (xy_m.len() - 1) as f64).round() as usize;
-        if first == 0 {
-            return Travel {
-                displacement_m: path.net_displacement_m(),
-                path_length_m: path.path_length_m(),
-                turned_rad,
-                servo_j,
-            };
-        }
         let distance_m = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
         let counted = &xy_m[first..];
+        let end_m = counted[counted.len() - 1];
+        let (mut displacement_m, path_length_m) = match first {
+            0 => (path.net_displacement_m(), path.path_length_m()),
+            _ => {
+                let steps_m = counted.windows(2).map(|w| distance_m(w[0], w[1]));
+                (distance_m(counted[0], end_m), steps_m.sum())
+            }
+        };
+        if let Some(times) = self.last_quarters {
+            let last_m = distance_m(counted[(counted.len() - 1) * 3 / 4], end_m);
+            displacement_m = displacement_m.min(times * last_m);
+        }
         Travel {
-            displacement_m: distance_m(counted[0], counted[counted.len() - 1]),
-            path_length_m: counted.windows(2).map(|w| distance_m(w[0], w[1])).sum(),
+            displacement_m,
+            path_length_m,
             turned_rad,
             servo_j,
         }
@@ -150,6 +158,10 @@ impl Objective {
     /// A quantile's level or a factor out of range.
     pub fn check(&self) -> Result<()> {
         Range::within(0.0, 3600.0, "s").check(self.from_s, "from_s")?;
+        if let Some(times) = self.last_quarters {
+            // Fewer than four would take from who walks steadily.
+            Range::within(4.0, 1e6, "").check(times, "last_quarters")?;
+        }
         let (value, highest) = match self.aggregate {
             Aggregate::Mean => return Ok(()),
             Aggregate::LowerQuantile(level) => (level, 1.0),
@@ -169,6 +181,43 @@ impl Objective {
             0.0 => String::new(),
             from_s => format!(" after {from_s} s"),
         };
-        format!("{}{after}, {aggregate}", self.measure.label())
+        let last = match self.last_quarters {
+            None => String::new(),
+            Some(times) => format!(", at most {times} times its last quarter"),
+        };
+        format!("{}{after}{last}, {aggregate}", self.measure.label())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+    use realgap_path::trajectory::{Trajectory, prepare};
+
+    /// What counts of a run of 20 s with this place along x over time.
+    fn counted_m(x_m: impl Fn(f64) -> f64, last_quarters: Option<f64>) -> f64 {
+        let times_s: Vec<f64> = (0..=1200).map(|k| f64::from(k) / 60.0).collect();
+        let places = times_s.iter().map(|t| Vector3::new(x_m(*t), 0.0, 0.0));
+        let motion = Trajectory::new(times_s.clone(), places.collect()).unwrap();
+        let objective = Objective {
+            from_s: 5.0,
+            last_quarters,
+            ..Objective::default()
+        };
+        let path = prepare(&motion).unwrap();
+        objective.travel(&path, 0.0, None, 20.0).displacement_m
+    }
+
+    #[test]
+    fn a_fall_is_no_walk_where_the_last_quarter_counts() {
+        // Falls over in the eighth second, and lies.
+        let fall = |t: f64| if t < 8.0 { 0.0 } else { 0.4 };
+        let walk = |t: f64| 0.04 * t;
+        let last = Some(8.0);
+        assert!((counted_m(fall, None) - 0.4).abs() < 1e-9);
+        assert!(counted_m(fall, last) < 1e-9);
+        assert!((counted_m(walk, last) - counted_m(walk, None)).abs() < 1e-12);
+        assert!((counted_m(walk, last) - 0.6).abs() < 0.01);
     }
 }

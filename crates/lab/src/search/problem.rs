@@ -5,7 +5,9 @@ use std::sync::Arc;
 use super::body::Body;
 use super::failure::FailureRules;
 use super::finals_settings::FinalsSettings;
+use super::gait::GaitTuning;
 use super::objective::Objective;
+use super::setting::SettingsChoice;
 use super::strategy::{Space, Strategy};
 use super::uncertain::UncertainParameters;
 use realgap_engine::parameter::ParameterSet;
@@ -29,6 +31,8 @@ pub struct Search {
     pub(super) objective: Objective,
     pub(super) repeats: usize,
     pub(super) failures: FailureRules,
+    pub(super) settings: SettingsChoice,
+    pub(super) gait: Option<GaitTuning>,
     pub(super) finals: FinalsSettings,
 }
 
@@ -93,6 +97,16 @@ impl Search {
         &self.failures
     }
 
+    /// In which settings repeats run.
+    pub fn settings(&self) -> SettingsChoice {
+        self.settings
+    }
+
+    /// How the gait of every body is tuned before it is judged; `None` where genomes are judged as they are.
+    pub fn gait(&self) -> Option<&GaitTuning> {
+        self.gait.as_ref()
+    }
+
     /// How the best are looked at again.
     pub fn finals(&self) -> &FinalsSettings {
         &self.finals
@@ -142,7 +156,7 @@ impl Search {
     }
 
     /// The fixed values, which do not depend on the robot.
-    fn judge(&self) -> Experiment {
+    pub(super) fn judge(&self) -> Experiment {
         self.set.apply(&Experiment::new(Assembly::nobody()))
     }
 
@@ -161,6 +175,8 @@ impl Search {
             .with("objective", self.objective.label())
             .with("repeats", self.repeats)
             .with("failures", format!("{:?}", self.failures))
+            .with("settings", format!("{:?}", self.settings))
+            .with("gait", format!("{:?}", self.gait))
             .with("seed", self.seed())
     }
 }

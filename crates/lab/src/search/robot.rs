@@ -5,7 +5,7 @@ use super::objective::Travel;
 use super::strategy::Evaluated;
 use realgap_core::statistics::mean;
 use realgap_core::{Error, Result};
-use realgap_robot::genome::{Gene, Genome};
+use realgap_robot::genome::{Gene, Genome, Locus};
 use realgap_store::{RobotOutcome, RobotRow};
 
 /// A robot of a search with what it is worth.
@@ -63,6 +63,16 @@ impl EvaluatedRobot {
     pub fn walked_as(&self, other: &Self) -> bool {
         let repeats = |robot: &Self| robot.performance().map(|p| p.repeats.clone());
         repeats(self).is_some() && repeats(self) == repeats(other)
+    }
+
+    /// Whether it has the body that was proposed; its gait may have been tuned.
+    pub(super) fn is_of(&self, proposed: &Genome) -> bool {
+        let body = |gene: &Gene| {
+            let body = Locus::ALL.into_iter().filter(|locus| locus.is_body());
+            body.map(|locus| gene.get(locus)).collect::<Vec<f64>>()
+        };
+        let bodies = proposed.genes().iter().map(body);
+        bodies.eq(self.genome.genes().iter().map(body))
     }
 
     /// Why there is no fitness; `None` where there is one.

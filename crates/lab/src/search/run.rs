@@ -13,6 +13,8 @@ use realgap_store::{Memory, Mode, Part, Place, RobotRow, Storage, Store};
 pub struct SearchResults {
     /// The robots stand in the strategy's order.
     pub robots: Vec<EvaluatedRobot>,
+    /// Of each robot the indices of its parents: none where it was drawn.
+    pub parents: Vec<Vec<usize>>,
     /// How many robots the strategy proposed at once: sizes of its batches, in order. Of an interrupted search the last may not
     /// be complete.
     pub batches: Vec<usize>,
@@ -42,6 +44,12 @@ impl SearchResults {
             end <= index
         });
         ended.count()
+    }
+
+    /// The robot with this index and its ancestors, youngest first: of two parents always the first, whose body and gait a child begins as.
+    pub fn lineage(&self, index: usize) -> Vec<usize> {
+        let first_parent = |robot: &usize| self.parents.get(*robot)?.first().copied();
+        std::iter::successors(Some(index), first_parent).collect()
     }
 
     /// As strategies see the robots.
@@ -148,6 +156,7 @@ fn follow(
     let total = strategy.budget();
     let mut results = SearchResults {
         robots: Vec::new(),
+        parents: Vec::new(),
         batches: Vec::new(),
         ending: Ending::Complete,
     };
@@ -159,6 +168,7 @@ fn follow(
             return Ok(results);
         }
         let offset = history.len();
+        let parents = strategy.parents(&history)?;
         let batch = Batch::new(offset + genomes.len(), options);
         results.ending = drive(
             &batch,
@@ -169,7 +179,8 @@ fn follow(
         results.batches.push(genomes.len());
         for row in storage.rows_within(offset..offset + genomes.len())? {
             let robot = EvaluatedRobot::try_from(&row)?;
-            if genomes.get(robot.index - offset) != Some(&robot.genome) {
+            let proposed = genomes.get(robot.index - offset);
+            if !proposed.is_some_and(|proposed| robot.is_of(proposed)) {
                 return Err(
                     Error::conflict("the stored robots are not those of this search")
                         .found(format!("robot {}", robot.index)),
@@ -179,6 +190,8 @@ fn follow(
                 best = Some(best.map_or(fitness, |held| held.max(fitness)));
             }
             history.push(robot.evaluated());
+            let own = parents.get(robot.index - offset);
+            results.parents.push(own.cloned().unwrap_or_default());
             results.robots.push(robot);
         }
         if results.ending == Ending::Interrupted {

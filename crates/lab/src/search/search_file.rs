@@ -8,8 +8,10 @@ use serde::Deserialize;
 use super::builder::SearchBuilder;
 use super::failure::FailureRules;
 use super::finals_settings::FinalsSettings;
+use super::gait::GaitTuning;
 use super::objective::Objective;
 use super::problem::Search;
+use super::setting::SettingsChoice;
 use super::strategy::StrategyFile;
 use super::uncertain::{UncertainRange, read_indistinguishable};
 use realgap_core::Result;
@@ -65,6 +67,11 @@ pub struct SearchFile {
     /// What counts as a failure.
     #[serde(default)]
     failures: FailureRules,
+    /// In which settings of engine and steps the repeats run.
+    #[serde(default)]
+    settings: SettingsChoice,
+    /// How the gait of every body is tuned before the body is judged; left out: bodies are judged with the gait of their genome.
+    gait: Option<GaitTuning>,
     /// How the best are looked at again.
     #[serde(default)]
     finalists: FinalsSettings,
@@ -124,11 +131,15 @@ fn builder(source: &Source, file: SearchFile, overrides: &Overrides) -> Result<S
         .objective(file.objective)
         .repeats(file.repeats)
         .failures(file.failures)
+        .settings(file.settings)
         .finals(file.finalists)
         .seed(overrides.seed.unwrap_or(file.seed));
     builder.name = name_of_file(source.path(), "a search")?;
     builder.text = source.text().to_owned();
     builder.description = file.description;
+    if let Some(gait) = file.gait {
+        builder = builder.gait(gait);
+    }
     if let Some(noise) = file.noise {
         builder = builder.noise(noise, file_name(source));
     }

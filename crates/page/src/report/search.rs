@@ -33,6 +33,7 @@ pub(super) fn search(folder: &Path, report: &Value) -> Result<Story> {
             picture("routes", "Their paths", "paths")?,
             Section::new("history", "History", progress(&history, report)),
             archive_section,
+            Section::new("lineage", "Lineage of the best", lineage(&history, report)),
             Section::new("failures", "Robots that failed", failures(report)),
             pictures(folder, "pictures", "More pictures", move |stem| {
                 !drawn(stem)
@@ -208,6 +209,36 @@ fn progress(history: &Sheet, report: &Value) -> String {
         report.text("objective"),
         "Line: the best so far. A line that still climbs at its end asks for a larger budget.",
     )])
+}
+
+/// The first finalist and its ancestors, youngest first: of two parents the first, whose body and gait a child begins as.
+fn lineage(history: &Sheet, report: &Value) -> String {
+    let best = report.list("best").first();
+    let best = best.and_then(|robot| robot.text("file").rsplit('_').next()?.parse().ok());
+    let parents = history.texts("parents");
+    let first_parent = |robot: &usize| parents.get(*robot)?.split(' ').next()?.parse().ok();
+    let mut line: Vec<usize> = std::iter::successors(best, first_parent).collect();
+    // A file of others may name a child as its own ancestor.
+    line.truncate(history.rows().len());
+    let (batches, modules) = (history.texts("generation"), history.texts("modules"));
+    let fitness = history.numbers("fitness");
+    let rows = line.iter().filter_map(|&robot| {
+        Some(vec![
+            robot.to_string(),
+            (*batches.get(robot)?).to_owned(),
+            (*modules.get(robot)?).to_owned(),
+            measured(fitness.get(robot).copied(), report.text("unit")),
+            match *parents.get(robot)? {
+                "" => "drawn".to_owned(),
+                both => both.to_owned(),
+            },
+        ])
+    });
+    noted(
+        "robot | batch | modules | in the search | parents",
+        rows,
+        "A child begins as its first parent.",
+    )
 }
 
 fn archive(folder: &Path) -> Result<String> {

@@ -3,8 +3,8 @@
 use serde::Deserialize;
 
 use super::{
-    Evaluated, Space, Strategy, StrategySettings, Variation, generator, must_not_be_0,
-    selection_named, within,
+    Born, Evaluated, Space, Strategy, StrategySettings, Variation, generator, genomes,
+    must_not_be_0, parents, selection_named, within,
 };
 use realgap_core::{Error, Result};
 use realgap_robot::genome::Genome;
@@ -112,6 +112,16 @@ impl Strategy for Evolution {
     }
 
     fn propose(&self, history: &[Evaluated]) -> Result<Vec<Genome>> {
+        Ok(genomes(self.born(history)?))
+    }
+
+    fn parents(&self, history: &[Evaluated]) -> Result<Vec<Vec<usize>>> {
+        Ok(parents(self.born(history)?))
+    }
+}
+
+impl Evolution {
+    fn born(&self, history: &[Evaluated]) -> Result<Vec<Born>> {
         self.check()?;
         if history.len() >= self.budget() {
             return Ok(Vec::new());
@@ -126,7 +136,7 @@ impl Strategy for Evolution {
         let mut batch = Vec::with_capacity(self.population);
         if generation == 0 {
             for _ in 0..self.population {
-                batch.push(self.variation.random(&mut rng)?);
+                batch.push((self.variation.random(&mut rng)?, Vec::new()));
             }
         } else {
             let population = self.population_after(generation, history);
@@ -138,8 +148,9 @@ impl Strategy for Evolution {
             for _ in 0..children {
                 let first = population[selection.pick(&fitness, &mut rng)];
                 let second = population[selection.pick(&fitness, &mut rng)];
-                let (first, second) = (&history[first].genome, &history[second].genome);
-                batch.push(self.variation.child(first, second, &mut rng)?);
+                let (one, other) = (&history[first].genome, &history[second].genome);
+                let child = self.variation.child(one, other, &mut rng)?;
+                batch.push((child, vec![first, second]));
             }
         }
         Ok(batch.split_off(done))

@@ -3,12 +3,14 @@
 //! J.-B. Mouret and J. Clune, "Illuminating search spaces by mapping elites", arXiv 1504.04909, 2015.
 
 use rand::RngExt as _;
+use realgap_core::random::Generator;
 use serde::Deserialize;
 
 use super::{
-    Archive, Axis, Evaluated, Space, Strategy, StrategySettings, Variation, generator,
-    must_not_be_0, within,
+    Archive, Axis, Born, Evaluated, Space, Strategy, StrategySettings, Variation, generator,
+    genomes, must_not_be_0, parents, selection_named, within,
 };
+use realgap_core::range::Range;
 use realgap_core::{Error, Result};
 use realgap_robot::genome::Genome;
 
@@ -25,7 +27,11 @@ pub struct MapElites {
     pub batch: usize,
     /// Robots of the whole search.
     pub evaluations: usize,
-    /// How children are made.
+    /// Name of the selection of parents among the elites, one of the [`SELECTIONS`](crate::search::SELECTIONS); nothing: all alike.
+    pub selection: Option<String>,
+    /// Share of children that are an elite once more, body and gait: where the search tunes gaits, it goes on with that one's.
+    pub again: f64,
+    /// How the other children are made.
     pub variation: Variation,
     /// Seed of every random choice; that of the search in place of it where the strategy is part of one.
     #[serde(skip)]
@@ -40,6 +46,8 @@ impl Default for MapElites {
             initial: 10,
             batch: 10,
             evaluations: 100,
+            selection: None,
+            again: 0.0,
             variation: Variation::default(),
             seed: 1,
         }
@@ -87,6 +95,10 @@ impl MapElites {
         must_not_be_0("initial", self.initial)?;
         must_not_be_0("batch", self.batch)?;
         must_not_be_0("evaluations", self.evaluations)?;
+        if let Some(name) = &self.selection {
+            selection_named(name)?;
+        }
+        Range::within(0.0, 1.0, "").check(self.again, "again")?;
         self.variation.check()
     }
 }
@@ -123,6 +135,16 @@ impl Strategy for MapElites {
     }
 
     fn propose(&self, history: &[Evaluated]) -> Result<Vec<Genome>> {
+        Ok(genomes(self.born(history)?))
+    }
+
+    fn parents(&self, history: &[Evaluated]) -> Result<Vec<Vec<usize>>> {
+        Ok(parents(self.born(history)?))
+    }
+}
+
+impl MapElites {
+    fn born(&self, history: &[Evaluated]) -> Result<Vec<Born>> {
         self.check()?;
         if history.len() >= self.evaluations {
             return Ok(Vec::new());
@@ -136,16 +158,27 @@ impl Strategy for MapElites {
         let known = &history[..history.len() - done];
         let archive = Archive::new(&self.axes, known);
         let elites: Vec<usize> = archive.cells().iter().filter_map(|cell| *cell).collect();
+        let fitness: Vec<f64> = elites.iter().map(|&e| known[e].comparable()).collect();
+        let selection = self.selection.as_deref().map(selection_named).transpose()?;
+        let parent = |rng: &mut Generator| match selection {
+            None => elites[rng.random_range(0..elites.len())],
+            Some(selection) => elites[selection.pick(&fitness, rng)],
+        };
         let mut batch = Vec::with_capacity(size);
         for _ in 0..size {
             // As long as everything fails, keep on drawing.
             batch.push(if elites.is_empty() {
-                self.variation.random(&mut rng)?
+                (self.variation.random(&mut rng)?, Vec::new())
             } else {
-                let first = elites[rng.random_range(0..elites.len())];
-                let second = elites[rng.random_range(0..elites.len())];
-                let (first, second) = (&known[first].genome, &known[second].genome);
-                self.variation.child(first, second, &mut rng)?
+                let (first, second) = (parent(&mut rng), parent(&mut rng));
+                let (one, other) = (&known[first].genome, &known[second].genome);
+                // No number is drawn where nothing is to be done again, so that older searches stay what they were.
+                if self.again > 0.0 && rng.random_bool(self.again) {
+                    (one.clone(), vec![first])
+                } else {
+                    let child = self.variation.child(one, other, &mut rng)?;
+                    (child, vec![first, second])
+                }
             });
         }
         let left = self.evaluations - known.len();

@@ -58,6 +58,17 @@ impl Evaluated {
     }
 }
 
+/// A robot that is proposed, and its parents.
+type Born = (Genome, Vec<usize>);
+
+fn genomes(born: Vec<Born>) -> Vec<Genome> {
+    born.into_iter().map(|(genome, _)| genome).collect()
+}
+
+fn parents(born: Vec<Born>) -> Vec<Vec<usize>> {
+    born.into_iter().map(|(_, parents)| parents).collect()
+}
+
 /// Refuses a number of things that is none.
 fn must_not_be_0(field: &str, value: usize) -> Result<()> {
     if value > 0 {
@@ -85,6 +96,15 @@ pub trait Strategy: fmt::Debug + Send + Sync {
     /// Names of the descriptors that it wants of every robot, in the order of [`Evaluated::descriptors`].
     fn descriptors(&self) -> Vec<&str> {
         Vec::new()
+    }
+
+    /// Indices into the history of the parents of each robot that [`Strategy::propose`] proposes: two, one, or none of a robot that
+    /// was drawn.
+    ///
+    /// # Errors
+    /// As [`Strategy::propose`].
+    fn parents(&self, history: &[Evaluated]) -> Result<Vec<Vec<usize>>> {
+        Ok(vec![Vec::new(); self.propose(history)?.len()])
     }
 
     /// What it keeps of a history, where that is an archive.

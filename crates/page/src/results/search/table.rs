@@ -21,9 +21,10 @@ pub(super) fn write_history(folder: &Path, search: &Search, results: &SearchResu
         "mean_displacement_m",
     ];
     header.extend(&descriptors);
-    header.push("genome");
+    header.extend(["parents", "genome"]);
     let unit = search.objective().measure.unit().label();
-    let rows = results.robots.iter().map(|robot| {
+    let rows = results.robots.iter().zip(&results.parents);
+    let rows = rows.map(|(robot, parents)| {
         let (status, seen) = robot.failure().map_or(("walked", ""), |failure| {
             (failure.reason.code(), failure.seen.as_str())
         });
@@ -39,6 +40,7 @@ pub(super) fn write_history(folder: &Path, search: &Search, results: &SearchResu
         ];
         let values = robot.performance().map_or(&[][..], |p| &p.descriptors);
         row.extend((0..descriptors.len()).map(|index| number(values.get(index).copied())));
+        row.push(parents.iter().map(usize::to_string).collect::<Vec<_>>().join(" "));
         let genes = robot.genome.genes().iter().flat_map(|gene| gene.values());
         row.push(genes.map(f64::to_string).collect::<Vec<_>>().join(" "));
         row
