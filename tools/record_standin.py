@@ -18,7 +18,7 @@ import numpy as np
 from standin import Robot
 
 
-def arguments():
+def arguments(words=None):
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("mjcf", type=pathlib.Path, help="file written by `realgap export --format mjcf`")
     p.add_argument("-o", "--output", type=pathlib.Path, required=True, help="folder for the recordings")
@@ -33,7 +33,7 @@ def arguments():
     p.add_argument("--servo-zero-noise", type=float, default=0.00436, help="sd, rad (default 0.00436)")
     p.add_argument("--camera-noise", type=float, default=0.001, help="sd per axis, m (default 0.001)")
     p.add_argument("--camera-angle-noise", type=float, default=0.005, help="sd, rad (default 0.005)")
-    return p.parse_args()
+    return p.parse_args(words)
 
 
 def turn_by(rotation_vectors, quaternions):
@@ -74,22 +74,12 @@ def write(path, times, positions, quaternions):
     path.write_text("\n".join(lines) + "\n")
 
 
-def main():
-    a = arguments()
-    robot = Robot(a.mjcf)
-    if a.friction is not None:
-        robot.set_friction(a.friction)
-    if a.timestep is not None:
-        robot.model.opt.timestep = a.timestep
-    friction = float(robot.model.geom_friction[robot.floor, 0])
+def write_all(robot, a, runs):
+    """Every repeat as a file, and whose they are."""
     a.output.mkdir(parents=True, exist_ok=True)
-    ends = []
-    for repeat in range(a.repeats):
-        times, positions, quaternions = record(robot, a, repeat)
-        write(a.output / f"run_{repeat:02}.csv", times, positions, quaternions)
-        step = np.diff(positions[:, :2], axis=0)
-        ends.append(np.linalg.norm(positions[-1, :2] - positions[0, :2]))
-        print(f"run_{repeat:02}: displacement {ends[-1]:.4f} m, path {np.linalg.norm(step, axis=1).sum():.3f} m")
+    for repeat, run in enumerate(runs):
+        write(a.output / f"run_{repeat:02}.csv", *run)
+    friction = float(robot.model.geom_friction[robot.floor, 0])
     # Without folders: the description must not depend on where it was made.
     command = f"tools/record_standin.py {a.mjcf.name} -o {a.output.name} --friction {friction:g} --seed {a.seed}"
     description = (
@@ -107,6 +97,23 @@ def main():
         '    licence: "MIT OR Apache-2.0",\n'
         ")\n"
     )
+
+
+def main():
+    a = arguments()
+    robot = Robot(a.mjcf)
+    if a.friction is not None:
+        robot.set_friction(a.friction)
+    if a.timestep is not None:
+        robot.model.opt.timestep = a.timestep
+    runs, ends = [], []
+    for repeat in range(a.repeats):
+        runs.append(record(robot, a, repeat))
+        positions = runs[-1][1]
+        step = np.diff(positions[:, :2], axis=0)
+        ends.append(np.linalg.norm(positions[-1, :2] - positions[0, :2]))
+        print(f"run_{repeat:02}: displacement {ends[-1]:.4f} m, path {np.linalg.norm(step, axis=1).sum():.3f} m")
+    write_all(robot, a, runs)
     print(f"{a.repeats} recordings of {robot.name} in {a.output}: mean displacement {np.mean(ends):.4f} m, sd {np.std(ends, ddof=min(1, a.repeats - 1)):.4f} m")
 
 

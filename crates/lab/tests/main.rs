@@ -8,6 +8,7 @@ mod confidence;
 mod coverage;
 mod elbow;
 mod ensemble;
+mod fleet;
 mod gap;
 mod in_sample;
 mod joint_log;

@@ -302,7 +302,10 @@ fn a_search_cut_off_anywhere_goes_on_as_if_nothing_had_happened() {
             assert_eq!(rest, expected, "{kind} after {cut}");
             let parents = strategy.parents(&whole[..cut]).unwrap();
             assert_eq!(parents.len(), rest.len(), "{kind} after {cut}");
-            assert!(parents.iter().flatten().all(|parent| *parent < cut), "{kind} after {cut}");
+            assert!(
+                parents.iter().flatten().all(|parent| *parent < cut),
+                "{kind} after {cut}"
+            );
         }
     }
 }
@@ -388,7 +391,10 @@ fn who_is_tried_again_is_its_first_parent() {
     let history = follow(&strategy);
     for cut in [strategy.initial, 100] {
         let proposed = strategy.propose(&history[..cut]).unwrap();
-        for (child, parents) in proposed.iter().zip(strategy.parents(&history[..cut]).unwrap()) {
+        for (child, parents) in proposed
+            .iter()
+            .zip(strategy.parents(&history[..cut]).unwrap())
+        {
             assert_eq!(parents.len(), 1);
             assert_eq!(*child, history[parents[0]].genome);
         }

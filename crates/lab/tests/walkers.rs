@@ -5,10 +5,10 @@
 
 use std::path::Path;
 
+use realgap_core::file::Source;
 use realgap_core::statistics::mann_whitney;
 use realgap_lab::search::{Overrides, Search, Variation, generator};
 use realgap_optimize::RunOptions;
-use realgap_core::file::Source;
 
 use crate::common::project;
 
@@ -20,7 +20,13 @@ fn number(name: &str, default: usize) -> usize {
 fn cpu_s() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap();
     let after_name = stat.rsplit(") ").next().unwrap();
-    after_name.split(' ').nth(11).unwrap().parse::<f64>().unwrap() / 100.0
+    after_name
+        .split(' ')
+        .nth(11)
+        .unwrap()
+        .parse::<f64>()
+        .unwrap()
+        / 100.0
 }
 
 fn search(path: &Path, text: &str, seed: usize) -> Search {
@@ -33,7 +39,9 @@ fn search(path: &Path, text: &str, seed: usize) -> Search {
 
 /// The text without the line that begins with this.
 fn without(text: &str, begins: &str) -> String {
-    let lines = text.lines().filter(|line| !line.trim_start().starts_with(begins));
+    let lines = text
+        .lines()
+        .filter(|line| !line.trim_start().starts_with(begins));
     lines.collect::<Vec<_>>().join("\n")
 }
 
@@ -44,7 +52,10 @@ fn the_table_of_walkers() {
     let text = std::fs::read_to_string(&path).unwrap();
     let robots = number("WALKER_ROBOTS", 160);
     let text = text.replace("evaluations: 160", &format!("evaluations: {robots}"));
-    let text = text.replace("initial: 60", &format!("initial: {}", robots.min(60) / 2 * 2));
+    let text = text.replace(
+        "initial: 60",
+        &format!("initial: {}", robots.min(60) / 2 * 2),
+    );
     let options = RunOptions {
         jobs: 1,
         ..RunOptions::default()
@@ -55,7 +66,10 @@ fn the_table_of_walkers() {
         let started_s = cpu_s();
         let ours = search(&path, &text, seed);
         let results = ours.run(&options).unwrap();
-        let best = results.best().and_then(|robot| robot.fitness()).unwrap_or(0.0);
+        let best = results
+            .best()
+            .and_then(|robot| robot.fitness())
+            .unwrap_or(0.0);
         let spent_s = cpu_s() - started_s;
         // The same judges, objective and ranges; bodies and gaits as they are drawn.
         let plain = search(&path, &without(&text, "gait:"), seed);
@@ -73,7 +87,13 @@ fn the_table_of_walkers() {
         drawn.push(luck);
     }
     let test = mann_whitney(&found, &drawn).unwrap();
-    println!("Mann-Whitney U = {}, p = {:.2e}", test.statistic, test.p_value);
+    println!(
+        "Mann-Whitney U = {}, p = {:.2e}",
+        test.statistic, test.p_value
+    );
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    assert!(mean(&found) > mean(&drawn) && test.p_value < 0.05, "{found:?} {drawn:?}");
+    assert!(
+        mean(&found) > mean(&drawn) && test.p_value < 0.05,
+        "{found:?} {drawn:?}"
+    );
 }

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex};
 use nalgebra::Vector3;
 
 use super::definition::{Definition, StartRule};
+use super::fleet::cases_of_all;
 use super::{joints, scene_file};
 use crate::calibration::identification::{
     Body, EQUAL_MOMENTS, KnownFlight, Refined, StartState, refine,
@@ -59,7 +60,7 @@ pub struct Case {
 /// Samples per second of a simulation that starts settled; the comparison resamples to 182 points anyway.
 const SETTLED_RATE_HZ: f64 = 60.0;
 
-/// The cases of a study: one for all recordings when the start is settled, else one a recording.
+/// The cases of a study, of each of its robots: one for all recordings when the start is settled, else one a recording.
 pub(super) fn cases(definition: &Definition) -> Result<(Vec<Case>, Vec<Warning>)> {
     if definition.recordings.is_empty() {
         return Err(
@@ -77,6 +78,9 @@ pub(super) fn cases(definition: &Definition) -> Result<(Vec<Case>, Vec<Warning>)
             .found(definition.metric.name())
             .allowed("joints")
             .at_file(&recording.path));
+    }
+    if !definition.robots.is_empty() {
+        return cases_of_all(definition);
     }
     let base = definition.experiment();
     match definition.start {

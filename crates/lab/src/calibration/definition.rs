@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::basis::BasisRule;
 use super::command_file::Commands;
+use super::fleet::Member;
 use super::horizon::Horizon;
 use super::split::Split;
 use crate::calibration::identification::StartState;
@@ -62,6 +63,8 @@ pub struct Definition {
     pub description: String,
     /// The robot.
     pub morphology: Morphology,
+    /// The robots of a study of many, of which `morphology` is the first; empty for a study of one.
+    pub robots: Vec<Member>,
     /// The two-wheel robot that is simulated in place of the morphology, which then is only its size.
     pub vehicle: Option<Arc<Vehicle>>,
     /// Which set of a file with several (`condition,run,…`) is compared with.
@@ -157,6 +160,7 @@ impl Definition {
             description: String::new(),
             morphology_sha256: sha256(format!("{morphology:?}").as_bytes()),
             morphology,
+            robots: Vec::new(),
             vehicle: None,
             condition: None,
             recording_globs: Vec::new(),

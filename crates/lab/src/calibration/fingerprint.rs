@@ -68,7 +68,7 @@ impl Study {
                 format!("{} to {}, {} points", range.from, range.to, range.points),
             );
         }
-        definition.with_recordings(print)
+        definition.with_recordings(definition.with_robots(print))
     }
 }
 

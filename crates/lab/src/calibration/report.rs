@@ -11,6 +11,7 @@ use super::posterior::BestDraws;
 use super::recording::few_recordings;
 use super::score::Scores;
 use super::study::Study;
+use super::transfer::Transfer;
 use super::uncertainty::{Uncertainty, UncertaintySource, own_score};
 use super::validation::Validation;
 use super::values::by_name;
@@ -59,6 +60,8 @@ pub struct Report {
     pub audit: Option<Audit>,
     /// How the fit does on recordings that it has not seen.
     pub validation: Option<Validation>,
+    /// Of a study of many robots: each one's misfit, and what the others' answer does for it.
+    pub transfer: Option<Transfer>,
     /// Principal components kept and the share of the variance each explains, where the metric uses them.
     pub components: Option<Vec<f64>>,
     /// Pose errors of the best point, where the recordings have orientations.
@@ -238,6 +241,18 @@ impl fmt::Display for Report {
                 quantity(validation.difference_standard_error, self.unit),
             )?;
         }
+        if let Some(transfer) = &self.transfer {
+            write!(
+                f,
+                "\n  {} robots: {} untuned, {} with what the others say ({:.0} % closed), {} each at its own best ({:.0} %)",
+                transfer.robots.len(),
+                quantity(transfer.untuned_misfit, self.unit),
+                quantity(transfer.held_out_misfit, self.unit),
+                100.0 * transfer.closed,
+                quantity(transfer.own_misfit, self.unit),
+                100.0 * transfer.closable,
+            )?;
+        }
         if let Some(sure) = &self.uncertainty {
             write!(
                 f,
@@ -322,6 +337,10 @@ impl Report {
             correlations: correlations(study, evidence.draws),
             audit: evidence.audit.clone(),
             validation: evidence.validation.clone(),
+            transfer: match evidence.ending {
+                Ending::Complete => Transfer::new(study, scores),
+                Ending::Interrupted => None,
+            },
             components: scores.basis.as_ref().map(|b| {
                 b.explained_variance_ratio()
                     .iter()

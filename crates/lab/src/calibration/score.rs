@@ -21,7 +21,7 @@ pub struct PointScore {
     pub values: Vec<f64>,
     /// Why it has no score, where a case diverged.
     pub diverged: Option<String>,
-    /// Score against each recording, in order; empty when diverged.
+    /// Score against each recording times its weight, in order; empty when diverged.
     pub recordings: Vec<f64>,
     /// Mean score over the recordings that are fitted; `None` when diverged.
     pub score: Option<f64>,
@@ -185,7 +185,8 @@ fn score(
     for (case, result) in results.into_iter().enumerate() {
         let scores = result_scores(study, basis, length_scale, case, result)?;
         for (target, score) in study.cases()[case].targets.iter().zip(scores) {
-            point.recordings[target.recording] = score;
+            // Weighed here, so that everything that averages over recordings or draws them again knows the weights.
+            point.recordings[target.recording] = study.weight(target.recording) * score;
             displacement_error_m += (result.net_displacement_m
                 - target.prepared.net_displacement_m() / length_scale)
                 .abs();

@@ -34,7 +34,8 @@ pub struct Study {
     cases: Vec<Case>,
     warnings: Vec<Warning>,
     held_out: Vec<bool>,
-    body_length_m: f64,
+    /// Of each recording, 1 on average.
+    weights: Vec<f64>,
     /// Of the recordings that are fitted, in recorded lengths, where the metric asks for it.
     spread: Option<Spread>,
 }
@@ -82,7 +83,7 @@ impl Study {
         warnings.extend(cases[0].experiment.warnings());
         warnings.sort();
         warnings.dedup();
-        let body_length_m = definition.morphology.assemble().body_length_m;
+        let weights = definition.weights();
         let held_out = match definition.split {
             Some(split) => split.held_out(definition.recordings.len(), definition.seed)?,
             None => vec![false; definition.recordings.len()],
@@ -92,7 +93,7 @@ impl Study {
             cases,
             warnings,
             held_out,
-            body_length_m,
+            weights,
             spread: None,
         };
         if study.definition.metric.needs().spread {
@@ -113,7 +114,8 @@ impl Study {
         if self.definition.metric.needs().basis {
             return Ok(());
         }
-        for target in self.cases.iter().flat_map(|case| &case.targets) {
+        let cases = self.cases.iter();
+        for (case, target) in cases.flat_map(|case| case.targets.iter().map(move |t| (case, t))) {
             let pair = Pair {
                 real: &target.motion,
                 simulated: &target.motion,
@@ -122,7 +124,7 @@ impl Study {
             };
             self.definition
                 .metric
-                .compare(&pair, &self.context(self.spread.as_ref()))
+                .compare(&pair, &context(case, self.spread.as_ref()))
                 .map_err(|e| e.at_file(&self.definition.recordings[target.recording].path))?;
         }
         Ok(())
@@ -156,12 +158,9 @@ impl Study {
             .sum()
     }
 
-    fn context<'a>(&self, spread: Option<&'a Spread>) -> Context<'a> {
-        Context {
-            basis: None,
-            spread,
-            body_length_m: Some(self.body_length_m),
-        }
+    /// How much the score of a recording counts, 1 on average.
+    pub(super) fn weight(&self, recording: usize) -> f64 {
+        self.weights[recording]
     }
 
     /// The study's parameters with these values, in the study's order.
@@ -393,7 +392,7 @@ impl Study {
         // What is compared here is in true lengths.
         let spread = self.spread.as_ref();
         let spread = spread.map(|spread| spread.scaled(1.0 / experiment.recording_length_scale));
-        let context = self.context(spread.as_ref());
+        let context = context(&self.cases[case], spread.as_ref());
         let (mut scores, mut errors) = (Vec::new(), Vec::new());
         let most = (MOST_ERRORS / self.cases.len()).max(LEAST_ERRORS);
         if !needs_basis {
@@ -485,6 +484,15 @@ impl Study {
             .collect();
         paths.sort_by_key(|(recording, _)| *recording);
         paths.into_iter().map(|(_, prepared)| prepared).collect()
+    }
+}
+
+/// What a metric may know of a case.
+fn context<'a>(case: &Case, spread: Option<&'a Spread>) -> Context<'a> {
+    Context {
+        basis: None,
+        spread,
+        body_length_m: Some(case.experiment.assembly.body_length_m),
     }
 }
 

@@ -10,6 +10,7 @@ use super::basis::BasisRule;
 use super::command_file::Commands;
 use super::definition::{Definition, ScoreRule, StartRule};
 use super::fitted::in_sample;
+use super::fleet::Member;
 use super::horizon::Horizon;
 use super::overrides::Overrides;
 use super::recording;
@@ -36,6 +37,9 @@ pub struct StudyFile {
     morphology: Option<PathBuf>,
     /// A two-wheel robot in place of a morphology.
     vehicle: Option<VehicleFile>,
+    /// Many robots in place of one: they share what is varied.
+    #[serde(default)]
+    robots: Vec<RobotFile>,
     /// Only recordings of this condition, where a file holds several.
     condition: Option<String>,
     /// Paths and patterns (`*`, `?`) of the recordings, relative to this file.
@@ -44,7 +48,7 @@ pub struct StudyFile {
     /// How the recordings are to be read: units, columns, crop.
     #[serde(default)]
     reading: Reading,
-    /// Where the simulated robot starts.
+    /// Where simulated robots start.
     start: StartRule,
     /// How the first velocities are found, where runs start from a recording.
     start_state: Option<StartState>,
@@ -95,6 +99,45 @@ pub struct StudyFile {
     truth: BTreeMap<String, f64>,
     /// How repeats of the real experiment differ.
     noise: Option<Noise>,
+}
+
+/// One of the robots of a study of many.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Robot")]
+struct RobotFile {
+    /// The robot's file with its gait, relative to the study's.
+    morphology: PathBuf,
+    /// Paths and patterns of its own recordings, relative to the study's file.
+    recordings: Vec<String>,
+    /// Parameters that are fixed for it alone, by name.
+    #[serde(default, deserialize_with = "unique_keys")]
+    set: BTreeMap<String, f64>,
+    /// Where its runs start, if not where those of the study do.
+    start: Option<StartRule>,
+    /// How many times each of its recordings counts.
+    #[serde(default = "default_weight")]
+    weight: f64,
+}
+
+impl RobotFile {
+    fn member(&self, source: &Source, folder: &Path, start: StartRule) -> Result<Member> {
+        let robot = morphology_source(source, &folder.join(&self.morphology))?;
+        realgap_core::range::Range::within(1e-6, 1e6, "").check(self.weight, "weight")?;
+        Ok(Member {
+            morphology: Morphology::parse(&robot)?,
+            sha256: robot.sha256(),
+            recording_globs: self.recordings.clone(),
+            recordings: 0..0,
+            set: assignments(&self.set).map_err(|e| e.field("set"))?,
+            start: self.start.unwrap_or(start),
+            weight: self.weight,
+        })
+    }
+}
+
+fn default_weight() -> f64 {
+    1.0
 }
 
 /// A two-wheel robot in place of a morphology.
@@ -202,6 +245,32 @@ impl Definition {
     pub fn parse(source: &Source, overrides: &Overrides) -> Result<Self> {
         let path = source.path();
         let definition = Self::parse_without_recordings(source, overrides)?;
+        if definition.robots.is_empty() {
+            return definition.with_found(path, overrides);
+        }
+        if !overrides.recordings.is_empty() {
+            return Err(
+                Error::usage("every robot of this study has its own recordings")
+                    .field("recordings")
+                    .hint("change them in the study, or name a study of one robot")
+                    .at_file(path),
+            );
+        }
+        let mut whole = definition.clone();
+        for (index, member) in definition.robots.iter().enumerate() {
+            let own = definition.of_member(member).with_found(path, overrides)?;
+            let from = whole.recordings.len();
+            whole.recordings.extend(own.recordings);
+            whole.recordings_sha256.extend(own.recordings_sha256);
+            whole.warnings.extend(own.warnings);
+            whole.robots[index].recordings = from..whole.recordings.len();
+        }
+        Ok(whole)
+    }
+
+    /// With the recordings that it names.
+    fn with_found(self, path: &Path, overrides: &Overrides) -> Result<Self> {
+        let definition = self;
         let mut found = recording::find(&definition, path, overrides)?;
         let moving = if definition.only_at_rest {
             found.keep_those_at_rest().map_err(|e| e.at_file(path))?
@@ -238,7 +307,19 @@ impl Definition {
         let path = source.path();
         let file: StudyFile = parse_ron(source)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let robot = file.robot(source, folder)?;
+        let members = file.robots.iter().enumerate().map(|(index, robot)| {
+            let member = robot.member(source, folder, file.start);
+            member.map_err(|e| source.at(&format!("robots[{index}]"), e))
+        });
+        let members = members.collect::<Result<Vec<Member>>>()?;
+        let robot = match members.first() {
+            Some(first) if file.is_of_many() => Robot {
+                morphology: first.morphology.clone(),
+                sha256: first.sha256.clone(),
+                vehicle: None,
+            },
+            _ => file.robot(source, folder)?,
+        };
         let set = file.fixed(source)?.with_all(&overrides.set);
         let (grid, parameters) = file.varied(source, overrides)?;
         let priors = file.parameters.iter().zip(grid.ranges()).enumerate();
@@ -273,6 +354,7 @@ impl Definition {
             description: file.description,
             morphology_sha256: robot.sha256,
             vehicle: robot.vehicle,
+            robots: members,
             condition: file.condition,
             start: file.start,
             start_state,
@@ -331,9 +413,15 @@ struct Robot {
 }
 
 impl StudyFile {
+    /// Whether it says nothing that only a study of one robot can mean.
+    fn is_of_many(&self) -> bool {
+        let one = self.morphology.is_some() || self.vehicle.is_some();
+        !one && self.recordings.is_empty() && !self.robots.is_empty()
+    }
+
     fn robot(&self, source: &Source, folder: &Path) -> Result<Robot> {
         match (&self.morphology, &self.vehicle) {
-            (Some(named), None) => {
+            (Some(named), None) if self.robots.is_empty() => {
                 let robot = morphology_source(source, &folder.join(named))?;
                 Ok(Robot {
                     morphology: Morphology::parse(&robot)?,
@@ -341,7 +429,7 @@ impl StudyFile {
                     vehicle: None,
                 })
             }
-            (None, Some(named)) => {
+            (None, Some(named)) if self.robots.is_empty() => {
                 let vehicle = Vehicle::read(folder.join(&named.file), named.sensor.as_deref())?;
                 Ok(Robot {
                     morphology: outside_of(&vehicle)?,
@@ -349,9 +437,9 @@ impl StudyFile {
                     vehicle: Some(Arc::new(vehicle)),
                 })
             }
-            _ => Err(Error::invalid("a study is of one robot")
+            _ => Err(Error::invalid("a study is of one robot, or of many with their own recordings each")
                 .at_file(source.path())
-                .allowed("`morphology: \"...\"`, or `vehicle: (file: \"...\")`")
+                .allowed("`morphology: \"...\"`, `vehicle: (file: \"...\")`, or `robots: [(morphology: ..., recordings: [...])]` alone")
                 .hint("add `morphology: ...`")),
         }
     }

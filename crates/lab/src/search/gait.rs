@@ -11,7 +11,9 @@ use super::objective::{Measure, Objective};
 use super::problem::Search;
 use realgap_core::Result;
 use realgap_core::range::Range;
-use realgap_optimize::{Brief, History, Proposal, Told, UnitPoint, default_optimizer, space_filling};
+use realgap_optimize::{
+    Brief, History, Proposal, Told, UnitPoint, default_optimizer, space_filling,
+};
 use realgap_robot::genome::{Gene, Genome, Locus};
 
 /// How the gait of every body is tuned before the body is judged.
@@ -84,7 +86,9 @@ impl Search {
             let genome = with_gait(genome, &driven, point)?;
             let mut promised = self.promise(tuning, index, &genome)?;
             // Whether it stands is asked of those only that may be judged: it costs as much as half a short run.
-            if promised.as_ref().is_ok_and(|promised| -promised < best_score)
+            if promised
+                .as_ref()
+                .is_ok_and(|promised| -promised < best_score)
                 && let Err(failure) = self.build(index, &genome)?
             {
                 promised = Err(failure);
@@ -228,7 +232,10 @@ mod tests {
         let chord = |turned_rad: f64| 2.0 * radius_m * (0.5 * turned_rad).sin();
         for times in [1.0, 3.0, 5.0] {
             let promised = chord_m(chord(turned_rad), -turned_rad, times);
-            assert!((promised - chord(turned_rad * times)).abs() < 1e-12, "{times}");
+            assert!(
+                (promised - chord(turned_rad * times)).abs() < 1e-12,
+                "{times}"
+            );
         }
         // Straight on, and round and round: never farther than across the circle.
         assert!((chord_m(0.3, 0.0, 5.0) - 1.5).abs() < 1e-12);

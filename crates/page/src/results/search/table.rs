@@ -40,7 +40,13 @@ pub(super) fn write_history(folder: &Path, search: &Search, results: &SearchResu
         ];
         let values = robot.performance().map_or(&[][..], |p| &p.descriptors);
         row.extend((0..descriptors.len()).map(|index| number(values.get(index).copied())));
-        row.push(parents.iter().map(usize::to_string).collect::<Vec<_>>().join(" "));
+        row.push(
+            parents
+                .iter()
+                .map(usize::to_string)
+                .collect::<Vec<_>>()
+                .join(" "),
+        );
         let genes = robot.genome.genes().iter().flat_map(|gene| gene.values());
         row.push(genes.map(f64::to_string).collect::<Vec<_>>().join(" "));
         row

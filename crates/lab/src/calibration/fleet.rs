@@ -1,0 +1,94 @@
+//! Studies of many robots: each has its own recordings, and all share what varies, the floor above all.
+
+use std::ops::Range;
+
+use super::case::{Case, cases};
+use super::definition::{Definition, StartRule};
+use realgap_core::error::Result;
+use realgap_core::warning::Warning;
+use realgap_engine::parameter::ParameterSet;
+use realgap_robot::morphology::Morphology;
+use realgap_store::Fingerprint;
+
+/// One of the robots of a study of many.
+#[derive(Debug, Clone)]
+pub struct Member {
+    /// The robot with its gait.
+    pub morphology: Morphology,
+    /// SHA-256 of its file.
+    pub sha256: String,
+    /// Globs of its recordings, relative to the study's file.
+    pub recording_globs: Vec<String>,
+    /// Which of the study's recordings are its own.
+    pub recordings: Range<usize>,
+    /// Parameters that are fixed for it alone, after those of the study.
+    pub set: ParameterSet,
+    /// Where its runs start.
+    pub start: StartRule,
+    /// How many times each of its recordings counts.
+    pub weight: f64,
+}
+
+impl Definition {
+    /// The study of one of its robots alone.
+    pub(super) fn of_member(&self, member: &Member) -> Self {
+        Self {
+            morphology: member.morphology.clone(),
+            morphology_sha256: member.sha256.clone(),
+            recording_globs: member.recording_globs.clone(),
+            recordings: (self.recordings.get(member.recordings.clone()))
+                .map(<[_]>::to_vec)
+                .unwrap_or_default(),
+            set: self.set.clone().with_all(&member.set),
+            start: member.start,
+            robots: Vec::new(),
+            ..self.clone()
+        }
+    }
+
+    /// Of each recording by how much its score counts, 1 on average.
+    pub(super) fn weights(&self) -> Vec<f64> {
+        let mut weights = vec![1.0; self.recordings.len()];
+        for member in &self.robots {
+            weights[member.recordings.clone()].fill(member.weight);
+        }
+        let total: f64 = weights.iter().sum();
+        let count = weights.len() as f64;
+        weights
+            .iter()
+            .map(|weight| weight * count / total)
+            .collect()
+    }
+
+    /// The fingerprint with an entry for every robot.
+    pub(super) fn with_robots(&self, print: Fingerprint) -> Fingerprint {
+        self.robots
+            .iter()
+            .enumerate()
+            .fold(print, |print, (index, member)| {
+                print.with(
+                    format!("robot {index} {}", member.morphology.name()),
+                    format!(
+                        "{}, recordings {:?}, {}, {:?}, weight {}",
+                        member.sha256, member.recordings, member.set, member.start, member.weight
+                    ),
+                )
+            })
+    }
+}
+
+/// The cases of every robot, one robot after the other.
+pub(super) fn cases_of_all(definition: &Definition) -> Result<(Vec<Case>, Vec<Warning>)> {
+    let (mut all, mut warnings) = (Vec::new(), Vec::new());
+    for member in &definition.robots {
+        let (own, said) = cases(&definition.of_member(member))?;
+        all.extend(own.into_iter().map(|mut case| {
+            for target in &mut case.targets {
+                target.recording += member.recordings.start;
+            }
+            case
+        }));
+        warnings.extend(said);
+    }
+    Ok((all, warnings))
+}
