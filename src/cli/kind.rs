@@ -37,6 +37,7 @@ impl Kind {
             ("bodies", Self::Morphology),
             ("morphology", Self::Study),
             ("vehicle", Self::Study),
+            ("robots", Self::Study),
             ("boundary", Self::Arena),
             ("propagation", Self::Radio),
             ("spread", Self::Sensor),

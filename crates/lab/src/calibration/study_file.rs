@@ -309,7 +309,13 @@ impl Definition {
         let folder = path.parent().unwrap_or(Path::new(""));
         let members = file.robots.iter().enumerate().map(|(index, robot)| {
             let member = robot.member(source, folder, file.start);
-            member.map_err(|e| source.at(&format!("robots[{index}]"), e))
+            member.map_err(|e| {
+                let inner = e
+                    .field_name()
+                    .map_or(String::new(), |field| format!(".{field}"));
+                let field = format!("robots[{index}]{inner}");
+                source.at(&field, e.field(&field))
+            })
         });
         let members = members.collect::<Result<Vec<Member>>>()?;
         let robot = match members.first() {
