@@ -6,6 +6,7 @@
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Controller, Experiment, Sensed, Steer, steer};
 
+/// Prints when it saw the box and where it stands then.
 pub fn main() -> realgap::Result<()> {
     let robot = Morphology::read("morphologies/tripod.ron")?;
     let mut experiment = Experiment::new(robot.assemble());
