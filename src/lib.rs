@@ -197,7 +197,7 @@ pub mod guide {
         pictures: compare confidence convergence curves ensemble fitness gallery heatmap histograms map paths profile ride
             robot seen sensitivity sensor so101_arm steps template time times tosses trajectories turtlebot3_burger unitree_a1 visits
             watched;
-        pages: tutorial cli conventions files python recordings joints robots control scale glossary gallery pages design compare limits
+        pages: tutorial cli results conventions files python recordings joints robots control scale glossary gallery pages design compare limits
             questions bibliography;
         #[doc = links!()]
         #[doc = include_str!("../docs/fidelity.md")]

@@ -95,7 +95,7 @@ pub fn files() -> Vec<FileKind> {
         ron::<simulation::VehicleFile>("vehicle", "A robot on two wheels."),
         ron::<simulation::ControllerFile>(
             "controller",
-            "What a robot reads, hears and does about it: `realgap simulate --controller`.",
+            "What a robot reads and hears in a run, and does about it.",
         ),
         ron::<range::RangeModel>(
             "sensor",
