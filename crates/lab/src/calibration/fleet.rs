@@ -1,10 +1,17 @@
 //! Studies of many robots: each has its own recordings, and all share what varies, the floor above all.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
 
 use super::case::{Case, cases};
 use super::definition::{Definition, StartRule};
+use super::study_file::{assignments, morphology_source};
 use realgap_core::error::Result;
+use realgap_core::file::{Source, unique_keys};
+use realgap_core::range;
 use realgap_core::warning::Warning;
 use realgap_engine::parameter::ParameterSet;
 use realgap_robot::morphology::Morphology;
@@ -91,4 +98,62 @@ pub(super) fn cases_of_all(definition: &Definition) -> Result<(Vec<Case>, Vec<Wa
         warnings.extend(said);
     }
     Ok((all, warnings))
+}
+
+/// One of the robots of a study of many.
+#[derive(Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "Robot")]
+pub(super) struct RobotFile {
+    /// The robot's file with its gait, relative to the study's.
+    morphology: PathBuf,
+    /// Paths and patterns of its own recordings, relative to the study's file.
+    recordings: Vec<String>,
+    /// Parameters that are fixed for it alone, by name.
+    #[serde(default, deserialize_with = "unique_keys")]
+    set: BTreeMap<String, f64>,
+    /// Where its runs start, if not where those of the study do.
+    start: Option<StartRule>,
+    /// How many times each of its recordings counts.
+    #[serde(default = "default_weight")]
+    weight: f64,
+}
+
+impl RobotFile {
+    fn member(&self, source: &Source, folder: &Path, start: StartRule) -> Result<Member> {
+        let robot = morphology_source(source, &folder.join(&self.morphology))?;
+        range::Range::within(1e-6, 1e6, "").check(self.weight, "weight")?;
+        Ok(Member {
+            morphology: Morphology::parse(&robot)?,
+            sha256: robot.sha256(),
+            recording_globs: self.recordings.clone(),
+            recordings: 0..0,
+            set: assignments(&self.set).map_err(|e| e.field("set"))?,
+            start: self.start.unwrap_or(start),
+            weight: self.weight,
+        })
+    }
+}
+
+fn default_weight() -> f64 {
+    1.0
+}
+
+/// The robots that a study names, without their recordings.
+pub(super) fn members(
+    robots: &[RobotFile],
+    source: &Source,
+    folder: &Path,
+    start: StartRule,
+) -> Result<Vec<Member>> {
+    let members = robots.iter().enumerate().map(|(index, robot)| {
+        robot.member(source, folder, start).map_err(|e| {
+            let inner = e
+                .field_name()
+                .map_or(String::new(), |field| format!(".{field}"));
+            let field = format!("robots[{index}]{inner}");
+            source.at(&field, e.field(&field))
+        })
+    });
+    members.collect()
 }

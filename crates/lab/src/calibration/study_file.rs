@@ -10,7 +10,7 @@ use super::basis::BasisRule;
 use super::command_file::Commands;
 use super::definition::{Definition, ScoreRule, StartRule};
 use super::fitted::in_sample;
-use super::fleet::Member;
+use super::fleet::{RobotFile, members};
 use super::horizon::Horizon;
 use super::overrides::Overrides;
 use super::recording;
@@ -99,45 +99,6 @@ pub struct StudyFile {
     truth: BTreeMap<String, f64>,
     /// How repeats of the real experiment differ.
     noise: Option<Noise>,
-}
-
-/// One of the robots of a study of many.
-#[derive(Debug, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "Robot")]
-struct RobotFile {
-    /// The robot's file with its gait, relative to the study's.
-    morphology: PathBuf,
-    /// Paths and patterns of its own recordings, relative to the study's file.
-    recordings: Vec<String>,
-    /// Parameters that are fixed for it alone, by name.
-    #[serde(default, deserialize_with = "unique_keys")]
-    set: BTreeMap<String, f64>,
-    /// Where its runs start, if not where those of the study do.
-    start: Option<StartRule>,
-    /// How many times each of its recordings counts.
-    #[serde(default = "default_weight")]
-    weight: f64,
-}
-
-impl RobotFile {
-    fn member(&self, source: &Source, folder: &Path, start: StartRule) -> Result<Member> {
-        let robot = morphology_source(source, &folder.join(&self.morphology))?;
-        realgap_core::range::Range::within(1e-6, 1e6, "").check(self.weight, "weight")?;
-        Ok(Member {
-            morphology: Morphology::parse(&robot)?,
-            sha256: robot.sha256(),
-            recording_globs: self.recordings.clone(),
-            recordings: 0..0,
-            set: assignments(&self.set).map_err(|e| e.field("set"))?,
-            start: self.start.unwrap_or(start),
-            weight: self.weight,
-        })
-    }
-}
-
-fn default_weight() -> f64 {
-    1.0
 }
 
 /// A two-wheel robot in place of a morphology.
@@ -307,17 +268,7 @@ impl Definition {
         let path = source.path();
         let file: StudyFile = parse_ron(source)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let members = file.robots.iter().enumerate().map(|(index, robot)| {
-            let member = robot.member(source, folder, file.start);
-            member.map_err(|e| {
-                let inner = e
-                    .field_name()
-                    .map_or(String::new(), |field| format!(".{field}"));
-                let field = format!("robots[{index}]{inner}");
-                source.at(&field, e.field(&field))
-            })
-        });
-        let members = members.collect::<Result<Vec<Member>>>()?;
+        let members = members(&file.robots, source, folder, file.start)?;
         let robot = match members.first() {
             Some(first) if file.is_of_many() => Robot {
                 morphology: first.morphology.clone(),
@@ -503,7 +454,7 @@ pub(super) fn assignments(values: &BTreeMap<String, f64>) -> Result<ParameterSet
 }
 
 /// Reads the robot that a study names.
-fn morphology_source(study: &Source, named: &Path) -> Result<Source> {
+pub(super) fn morphology_source(study: &Source, named: &Path) -> Result<Source> {
     Source::read(named, "morphology").map_err(|e| {
         let e = match e.file() {
             Some(_) => e,
