@@ -9,7 +9,8 @@ fn sweep(study: &Path, out: &Path, more: &[&str]) -> String {
     let said = realgap()
         .arg("sweep")
         .arg(study)
-        .arg("-o")
+        // Where waves of further runs go depends on the basis of the runs so far; single runs have none.
+        .args(["--score", "single", "-o"])
         .arg(out)
         .args(more)
         .assert()

@@ -25,8 +25,10 @@ fn a_sweep_leaves_everything_that_was_promised() {
             "floor.friction,floor.restitution,score,unit,status,displacement_error_m,indistinguishable,runs"
         )
     );
-    assert_eq!(points.lines().count(), 1 + 9);
-    assert_eq!(read(&out, "scores.csv").lines().count(), 1 + 9 * 10);
+    // The grid, and up to three waves of as many points between its own.
+    let count = points.lines().count() - 1;
+    assert!((9..=9 + 3 * 9).contains(&count), "{count}");
+    assert_eq!(read(&out, "scores.csv").lines().count(), 1 + count * 10);
     for picture in ["heatmap.png", "heatmap.svg", "trajectories.png"] {
         assert!(
             std::fs::metadata(out.join(picture)).unwrap().len() > 5_000,
@@ -267,8 +269,9 @@ fn two_hidden_floor_values_of_real_tosses_are_where_others_found_them() {
         .unwrap();
     // Others found 0.17 to 0.20 and 0.125 on all tosses; the grid of this quick check has steps of 0.05 and 0.125.
     assert!((0.15..=0.25).contains(&friction), "{friction}");
-    let restitution = summary["best"]["parameters"]["floor.restitution"].as_f64();
-    assert_eq!(restitution, Some(0.125));
+    let restitution = &summary["best"]["parameters"]["floor.restitution"];
+    let restitution = restitution.as_f64().unwrap();
+    assert!((0.05..=0.2).contains(&restitution), "{restitution}");
     let position = summary["pose"]["position_percent"].as_f64().unwrap();
     // 15.4 % here; another start, a wrong frame or a lost centre of mass costs a percent at least.
     assert!(position < 16.0, "{position} %");

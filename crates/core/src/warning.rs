@@ -98,6 +98,7 @@ codes! {
     LookupBetter "lookup-better" "A lookup of the nearest logged scan foretells better than polynomials." "fit again in the frame `turned` or `nearest`";
     LostSamples "lost-samples" "Samples without numbers are left out." "look for gaps of the recorder; fine if they are few";
     MassRatio "mass-ratio" "A joint holds a very light and a very heavy part." "make the light part heavier, or use more substeps";
+    ModelContradicted "model-contradicted" "No parameters of a model explain the recordings." "check axes, units, robot and gait (`realgap check`); then free contact parameters, or trust the widened intervals only";
     MovingAtEnd "moving-at-end" "Recordings that end while moving are left out, as the study asks." "record until the body rests";
     NoCamera "no-camera" "The noise has no camera, and recordings have one." "give the noise a `camera`, so that it knows what recording adds";
     NoEdges "no-edges" "A picture has no edges." "check that it is the right picture, and sharp";

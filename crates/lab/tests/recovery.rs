@@ -42,6 +42,7 @@ fn the_hidden_floor_lies_in_the_indistinguishable_set() {
     let size = uncertainty
         .indistinguishable
         .iter()
+        .take(121)
         .filter(|is_in| **is_in)
         .count();
     assert!(size < 25, "{size} of 121");

@@ -1,6 +1,6 @@
 //! Intervals from leaving out one item after the other, for few items.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
 /// What a number is computed from, which decides what the jackknife misses of its variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,6 +63,11 @@ pub fn jackknife_variance(left_out: &[f64]) -> f64 {
 /// Quantile of Student's t distribution; infinite without degrees of freedom.
 pub fn student_quantile(level: f64, degrees: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees).map_or(f64::INFINITY, |t| t.inverse_cdf(level))
+}
+
+/// Quantile of the χ² distribution; infinite without degrees of freedom.
+pub fn chi_squared_quantile(level: f64, degrees: f64) -> f64 {
+    ChiSquared::new(degrees).map_or(f64::INFINITY, |chi| chi.inverse_cdf(level))
 }
 
 #[cfg(test)]

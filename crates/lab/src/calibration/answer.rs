@@ -1,21 +1,24 @@
 //! The answer of a study: the best point, and how sure it is.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
-use rayon::prelude::*;
-
 use super::audit::Audit;
+use super::emulator::Emulator;
+use super::fit::Fit;
+use super::implausibility::Doubt;
+use super::inference::Inference;
 use super::method::Method;
 use super::posterior::BestDraws;
 use super::profile::Profile;
 use super::report::{Evidence, Report};
 use super::score::{PointScore, Scores};
-use super::setting::Setting;
 use super::study::Study;
-use super::uncertainty::{Known, Uncertainty};
+use super::uncertainty::Uncertainty;
 use super::validation::Validation;
+use super::wave::{leading, scored_runs, settled};
 use realgap_core::error::Result;
-use realgap_optimize::Ending;
+use realgap_optimize::{Ending, Grid, space_filling};
 
 /// Result of a sweep or of tuning; its `Display` is the report.
 #[derive(Debug, Clone)]
@@ -30,10 +33,12 @@ pub struct Answer {
     pub uncertainty: Option<Uncertainty>,
     /// Where the best lies when reality is sampled again; `None` where nothing has a score.
     pub draws: Option<BestDraws>,
-    /// The best score along each parameter.
+    /// The lowest score to be expected along each parameter.
     pub profiles: Vec<Profile>,
     /// What all of it says: the best point, verdicts, what numerics change, how held-out recordings fare.
     pub report: Report,
+    /// The score everywhere, and the parameters that it is known over.
+    emulator: Option<(Emulator, Grid)>,
 }
 
 impl fmt::Display for Answer {
@@ -42,8 +47,9 @@ impl fmt::Display for Answer {
     }
 }
 
-/// How often the best point may change its place while its settings are completed.
-const CHAMPIONS: usize = 4;
+/// Places that an answer is drawn from, and points whose implausibility is told.
+const PLACES: usize = 500;
+const VISITED: usize = 200;
 
 impl Answer {
     /// Works out how sure the best of these scores is; simulations run on the current rayon pool. `refits`: as
@@ -55,19 +61,29 @@ impl Answer {
         scores: Scores,
         refits: Option<Vec<PointScore>>,
     ) -> Result<Self> {
-        let (scores, known) = match ending {
-            Ending::Complete => settled(study, scores)?,
+        let emulator = Emulator::new(&scored_runs(study, &scores))?;
+        let (scores, emulator) = match ending {
+            Ending::Complete => settled(study, scores, emulator)?,
             // Whoever interrupts does not want to wait for more simulations.
-            Ending::Interrupted => {
-                let known = Known::new(study, &scores)?;
-                (scores, known)
-            }
+            Ending::Interrupted => (scores, emulator),
         };
-        let judged = known.as_ref().zip(scores.best);
-        let (uncertainty, draws) = judged
-            .map(|(known, best)| known.judge(study, &scores, best))
-            .unzip();
-        let profiles = profiles(study, &scores, known.as_ref(), uncertainty.as_ref());
+        let fit = Fit::new(study, &scores)?;
+        let definition = study.definition();
+        let doubt = Doubt {
+            recordings: study.fitted_recordings(),
+            discrepancy: fit.as_ref().map_or(0.0, |fit| fit.discrepancy),
+        };
+        let (positions, visited) = leading(study, &scores, VISITED);
+        let grid = &definition.grid;
+        let inference = emulator.as_ref().map(|emulator| {
+            Inference::new(emulator, grid, &visited, doubt, PLACES, definition.seed)
+        });
+        let judged = inference.as_ref().zip(scores.best);
+        let uncertainty = judged.map(|(inference, best)| {
+            Uncertainty::new(study, &scores, best, (inference, &positions))
+        });
+        let draws = judged.map(|(inference, _)| inference.draws(grid, definition.seed));
+        let profiles = profiles(study, &scores, emulator.as_ref(), uncertainty.as_ref());
         let audit = match ending {
             Ending::Complete => Audit::new(study, &scores, &profiles)?,
             // Whoever interrupts does not want to wait for more simulations.
@@ -80,6 +96,7 @@ impl Answer {
             uncertainty: uncertainty.as_ref(),
             draws: draws.as_ref(),
             audit,
+            fit,
             validation: Validation::new(study, &scores, refits)?,
         };
         let report = Report::new(study, &evidence)?;
@@ -91,80 +108,63 @@ impl Answer {
             draws,
             profiles,
             report,
+            emulator: emulator.map(|emulator| (emulator, grid.clone())),
         })
     }
+
+    /// The score to be expected at these parameter values, whether they were simulated or not; `None` where too little was.
+    pub fn expected_score(&self, values: &[f64]) -> Option<f64> {
+        let (emulator, grid) = self.emulator.as_ref()?;
+        Some(emulator.mean(&grid.place_of(values)))
+    }
 }
 
-/// The best point on average over equally valid settings: whichever point is best is simulated with all of them, until one
-/// that has been is still the best.
-fn settled(study: &Study, mut scores: Scores) -> Result<(Scores, Option<Known>)> {
-    let settings = study.settings();
-    // Numbers behind those of all trials, which say the setting as theirs do.
-    let last = scores.runs.iter().map(|run| run.index).max().unwrap_or(0);
-    let mut next = (last / settings.count + 1) * settings.count;
-    let mut known = Known::new(study, &scores)?;
-    if settings.count == 1 {
-        // Who asks for single runs gets the lowest of them, luck included.
-        return Ok((scores, known));
-    }
-    for _ in 0..CHAMPIONS {
-        let Some(best) = known.as_ref().and_then(Known::best) else {
-            break;
-        };
-        scores.best = Some(best);
-        let values = scores.points[best].values.clone();
-        let seen: Vec<Setting> = scores
-            .runs
-            .iter()
-            .filter(|run| run.values == values)
-            .map(|run| settings.of_trial(run.index))
-            .collect();
-        let missing: Vec<usize> = (0..settings.count)
-            .filter(|number| !seen.contains(&Setting::new(*number)))
-            .collect();
-        if missing.is_empty() {
-            break;
-        }
-        let trials = missing
-            .into_par_iter()
-            .map(|number| study.simulate_values(next + number, values.clone()))
-            .collect::<Result<Vec<_>>>()?;
-        next += settings.count;
-        scores = scores.with_more(study, &trials)?;
-        known = Known::new(study, &scores)?;
-        scores.best = known.as_ref().and_then(Known::best).or(scores.best);
-    }
-    Ok((scores, known))
-}
+/// Places whose other parameters a profile looks at.
+const PROFILED: usize = 150;
+/// Standard deviations to each side that hold 90 %.
+const BAND: f64 = 1.645;
 
-/// The best score at every value of each parameter, as far as points and what lies between them say.
+/// The lowest score to be expected at every value of each parameter.
 fn profiles(
     study: &Study,
     scores: &Scores,
-    known: Option<&Known>,
+    emulator: Option<&Emulator>,
     uncertainty: Option<&Uncertainty>,
 ) -> Vec<Profile> {
-    let ranges = study.definition().grid.ranges().iter().enumerate();
+    let (Some(emulator), Some(uncertainty)) = (emulator, uncertainty) else {
+        return Vec::new();
+    };
+    let grid = &study.definition().grid;
+    let places = uncertainty.unvisited.iter();
+    let likely = places.clone().filter(|place| place.indistinguishable);
+    let likely: Vec<Vec<f64>> = likely
+        .take(PROFILED)
+        .map(|p| grid.place_of(&p.values))
+        .collect();
+    let even = space_filling(grid.ranges().len(), 0, PROFILED, study.definition().seed);
+    let others: Vec<Vec<f64>> = even.into_iter().chain(likely).collect();
+    let ranges = grid.ranges().iter().enumerate();
     ranges
-        .map(|(dimension, range)| {
-            let points = scores.points.iter().enumerate().map(|(position, point)| {
-                let inside = uncertainty.is_some_and(|u| u.indistinguishable[position]);
-                let score = point.score.map(|score| {
-                    known
-                        .and_then(|known| known.mean(position))
-                        .unwrap_or(score)
+        .map(|(axis, range)| {
+            let points = scores.points.iter().zip(&uncertainty.indistinguishable);
+            let visited = points.map(|(point, is_in)| (point.values[axis], *is_in));
+            let places = places
+                .clone()
+                .map(|p| (p.values[axis], p.indistinguishable));
+            let inside = visited.chain(places).filter(|(_, is_in)| *is_in);
+            let inside: BTreeSet<usize> = inside.map(|(value, _)| range.nearest(value)).collect();
+            let lowest = |value: f64| {
+                let here = others.iter().map(|place| {
+                    let mut place = place.clone();
+                    place[axis] = range.coordinate(value);
+                    (emulator.mean(&place), place)
                 });
-                (point.values[dimension], score, inside)
-            });
-            let unvisited = uncertainty.into_iter().flat_map(|u| &u.unvisited);
-            let unvisited = unvisited.map(|place| {
-                (
-                    place.values[dimension],
-                    Some(place.score),
-                    place.indistinguishable,
-                )
-            });
-            Profile::new(range, points.chain(unvisited))
+                let lowest = here.min_by(|a, b| a.0.total_cmp(&b.0));
+                lowest.map_or((f64::NAN, (f64::NAN, f64::NAN)), |(score, place)| {
+                    (score, emulator.band(&place, BAND))
+                })
+            };
+            Profile::new(range, lowest, |cell| inside.contains(&cell))
         })
         .collect()
 }

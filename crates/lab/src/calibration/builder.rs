@@ -47,7 +47,7 @@ impl Study {
     ///     .metric(realgap_path::comparison::by_name("rms")?)
     ///     .build()?;
     /// let answer = study.sweep(&RunOptions::default())?;
-    /// assert_eq!(answer.scores.points.len(), 3);
+    /// assert_eq!(answer.report.points, 3);
     /// assert!(answer.to_string().contains("floor.friction"));
     /// # Ok::<(), realgap_core::Error>(())
     /// ```

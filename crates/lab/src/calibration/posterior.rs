@@ -1,44 +1,46 @@
-//! Where the best point lies when reality is sampled again: intervals and correlations.
+//! Parameter values as likely as the recordings leave them: intervals and correlations.
 
-use rand::RngExt;
-
-use realgap_core::random::Once;
 use realgap_core::statistics::{mean, percentile_interval, standard_deviation};
-use realgap_optimize::Grid;
-
-/// Best parameter values of many realities that the recordings and runs allow: recordings drawn again (bootstrap of the
-/// argmin, Efron & Tibshirani 1993, chapter 13), another setting of reality's own, and what the runs leave open.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BestDraws {
-    /// One row a reality, one value a parameter.
-    draws: Vec<Vec<f64>>,
-}
 
 /// Confidence level of the interval of each parameter.
 pub const INTERVAL_LEVEL: f64 = 0.90;
+/// Parameter values as likely as the recordings and runs make them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BestDraws {
+    /// One row a draw, one value a parameter.
+    pub(super) draws: Vec<Vec<f64>>,
+    /// By parameter, values in the middle of what is rejected between what is not.
+    pub(super) gaps: Vec<Vec<f64>>,
+}
+
 impl BestDraws {
-    /// From the best point of each reality that was drawn, moved at random within its cell of `grid`, because a grid cannot
-    /// say more than its step.
-    pub(super) fn new<'a>(grid: &Grid, best: impl Iterator<Item = &'a [f64]>, seed: u64) -> Self {
-        let mut rng = Once::WithinCell.generator(seed);
-        let draws = best
-            .map(|values| {
-                let axes = values.iter().zip(grid.ranges());
-                axes.map(|(value, range)| {
-                    let moved = value + range.step() * (rng.random::<f64>() - 0.5);
-                    moved.clamp(range.from, range.to)
-                })
-                .collect()
-            })
-            .collect();
-        Self { draws }
+    /// The draws, one row each, one value a parameter.
+    pub fn rows(&self) -> &[Vec<f64>] {
+        &self.draws
     }
 
-    /// Central interval of one parameter at `level`, e.g. 0.9.
+    /// Central interval of one parameter at `level`, e.g. 0.9, whatever is rejected within.
     pub fn interval(&self, parameter: usize, level: f64) -> (f64, f64) {
         // There is at least one draw.
         let values = self.values(parameter);
         percentile_interval(&values, 0.5 * (1.0 - level)).unwrap_or((f64::NAN, f64::NAN))
+    }
+
+    /// The same in as many intervals as rejected parts leave, increasing; none bridges a part that is rejected.
+    pub fn intervals(&self, parameter: usize, level: f64) -> Vec<(f64, f64)> {
+        let values = self.values(parameter);
+        let mut intervals = Vec::new();
+        let mut from = f64::NEG_INFINITY;
+        for to in self.gaps[parameter].iter().copied().chain([f64::INFINITY]) {
+            let within = values.iter().copied().filter(|v| (from..to).contains(v));
+            let within: Vec<f64> = within.collect();
+            // Less than a tail of the whole is left out of it.
+            if within.len() as f64 > 0.5 * (1.0 - level) * values.len() as f64 {
+                intervals.extend(percentile_interval(&within, 0.5 * (1.0 - level)));
+            }
+            from = to;
+        }
+        intervals
     }
 
     /// Pearson's correlation of two parameters over the draws; 0 where one of them does not vary.
@@ -55,27 +57,5 @@ impl BestDraws {
 
     fn values(&self, parameter: usize) -> Vec<f64> {
         self.draws.iter().map(|draw| draw[parameter]).collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use realgap_engine::parameter::by_name;
-    use realgap_optimize::Range;
-
-    fn line() -> Grid {
-        let friction = by_name("floor.friction").unwrap();
-        Grid::new(vec![Range::new(friction, 0.0, 1.0, 11).unwrap()]).unwrap()
-    }
-
-    #[test]
-    fn realities_that_agree_give_an_interval_of_one_step() {
-        let draws = BestDraws::new(&line(), [[0.4].as_slice(); 2000].into_iter(), 3);
-        let (low, high) = draws.interval(0, 0.9);
-        assert!(
-            (low - 0.355).abs() < 0.01 && (high - 0.445).abs() < 0.01,
-            "{low} {high}"
-        );
     }
 }

@@ -3,54 +3,49 @@
 use realgap_core::quantity::Quantity;
 use realgap_optimize::Range;
 
-/// Profile of the score along one parameter, all others at their best (profile likelihood, Raue et al. 2009).
+/// Profile of the score along one parameter, all others at their best (profile likelihood, Raue et al. 2009), as the emulator
+/// expects it from all runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     /// The parameter.
     pub parameter: Quantity,
-    /// Values of the parameter, increasing: the study's grid; points between them count for the nearest.
+    /// Values of the parameter, increasing: the study's grid.
     pub values: Vec<f64>,
-    /// Lowest score at each value; `None` where nothing was tried or everything diverged.
-    pub scores: Vec<Option<f64>>,
-    /// Whether a point there cannot be told from the best.
+    /// Lowest score to be expected at each value.
+    pub scores: Vec<f64>,
+    /// The range that holds it with 90 %.
+    pub bands: Vec<(f64, f64)>,
+    /// Whether something there cannot be told from the best.
     pub indistinguishable: Vec<bool>,
 }
 
 impl Profile {
-    /// `points` are value of this parameter, score, and whether it cannot be told from the best.
-    pub fn new(range: &Range, points: impl IntoIterator<Item = (f64, Option<f64>, bool)>) -> Self {
+    /// `lowest` gives score and range at a value, `inside` whether a cell has something that cannot be told from the best.
+    pub(super) fn new(
+        range: &Range,
+        lowest: impl Fn(f64) -> (f64, (f64, f64)),
+        inside: impl Fn(usize) -> bool,
+    ) -> Self {
         let values = range.values();
-        let mut scores: Vec<Option<f64>> = vec![None; values.len()];
-        let mut indistinguishable = vec![false; values.len()];
-        for (value, score, inside) in points {
-            let cell = range.nearest(value);
-            indistinguishable[cell] |= inside;
-            scores[cell] = match (scores[cell], score) {
-                (Some(known), Some(new)) => Some(known.min(new)),
-                (known, new) => known.or(new),
-            };
-        }
+        let (scores, bands) = values.iter().map(|value| lowest(*value)).unzip();
         Self {
             parameter: range.parameter,
-            values,
             scores,
-            indistinguishable,
+            bands,
+            indistinguishable: (0..values.len()).map(inside).collect(),
+            values,
         }
     }
 
     /// Largest minus smallest score along the profile: how much the parameter matters over its range.
     pub fn spread(&self) -> f64 {
-        difference(self.scores.iter().flatten())
+        difference(self.scores.iter())
     }
 
     /// Largest minus smallest score of the values that cannot be told from the best.
     pub fn spread_within(&self) -> f64 {
         let inside = self.scores.iter().zip(&self.indistinguishable);
-        difference(
-            inside
-                .filter(|(_, is_in)| **is_in)
-                .filter_map(|(score, _)| score.as_ref()),
-        )
+        difference(inside.filter(|(_, is_in)| **is_in).map(|(score, _)| score))
     }
 }
 

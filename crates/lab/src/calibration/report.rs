@@ -6,6 +6,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::audit::Audit;
+use super::fit::Fit;
 use super::method::{Method, Tuned};
 use super::posterior::BestDraws;
 use super::recording::few_recordings;
@@ -32,9 +33,9 @@ pub struct Report {
     pub description: String,
     /// True when every point was evaluated.
     pub complete: bool,
-    /// Points evaluated.
+    /// Points of the grid, or that the optimizer asked for, that were evaluated.
     pub points: usize,
-    /// Simulations of all cases: a point that may be the best is simulated with several equally valid settings.
+    /// Simulations of all cases: waves of points follow where the best may be, and the best has several equally valid settings.
     pub runs: usize,
     /// Points of the study's grid, or the optimizer's budget.
     pub points_total: usize,
@@ -50,6 +51,8 @@ pub struct Report {
     pub unit: Unit,
     /// The best point; `None` when every point diverged.
     pub best: Option<Best>,
+    /// Whether the best point explains the recordings; `None` where no run was repeated.
+    pub fit: Option<Fit>,
     /// How sure the best point is.
     pub uncertainty: Option<HowSure>,
     /// What the recordings say about each parameter.
@@ -112,7 +115,9 @@ pub struct HowSure {
     pub best_score_sd: f64,
     /// Standard deviation of the best score over equally valid settings.
     pub simulation_sd: f64,
-    /// Points that cannot be told apart from the best, itself included.
+    /// Share of what parts scores that more runs would take away, 0 to 1.
+    pub emulator_share: f64,
+    /// Simulated points that cannot be told apart from the best, itself included.
     pub indistinguishable: usize,
 }
 
@@ -134,6 +139,7 @@ pub(super) struct Evidence<'a> {
     pub uncertainty: Option<&'a Uncertainty>,
     pub draws: Option<&'a BestDraws>,
     pub audit: Option<Audit>,
+    pub fit: Option<Fit>,
     pub validation: Option<Validation>,
 }
 
@@ -175,6 +181,7 @@ impl Evidence<'_> {
                 ),
             ));
         }
+        warnings.extend(self.fit.as_ref().and_then(Fit::warning));
         let validation = self.validation.as_ref();
         warnings.extend(validation.and_then(Validation::warning));
         warnings.extend(few_recordings(study.fitted_recordings()));
@@ -199,6 +206,9 @@ impl fmt::Display for Report {
             counted(self.points_total, "point"),
             counted(self.recordings, "recording"),
         )?;
+        if let Some(fit) = &self.fit {
+            write!(f, "\n  {fit}")?;
+        }
         if let Some(best) = &self.best {
             let values: Vec<String> = best
                 .parameters
@@ -256,9 +266,9 @@ impl fmt::Display for Report {
         if let Some(sure) = &self.uncertainty {
             write!(
                 f,
-                "\n  {} of {} points cannot be told apart from it at {:.0} % ({})",
+                "\n  {} of {} simulations' points cannot be told apart from it at {:.0} % ({})",
                 sure.indistinguishable,
-                self.points,
+                self.runs,
                 100.0 * sure.level,
                 sure.source.label()
             )?;
@@ -300,7 +310,10 @@ impl Report {
             study: definition.name.clone(),
             description: definition.description.clone(),
             complete: evidence.ending == Ending::Complete,
-            points: scores.points.len(),
+            points: match evidence.method {
+                Method::Sweep => scores.points.len().min(points_total),
+                Method::Tune(tuned) => tuned.evaluated,
+            },
             runs: scores.runs.len(),
             points_total,
             tuning: match evidence.method {
@@ -312,11 +325,13 @@ impl Report {
             metric: definition.metric.name(),
             unit: definition.metric.unit(),
             best,
+            fit: evidence.fit,
             uncertainty: evidence.uncertainty.map(|u| HowSure {
                 source: u.source,
                 level: u.level,
                 best_score_sd: u.best_score_sd,
                 simulation_sd: u.simulation_sd,
+                emulator_share: u.emulator_share,
                 indistinguishable: u.indistinguishable.iter().filter(|is_in| **is_in).count(),
             }),
             verdicts: match evidence.ending {

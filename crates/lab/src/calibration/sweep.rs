@@ -3,16 +3,16 @@
 use super::answer::Answer;
 use super::keeping::{Keeping, KeptRun};
 use super::method::Method;
-use super::refinement::{ROUNDS, choose, runs_a_round};
 use super::score::Scores;
 use super::study::Study;
+use super::wave::{WAVES, next_wave, runs_a_wave};
 use realgap_core::error::Result;
 use realgap_optimize::{Batch, Ending, RunOptions, drive};
 use realgap_store::{Mode, Part, Place};
 
 impl Study {
-    /// Simulates every point of the study's grid, each with one of the equally valid settings, then those that may be the best
-    /// with more of them, and says what cannot be told from the best.
+    /// Simulates every point of the study's grid, each with one of the equally valid settings, then waves of points where the best
+    /// may be, between those of the grid, too, and says what cannot be told from the best.
     ///
     /// The answer does not depend on the threads.
     ///
@@ -80,8 +80,8 @@ fn simulate(
     run: &RunOptions<'_>,
 ) -> Result<(Ending, usize)> {
     let points = points(study)?;
-    let again = runs_a_round(study);
-    let total = points + ROUNDS * again;
+    let again = runs_a_wave(study, points);
+    let total = points + WAVES * again;
     let mut ending = drive(
         &Batch::new(points, run),
         keeping.rows_mut(),
@@ -89,13 +89,16 @@ fn simulate(
         |done| run.tell(done, total, None),
     )?;
     let mut from = points;
-    for _ in 0..ROUNDS {
+    for _ in 0..WAVES {
         if ending == Ending::Interrupted || again == 0 {
             break;
         }
         let scores = Scores::new(study, &keeping.rows().rows_within(0..from)?)?;
         let best = scores.best.and_then(|best| scores.points[best].score);
-        let chosen = run.install(|| choose(study, &scores, from, again))??;
+        let chosen: Vec<Vec<f64>> = run.install(|| next_wave(study, &scores, from, again))??;
+        if chosen.is_empty() {
+            break;
+        }
         ending = drive(
             &Batch::new(from + chosen.len(), run),
             keeping.rows_mut(),

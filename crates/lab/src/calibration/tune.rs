@@ -7,6 +7,7 @@ use super::score::{PointScore, Scores};
 use super::split::{Split, fold};
 use super::study::Study;
 use super::sweep::WEIGHING;
+use super::wave::widened;
 use realgap_core::error::{Advice, Error, Result};
 use realgap_optimize::{
     Batch, Brief, Ending, History, Optimizer, Proposal, RunOptions, Told, UnitPoint,
@@ -158,7 +159,14 @@ fn tune(
         _ => None,
     };
     run.tell_finishing(WEIGHING, evaluated);
-    let mut answer = run.install(|| Answer::new(study, method, ending, scores, refits))??;
+    let mut answer = run.install(|| {
+        let scores = match ending {
+            // Least squares know the bottom that they are at.
+            Ending::Complete if known.is_none() => widened(study, scores)?,
+            _ => scores,
+        };
+        Answer::new(study, method, ending, scores, refits)
+    })??;
     answer.report.warnings.extend(warning);
     Ok(answer)
 }

@@ -28,8 +28,11 @@ pub struct Verdict {
     pub low: f64,
     /// Largest value in the indistinguishable set.
     pub high: f64,
-    /// Central 90 % interval of the best value when reality is sampled again (bootstrap over recordings).
+    /// Central 90 % interval; `None` where there are several.
     pub interval: Option<(f64, f64)>,
+    /// The parts of the 90 % interval where values between them are rejected; else empty.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub intervals: Vec<(f64, f64)>,
     /// False where the recordings do not determine the parameter within the searched range.
     pub identified: bool,
     /// One sentence.
@@ -52,6 +55,7 @@ impl Verdict {
             low: known.low,
             high: known.high,
             interval: Some((known.low, known.high)),
+            intervals: Vec::new(),
             identified: known.is_told,
             text: known.to_string(),
         };
@@ -83,9 +87,13 @@ pub(super) fn verdicts(
                 visited.chain(unvisited.map(|place| (&place.values, place.indistinguishable)));
             let set = all.filter(|(_, is_in)| *is_in);
             let values: Vec<f64> = set.map(|(values, _)| values[dimension]).collect();
-            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let interval = draws.map(|draws| draws.interval(dimension, INTERVAL_LEVEL));
+            let intervals = draws.map(|draws| draws.intervals(dimension, INTERVAL_LEVEL));
+            let intervals = intervals.unwrap_or_default();
+            // What the interval holds fits as well: many places that are each hardly likely are likely together.
+            let ends = intervals.iter().flat_map(|(low, high)| [*low, *high]);
+            let all = || values.iter().copied().chain(ends.clone());
+            let low = all().fold(f64::INFINITY, f64::min);
+            let high = all().fold(f64::NEG_INFINITY, f64::max);
             let name = range.parameter.name;
             let named = |names: &[String]| names.iter().any(|other| other == name);
             let shaken = audit.filter(|audit| named(&audit.shaken));
@@ -93,7 +101,7 @@ pub(super) fn verdicts(
                 best: scores.points[best].values[dimension],
                 low,
                 high,
-                interval,
+                intervals,
                 is_resolved: !audit.is_some_and(|audit| named(&audit.unresolved)),
                 shaken_by: shaken.and_then(Audit::worst).map(|(setting, change)| {
                     format!(
@@ -113,37 +121,39 @@ struct Found {
     best: f64,
     low: f64,
     high: f64,
-    interval: Option<(f64, f64)>,
+    intervals: Vec<(f64, f64)>,
     /// False where other numerics change the score more than the parameter does over its whole range.
     is_resolved: bool,
     /// What changes the score more than the values that fit do.
     shaken_by: Option<String>,
 }
 
+/// A set that comes this near to an end of the searched range, as a share of it, reaches it.
+const AT_THE_END: f64 = 0.05;
+
 fn verdict(range: &Range, found: &Found) -> Verdict {
     let Found {
-        best,
-        low,
-        high,
-        interval,
-        is_resolved,
-        ref shaken_by,
+        best, low, high, ..
     } = *found;
-    // A grid cannot say more than its step.
-    let half_step = 0.5 * range.step();
-    let digits = (1.0 - half_step.log10().floor()).clamp(0.0, 9.0) as usize;
+    let digits = (1.0 - (0.02 * (range.to - range.from)).log10().floor()).clamp(0.0, 9.0) as usize;
     let unit = range.parameter.unit.symbol();
     let name = range.parameter.name;
     let show = |value: f64| format!("{value:.digits$} {unit}").trim_end().to_owned();
-    let sure = interval.map_or(String::new(), |(from, to)| {
-        format!(" (90 % interval {from:.digits$} to {})", show(to))
-    });
-    let (low_end, high_end) = (low <= range.from + half_step, high >= range.to - half_step);
+    let span = |(from, to): &(f64, f64)| format!("{from:.digits$} to {}", show(*to));
+    let spans: Vec<String> = found.intervals.iter().map(span).collect();
+    let interval = spans.join(" or ");
+    let sure = if spans.is_empty() {
+        String::new()
+    } else {
+        format!(" (90 % interval {interval})")
+    };
+    let low_end = range.coordinate(low) <= AT_THE_END;
+    let high_end = range.coordinate(high) >= 1.0 - AT_THE_END;
     // At a bound of the parameter itself (restitution 0) there is nothing to widen.
     let (lowest, highest) = range.parameter.bounds;
     let widen = (low_end && range.from > lowest) || (high_end && range.to < highest);
-    let is_determined = is_resolved && !(low_end && high_end);
-    let text = if !is_resolved {
+    let is_determined = found.is_resolved && !(low_end && high_end);
+    let text = if !found.is_resolved {
         format!(
             "{name} is not determined: other numerical settings change the score more than its whole range does; \
              use finer settings, another metric, or recordings of a motion that {name} changes more"
@@ -175,11 +185,10 @@ fn verdict(range: &Range, found: &Found) -> Verdict {
             show(low),
             show(best)
         )
-    } else if let (Some(shaken_by), Some((from, to))) = (shaken_by, interval) {
+    } else if let (Some(shaken_by), false) = (&found.shaken_by, spans.is_empty()) {
         format!(
-            "{name} lies between {from:.digits$} and {} (90 %; best {}), no nearer: {shaken_by}, more than these values \
-             do; finer settings, another metric or gait would tell more",
-            show(to),
+            "{name} lies in {interval} (90 %; best {}), no nearer: {shaken_by}, more than these values do; finer settings, \
+             another metric or gait would tell more",
             show(best)
         )
     } else {
@@ -190,6 +199,10 @@ fn verdict(range: &Range, found: &Found) -> Verdict {
             show(high)
         )
     };
+    let (interval, intervals) = match found.intervals[..] {
+        [one] => (Some(one), Vec::new()),
+        _ => (None, found.intervals.clone()),
+    };
     Verdict {
         parameter: name.to_owned(),
         unit: range.parameter.unit.label().to_owned(),
@@ -197,6 +210,7 @@ fn verdict(range: &Range, found: &Found) -> Verdict {
         low,
         high,
         interval,
+        intervals,
         identified: is_determined,
         text,
     }
@@ -216,7 +230,7 @@ mod tests {
             best,
             low,
             high,
-            interval: Some((low, high)),
+            intervals: vec![(low, high)],
             is_resolved: true,
             shaken_by: None,
         }
@@ -276,7 +290,9 @@ mod tests {
         };
         let text = verdict(&friction(), &shaken).text;
         assert!(
-            text.starts_with("floor.friction lies between 0.400 and 0.500 (90 %; best 0.450), no nearer: 6 substeps"),
+            text.starts_with(
+                "floor.friction lies in 0.400 to 0.500 (90 %; best 0.450), no nearer: 6 substeps"
+            ),
             "{text}"
         );
     }
@@ -289,5 +305,17 @@ mod tests {
             verdict.text,
             "floor.friction = 0.450 (90 % interval 0.400 to 0.500); values from 0.400 to 0.500 fit as well"
         );
+    }
+
+    #[test]
+    fn no_interval_bridges_a_part_that_is_rejected() {
+        let parted = Found {
+            intervals: vec![(0.2, 0.3), (0.6, 0.7)],
+            ..found(0.25, 0.2, 0.7)
+        };
+        let verdict = verdict(&friction(), &parted);
+        assert_eq!((verdict.interval, verdict.intervals.len()), (None, 2));
+        let parts = "90 % interval 0.200 to 0.300 or 0.600 to 0.700";
+        assert!(verdict.text.contains(parts), "{}", verdict.text);
     }
 }

@@ -36,6 +36,8 @@ pub struct HeatMap {
     pub best: Option<(usize, usize)>,
     /// Where the best point lies, if not in the middle of its cell.
     pub best_at: Option<(f64, f64)>,
+    /// Its score, if not that of its cell.
+    pub best_score: Option<f64>,
     /// Points that cannot be told from the best, in the order of `scores`; empty for none.
     pub indistinguishable: Vec<bool>,
     /// The true values, where they are known.
@@ -69,6 +71,7 @@ impl HeatMap {
             scale: ScoreScale::Auto,
             best: None,
             best_at: None,
+            best_score: None,
             indistinguishable: Vec::new(),
             truth: None,
             evaluated: Vec::new(),
@@ -136,7 +139,7 @@ impl HeatMap {
         let best = self.best.map(|(ix, iy)| {
             let (x, y) = self.place(ix, iy);
             let place = format!("{}, {}", self.x.at(x), self.y.at(y));
-            best_text(unit, self.score(ix, iy), &place)
+            best_text(unit, self.best_score.or(self.score(ix, iy)), &place)
         });
         let best = best.map(|text| (Symbol::Star, text));
         let alike = alike_text(&self.indistinguishable).map(|text| (Symbol::Outline, text));

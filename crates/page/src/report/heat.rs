@@ -45,8 +45,13 @@ struct Grid<'a> {
     high: f64,
 }
 
-/// The map of the first two parameters; `None` where the points are no grid of two parameters.
-pub(super) fn heat_map(points: &[Point], names: &[String], unit: &str) -> Option<String> {
+/// The map of the first two parameters; `None` where the points are no grid of two parameters. `best` may lie between them.
+pub(super) fn heat_map(
+    points: &[Point],
+    best: Option<&[f64]>,
+    names: &[String],
+    unit: &str,
+) -> Option<String> {
     if names.len() != 2 || points.is_empty() {
         return None;
     }
@@ -66,7 +71,7 @@ pub(super) fn heat_map(points: &[Point], names: &[String], unit: &str) -> Option
         high: scores().fold(f64::NEG_INFINITY, f64::max),
     };
     let [x, y] = &grid.names;
-    let (cells, axes, bar) = (grid.cells(), grid.axes(), grid.bar());
+    let (cells, axes, bar) = (grid.cells(best), grid.axes(), grid.bar());
     Some(format!(
         "<svg class=\"chart heat\" id=\"heat\" viewBox=\"0 0 612 410\" role=\"img\" tabindex=\"0\" aria-label=\"Score over {x} and {y}; the same numbers are in the table of points\">{cells}{axes}{bar}</svg>"
     ))
@@ -82,14 +87,38 @@ impl Grid<'_> {
     }
 
     /// The cells with what they stand for, and above them the frames.
-    fn cells(&self) -> String {
+    fn cells(&self, best: Option<&[f64]>) -> String {
         let [wide, tall] = self.cell();
-        let place = |all: &[f64], value| all.iter().position(|v| *v == value).unwrap_or(0) as f64;
-        let best = (self.points.iter()).position(|point| point.score == Some(self.low));
+        // In cells from the first, between two of them as well.
+        let place = |all: &[f64], value: f64| {
+            let after = all
+                .iter()
+                .position(|v| *v >= value)
+                .unwrap_or(all.len() - 1);
+            match after {
+                0 => 0.0,
+                after => {
+                    let step = all[after] - all[after - 1];
+                    after as f64 - (all[after] - value) / step
+                }
+            }
+        };
+        let corner = |values: &[f64]| {
+            let x = LEFT + place(&self.x_values, values[0]) * wide;
+            let y = TOP + TALL - (place(&self.y_values, values[1]) + 1.0) * tall;
+            (x, y)
+        };
+        let frame = |values: &[f64], class: &str| {
+            let (x, y) = corner(values);
+            let (x, y) = (x + 1.5, y + 1.5);
+            let [wide, tall] = [wide, tall].map(|side| (side - 3.0).max(1.0));
+            format!(
+                "<rect class=\"frame {class}\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{wide:.1}\" height=\"{tall:.1}\"/>"
+            )
+        };
         let (mut cells, mut frames) = (String::new(), String::new());
         for (index, point) in self.points.iter().enumerate() {
-            let x = LEFT + place(&self.x_values, point.values[0]) * wide;
-            let y = TOP + TALL - (place(&self.y_values, point.values[1]) + 1.0) * tall;
+            let (x, y) = corner(&point.values);
             let (class, fill, shown) = match point.score {
                 Some(score) => {
                     let share = (score - self.low) / (self.high - self.low).max(f64::MIN_POSITIVE);
@@ -108,17 +137,11 @@ impl Grid<'_> {
                 cells,
                 "<rect class=\"{class}\" data-point=\"{index}\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{wide:.1}\" height=\"{tall:.1}\" fill=\"{fill}\"><title>{x_name} = {x_value}, {y_name} = {y_value}: {shown}{alike}</title></rect>",
             );
-            let is_best = best == Some(index);
-            if point.is_in || is_best {
-                let class = if is_best { "best" } else { "in" };
-                let (x, y) = (x + 1.5, y + 1.5);
-                let [wide, tall] = [wide, tall].map(|side| (side - 3.0).max(1.0));
-                let _infallible = write!(
-                    frames,
-                    "<rect class=\"frame {class}\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{wide:.1}\" height=\"{tall:.1}\"/>",
-                );
+            if point.is_in {
+                frames += &frame(&point.values, "in");
             }
         }
+        frames += &best.map_or_else(String::new, |best| frame(best, "best"));
         cells + &frames
     }
 
@@ -177,12 +200,15 @@ mod tests {
             })
             .collect();
         let names = ["a<b".to_owned(), "c".to_owned()];
-        let svg = heat_map(&points, &names, "m").unwrap();
+        let svg = heat_map(&points, Some(&[0.5, 1.0]), &names, "m").unwrap();
         assert_eq!(svg.matches("data-point=").count(), 6);
         assert_eq!(svg.matches("frame best").count(), 1);
         assert_eq!(svg.matches("cell lost").count(), 1);
         assert!(!svg.contains("a<b") && svg.contains(&colour(0.0)));
         roxmltree::Document::parse(&svg).unwrap();
-        assert!(heat_map(&points[1..], &names, "m").is_none(), "no grid");
+        assert!(
+            heat_map(&points[1..], None, &names, "m").is_none(),
+            "no grid"
+        );
     }
 }

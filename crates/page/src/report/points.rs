@@ -64,9 +64,14 @@ impl Points {
         })
     }
 
-    /// The map of scores over two parameters.
+    /// The map of scores over two parameters: those of the grid, which come first; of an optimizer's points none.
     pub fn map(&self, report: &Value) -> Option<String> {
-        heat_map(&self.points, &self.names, report.text("unit"))
+        let grid = report.count("points").unwrap_or(0) as usize;
+        let points = &self.points[..grid.min(self.points.len())];
+        let best = self
+            .best(report)
+            .map(|best| self.points[best].values.as_slice());
+        heat_map(points, best, &self.names, report.text("unit"))
     }
 
     /// The point that the report calls the best, else that of the lowest score.

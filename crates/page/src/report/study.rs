@@ -248,17 +248,22 @@ fn profiles(folder: &Path, report: &Value) -> Result<Vec<String>> {
     let sheet = Sheet::read(folder, file::PROFILES)?;
     let (x, y) = (sheet.numbers("value"), sheet.numbers("lowest_score"));
     let (names, alike) = (sheet.texts("parameter"), sheet.texts("indistinguishable"));
-    // Name, points, and those of them that cannot be told from the best.
-    let mut all: Vec<(&str, [Vec<[f64; 2]>; 2])> = Vec::new();
+    let (low, high) = (sheet.numbers("low"), sheet.numbers("high"));
+    // Name, points, those of them that cannot be told from the best, and the bands.
+    type Line = (Vec<[f64; 2]>, Vec<[f64; 2]>, Vec<[f64; 3]>);
+    let mut all: Vec<(&str, Line)> = Vec::new();
     for (index, name) in names.into_iter().enumerate() {
         let (Some(x), Some(y)) = (x.get(index), y.get(index)) else {
             continue;
         };
         if all.last().is_none_or(|(last, ..)| *last != name) {
-            all.push((name, [Vec::new(), Vec::new()]));
+            all.push((name, Line::default()));
         }
-        if let Some((_, [points, marked])) = all.last_mut() {
+        if let Some((_, (points, marked, bands))) = all.last_mut() {
             points.push([*x, *y]);
+            if let (Some(low), Some(high)) = (low.get(index), high.get(index)) {
+                bands.push([*x, *low, *high]);
+            }
             if alike.get(index) == Some(&"true") {
                 marked.push([*x, *y]);
             }
@@ -268,10 +273,11 @@ fn profiles(folder: &Path, report: &Value) -> Result<Vec<String>> {
     let score = format!("lowest {} [{unit}]", report.text("metric"));
     Ok(all
         .into_iter()
-        .map(|(name, [points, alike])| {
+        .map(|(name, (points, alike, bands))| {
             let alt = format!("Lowest score over {name}");
-            let chart = Chart::plain(alt, name, score.clone()).line("sim", points);
-            chart.dots("in", alike).figure(name, "Marked: cannot be told apart from the best. A steeper valley needs recordings that react more to this parameter.")
+            let chart = Chart::plain(alt, name, score.clone()).band(bands);
+            let chart = chart.line("sim", points);
+            chart.dots("in", alike).figure(name, "The lowest score to be expected, with the range that holds it with 90 %. Marked: cannot be told apart from the best. A steeper valley needs recordings that react more to this parameter.")
         })
         .collect())
 }

@@ -1,21 +1,17 @@
 //! What stands for each point of a study's grid in its pictures.
 
+use std::collections::BTreeSet;
+
 use realgap_lab::calibration::{Answer, Method, PointScore, Study};
 
 /// What stands for each point of the grid: the point itself, or the nearest one that an optimizer chose.
-pub(super) fn cells<'a>(study: &Study, answer: &'a Answer) -> Vec<Option<(&'a PointScore, bool)>> {
+pub(super) fn cells<'a>(study: &Study, answer: &'a Answer) -> Vec<Option<&'a PointScore>> {
     let grid = &study.definition().grid;
-    let is_in = |position: usize| {
-        answer
-            .uncertainty
-            .as_ref()
-            .is_some_and(|u| u.indistinguishable[position])
-    };
-    let points = || answer.scores.points.iter().enumerate();
+    let points = &answer.scores.points;
     if answer.method == Method::Sweep {
         let mut cells = vec![None; grid.len()];
-        for (position, point) in points() {
-            cells[point.index] = Some((point, is_in(position)));
+        for point in points.iter().filter(|point| point.index < grid.len()) {
+            cells[point.index] = Some(point);
         }
         return cells;
     }
@@ -30,11 +26,28 @@ pub(super) fn cells<'a>(study: &Study, answer: &'a Answer) -> Vec<Option<(&'a Po
                 .map(|(range, (a, b))| ((a - b) / range.step()).powi(2))
                 .sum()
         };
-        points()
-            .min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)))
-            .map(|(position, point)| (point, is_in(position)))
+        points
+            .iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
     };
     (0..grid.len())
         .map(|index| nearest(&grid.values(index)))
+        .collect()
+}
+
+/// The cells of the grid with a point or a place that cannot be told from the best.
+pub(super) fn alike(study: &Study, answer: &Answer) -> BTreeSet<usize> {
+    let grid = &study.definition().grid;
+    let Some(uncertainty) = &answer.uncertainty else {
+        return BTreeSet::new();
+    };
+    let points = answer.scores.points.iter();
+    let visited = points.zip(&uncertainty.indistinguishable);
+    let visited = visited.map(|(point, is_in)| (&point.values, *is_in));
+    let places = uncertainty.unvisited.iter();
+    let all = visited.chain(places.map(|place| (&place.values, place.indistinguishable)));
+    let inside = all.filter(|(_, is_in)| *is_in);
+    inside
+        .map(|(values, _)| grid.index(&grid.nearest(values)))
         .collect()
 }

@@ -1,5 +1,6 @@
 //! The pictures of a results folder: heat map or curve, and paths across the grid.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::plot::{
@@ -12,7 +13,7 @@ use realgap_lab::calibration::{Answer, Method, PointScore, Study};
 use realgap_optimize::{Grid, Range};
 use realgap_path::trajectory::Prepared;
 
-use super::cell::cells;
+use super::cell::{alike, cells};
 use super::{convergence, plane};
 
 /// Draws everything that the points evaluated so far allow.
@@ -56,8 +57,10 @@ struct Map<'a> {
     title: String,
     subtitle: String,
     score_label: String,
-    /// What stands for each point of the grid; empty where there are too many parameters to show an optimizer's points so.
-    cells: Vec<Option<(&'a PointScore, bool)>>,
+    /// The run that stands for each point of the grid; empty where there are too many parameters to show an optimizer's so.
+    cells: Vec<Option<&'a PointScore>>,
+    /// Cells with something that cannot be told from the best.
+    alike: BTreeSet<usize>,
 }
 
 impl<'a> Map<'a> {
@@ -87,6 +90,10 @@ impl<'a> Map<'a> {
             title: definition.name.clone() + ": distance between simulation and recordings",
             subtitle,
             score_label: format!("{} discrepancy", definition.metric.name()),
+            alike: match cells.is_empty() {
+                true => BTreeSet::new(),
+                false => alike(study, answer),
+            },
             cells,
         }
     }
@@ -95,7 +102,7 @@ impl<'a> Map<'a> {
     fn cell_subtitle(&self) -> String {
         match self.answer.method {
             Method::Sweep => self.subtitle.clone(),
-            Method::Tune(_) => format!("{}, each cell shows the nearest", self.subtitle),
+            Method::Tune(_) => format!("{}; colours as all runs (dots) let expect", self.subtitle),
         }
     }
 
@@ -104,24 +111,18 @@ impl<'a> Map<'a> {
     }
 
     fn score(&self, index: usize) -> Option<f64> {
-        self.cells[index].and_then(|(point, _)| point.score)
+        match self.answer.method {
+            Method::Sweep => self.cells[index]?.score,
+            Method::Tune(_) => self.answer.expected_score(&self.grid().values(index)),
+        }
     }
 
-    fn is_indistinguishable(&self, index: usize) -> bool {
-        self.cells[index].is_some_and(|(_, is_in)| is_in)
+    fn best(&self) -> Option<&'a PointScore> {
+        Some(&self.answer.scores.points[self.answer.scores.best?])
     }
 
     fn best_coordinates(&self) -> Option<Vec<usize>> {
-        let best = &self.answer.scores.points[self.answer.scores.best?];
-        Some(self.grid().nearest(&best.values))
-    }
-
-    /// Something of the best point, where no grid says where it lies.
-    fn chosen<T>(&self, of: impl Fn(&PointScore) -> T) -> Option<T> {
-        match self.answer.method {
-            Method::Sweep => None,
-            Method::Tune(_) => Some(of(&self.answer.scores.points[self.answer.scores.best?])),
-        }
+        Some(self.grid().nearest(&self.best()?.values))
     }
 
     fn truth(&self, x: &Range, y: Option<&Range>) -> Option<Truth> {
@@ -152,7 +153,7 @@ impl<'a> Map<'a> {
                 coordinates[second] = iy;
                 let index = self.grid().index(&coordinates);
                 scores.push(self.score(index));
-                indistinguishable.push(self.is_indistinguishable(index));
+                indistinguishable.push(self.alike.contains(&index));
             }
         }
         let mut subtitle = self.cell_subtitle();
@@ -164,7 +165,10 @@ impl<'a> Map<'a> {
             subtitle += &format!("; slice through the best point at {}", fixed.join(", "));
         }
         HeatMap {
-            best_at: self.chosen(|point| (point.values[first], point.values[second])),
+            best_at: self
+                .best()
+                .map(|point| (point.values[first], point.values[second])),
+            best_score: self.best().and_then(|point| point.score),
             evaluated: match self.answer.method {
                 Method::Sweep => Vec::new(),
                 Method::Tune(_) => (self.answer.scores.points.iter())
@@ -201,8 +205,9 @@ impl<'a> Map<'a> {
                 ),
             ),
             scores: places
-                .map(|index| self.cells[index].and_then(|(point, _)| point.displacement_error_m))
+                .map(|index| self.cells[index].and_then(|point| point.displacement_error_m))
                 .collect(),
+            best_score: self.best().and_then(|point| point.displacement_error_m),
             score_label: "net displacement, mean difference".to_owned(),
             score_unit: Unit::Metre,
             ..self.slice(0, 1)
@@ -235,7 +240,7 @@ impl<'a> Map<'a> {
         }
     }
 
-    /// The score at every point that was simulated.
+    /// The score to be expected at every point that was simulated, and that of the best.
     fn draw_curve(&self, x: &Range, folder: &Path) -> Result<()> {
         let points = &self.answer.scores.points;
         let mut order: Vec<usize> = (0..points.len()).collect();
@@ -246,13 +251,19 @@ impl<'a> Map<'a> {
             uncertainty.is_some_and(|u| u.indistinguishable[*position])
         };
         let best = self.answer.scores.best;
+        // A run that is lucky does not lie below the best point.
+        let score = |position: &usize| {
+            let point = &points[*position];
+            let expected = self.answer.expected_score(&point.values);
+            point.score.map(|own| match best == Some(*position) {
+                true => own,
+                false => expected.unwrap_or(own),
+            })
+        };
         let drawn = order.iter();
         let curve = Curve {
             best: order.iter().position(|p| best == Some(*p)),
-            ..self.curve(
-                x,
-                drawn.map(|p| (points[*p].values[0], points[*p].score, is_in(p))),
-            )
+            ..self.curve(x, drawn.map(|p| (points[*p].values[0], score(p), is_in(p))))
         };
         both(folder, "curve", |path| draw_curve(&curve, path))
     }
@@ -260,34 +271,19 @@ impl<'a> Map<'a> {
     /// The best score that each value of a parameter allows, whatever the others.
     fn draw_profiles(&self, folder: &Path) -> Result<()> {
         for (range, profile) in self.grid().ranges().iter().zip(&self.answer.profiles) {
-            // Values that nobody tried are left out; a hole in the line would say that they diverged.
-            let tried: Vec<usize> = (0..profile.values.len())
-                .filter(|index| profile.scores[*index].is_some())
-                .collect();
-            if tried.len() < 2 {
-                continue;
-            }
-            let best = tried.iter().enumerate().min_by(|(_, a), (_, b)| {
-                let score = |index: &usize| profile.scores[*index].unwrap_or(f64::INFINITY);
-                score(a).total_cmp(&score(b))
-            });
             let (name, parameter) = (&self.study.definition().name, range.parameter.name);
-            let remark = "the others wherever that is; smooth through all runs";
-            let points = tried.iter().map(|index| {
-                let score = profile.scores[*index];
-                (
-                    profile.values[*index],
-                    score,
-                    profile.indistinguishable[*index],
-                )
-            });
+            let remark = "the others wherever that is; as all runs let expect";
+            let points = profile.values.iter().zip(&profile.scores);
+            let points = points.zip(&profile.indistinguishable);
             let curve = Curve {
                 caption: Caption::new(
                     format!("{name}: lowest score at each {parameter}"),
                     format!("{}; {remark}", self.subtitle),
                 ),
-                best: best.map(|(position, _)| position),
-                ..self.curve(range, points)
+                ..self.curve(
+                    range,
+                    points.map(|((value, score), is_in)| (*value, Some(*score), *is_in)),
+                )
             };
             let stem = format!("profile_{}", range.parameter.name.replace('.', "_"));
             both(folder, &stem, |path| draw_curve(&curve, path))?;
@@ -330,10 +326,11 @@ impl<'a> Map<'a> {
                     coordinates[1] = *row;
                 }
                 let index = self.grid().index(&coordinates);
-                let Some((point, _)) = self.cells[index] else {
+                let is_best = best.as_deref() == Some(&coordinates[..]);
+                let Some(point) = self.best().filter(|_| is_best).or(self.cells[index]) else {
                     continue;
                 };
-                panels.push(self.panel(point, best.as_deref() == Some(&coordinates[..])));
+                panels.push(self.panel(point, is_best));
             }
         }
         let what = "simulated paths across the grid";

@@ -1,6 +1,5 @@
 //! `points.csv` and `scores.csv`: the same bytes for the same study, however it was run.
 
-use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::kind::file;
@@ -31,10 +30,12 @@ pub(super) fn write_points(folder: &Path, study: &Study, answer: &Answer) -> Res
     write(&folder.join(file::POINTS), &header, rows)
 }
 
-/// One row a cell of the grid with points that cannot be told apart from the best, where an optimizer may have crowded, and one
-/// a place where nothing was simulated that may be as good; with the study's fixed values. Who draws from it draws evenly.
+/// Rows of `indistinguishable.csv`.
+const DRAWN: usize = 200;
+
+/// Parameter values as likely as the recordings leave them, one row a draw, with the study's fixed values.
 pub(super) fn write_indistinguishable(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
-    let Some(uncertainty) = &answer.uncertainty else {
+    let Some(draws) = &answer.draws else {
         return Ok(());
     };
     let varied = names(study);
@@ -51,25 +52,11 @@ pub(super) fn write_indistinguishable(folder: &Path, study: &Study, answer: &Ans
         .copied()
         .chain(fixed.iter().map(|a| a.parameter.name))
         .collect();
-    let points = answer.scores.points.iter();
-    let visited = points
-        .zip(&uncertainty.indistinguishable)
-        .filter(|(_, is_in)| **is_in)
-        .map(|(point, _)| &point.values);
-    let unvisited = uncertainty.unvisited.iter();
-    let unvisited = unvisited
-        .filter(|place| place.indistinguishable)
-        .map(|place| &place.values);
-    let grid = &study.definition().grid;
-    let mut cells = BTreeSet::new();
-    let rows = visited
-        .chain(unvisited)
-        .filter(|values| cells.insert(grid.nearest(values)))
-        .map(|values| {
-            let values = values.iter().copied();
-            let all = values.chain(fixed.iter().map(|a| a.value));
-            all.map(|value| value.to_string()).collect()
-        });
+    let every = draws.rows().len().div_ceil(DRAWN);
+    let rows = draws.rows().iter().step_by(every).map(|values| {
+        let all = values.iter().copied().chain(fixed.iter().map(|a| a.value));
+        all.map(|value| value.to_string()).collect()
+    });
     write(&folder.join(file::INDISTINGUISHABLE), &header, rows)
 }
 
@@ -95,16 +82,18 @@ pub(super) fn write_scores(folder: &Path, study: &Study, answer: &Answer) -> Res
     write(&folder.join(file::SCORES), &header, rows)
 }
 
-/// One row a parameter and value: the lowest score that it allows.
+/// One row a parameter and value: the lowest score that is to be expected there, and the range that holds it with 90 %.
 pub(super) fn write_profiles(folder: &Path, answer: &Answer) -> Result<()> {
-    let header = ["parameter", "value", "lowest_score", "unit"];
+    let header = ["parameter", "value", "lowest_score", "low", "high", "unit"];
     let header = [&header[..], &["indistinguishable"]].concat();
     let rows = answer.profiles.iter().flat_map(|profile| {
         profile.values.iter().enumerate().map(|(index, value)| {
             vec![
                 profile.parameter.name.to_owned(),
                 value.to_string(),
-                number(profile.scores[index]),
+                profile.scores[index].to_string(),
+                profile.bands[index].0.to_string(),
+                profile.bands[index].1.to_string(),
                 answer.scores.unit.label().to_owned(),
                 profile.indistinguishable[index].to_string(),
             ]

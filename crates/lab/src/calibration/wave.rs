@@ -1,0 +1,194 @@
+//! Which runs follow the first: waves into what is not implausible yet, then all settings of what may be the best.
+
+use rayon::prelude::*;
+
+use super::emulator::Emulator;
+use super::implausibility::Doubt;
+use super::inference::Inference;
+use super::kernel::ScoredRun;
+use super::score::Scores;
+use super::setting::Setting;
+use super::study::Study;
+use realgap_core::error::Result;
+use realgap_core::random::Numbered;
+
+/// Waves after the first runs; every wave knows what the one before has found.
+pub(super) const WAVES: usize = 3;
+/// Runs of one wave: a share of the first ones, within bounds.
+const SHARE: usize = 6;
+const LEAST: usize = 16;
+const MOST: usize = 500;
+/// Places and points that a wave is chosen from.
+const PLACES: usize = 200;
+const VISITED: usize = 60;
+/// A wave whose emulator has less than this share in what parts points from the best is the last.
+const SETTLED: f64 = 0.1;
+/// How often another point may turn out to be the best while settings are completed.
+const CHAMPIONS: usize = 5;
+
+/// Runs of one wave after so many first runs; none where there is one setting only.
+pub(super) fn runs_a_wave(study: &Study, first: usize) -> usize {
+    match study.settings().count {
+        1 => 0,
+        _ => (first / SHARE).clamp(LEAST.min(first), MOST),
+    }
+}
+
+impl Study {
+    /// Simulations of a sweep at most, each of all cases: the grid, the waves after it, and the settings of the best;
+    /// `usize::MAX` where nobody could count them.
+    pub fn sweep_runs(&self) -> usize {
+        let grid = self.definition().grid.len();
+        let again = WAVES * runs_a_wave(self, grid) + self.settings().count - 1;
+        grid.saturating_add(again)
+    }
+
+    /// What one of them costs on average, in runs with the study's own settings; substeps count like steps.
+    pub fn run_cost(&self) -> f64 {
+        self.settings().mean_cost(&self.cases()[0].experiment)
+    }
+}
+
+/// The runs with a score, as an emulator wants them.
+pub(super) fn scored_runs(study: &Study, scores: &Scores) -> Vec<ScoredRun> {
+    let (settings, grid) = (study.settings(), &study.definition().grid);
+    let scored = scores.runs.iter().filter(|run| run.score.is_some());
+    scored
+        .map(|run| ScoredRun {
+            at: grid.place_of(&run.values),
+            setting: settings.of_trial(run.index),
+            recordings: study.part_of(&run.recordings, false),
+        })
+        .collect()
+}
+
+/// Coordinates of the best points, and their positions.
+pub(super) fn leading(study: &Study, scores: &Scores, most: usize) -> (Vec<usize>, Vec<Vec<f64>>) {
+    let mut positions = scores.ranked();
+    positions.truncate(most);
+    let grid = &study.definition().grid;
+    let place = |position: &usize| grid.place_of(&scores.points[*position].values);
+    let places = positions.iter().map(place).collect();
+    (positions, places)
+}
+
+/// Values of the points of the wave whose first trial has the number `from`; none where more runs would hardly tell more.
+///
+/// # Errors
+/// As [`Emulator::new`].
+pub(super) fn next_wave(
+    study: &Study,
+    scores: &Scores,
+    from: usize,
+    count: usize,
+) -> Result<Vec<Vec<f64>>> {
+    let definition = study.definition();
+    let Some(emulator) = Emulator::new(&scored_runs(study, scores))? else {
+        return Ok(Vec::new());
+    };
+    let doubt = Doubt {
+        recordings: study.fitted_recordings(),
+        discrepancy: 0.0,
+    };
+    let (_, visited) = leading(study, scores, VISITED);
+    let places = PLACES.max(2 * count);
+    let seed = definition.seed.wrapping_add(from as u64);
+    let grid = &definition.grid;
+    let inference = Inference::new(&emulator, grid, &visited, doubt, places, seed);
+    if inference.emulator_share < SETTLED {
+        return Ok(Vec::new());
+    }
+    let mut rng = Numbered::Refinement.generator(definition.seed, from as u64);
+    let chosen = inference.wave(count, &mut rng).into_iter();
+    Ok(chosen.map(|place| grid.values_at(place)).collect())
+}
+
+/// The waves after so many first runs, in memory.
+///
+/// # Errors
+/// As [`Study::simulate`].
+pub(super) fn widened(study: &Study, mut scores: Scores) -> Result<Scores> {
+    let count = runs_a_wave(study, scores.runs.len());
+    for _ in 0..WAVES {
+        let from = next_trial(study, &scores);
+        let chosen = match count {
+            0 => Vec::new(),
+            count => next_wave(study, &scores, from, count)?,
+        };
+        if chosen.is_empty() {
+            break;
+        }
+        scores = scores.with_more(study, &simulated(study, from, chosen)?)?;
+    }
+    Ok(scores)
+}
+
+fn simulated(
+    study: &Study,
+    from: usize,
+    chosen: Vec<Vec<f64>>,
+) -> Result<Vec<realgap_store::Trial>> {
+    let numbered = chosen.into_par_iter().enumerate();
+    numbered
+        .map(|(number, values)| study.simulate_values(from + number, values))
+        .collect()
+}
+
+/// A number behind those of all trials, whose setting is the study's own.
+fn next_trial(study: &Study, scores: &Scores) -> usize {
+    let count = study.settings().count;
+    let last = scores.runs.iter().map(|run| run.index).max().unwrap_or(0);
+    (last / count + 1) * count
+}
+
+/// The best point: the lowest mean over all its settings. Whichever point the emulator expects to be lower than the best so far
+/// is simulated with all of them.
+///
+/// # Errors
+/// As [`Study::simulate`].
+pub(super) fn settled(
+    study: &Study,
+    mut scores: Scores,
+    mut emulator: Option<Emulator>,
+) -> Result<(Scores, Option<Emulator>)> {
+    let settings = study.settings();
+    if settings.count == 1 {
+        // Who asks for single runs gets the lowest of them, luck included.
+        return Ok((scores, emulator));
+    }
+    let grid = &study.definition().grid;
+    for champion in 0..=CHAMPIONS {
+        let Some(known) = &emulator else { break };
+        let is_whole = |position: &usize| scores.points[*position].runs >= settings.count;
+        let (whole, open): (Vec<usize>, Vec<usize>) =
+            scores.ranked().into_iter().partition(is_whole);
+        let best = whole.first().copied();
+        let lowest = best.and_then(|best| scores.points[best].score);
+        let expected = open.iter().map(|position| {
+            let place = grid.place_of(&scores.points[*position].values);
+            (*position, known.mean(&place))
+        });
+        let promising = expected.min_by(|a, b| a.1.total_cmp(&b.1));
+        let promising = promising.filter(|(_, score)| lowest.is_none_or(|lowest| *score < lowest));
+        scores.best = best.or(scores.best);
+        let Some((position, _)) = promising.filter(|_| champion < CHAMPIONS) else {
+            break;
+        };
+        let values = scores.points[position].values.clone();
+        let runs = scores.runs.iter().filter(|run| run.values == values);
+        let seen: Vec<Setting> = runs.map(|run| settings.of_trial(run.index)).collect();
+        let from = next_trial(study, &scores);
+        let missing = (0..settings.count).filter(|number| !seen.contains(&Setting::new(*number)));
+        let trials = missing
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|number| study.simulate_values(from + number, values.clone()))
+            .collect::<Result<Vec<_>>>()?;
+        if trials.is_empty() {
+            break;
+        }
+        scores = scores.with_more(study, &trials)?;
+        emulator = emulator.map(|known| known.again(&scored_runs(study, &scores)));
+    }
+    Ok((scores, emulator))
+}
