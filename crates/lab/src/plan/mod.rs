@@ -2,7 +2,7 @@
 //!
 //! A [`Plan`] is a folder. Its `plan.json` says which command is run and how many shards there are; `round.json` which rows are
 //! being made; `shards/ROUND/SHARD/` are the stores of the workers; `results/` is the results folder that everything is
-//! merged into. A run is a sequence of rounds: a sweep has its grid and two rounds of what may be the best, a tuning and a search
+//! merged into. A run is a sequence of rounds: a sweep has its grid and three waves of what may be the best, a tuning and a search
 //! have one a batch, since what is proposed next depends on everything before. In a round, every shard makes
 //! its [`Share`](realgap_store::Share) of the rows. Rows depend on their index alone, never on who made them.
 //!
