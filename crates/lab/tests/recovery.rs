@@ -46,8 +46,9 @@ fn the_hidden_floor_lies_in_the_indistinguishable_set() {
         .filter(|is_in| **is_in)
         .count();
     assert!(size < 25, "{size} of 121");
-    // Friction is found to within a step of this coarse grid, by an interval that holds it and is a third of the range at
-    // most; restitution is honestly not determined.
+    // Friction is found to within a step of this coarse grid, by an interval that holds it and is half of the range at
+    // most (0.41; the method before, which also stated parameters that do nothing, came to less than 0.32); restitution is
+    // honestly not determined.
     assert!(
         (best.values[0] - FRICTION).abs() <= 0.095 + 1e-12,
         "{:?}",
@@ -56,7 +57,7 @@ fn the_hidden_floor_lies_in_the_indistinguishable_set() {
     let draws = result.draws.as_ref().unwrap();
     let (low, high) = draws.interval(0, INTERVAL_LEVEL);
     assert!(
-        low <= FRICTION && FRICTION <= high && high - low < 0.32,
+        low <= FRICTION && FRICTION <= high && high - low < 0.475,
         "{low} to {high}"
     );
     let verdicts = &result.report.verdicts;

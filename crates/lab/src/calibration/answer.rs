@@ -62,11 +62,16 @@ impl Answer {
         refits: Option<Vec<PointScore>>,
     ) -> Result<Self> {
         let emulator = Emulator::new(&scored_runs(study, &scores))?;
-        let (scores, emulator) = match ending {
+        let (mut scores, emulator) = match ending {
             Ending::Complete => settled(study, scores, emulator)?,
             // Whoever interrupts does not want to wait for more simulations.
             Ending::Interrupted => (scores, emulator),
         };
+        if let Some(fitted) = method.fitted() {
+            // What least squares chose has the least robust loss, whatever the plain score of another point is.
+            let chosen = scores.points.iter().position(|p| p.values == fitted);
+            scores.best = chosen.or(scores.best);
+        }
         let fit = Fit::new(study, &scores)?;
         let definition = study.definition();
         let doubt = Doubt {

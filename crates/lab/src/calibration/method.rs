@@ -16,6 +16,22 @@ pub enum Method {
     Tune(Tuned),
 }
 
+impl Method {
+    /// The values that least squares chose; `None` of every other method.
+    pub(super) fn fitted(&self) -> Option<Vec<f64>> {
+        match self {
+            Self::Tune(tuned) if !tuned.least_squares.is_empty() => Some(
+                tuned
+                    .least_squares
+                    .iter()
+                    .map(|known| known.value)
+                    .collect(),
+            ),
+            _ => None,
+        }
+    }
+}
+
 /// Why tuning ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
