@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from typing import Any, Optional, Tuple
+from typing import Optional, Tuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +12,7 @@ from ._error import usage
 Floats = npt.NDArray[np.float64]
 
 
-def given(values: Any, name: str, shape: Tuple[Optional[int], ...]) -> Floats:
+def given(values: npt.ArrayLike, name: str, shape: Tuple[Optional[int], ...]) -> Floats:
     """An array of finite numbers of this shape; `None` stands for any length."""
     if isinstance(values, str):
         raise usage("not numbers", field=name, found=f"the text {values!r}", allowed="an array of numbers")
@@ -54,37 +53,3 @@ def sent(array: Floats) -> bytes:
 def got(data: bytes, *shape: int) -> Floats:
     """The array of bytes; nobody can write into it."""
     return np.frombuffer(data, dtype="<f8").reshape(shape)
-
-
-def asked(what: str, /, **options: Any) -> str:
-    """Keyword arguments as JSON, with all the bits of their numbers."""
-    try:
-        return json.dumps(options, allow_nan=False, default=_plain)
-    except ValueError as error:
-        for name, value in options.items():
-            if not _is_sound(value):
-                raise usage(
-                    "not a finite number", field=name, found=value, allowed="finite numbers"
-                ) from error
-        raise usage(f"{what}: {error}") from error
-    except TypeError as error:
-        raise usage(f"{what}: {error}", allowed="numbers, texts, lists and dicts") from error
-
-
-def _is_sound(value: Any) -> bool:
-    try:
-        json.dumps(value, allow_nan=False, default=_plain)
-    except (TypeError, ValueError):
-        return False
-    return True
-
-
-def _plain(value: Any) -> Any:
-    """Numbers of numpy and paths, as JSON knows them."""
-    if isinstance(value, np.generic):
-        return value.item()
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if hasattr(value, "__fspath__"):
-        return value.__fspath__()
-    raise TypeError(f"{type(value).__name__} is not a number, a text, a list or a dict")

@@ -3,26 +3,34 @@
 from __future__ import annotations
 
 import numbers
-from typing import Any, Callable, List, Optional, Protocol, Sequence, Tuple, Union
+from typing import (
+    Callable, List, Literal, Optional, Protocol, Sequence, SupportsFloat, Tuple, Union, cast, overload,
+)  # fmt: skip
 
 import numpy as np
 
 from . import _native
 from ._array import Floats, got
+from ._trajectory import Trajectory
 
 # What the driver shows an optimizer: points, and their scores where they have one.
 Told = List[Tuple[List[float], Optional[float]]]
 
 
-def number(value: Any, who: str) -> float:
+def number(value: object, who: str) -> float:
     """The finite number that a callback gave."""
-    is_number = isinstance(value, (numbers.Real, np.number)) and not isinstance(value, bool)
-    if not is_number and not (isinstance(value, np.ndarray) and value.ndim == 0):
+    if not _is_number(value):
         raise TypeError(f"{who} must give a number, not {type(value).__name__} {value!r}")
-    made = float(value)
+    made = float(cast("SupportsFloat", value))
     if not np.isfinite(made):
         raise ValueError(f"{who} must give a finite number, not {made}")
     return made
+
+
+def _is_number(value: object) -> bool:
+    if isinstance(value, np.ndarray):
+        return value.ndim == 0
+    return isinstance(value, (numbers.Real, np.number)) and not isinstance(value, bool)
 
 
 class Metric:
@@ -32,12 +40,36 @@ class Metric:
     with `whole=True`, the two `Trajectory` objects; it gives a number, 0 for equal motions and never negative. It may be called
     from several threads, one at a time, and must give the same for the same. A results folder knows a metric by its name: change
     the name with the function.
+
+    >>> ends = realgap.Metric("ends", lambda real, simulated: np.linalg.norm(real[-1] - simulated[-1]))
+    >>> float(realgap.compare(recordings[0], recordings[0], metric=ends))
+    0.0
     """
 
+    @overload
     def __init__(
         self,
         name: str,
-        distance: Callable[[Any, Any], float],
+        distance: Callable[[Floats, Floats], SupportsFloat],
+        *,
+        unit: str = "m",
+        doc: str = "written in Python",
+        whole: Literal[False] = False,
+    ) -> None: ...
+    @overload
+    def __init__(
+        self,
+        name: str,
+        distance: Callable[[Trajectory, Trajectory], SupportsFloat],
+        *,
+        unit: str = "m",
+        doc: str = "written in Python",
+        whole: Literal[True],
+    ) -> None: ...
+    def __init__(
+        self,
+        name: str,
+        distance: Callable[..., SupportsFloat],
         *,
         unit: str = "m",
         doc: str = "written in Python",
@@ -47,11 +79,9 @@ class Metric:
             return checked(distance(path(real), path(simulated)))
 
         def of_trajectories(real: _native.Trajectory, simulated: _native.Trajectory) -> float:
-            from ._trajectory import Trajectory
-
             return checked(distance(Trajectory._of(real), Trajectory._of(simulated)))
 
-        def checked(value: Any) -> float:
+        def checked(value: object) -> float:
             made = number(value, f"the metric {name!r}")
             if made < 0.0:
                 raise ValueError(f"the metric {name!r} must not be negative: {made}")
@@ -69,19 +99,33 @@ class Metric:
         return f"Metric {self.name}"
 
 
-def native_metric(metric: Union[str, Metric, None]) -> Union[str, _native.OwnMetric, None]:
+AnyMetric = Union[str, Metric]
+
+
+def native_metric(metric: Optional[AnyMetric]) -> Union[str, _native.OwnMetric, None]:
     """A metric as the library takes it."""
     return metric._native if isinstance(metric, Metric) else metric
 
 
 class AskTell(Protocol):
-    """Who chooses points, in turns: it is asked for points and told their scores."""
+    """Who chooses points, in turns: it is asked for points and told their scores.
 
-    def ask(self) -> Sequence[Sequence[float]]:
-        """The next points, a coordinate from 0 to 1 each parameter; none where it has no more."""
+    >>> class Dice:
+    ...     def __init__(self, dimensions: int, budget: int, seed: int) -> None:
+    ...         self.rng, self.dimensions = np.random.default_rng(seed), dimensions
+    ...     def ask(self) -> list[list[float]]:
+    ...         return [list(self.rng.random(self.dimensions))]
+    ...     def tell(self, points, scores) -> None:
+    ...         pass
+    >>> study.tune(optimizer=realgap.Optimizer("dice", Dice, design=2), budget=4).summary.points
+    4
+    """
 
-    def tell(self, points: Sequence[Sequence[float]], scores: Sequence[Optional[float]]) -> None:
-        """Scores of points, small is good, `None` where a simulation diverged: first those of the first design, which were not its choice."""
+    # The next points, a coordinate from 0 to 1 each parameter; none where it has no more.
+    def ask(self) -> Sequence[Sequence[float]]: ...
+
+    # Scores of points, small is good, `None` where a simulation diverged: first those of the first design, which it did not choose.
+    def tell(self, points: Sequence[Sequence[float]], scores: Sequence[Optional[float]]) -> None: ...
 
 
 class Optimizer:
@@ -90,6 +134,9 @@ class Optimizer:
     `make(dimensions, budget, seed)` makes an object with `ask` and `tell`. The same seed must give the same points, for an
     interrupted tuning goes on by asking again; one that does not is told so. `design` is the number of space-filling points before
     it begins (ten a parameter where nobody says), `batch` the most points of one `ask`.
+
+    >>> realgap.Optimizer("mine", lambda dimensions, budget, seed: None, batch=8)
+    Optimizer mine
     """
 
     def __init__(

@@ -3,87 +3,134 @@
 from __future__ import annotations
 
 import json
-from typing import Any, Dict, List, Optional, Sequence, Union
+from dataclasses import dataclass
+from typing import Dict, List, Mapping, Optional, Sequence, Tuple, Union, cast
 
 from . import _native
-from ._array import asked
-from ._callback import Metric, native_metric
+from ._callback import AnyMetric, Metric, native_metric
+from ._json import JsonObject, asked, typed
 from ._picture import one, page
 from ._table import Table
-from ._trajectory import Trajectories, Trajectory, native_trajectory
+from ._trajectory import Trajectories, Trajectory, native_trajectories, native_trajectory
+from ._warning import Warning
 
-AnyMetric = Union[str, Metric]
+
+@dataclass(frozen=True)
+class Distances:
+    """How far one motion is from the reference: a number a metric, by the name of its column.
+
+    >>> realgap.compare(recordings[0], run, metric="rms").rows[0].distances.keys()
+    dict_keys(['rms_m'])
+    """
+
+    trajectory: str
+    reference: str
+    net_displacement_m: float
+    warnings: Tuple[Warning, ...]
+    distances: Mapping[str, float]
 
 
 class Comparison:
-    """Motions against a reference: a row each, a column a metric."""
+    """Motions against a reference: a row each, a column a metric.
+
+    >>> comparison = realgap.compare(recordings[0], [recordings[1], run], metric="rms")
+    >>> comparison.distance(0) == float(realgap.compare(recordings[0], recordings[1], metric="rms"))
+    True
+    """
 
     def __init__(
         self,
         reference: Trajectory,
-        others: Sequence[Trajectory],
+        others: Trajectories,
         metrics: Optional[Sequence[AnyMetric]],
         how: str,
     ) -> None:
-        self._reference = reference
-        self._others = list(others)
+        self._reference = native_trajectory(reference)
+        self._others = native_trajectories(others)
         self._metrics = None if metrics is None else [native_metric(metric) for metric in metrics]
         self._how = how
-        self._rows: List[Dict[str, Any]] = json.loads(self._ask(None))
+        self._json = self._ask(None)
+        self._rows = [_distances(row) for row in self.report]
 
     def _ask(self, picture: Optional[str]) -> str:
-        others = [native_trajectory(other) for other in self._others]
-        reference = native_trajectory(self._reference)
-        return _native.compare(reference, others, self._metrics, self._how, picture)
+        return _native.compare(self._reference, self._others, self._metrics, self._how, picture)
 
     @property
-    def rows(self) -> List[Dict[str, Any]]:
-        """A dict a motion."""
-        return [dict(row) for row in self._rows]
+    def report(self) -> List[JsonObject]:
+        """Everything as JSON, an object a motion.
+
+        >>> realgap.compare(recordings[0], run).report[0]["trajectory"]
+        'tripod'
+        """
+        return cast(List[JsonObject], json.loads(self._json))
+
+    @property
+    def rows(self) -> List[Distances]:
+        """One a motion.
+
+        >>> [row.trajectory for row in realgap.compare(recordings[0], [recordings[1], run]).rows]
+        ['run_01', 'tripod']
+        """
+        return list(self._rows)
 
     @property
     def table(self) -> Table:
-        """A row a motion."""
-        names = [name for name in self._rows[0] if name != "warnings"] if self._rows else []
-        return Table({name: [row[name] for row in self._rows] for name in names})
+        """A row a motion.
+
+        >>> realgap.compare(recordings[0], run, metric="rms").table
+        Table of 1 rows: trajectory, net_displacement_m, rms_m
+        """
+        said: Dict[str, List[Union[None, bool, int, float, str]]] = {
+            "trajectory": [row.trajectory for row in self._rows],
+            "net_displacement_m": [row.net_displacement_m for row in self._rows],
+        }
+        for name in self._rows[0].distances if self._rows else ():
+            said[name] = [row.distances[name] for row in self._rows]
+        return Table(said)
 
     @property
-    def warnings(self) -> List[Dict[str, str]]:
-        """What the reader should know, each once."""
-        found: List[Dict[str, str]] = []
-        for row in self._rows:
-            found.extend(warning for warning in row["warnings"] if warning not in found)
-        return found
+    def warnings(self) -> List[Warning]:
+        """What the reader should know, each once.
+
+        >>> realgap.compare(recordings[0], recordings[1], metric="rms").warnings
+        []
+        """
+        return list(dict.fromkeys(warning for row in self._rows for warning in row.warnings))
 
     def distance(self, index: int = 0) -> float:
-        """The first distance of a motion: the only one where one metric was asked for."""
-        row = self._rows[index]
-        first = [name for name in row if name not in _NOT_DISTANCES][0]
-        return float(row[first])
+        """The first distance of a motion: the only one where one metric was asked for.
+
+        >>> realgap.compare(run, [recordings[0], run], metric="rms").distance(1)
+        0.0
+        """
+        return next(iter(self._rows[index].distances.values()))
 
     def __float__(self) -> float:
-        """The distance, where one motion is compared by one metric."""
         return self.distance()
 
     def picture(self) -> bytes:
-        """The aligned paths, a PNG."""
+        r"""The aligned paths, a PNG.
+
+        >>> realgap.compare(recordings[0], run).picture()[:4]
+        b'\x89PNG'
+        """
         return one(self._ask)
 
     def __repr__(self) -> str:
-        return "\n".join(
-            ", ".join(
-                f"{name} {value:.6g}" if isinstance(value, float) else f"{value}"
-                for name, value in row.items()
-                if name not in ("warnings", "reference")
-            )
-            for row in self._rows
-        )
+        def text(row: Distances) -> str:
+            said = {"net_displacement_m": row.net_displacement_m, **row.distances}
+            return ", ".join([row.trajectory, *(f"{name} {value:.6g}" for name, value in said.items())])
+
+        return "\n".join(text(row) for row in self._rows)
 
     def _repr_html_(self) -> str:
         return self.table._repr_html_() + page("", [self.picture()], self.warnings)
 
 
-_NOT_DISTANCES = ("trajectory", "reference", "net_displacement_m", "warnings")
+def _distances(row: JsonObject) -> Distances:
+    known = ("trajectory", "reference", "net_displacement_m", "warnings")
+    rest = {name: value for name, value in row.items() if name not in known}
+    return cast(Distances, typed(Distances, {**row, "distances": rest}))
 
 
 def compare(
@@ -96,11 +143,14 @@ def compare(
     body_length_m: Optional[float] = None,
     equal_times: bool = False,
 ) -> Comparison:
-    """Compares motions with a reference, prepared as `prepare` does it; without a metric, by all that need positions only."""
-    many = list(others) if isinstance(others, (list, tuple)) else [others]
-    metrics: Optional[List[AnyMetric]] = None
+    """Compares motions with a reference, prepared as `prepare` does it; without a metric, by all that need positions only.
+
+    >>> float(realgap.compare(recordings[0], recordings[1], metric="rms")) > 0.0
+    True
+    """
+    metrics: Optional[Sequence[AnyMetric]] = None
     if metric is not None:
-        metrics = [metric] if isinstance(metric, (str, Metric)) else list(metric)
+        metrics = [metric] if isinstance(metric, (str, Metric)) else metric
     how = asked(
         "compare",
         components=components,
@@ -108,4 +158,4 @@ def compare(
         body_length_m=body_length_m,
         equal_times=equal_times,
     )
-    return Comparison(reference, many, metrics, how)
+    return Comparison(reference, others, metrics, how)

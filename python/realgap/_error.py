@@ -6,7 +6,14 @@ from typing import Optional
 
 
 class Error(Exception):
-    """Says where, what was found, what is allowed, and what to do next."""
+    """Says where, what was found, what is allowed, and what to do next.
+
+    >>> try:
+    ...     realgap.simulate(robot, parameters={"floor.frictoin": 0.4})
+    ... except realgap.Error as error:
+    ...     print(str(error).splitlines()[0])
+    no such parameter
+    """
 
     message: str = ""
     file: Optional[str] = None
@@ -16,27 +23,55 @@ class Error(Exception):
 
 
 class InvalidError(Error, ValueError):
-    """A file or value does not have the form or range it must have."""
+    """A file or value does not have the form or range it must have.
+
+    >>> realgap.Robot.from_text("Robot(legs: 3)")
+    Traceback (most recent call last):
+    realgap._error.InvalidError: robot:1:7: ...
+    """
 
 
 class UsageError(Error, ValueError):
-    """A function was called wrongly."""
+    """A function was called wrongly.
+
+    >>> study.sweep(jobs=0)
+    Traceback (most recent call last):
+    realgap._error.UsageError: jobs: not a number of threads...
+    """
 
 
 class ConflictError(Error):
-    """The request clashes with what is already there, e.g. with a folder of other results."""
+    """The request clashes with what is already there, e.g. with a folder of other results.
+
+    >>> issubclass(realgap.ConflictError, realgap.Error)
+    True
+    """
 
 
 class FileError(Error):
-    """The operating system refused: missing file, full disk, no permission."""
+    """The operating system refused: missing file, full disk, no permission.
+
+    >>> realgap.Robot.read("nowhere.ron")
+    Traceback (most recent call last):
+    realgap._error.FileError: nowhere.ron: ...
+    """
 
 
 class CallbackError(Error):
-    """A function of yours raised an exception, which is the cause of this one, or gave something that cannot be used."""
+    """A function of yours raised an exception, which is the cause of this one, or gave something that cannot be used.
+
+    >>> realgap.simulate(robot, gait=lambda t_s: {"leg_a": 1.0 / 0.0})
+    Traceback (most recent call last):
+    realgap._error.CallbackError: the gait raised ZeroDivisionError: float division by zero...
+    """
 
 
 class Interrupted(Error, KeyboardInterrupt):
-    """Ctrl-C; what was done so far is in the results folder, where there is one."""
+    """Ctrl-C; what was done so far is in the results folder, where there is one.
+
+    >>> issubclass(realgap.Interrupted, KeyboardInterrupt)
+    True
+    """
 
 
 def usage(

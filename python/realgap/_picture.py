@@ -8,6 +8,8 @@ import tempfile
 from pathlib import Path
 from typing import Callable, Dict, List, Sequence
 
+from ._warning import Warning
+
 
 def drawn(write: Callable[[str], object]) -> Dict[str, bytes]:
     """The pictures that `write` puts into a folder, by name without ending."""
@@ -24,7 +26,7 @@ def one(draw: Callable[[str], object]) -> bytes:
         return path.read_bytes()
 
 
-def page(text: str, pictures: Sequence[bytes], warnings: Sequence[Dict[str, str]] = ()) -> str:
+def page(text: str, pictures: Sequence[bytes], warnings: Sequence[Warning] = ()) -> str:
     """What a notebook shows: the text, the pictures below it, the warnings."""
     parts: List[str] = []
     if text:
@@ -32,7 +34,7 @@ def page(text: str, pictures: Sequence[bytes], warnings: Sequence[Dict[str, str]
         style = "font-family:monospace;font-size:0.8em;white-space:pre;overflow-x:auto"
         parts.append(f'<pre style="{style}">{html.escape(text)}</pre>')
     for warning in warnings:
-        note = f"{warning['message']} [{warning['code']}]"
+        note = f"{warning.message} [{warning.code}]"
         parts.append(f"<p><b>warning:</b> {html.escape(note)}</p>")
     for picture in pictures:
         data = base64.b64encode(picture).decode("ascii")

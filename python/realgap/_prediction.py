@@ -3,88 +3,107 @@
 from __future__ import annotations
 
 import json
-import os
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
+from typing import Mapping, Optional, Sequence, Tuple, Union
 
 from . import _native
-from ._array import asked
-from ._picture import drawn, page
-from ._robot import Path, Robot, native_robot
-from ._run import Progress, folder_name
-from ._simulation import Parameters, _parameters
+from ._callback import AnyMetric, native_metric
+from ._card import Card
+from ._forecast import EnsembleSummary
+from ._gap import GapSummary, MetricGap
+from ._json import Given, asked
+from ._result import Result
+from ._robot import Robot, native_robot
+from ._run import Parameters, Path, Progress, files_and_values, folder_name
 from ._table import Table
 
 # Fields of a study's `noise`, or a file of them. A distribution is `{"Normal": 0.01}`.
-Noise = Union[Mapping[str, Any], Path, None]
+Noise = Union[Mapping[str, Given], Path, None]
 
 
-class _Result:
-    """What results of repeats have in common."""
+class Ensemble(Result[_native.Ensemble, EnsembleSummary]):
+    """Repeats of a study's runs under noise.
 
-    def __init__(self, native: Union[_native.Ensemble, _native.Gap, _native.Prediction]) -> None:
-        self._result = native
-        self._report: Dict[str, Any] = json.loads(native.report())
-
-    @property
-    def report(self) -> Dict[str, Any]:
-        """Everything, as in the JSON file of the results folder."""
-        return dict(self._report)
-
-    @property
-    def warnings(self) -> List[Dict[str, str]]:
-        """What the reader should know."""
-        return list(self._report["warnings"])
-
-    def write(self, folder: Path) -> None:
-        """Writes the tables and pictures that the command writes."""
-        self._result.write(os.fspath(folder))
-
-    def pictures(self) -> Dict[str, bytes]:
-        """The pictures as PNG, by name."""
-        return drawn(self._result.write)
-
-    def __str__(self) -> str:
-        return self._result.text()
-
-    def __repr__(self) -> str:
-        return self._result.text()
-
-    def _repr_html_(self) -> str:
-        return page(str(self), list(self.pictures().values()), self.warnings)
-
-
-class Ensemble(_Result):
-    """Repeats of a study's runs under noise."""
+    >>> ensemble.summary.cases[0].summary.repeats
+    5
+    """
 
     def __init__(self, native: _native.Ensemble) -> None:
-        super().__init__(native)
-        self._native = native
+        super().__init__(native, EnsembleSummary)
+
+    @property
+    def summary(self) -> EnsembleSummary:
+        """Everything, as in `ensemble.json`.
+
+        >>> ensemble.summary.morphology
+        'tripod'
+        """
+        return self._summary
 
     @property
     def repeats(self) -> Table:
-        """A row a repeat."""
+        """A row a repeat.
+
+        >>> ensemble.repeats.rows
+        5
+        """
         return Table(json.loads(self._native.repeats()))
 
 
-class Gap(_Result):
-    """How many noise floors of reality lie between it and the simulation."""
+class Gap(Result[_native.Gap, GapSummary]):
+    """How many noise floors of reality lie between it and the simulation.
+
+    >>> gap.metrics[0].floor.value > 0.0
+    True
+    """
+
+    def __init__(self, native: _native.Gap) -> None:
+        super().__init__(native, GapSummary)
 
     @property
-    def metrics(self) -> List[Dict[str, Any]]:
-        """Noise floor, gap and their ratio, by metric."""
-        return [dict(metric) for metric in self._report["metrics"]]
+    def summary(self) -> GapSummary:
+        """Everything, as in `gap.json`.
+
+        >>> gap.summary.starts
+        1
+        """
+        return self._summary
+
+    @property
+    def metrics(self) -> Tuple[MetricGap, ...]:
+        """Noise floor, gap and their ratio, by metric.
+
+        >>> [metric.metric for metric in gap.metrics]
+        ['rms']
+        """
+        return self._summary.metrics
 
 
-class Prediction(_Result):
-    """What a robot will do before anybody builds it, and how likely."""
+class Prediction(Result[_native.Prediction, Card]):
+    """What a robot will do before anybody builds it, and how likely.
+
+    >>> prediction.card.success.probability.trials
+    5
+    """
 
     def __init__(self, native: _native.Prediction) -> None:
-        super().__init__(native)
-        self._native = native
+        super().__init__(native, Card)
+
+    @property
+    def card(self) -> Card:
+        """Everything, as in `prediction.json`.
+
+        >>> prediction.card.prediction.duration_s
+        0.5
+        """
+        return self._summary
 
     @property
     def repeats(self) -> Table:
-        """A row a repeat."""
+        """A row a repeat.
+
+        >>> prediction.repeats["repeat"]
+        [0, 1, 2, 3, 4]
+        """
         return Table(json.loads(self._native.repeats()))
 
 
@@ -96,13 +115,12 @@ def _drawing(
     model_error: bool = True,
     indistinguishable: Optional[Path] = None,
 ) -> str:
-    is_file = isinstance(noise, (str, os.PathLike))
     return asked(
         what,
         repeats=repeats,
         seed=seed,
-        noise=None if noise is None or is_file else dict(noise),  # type: ignore[arg-type]
-        noise_file=noise if is_file else None,
+        noise=dict(noise) if isinstance(noise, Mapping) else None,
+        noise_file=None if isinstance(noise, Mapping) else noise,
         model_error=model_error,
         indistinguishable=indistinguishable,
     )
@@ -126,7 +144,7 @@ def ensemble_of(
 
 def gap_of(
     study: _native.Study,
-    metrics: Optional[Sequence[Union[str, _native.OwnMetric, None]]],
+    metrics: Optional[Sequence[AnyMetric]],
     repeats: int,
     noise: Noise,
     seed: Optional[int],
@@ -136,7 +154,8 @@ def gap_of(
 ) -> Gap:
     """See `Study.gap`."""
     drawing = _drawing("gap", repeats, noise, seed)
-    return Gap(_native.study_gap(study, metrics, drawing, jobs, folder_name(folder), progress))
+    chosen = None if metrics is None else [native_metric(metric) for metric in metrics]
+    return Gap(_native.study_gap(study, chosen, drawing, jobs, folder_name(folder), progress))
 
 
 def predict(
@@ -154,8 +173,13 @@ def predict(
     folder: Optional[Path] = None,
     progress: Optional[Progress] = None,
 ) -> Prediction:
-    """The prediction card of a robot, as `realgap predict` makes it."""
-    files, values = _parameters(parameters)
+    """The prediction card of a robot, as `realgap predict` makes it.
+
+    >>> noise = {"friction_run_relative": {"LogNormal": 0.05}}
+    >>> realgap.predict(robot, duration_s=0.5, noise=noise, repeats=3, model_error=False).card.noise_from
+    'Python'
+    """
+    files, values = files_and_values(parameters)
     question = asked(
         "predict", duration_s=duration_s, success_m=success_m, set=values, parameters=files
     )

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
-from typing import Callable, Optional
+from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from ._error import usage
-from ._robot import Path
 
+Path = Union[str, "os.PathLike[str]"]
+# Values by name, or files of them such as the `best.ron` of a sweep.
+Parameters = Union[Mapping[str, float], Path, Sequence[Path], None]
 # Called with: done, total, the best score so far, and what is finished at the end.
 Progress = Callable[[int, int, Optional[float], Optional[str]], object]
 
@@ -27,3 +29,14 @@ def folder_name(folder: Optional[Path]) -> Optional[str]:
 def file_name(folder: Path, name: str) -> str:
     """What a text without a file is called: as if it lay in this folder, where the files that it names begin."""
     return os.path.join(os.fspath(folder), f"{name}.ron")
+
+
+def files_and_values(parameters: Parameters) -> Tuple[List[str], Dict[str, float]]:
+    """Parameters as the library takes them."""
+    if parameters is None:
+        return [], {}
+    if isinstance(parameters, Mapping):
+        return [], dict(parameters)
+    if isinstance(parameters, (str, os.PathLike)):
+        return [os.fspath(parameters)], {}
+    return [os.fspath(file) for file in parameters], {}

@@ -5,75 +5,123 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Mapping, Optional
+from typing import Callable, Dict, List, Mapping, Optional, SupportsFloat
 
 from . import _native
-from ._array import asked
 from ._callback import number
+from ._card import FinalistCard
+from ._error import usage
+from ._json import Given, JsonObject, asked, made, many, parsed
 from ._picture import drawn, page
-from ._robot import Path, Robot
-from ._run import Progress, file_name, folder_name, mode
-from ._simulation import Parameters, _parameters
+from ._robot import Robot
+from ._run import Parameters, Path, Progress, file_name, files_and_values, folder_name, mode
 from ._table import Table
 
-# What a robot is worth, larger is better, of what it did in its repeats: dicts with displacement_m, path_length_m, turned_rad
-# and servo_j.
-Objective = Callable[[List[Dict[str, Any]]], float]
+
+@dataclass(frozen=True)
+class Travel:
+    """What a robot did in one repeat.
+
+    >>> realgap.Travel(displacement_m=0.1, path_length_m=0.2, turned_rad=0.0, servo_j=None).path_length_m
+    0.2
+    """
+
+    displacement_m: float
+    path_length_m: float
+    turned_rad: float
+    servo_j: Optional[float]
+
+
+# What a robot is worth, larger is better, of what it did in its repeats.
+Objective = Callable[[List[Travel]], SupportsFloat]
 
 
 @dataclass(frozen=True)
 class Finalist:
-    """One of the best robots, looked at again with new draws and other solver settings."""
+    """One of the best robots, looked at again with new draws and other solver settings.
+
+    >>> found.finalists[0].card.robot == found.finalists[0].robot.name
+    True
+    """
 
     robot: Robot
-    card: Dict[str, Any]
+    card: FinalistCard
     text: str
 
     @property
     def survives(self) -> bool:
-        """Whether it walks the same under other solver settings."""
-        return bool(self.card["finals"]["survives"])
+        """Whether it walks the same under other solver settings.
+
+        >>> found.finalists[0].survives == all(rerun.survives for rerun in found.finalists[0].card.reruns)
+        True
+        """
+        return self.card.survives
 
     def _repr_html_(self) -> str:
         return page(self.text, [self.robot.picture()])
 
 
 class SearchResults:
-    """The robots of a search."""
+    """The robots of a search.
+
+    >>> found.robots.rows
+    8
+    """
 
     def __init__(self, native: _native.Found) -> None:
         self._native = native
 
     @property
     def robots(self) -> Table:
-        """A row a robot, in the order of the search."""
+        """A row a robot, in the order of the search.
+
+        >>> "fitness" in found.robots
+        True
+        """
         return Table(json.loads(self._native.robots()))
 
     @property
     def best(self) -> Optional[Robot]:
-        """The robot with the largest fitness in the search, with the luck of its draws; `None` where all failed."""
+        """The robot with the largest fitness in the search, with the luck of its draws; `None` where all failed.
+
+        >>> found.best.name in found.robots["robot"]
+        True
+        """
         native = self._native.best()
         return None if native is None else Robot(native)
 
     @property
     def finalists(self) -> List[Finalist]:
-        """The best robots, best first; none where the objective was yours."""
+        """The best robots, best first; none where the objective was yours.
+
+        >>> len(found.finalists)
+        1
+        """
         return [
-            Finalist(Robot(robot), json.loads(card), text)
+            Finalist(Robot(robot), made(FinalistCard, card), text)
             for robot, card, text in self._native.finalists()
         ]
 
     def write(self, folder: Path) -> None:
-        """Writes the tables and pictures that the command writes."""
+        """Writes the tables and pictures that the command writes.
+
+        >>> found.write(folder / "search")
+        >>> (folder / "search" / "history.csv").exists()
+        True
+        """
         self._native.write(os.fspath(folder))
 
     def pictures(self) -> Dict[str, bytes]:
-        """The pictures as PNG, by name."""
+        """The pictures as PNG, by name.
+
+        >>> "gallery" in found.pictures()
+        True
+        """
         return drawn(self._native.write)
 
     def __repr__(self) -> str:
         fitness = [value for value in self.robots["fitness"] if value is not None]
-        best = f", best {max(fitness):.4g}" if fitness else ""
+        best = f", best {max(map(float, fitness)):.4g}" if fitness else ""
         return f"SearchResults of {self.robots.rows} robots{best}"
 
     def _repr_html_(self) -> str:
@@ -82,45 +130,102 @@ class SearchResults:
         return page(repr(self), [pictures[name] for name in wanted if name in pictures])
 
 
+@dataclass(frozen=True)
+class _Info:
+    name: str
+    strategy: str
+    robots: int
+    objective: str
+
+
 class Search:
-    """A search, ready to run. Use `Search.read`, `Search.from_text` or `Search.from_dict`."""
+    """A search, ready to run. Use `Search.read`, `Search.from_text` or `Search.from_dict`.
+
+    >>> search
+    Search quick: 8 robots by evolution, net displacement
+    """
 
     def __init__(self, native: _native.Search) -> None:
         self._native = native
-        self._info: Dict[str, Any] = json.loads(native.info())
+        self._info = made(_Info, native.info())
 
     @classmethod
-    def read(cls, path: Path, **wishes: Any) -> "Search":
-        """A search from its RON file. Different from the file, if wished: `set`, `parameters`, `indistinguishable`, `seed`."""
-        return cls._parsed(os.fspath(path), None, False, wishes)
+    def read(
+        cls,
+        path: Path,
+        *,
+        set: Optional[Mapping[str, float]] = None,
+        parameters: Parameters = None,
+        indistinguishable: Optional[Path] = None,
+        seed: Optional[int] = None,
+    ) -> "Search":
+        """A search from its RON file; what is named here is different from the file.
+
+        >>> realgap.Search.read("sweeps/best_robot.ron", seed=7).info["seed"]
+        7
+        """
+        wishes = _wishes(set, parameters, indistinguishable, seed)
+        return cls(_native.Search.parse(os.fspath(path), None, False, wishes))
 
     @classmethod
-    def from_text(cls, text: str, *, name: str = "search", folder: Path = ".", **wishes: Any) -> "Search":
-        """A search from RON; the files that it names are relative to `folder`."""
-        return cls._parsed(file_name(folder, name), text, False, wishes)
+    def from_text(
+        cls,
+        text: str,
+        *,
+        name: str = "search",
+        folder: Path = ".",
+        set: Optional[Mapping[str, float]] = None,
+        parameters: Parameters = None,
+        indistinguishable: Optional[Path] = None,
+        seed: Optional[int] = None,
+    ) -> "Search":
+        """A search from RON; the files that it names are relative to `folder`.
+
+        >>> realgap.Search.from_text("Search(strategy: Random(robots: 20), duration_s: 0.5, repeats: 2)").info["robots"]
+        20
+        """
+        wishes = _wishes(set, parameters, indistinguishable, seed)
+        return cls(_native.Search.parse(file_name(folder, name), text, False, wishes))
 
     @classmethod
     def from_dict(
-        cls, fields: Mapping[str, Any], *, name: str = "search", folder: Path = ".", **wishes: Any
+        cls,
+        fields: Mapping[str, Given],
+        *,
+        name: str = "search",
+        folder: Path = ".",
+        set: Optional[Mapping[str, float]] = None,
+        parameters: Parameters = None,
+        indistinguishable: Optional[Path] = None,
+        seed: Optional[int] = None,
     ) -> "Search":
-        """A search from the fields of its file."""
-        path = file_name(folder, name)
-        return cls._parsed(path, asked("a search", **dict(fields)), True, wishes)
+        """A search from the fields of its file.
 
-    @classmethod
-    def _parsed(cls, path: str, text: Optional[str], is_json: bool, wishes: Dict[str, Any]) -> "Search":
-        told = asked("a search", **_all_wishes(**wishes))
-        return cls(_native.Search.parse(path, text, is_json, told))
+        >>> fields = {"strategy": {"Random": {"robots": 20}}, "duration_s": 0.5, "repeats": 2}
+        >>> realgap.Search.from_dict(fields, seed=3).info["seed"]
+        3
+        """
+        text = asked("a search", **dict(fields))
+        wishes = _wishes(set, parameters, indistinguishable, seed)
+        return cls(_native.Search.parse(file_name(folder, name), text, True, wishes))
 
     @property
     def name(self) -> str:
-        """Its name."""
-        return str(self._info["name"])
+        """Its name.
+
+        >>> search.name
+        'quick'
+        """
+        return self._info.name
 
     @property
-    def info(self) -> Dict[str, Any]:
-        """Strategy, number of robots, repeats, objective."""
-        return dict(self._info)
+    def info(self) -> JsonObject:
+        """Strategy, number of robots, repeats, objective.
+
+        >>> search.info["repeats"]
+        2
+        """
+        return parsed(self._native.info())
 
     def run(
         self,
@@ -136,13 +241,14 @@ class Search:
 
         With an `objective` of yours the search is in memory, and nothing is looked at again: a finalist is ranked by the
         objective of the file.
+
+        >>> search.run(objective=lambda repeats: min(repeat.path_length_m for repeat in repeats)).finalists
+        []
         """
         how = mode(resume, restart)
         if objective is None:
             return SearchResults(self._native.run(jobs, folder_name(folder), how, progress))
         if folder is not None:
-            from ._error import usage
-
             raise usage(
                 "a search for an objective in Python is kept in memory",
                 field="folder",
@@ -151,26 +257,26 @@ class Search:
         wanted = objective
 
         def fitness(repeats: str) -> float:
-            return number(wanted(json.loads(repeats)), "the objective")
+            return number(wanted(many(Travel, repeats)), "the objective")
 
         return SearchResults(self._native.run_for(fitness, jobs, progress))
 
     def __repr__(self) -> str:
         info = self._info
-        return f"Search {self.name}: {info['robots']} robots by {info['strategy']}, {info['objective']}"
+        return f"Search {self.name}: {info.robots} robots by {info.strategy}, {info.objective}"
 
 
-def _all_wishes(
-    *,
-    set: Optional[Mapping[str, float]] = None,
-    parameters: Parameters = None,
-    indistinguishable: Optional[Path] = None,
-    seed: Optional[int] = None,
-) -> Dict[str, Any]:
-    files, values = _parameters(parameters)
-    return {
-        "set": {**values, **dict(set or {})},
-        "parameters": files,
-        "indistinguishable": indistinguishable,
-        "seed": seed,
-    }
+def _wishes(
+    set: Optional[Mapping[str, float]],
+    parameters: Parameters,
+    indistinguishable: Optional[Path],
+    seed: Optional[int],
+) -> str:
+    files, values = files_and_values(parameters)
+    return asked(
+        "a search",
+        set={**values, **(set or {})},
+        parameters=files,
+        indistinguishable=indistinguishable,
+        seed=seed,
+    )

@@ -2,111 +2,154 @@
 
 from __future__ import annotations
 
-import json
 import os
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Union
+from dataclasses import dataclass
+from typing import Callable, Dict, List, Literal, Mapping, Optional, Tuple
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._array import Floats, asked, given, got, sent
+from ._array import Floats, given, got, sent
 from ._callback import number
 from ._error import CallbackError, Error, usage
-from ._picture import page
-from ._robot import Path, Robot, native_robot
+from ._json import JsonObject, asked, made, parsed
+from ._robot import Robot, native_robot
+from ._run import Parameters, Path, files_and_values
 from ._trajectory import Trajectory
+from ._warning import Warning
 
 # A gait: angles by hinge at a time, seconds from the start of the run.
 Gait = Callable[[float], Mapping[str, float]]
-Parameters = Union[Mapping[str, float], Path, Sequence[Path], None]
+JointKind = Literal["auto", "multibody", "impulse"]
 
 
-class Simulation:
-    """What a run did: every part and hinge, as arrays over the same times."""
+@dataclass(frozen=True)
+class EnergyBalance:
+    """Where the energy of a run came from and went, joules: all but the servos' positive part add up to the kinetic energy.
+
+    >>> energy = realgap.simulate(robot, duration_s=0.5, energy=True).energy
+    >>> energy.servo_positive_j > 0.0
+    True
+    """
+
+    servo_j: float
+    servo_positive_j: float
+    gravity_j: float
+    contact_j: float
+    friction_j: float
+    joint_j: float
+    slack_j: float
+    kinetic_j: float
+    residual_j: float
+
+
+@dataclass(frozen=True)
+class _Info:
+    records_joints: bool
+    energy: Optional[EnergyBalance]
+    warnings: Tuple[Warning, ...]
+
+
+class Simulation(Trajectory):
+    """What a run did: the motion of the tracked module, and every part and hinge, as arrays over the same times.
+
+    >>> isinstance(run, realgap.Trajectory), run.robot.name
+    (True, 'tripod')
+    """
 
     def __init__(self, native: _native.Simulation, robot: Robot, name: str) -> None:
-        self._native = native
-        self._info: Dict[str, Any] = json.loads(native.info())
+        self._run = native
+        self._facts = made(_Info, native.info())
         self.robot = robot
-        with_joints = bool(self._info["records_joints"])
-        self.trajectory = Trajectory._of(native.trajectory(name, with_joints))
-
-    @property
-    def times_s(self) -> Floats:
-        """Times, n."""
-        return self.trajectory.times_s
-
-    @property
-    def positions_m(self) -> Floats:
-        """Positions of the tracked module in the world, n x 3."""
-        return self.trajectory.positions_m
+        self._adopt(native.trajectory(name, self._facts.records_joints))
 
     @property
     def quaternions(self) -> Floats:
-        """Orientations of the tracked module, world from body, real part first, n x 4."""
-        turned = self.trajectory.quaternions
+        """Orientations of the tracked module, world from body, real part first, n x 4.
+
+        >>> run.quaternions.shape
+        (31, 4)
+        """
+        turned = super().quaternions
         assert turned is not None, "every simulated motion has orientations"
         return turned
 
     @property
     def part_positions_m(self) -> Floats:
-        """Positions of all rigid parts, n x parts x 3, in the order of `Robot.parts`."""
-        return got(self._native.parts()[0], len(self.trajectory), len(self.robot.parts), 3)
+        """Positions of all rigid parts, n x parts x 3, in the order of `Robot.parts`.
+
+        >>> run.part_positions_m.shape
+        (31, 4, 3)
+        """
+        return got(self._run.parts()[0], len(self), len(self.robot.parts), 3)
 
     @property
     def part_quaternions(self) -> Floats:
-        """Orientations of all rigid parts, real part first, n x parts x 4."""
-        return got(self._native.parts()[1], len(self.trajectory), len(self.robot.parts), 4)
+        """Orientations of all rigid parts, real part first, n x parts x 4.
+
+        >>> run.part_quaternions.shape
+        (31, 4, 4)
+        """
+        return got(self._run.parts()[1], len(self), len(self.robot.parts), 4)
 
     @property
     def joint_angles_rad(self) -> Floats:
-        """Angles of all hinges, n x hinges, in the order of `Robot.hinges`."""
-        return got(self._native.joints()[0], len(self.trajectory), len(self.robot.hinges))
+        """Angles of all hinges, n x hinges, in the order of `Robot.hinges`.
+
+        >>> run.joint_angles_rad.shape
+        (31, 3)
+        """
+        return got(self._run.joints()[0], len(self), len(self.robot.hinges))
 
     @property
     def joint_speeds_rad_s(self) -> Floats:
-        """Speeds of all hinges, n x hinges."""
-        return got(self._native.joints()[1], len(self.trajectory), len(self.robot.hinges))
+        """Speeds of all hinges, n x hinges.
+
+        >>> run.joint_speeds_rad_s.shape
+        (31, 3)
+        """
+        return got(self._run.joints()[1], len(self), len(self.robot.hinges))
 
     @property
-    def net_displacement_m(self) -> float:
-        """Distance from start to end in the plane."""
-        moved = self.trajectory.net_displacement_m
-        return float(np.hypot(moved[0], moved[1]))
+    def energy(self) -> Optional[EnergyBalance]:
+        """Where the energy came from and went, with `energy=True`.
+
+        >>> run.energy is None
+        True
+        """
+        return self._facts.energy
 
     @property
-    def energy(self) -> Optional[Dict[str, float]]:
-        """Where the energy came from and went, J; with `energy=True`."""
-        energy: Optional[Dict[str, float]] = self._info["energy"]
-        return energy
+    def info(self) -> JsonObject:
+        """Steps, CPU time, servo error, solver and engine.
+
+        >>> run.info["robot"]
+        'tripod'
+        """
+        return parsed(self._run.info())
 
     @property
-    def info(self) -> Dict[str, Any]:
-        """Steps, CPU time, servo error, solver and engine."""
-        return dict(self._info)
+    def warnings(self) -> Tuple[Warning, ...]:
+        """What the reader should know.
 
-    @property
-    def warnings(self) -> List[Dict[str, str]]:
-        """What the reader should know."""
-        return list(self._info["warnings"])
-
-    def write(self, path: Path) -> List[Dict[str, str]]:
-        """Writes the tracked motion, the same bytes as `realgap simulate -o`."""
-        return self.trajectory.write(path)
+        >>> run.warnings
+        ()
+        """
+        return self._facts.warnings
 
     def write_parts(self, path: Path) -> None:
-        """Writes all parts and hinges as CSV, the same bytes as `realgap simulate --parts`."""
-        self._native.write_parts(os.fspath(path))
+        """Writes all parts and hinges as CSV, the same bytes as `realgap simulate --parts`.
+
+        >>> run.write_parts(folder / "parts.csv")
+        """
+        self._run.write_parts(os.fspath(path))
 
     def __repr__(self) -> str:
         return (
-            f"Simulation of {self.robot.name}: {self.trajectory.duration_s:.4g} s,"
+            f"Simulation of {self.robot.name}: {self.duration_s:.4g} s,"
             f" net displacement {100.0 * self.net_displacement_m:.2f} cm"
         )
-
-    def _repr_html_(self) -> str:
-        return page(repr(self), [self.trajectory.picture()], self.warnings)
 
 
 def simulate(
@@ -118,7 +161,7 @@ def simulate(
     times_s: Optional[npt.ArrayLike] = None,
     timestep_s: Optional[float] = None,
     substeps: Optional[int] = None,
-    joint: Optional[str] = None,
+    joint: Optional[JointKind] = None,
     arena: Optional[Path] = None,
     gait: Optional[Gait] = None,
     gait_rate_hz: float = 240.0,
@@ -130,8 +173,12 @@ def simulate(
     `parameters` are values by name, or files such as the `best.ron` of a sweep. `gait(t_s)` gives angles in radians by hinge, in
     place of the gaits of the file; it is asked `gait_rate_hz` times a second before the run, with straight lines between, so that
     it cannot react to the robot. Servos that it does not name keep their own gaits. `name` is what pictures call the motion.
+
+    >>> slow = realgap.simulate(robot, duration_s=0.5, parameters={"floor.friction": 0.4}, rate_hz=10.0)
+    >>> len(slow)
+    6
     """
-    files, values = _parameters(parameters)
+    files, values = files_and_values(parameters)
     settings = asked(
         "simulate",
         duration_s=duration_s,
@@ -150,17 +197,7 @@ def simulate(
     return Simulation(run, robot, robot.name if name is None else name)
 
 
-def _parameters(parameters: Parameters) -> "tuple[List[str], Dict[str, float]]":
-    if parameters is None:
-        return [], {}
-    if isinstance(parameters, Mapping):
-        return [], dict(parameters)
-    if isinstance(parameters, (str, os.PathLike)):
-        return [os.fspath(parameters)], {}
-    return [os.fspath(file) for file in parameters], {}
-
-
-def _commands(gait: Gait, duration_s: float, rate_hz: float) -> "List[tuple[str, bytes, bytes]]":
+def _commands(gait: Gait, duration_s: float, rate_hz: float) -> List[Tuple[str, bytes, bytes]]:
     if not (np.isfinite(rate_hz) and 0.0 < rate_hz <= 1e5):
         raise usage("out of range", field="gait_rate_hz", found=rate_hz, allowed="more than 0, at most 1e5")
     if not (np.isfinite(duration_s) and 0.0 < duration_s <= 3600.0):
@@ -186,7 +223,7 @@ def _commands(gait: Gait, duration_s: float, rate_hz: float) -> "List[tuple[str,
 
 def _angles(gait: Gait, t_s: float) -> Dict[str, float]:
     try:
-        angles = gait(t_s)
+        angles: object = gait(t_s)
         if not isinstance(angles, Mapping):
             raise TypeError(f"the gait must give a dict of angles by hinge, not {angles!r}")
         return {str(hinge): number(a, f"the gait of {hinge}") for hinge, a in angles.items()}

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import json
 import os
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Dict, List, Literal, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _native
-from ._array import asked
-from ._callback import Metric, Optimizer, native_metric
-from ._comparison import AnyMetric
-from ._picture import drawn, page
+from ._callback import AnyMetric, Optimizer, native_metric
+from ._json import Given, JsonObject, asked, made, parsed
 from ._prediction import Ensemble, Gap, Noise, ensemble_of, gap_of
-from ._robot import Path, Robot, native_robot
-from ._run import Progress, file_name, folder_name, mode
-from ._simulation import Parameters, _parameters
+from ._result import Result
+from ._robot import Robot, native_robot
+from ._run import Parameters, Path, Progress, file_name, files_and_values, folder_name, mode
+from ._sweep import Best, SweepSummary, Verdict
 from ._table import Table
-from ._trajectory import Trajectory, native_trajectory
+from ._trajectory import Trajectories, Trajectory, native_trajectories
+from ._warning import Warning
 
 if TYPE_CHECKING:
     import pandas
@@ -26,145 +27,272 @@ if TYPE_CHECKING:
 Range = Union[Tuple[float, float], Tuple[float, float, int]]
 # Points of a range that does not say how many: 21 x 21 as in paper 003.
 POINTS = 21
+Start = Literal["settled", "first-sample", "half-sample", "flight"]
 
 
-class Answer:
-    """What a sweep or a tuning says: the best point, and how sure that is."""
+class Answer(Result[_native.Answer, SweepSummary]):
+    """What a sweep or a tuning says: the best point, and how sure that is.
+
+    >>> list(answer.best), answer.unit
+    (['floor.friction'], 'm')
+    """
+
+    _shown = ("heatmap", "curve", "trajectories", "convergence")
 
     def __init__(self, native: _native.Answer, study: "Study") -> None:
-        self._native = native
+        super().__init__(native, SweepSummary)
         self.study = study
-        self._report: Dict[str, Any] = json.loads(native.report())
 
     @property
-    def report(self) -> Dict[str, Any]:
-        """Everything, as in `summary.json`."""
-        return dict(self._report)
+    def summary(self) -> SweepSummary:
+        """Everything, as in `summary.json`.
+
+        >>> answer.summary.metric
+        'rms'
+        """
+        return self._summary
+
+    @property
+    def _best(self) -> Best:
+        assert self._summary.best is not None, "an answer without a best point is an error"
+        return self._summary.best
 
     @property
     def best(self) -> Dict[str, float]:
-        """The values of the best point."""
-        return dict(self._report["best"]["parameters"])
+        """The values of the best point.
+
+        >>> answer.best["floor.friction"] in answer.points["floor.friction"]
+        True
+        """
+        return dict(self._best.parameters)
 
     @property
     def fitted(self) -> "Study":
-        """The study with the best values fixed, for ensembles and gaps; it warns that its recordings were used to find them."""
+        """The study with the best values fixed, for ensembles and gaps; it warns that its recordings were used to find them.
+
+        >>> "in-sample" in [warning.code for warning in answer.fitted.warnings]
+        True
+        """
         return Study(self._native.fitted())
 
     @property
     def score(self) -> float:
-        """The score of the best point, in `unit`."""
-        return float(self._report["best"]["score"])
+        """The score of the best point, in `unit`.
+
+        >>> answer.score == answer.summary.best.score
+        True
+        """
+        return self._best.score
 
     @property
     def unit(self) -> str:
-        """Unit of the scores."""
-        return str(self._report["unit"])
+        """Unit of the scores.
+
+        >>> answer.unit
+        'm'
+        """
+        return self._summary.unit
 
     @property
-    def verdicts(self) -> List[Dict[str, Any]]:
-        """What the recordings say about each parameter: best, interval, whether they determine it."""
-        return [dict(verdict) for verdict in self._report["verdicts"]]
+    def verdicts(self) -> Tuple[Verdict, ...]:
+        """What the recordings say about each parameter: best, interval, whether they determine it.
+
+        >>> [verdict.parameter for verdict in answer.verdicts]
+        ['floor.friction']
+        """
+        return self._summary.verdicts
 
     @property
     def points(self) -> Table:
-        """A row a point: parameters, score, whether it can be told from the best."""
+        """A row a point: parameters, score, whether it can be told from the best.
+
+        >>> answer.points.rows
+        3
+        """
         return Table(json.loads(self._native.points()))
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """The points as a pandas frame."""
+        """The points as a pandas frame.
+
+        >>> answer.to_pandas().sort_values("score").shape[0]
+        3
+        """
         return self.points.to_pandas()
 
     def to_polars(self) -> "polars.DataFrame":
-        """The points as a polars frame."""
+        """The points as a polars frame.
+
+        >>> answer.to_polars().height
+        3
+        """
         return self.points.to_polars()
 
-    @property
-    def warnings(self) -> List[Dict[str, str]]:
-        """What the reader should know."""
-        return list(self._report["warnings"])
 
-    def write(self, folder: Path) -> None:
-        """Writes the tables and pictures that the command writes."""
-        self._native.write(os.fspath(folder))
+@dataclass(frozen=True)
+class _Varied:
+    name: str
 
-    def pictures(self) -> Dict[str, bytes]:
-        """The pictures as PNG, by name."""
-        return drawn(self._native.write)
 
-    def __str__(self) -> str:
-        return self._native.text()
-
-    def __repr__(self) -> str:
-        return self._native.text()
-
-    def _repr_html_(self) -> str:
-        pictures = self.pictures()
-        wanted = ("heatmap", "curve", "trajectories", "convergence")
-        shown = [pictures[name] for name in wanted if name in pictures]
-        return page(str(self), shown, self.warnings)
+@dataclass(frozen=True)
+class _Info:
+    name: str
+    robot: str
+    parameters: Tuple[_Varied, ...]
+    recordings: Tuple[str, ...]
+    metric: str
+    warnings: Tuple[Warning, ...]
 
 
 class Study:
-    """A study, ready to run. Use `Study.read`, `Study.from_text`, `Study.from_dict`, or `Study.of`."""
+    """A study, ready to run. Use `Study.read`, `Study.from_text`, `Study.from_dict`, or `Study.of`.
+
+    >>> study
+    Study study: tripod, 2 recordings, floor.friction by rms
+    """
 
     def __init__(self, native: _native.Study) -> None:
         self._native = native
-        self._info: Dict[str, Any] = json.loads(native.info())
+        self._info = made(_Info, native.info())
 
     @classmethod
-    def read(cls, path: Path, **wishes: Any) -> "Study":
-        """A study from its RON file, as `realgap sweep` reads it.
+    def read(
+        cls,
+        path: Path,
+        *,
+        recordings: Union[str, Sequence[str], None] = None,
+        every: Optional[int] = None,
+        offset: int = 0,
+        limit_recordings: Optional[int] = None,
+        metric: Optional[AnyMetric] = None,
+        points: Optional[int] = None,
+        seed: Optional[int] = None,
+        score: Optional[str] = None,
+        basis: Optional[Path] = None,
+        set: Optional[Mapping[str, float]] = None,
+        parameters: Parameters = None,
+        folds: Optional[int] = None,
+        hold_out: Optional[float] = None,
+        reading: Optional[Mapping[str, Given]] = None,
+    ) -> "Study":
+        """A study from its RON file, as `realgap sweep` reads it; what is named here is different from the file.
 
-        Different from the file, if wished: `recordings` (globs), `every`, `offset`, `limit_recordings`, `metric` (a name or a
-        `Metric`), `points`, `seed`, `score` ("valid", "ensemble:N", "single"), `basis`, `set` (values by name), `parameters` (files
-        of values), `folds`, `hold_out`, `reading`.
+        `recordings` are globs, of which every `every`-th from `offset` on is taken, at most `limit_recordings`; `points` is the
+        number of each range; `score` is "valid", "ensemble:N" or "single"; `basis` is "recordings" or a file, for metrics that
+        project; `set` fixes values by name, `parameters` those of files; `folds` or `hold_out` (a share) keep recordings for a
+        check; `reading` says how files are read.
+
+        >>> realgap.Study.read("sweeps/tripod_floor.ron", points=3, recordings="real_trajectories/tripod_standin/run_0*.csv")
+        Study tripod_floor: tripod, 10 recordings, floor.friction, floor.restitution by pca
         """
-        return cls._parsed(os.fspath(path), None, False, wishes)
+        wishes = _wishes(
+            recordings, every, offset, limit_recordings, points, seed, score, basis, set, parameters, folds,
+            hold_out, reading,
+        )  # fmt: skip
+        return cls(_native.Study.parse(os.fspath(path), None, False, native_metric(metric), wishes))
 
     @classmethod
-    def from_text(cls, text: str, *, name: str = "study", folder: Path = ".", **wishes: Any) -> "Study":
-        """A study from RON. The files that it names are relative to `folder`; wishes as for `Study.read`."""
+    def from_text(
+        cls,
+        text: str,
+        *,
+        name: str = "study",
+        folder: Path = ".",
+        recordings: Union[str, Sequence[str], None] = None,
+        every: Optional[int] = None,
+        offset: int = 0,
+        limit_recordings: Optional[int] = None,
+        metric: Optional[AnyMetric] = None,
+        points: Optional[int] = None,
+        seed: Optional[int] = None,
+        score: Optional[str] = None,
+        basis: Optional[Path] = None,
+        set: Optional[Mapping[str, float]] = None,
+        parameters: Parameters = None,
+        folds: Optional[int] = None,
+        hold_out: Optional[float] = None,
+        reading: Optional[Mapping[str, Given]] = None,
+    ) -> "Study":
+        """A study from RON. The files that it names are relative to `folder`; the rest as for `Study.read`.
+
+        >>> with open("sweeps/tripod_floor.ron") as file:
+        ...     realgap.Study.from_text(file.read(), name="floor", folder="sweeps", limit_recordings=4).name
+        'floor'
+        """
+        wishes = _wishes(
+            recordings, every, offset, limit_recordings, points, seed, score, basis, set, parameters, folds,
+            hold_out, reading,
+        )  # fmt: skip
         path = file_name(folder, name)
-        return cls._parsed(path, text, False, wishes)
+        return cls(_native.Study.parse(path, text, False, native_metric(metric), wishes))
 
     @classmethod
     def from_dict(
-        cls, fields: Mapping[str, Any], *, name: str = "study", folder: Path = ".", **wishes: Any
+        cls,
+        fields: Mapping[str, Given],
+        *,
+        name: str = "study",
+        folder: Path = ".",
+        recordings: Union[str, Sequence[str], None] = None,
+        every: Optional[int] = None,
+        offset: int = 0,
+        limit_recordings: Optional[int] = None,
+        metric: Optional[AnyMetric] = None,
+        points: Optional[int] = None,
+        seed: Optional[int] = None,
+        score: Optional[str] = None,
+        basis: Optional[Path] = None,
+        set: Optional[Mapping[str, float]] = None,
+        parameters: Parameters = None,
+        folds: Optional[int] = None,
+        hold_out: Optional[float] = None,
+        reading: Optional[Mapping[str, Given]] = None,
     ) -> "Study":
-        """A study from the fields of its file, as `Robot.from_dict` takes those of a robot."""
-        path = file_name(folder, name)
-        return cls._parsed(path, asked("a study", **dict(fields)), True, wishes)
+        """A study from the fields of its file, as `Robot.from_dict` takes those of a robot; the rest as for `Study.from_text`.
 
-    @classmethod
-    def _parsed(cls, path: str, text: Optional[str], is_json: bool, wishes: Dict[str, Any]) -> "Study":
-        metric = native_metric(wishes.pop("metric", None))
-        told = asked("a study", **_all_wishes(**wishes))
-        return cls(_native.Study.parse(path, text, is_json, metric, told))
+        >>> fields = {
+        ...     "morphology": "morphologies/tripod.ron",
+        ...     "recordings": ["real_trajectories/tripod_standin/run_0[01].csv"],
+        ...     "start": "Settled",
+        ...     "duration_s": 0.5,
+        ...     "parameters": [{"name": "floor.friction", "from": 0.2, "to": 0.8, "points": 3}],
+        ...     "metric": "rms",
+        ... }
+        >>> realgap.Study.from_dict(fields).sweep().points["score"] == answer.points["score"]
+        True
+        """
+        wishes = _wishes(
+            recordings, every, offset, limit_recordings, points, seed, score, basis, set, parameters, folds,
+            hold_out, reading,
+        )  # fmt: skip
+        path, text = file_name(folder, name), asked("a study", **dict(fields))
+        return cls(_native.Study.parse(path, text, True, native_metric(metric), wishes))
 
     @classmethod
     def of(
         cls,
         robot: Robot,
-        recordings: Union[Trajectory, Sequence[Trajectory]],
+        recordings: Trajectories,
         vary: Mapping[str, Range],
         *,
         name: str = "study",
         metric: Optional[AnyMetric] = None,
         set: Optional[Mapping[str, float]] = None,
         duration_s: Optional[float] = None,
-        start: str = "settled",
+        start: Start = "settled",
         score: Optional[str] = None,
         seed: int = 1,
         folds: Optional[int] = None,
         hold_out: Optional[float] = None,
-        noise: Optional[Mapping[str, Any]] = None,
+        noise: Optional[Mapping[str, Given]] = None,
     ) -> "Study":
         """A study of objects: `vary` names parameters with (from, to) or (from, to, points).
 
         `start` is "settled", or "first-sample", "half-sample" or "flight" for runs that begin with the state of each recording.
+        Runs of a simulation are recordings, too.
+
+        >>> realgap.Study.of(robot, run, {"floor.friction": (0.2, 0.8)}, metric="rms").info["points"]
+        21
         """
-        many = [recordings] if isinstance(recordings, Trajectory) else list(recordings)
         ranges = [(parameter, *_range(values)) for parameter, values in vary.items()]
         said = asked(
             "a study",
@@ -179,40 +307,68 @@ class Study:
             hold_out=hold_out,
             noise=None if noise is None else dict(noise),
         )
-        given = [native_trajectory(recording) for recording in many]
+        given = native_trajectories(recordings)
         return cls(_native.Study.build(native_robot(robot), given, native_metric(metric), said))
 
     @property
     def name(self) -> str:
-        """Its name."""
-        return str(self._info["name"])
+        """Its name.
+
+        >>> study.name
+        'study'
+        """
+        return self._info.name
 
     @property
-    def info(self) -> Dict[str, Any]:
-        """What it says: parameters, recordings, metric, seed."""
-        return dict(self._info)
+    def info(self) -> JsonObject:
+        """What it says: parameters, recordings, metric, seed.
+
+        >>> study.info["recordings"]
+        ['run_00', 'run_01']
+        """
+        return parsed(self._native.info())
 
     @property
     def parameters(self) -> List[str]:
-        """The parameters that vary, in the order of an optimizer's coordinates."""
-        return [str(parameter["name"]) for parameter in self._info["parameters"]]
+        """The parameters that vary, in the order of an optimizer's coordinates.
+
+        >>> study.parameters
+        ['floor.friction']
+        """
+        return [parameter.name for parameter in self._info.parameters]
 
     @property
     def recordings(self) -> List[Trajectory]:
-        """Its recordings."""
+        """Its recordings.
+
+        >>> [recording.name for recording in study.recordings]
+        ['run_00', 'run_01']
+        """
         return [Trajectory._of(native) for native in self._native.recordings()]
 
     @property
-    def warnings(self) -> List[Dict[str, str]]:
-        """What the reader should know."""
-        return list(self._info["warnings"])
+    def warnings(self) -> Tuple[Warning, ...]:
+        """What the reader should know.
+
+        >>> [warning.code for warning in study.warnings]
+        []
+        """
+        return self._info.warnings
 
     def at(self, values: Mapping[str, float]) -> "Study":
-        """The same study with these values fixed, for ensembles and gaps."""
+        """The same study with these values fixed, for ensembles and gaps.
+
+        >>> study.at({"floor.friction": 0.4}).info["set"]
+        {'floor.friction': 0.4}
+        """
         return Study(self._native.at({name: float(value) for name, value in values.items()}))
 
     def values(self, point: Sequence[float]) -> Dict[str, float]:
-        """The values of the parameters at coordinates from 0 to 1."""
+        """The values of the parameters at coordinates from 0 to 1.
+
+        >>> study.values([0.5])
+        {'floor.friction': 0.5}
+        """
         return dict(zip(self.parameters, self._native.values([float(x) for x in point])))
 
     def sweep(
@@ -224,7 +380,11 @@ class Study:
         restart: bool = False,
         progress: Optional[Progress] = None,
     ) -> Answer:
-        """Tries every point of the grid. Into `folder` goes what `realgap sweep -o` writes, with the same bytes."""
+        """Tries every point of the grid. Into `folder` goes what `realgap sweep -o` writes, with the same bytes.
+
+        >>> study.sweep(folder=folder / "sweep").best == answer.best
+        True
+        """
         how = mode(resume, restart)
         return Answer(self._native.sweep(jobs, folder_name(folder), how, progress), self)
 
@@ -240,7 +400,11 @@ class Study:
         restart: bool = False,
         progress: Optional[Progress] = None,
     ) -> Answer:
-        """Lets an optimizer choose the points."""
+        """Lets an optimizer choose the points.
+
+        >>> study.tune(optimizer="nelder-mead", budget=12).summary.tuning.evaluated
+        12
+        """
         if isinstance(optimizer, Optimizer):
             name = optimizer.name
             own = (optimizer.design, optimizer.batch, optimizer._proposer())
@@ -264,7 +428,11 @@ class Study:
         folder: Optional[Path] = None,
         progress: Optional[Progress] = None,
     ) -> Ensemble:
-        """Repeats the study's runs under noise: what will really happen, and how sure may we be?"""
+        """Repeats the study's runs under noise: what will really happen, and how sure may we be?
+
+        >>> answer.fitted.ensemble(repeats=5, model_error=False).repeats.rows
+        5
+        """
         return ensemble_of(
             self._native, repeats, noise, seed, model_error, indistinguishable, jobs, folder, progress
         )
@@ -280,15 +448,17 @@ class Study:
         folder: Optional[Path] = None,
         progress: Optional[Progress] = None,
     ) -> Gap:
-        """How many noise floors of reality is the simulation away?"""
-        chosen = None if metrics is None else [native_metric(metric) for metric in metrics]
-        return gap_of(self._native, chosen, repeats, noise, seed, jobs, folder, progress)
+        """How many noise floors of reality is the simulation away?
+
+        >>> len(answer.fitted.gap(metrics=["rms", "end-point"], repeats=5).metrics)
+        2
+        """
+        return gap_of(self._native, metrics, repeats, noise, seed, jobs, folder, progress)
 
     def __repr__(self) -> str:
         info = self._info
-        count = len(info["recordings"])
-        varied = ", ".join(self.parameters)
-        return f"Study {self.name}: {info['robot']}, {count} recordings, {varied} by {info['metric']}"
+        count, varied = len(info.recordings), ", ".join(self.parameters)
+        return f"Study {self.name}: {info.robot}, {count} recordings, {varied} by {info.metric}"
 
 
 def _range(values: Range) -> Tuple[float, float, int]:
@@ -297,36 +467,35 @@ def _range(values: Range) -> Tuple[float, float, int]:
     return (float(values[0]), float(values[1]), int(values[2]))
 
 
-def _all_wishes(
-    *,
-    recordings: Union[str, Sequence[str], None] = None,
-    every: Optional[int] = None,
-    offset: int = 0,
-    limit_recordings: Optional[int] = None,
-    points: Optional[int] = None,
-    seed: Optional[int] = None,
-    score: Optional[str] = None,
-    basis: Optional[str] = None,
-    set: Optional[Mapping[str, float]] = None,
-    parameters: Parameters = None,
-    folds: Optional[int] = None,
-    hold_out: Optional[float] = None,
-    reading: Optional[Mapping[str, Any]] = None,
-) -> Dict[str, Any]:
-    files, values = _parameters(parameters)
-    globs = [] if recordings is None else [recordings] if isinstance(recordings, str) else list(recordings)
-    return {
-        "recordings": globs,
-        "every": every,
-        "offset": offset,
-        "limit_recordings": limit_recordings,
-        "points": points,
-        "seed": seed,
-        "score": score,
-        "basis": basis,
-        "set": {**values, **dict(set or {})},
-        "parameters": files,
-        "folds": folds,
-        "hold_out": hold_out,
-        "reading": dict(reading or {}),
-    }
+def _wishes(
+    recordings: Union[str, Sequence[str], None],
+    every: Optional[int],
+    offset: int,
+    limit_recordings: Optional[int],
+    points: Optional[int],
+    seed: Optional[int],
+    score: Optional[str],
+    basis: Optional[Path],
+    set: Optional[Mapping[str, float]],
+    parameters: Parameters,
+    folds: Optional[int],
+    hold_out: Optional[float],
+    reading: Optional[Mapping[str, Given]],
+) -> str:
+    files, values = files_and_values(parameters)
+    return asked(
+        "a study",
+        recordings=[recordings] if isinstance(recordings, str) else list(recordings or ()),
+        every=every,
+        offset=offset,
+        limit_recordings=limit_recordings,
+        points=points,
+        seed=seed,
+        score=score,
+        basis=basis,
+        set={**values, **(set or {})},
+        parameters=files,
+        folds=folds,
+        hold_out=hold_out,
+        reading=dict(reading or {}),
+    )

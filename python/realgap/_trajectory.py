@@ -2,56 +2,95 @@
 
 from __future__ import annotations
 
-import json
 import os
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Optional, Tuple, Union
+from typing import Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _native
-from ._array import Floats, asked, given, got, sent
+from ._array import Floats, given, got, sent
 from ._error import usage
+from ._json import Given, JsonObject, asked, made, many, parsed
 from ._picture import one, page
-from ._robot import Path
+from ._run import Path
+from ._warning import Warning
 
 
 @dataclass(frozen=True)
 class Joint:
-    """Angles of a joint, and its speeds where they are known."""
+    """Angles of a joint, and its speeds where they are known.
+
+    >>> realgap.Trajectory([0, 1], [[0, 0], [1, 0]], joints={"knee": [0.0, 0.5]}).joints["knee"].angles_rad
+    array([0. , 0.5])
+    """
 
     angles_rad: Floats
     speeds_rad_s: Optional[Floats]
 
 
 @dataclass(frozen=True)
-class Prepared:
-    """A path as paths are compared: 182 points uniform in time, from the origin, net displacement along +x."""
+class _Measures:
+    net_displacement_m: float
+    path_length_m: float
+    heading_rad: float
+    warnings: Tuple[Warning, ...]
+
+
+@dataclass(frozen=True)
+class Prepared(_Measures):
+    """A path as paths are compared: 182 points uniform in time, from the origin, net displacement along +x.
+
+    >>> realgap.prepare(recordings[0]).xy_m.shape
+    (182, 2)
+    """
 
     xy_m: Floats
     z_m: Optional[Floats]
     quaternions: Optional[Floats]
-    net_displacement_m: float
-    path_length_m: float
-    heading_rad: float
-    warnings: List[Dict[str, str]]
 
 
-def native_trajectory(motion: Any) -> _native.Trajectory:
+@dataclass(frozen=True)
+class _Info:
+    name: str
+    samples: int
+    duration_s: float
+    net_displacement_world_m: Tuple[float, float, float]
+    is_planar: bool
+    is_stand_in: bool
+    joints: Tuple[str, ...]
+    warnings: Tuple[Warning, ...]
+
+
+Trajectories = Union["Trajectory", Sequence["Trajectory"]]
+
+
+def native_trajectory(motion: object) -> _native.Trajectory:
     """A motion as the library takes it."""
     if isinstance(motion, Trajectory):
         return motion._native
     raise usage(
         "not a trajectory",
         found=type(motion).__name__,
-        allowed="a realgap.Trajectory",
+        allowed="a realgap.Trajectory or realgap.Simulation",
         hint="Trajectory.read(path) reads one, Trajectory(times_s, positions_m) makes one",
     )
 
 
+def native_trajectories(motions: Trajectories) -> List[_native.Trajectory]:
+    """One motion or several as the library takes them."""
+    if isinstance(motions, Sequence) and not isinstance(motions, str):
+        return [native_trajectory(motion) for motion in motions]
+    return [native_trajectory(motions)]
+
+
 class Trajectory:
-    """Times, positions, and what else is known of a motion. It never changes; its arrays are read-only."""
+    """Times, positions, and what else is known of a motion. It never changes; its arrays are read-only.
+
+    >>> realgap.Trajectory([0.0, 0.5, 1.0], [[0, 0, 0], [0.1, 0, 0], [0.3, 0, 0]], name="push")
+    Trajectory push: 3 samples, 1 s
+    """
 
     def __init__(
         self,
@@ -69,6 +108,9 @@ class Trajectory:
 
         `positions_m` is n x 3 in the world, z up, or n x 2 where heights are not known; `quaternions` is n x 4, world from
         body, real part first. `stand_in_of` names the robot where no hardware made this motion: pictures say so then.
+
+        >>> realgap.Trajectory(run.times_s, run.positions_m, run.quaternions, stand_in_of="tripod").is_stand_in
+        True
         """
         times = given(times_s, "times_s", (None,))
         count = len(times)
@@ -97,21 +139,24 @@ class Trajectory:
             )
         )
 
-    @classmethod
-    def _of(cls, native: _native.Trajectory) -> "Trajectory":
-        made = cls.__new__(cls)
-        made._adopt(native)
-        return made
+    @staticmethod
+    def _of(native: _native.Trajectory) -> "Trajectory":
+        motion = Trajectory.__new__(Trajectory)
+        motion._adopt(native)
+        return motion
 
     def _adopt(self, native: _native.Trajectory) -> None:
         self._native = native
-        self._info: Dict[str, Any] = json.loads(native.info())
-        self._count = int(self._info["samples"])
+        self._motion = made(_Info, native.info())
 
-    @classmethod
-    def read(cls, path: Path, reading: Optional[Mapping[str, Any]] = None) -> "Trajectory":
-        """The motion in a CSV or TUM file. `reading` is what a study says under that name, e.g. `{"length": "mm"}`."""
-        all_of_it = cls.read_all(path, reading)
+    @staticmethod
+    def read(path: Path, reading: Optional[Mapping[str, Given]] = None) -> "Trajectory":
+        """The motion in a file of any format that is read. `reading` is what a study says under that name.
+
+        >>> realgap.Trajectory.read("real_trajectories/tripod_standin/run_00.csv", {"length": "m"}).name
+        'run_00'
+        """
+        all_of_it = Trajectory.read_all(path, reading)
         if len(all_of_it) != 1:
             raise usage(
                 "the file holds several recordings",
@@ -121,100 +166,181 @@ class Trajectory:
             )
         return all_of_it[0]
 
-    @classmethod
-    def read_all(
-        cls, path: Path, reading: Optional[Mapping[str, Any]] = None
-    ) -> List["Trajectory"]:
-        """Every motion in a file that holds several, told apart by the column `run`."""
-        how = asked("reading", **dict(reading or {}))
-        return [cls._of(native) for native in _native.Trajectory.read(os.fspath(path), how)]
+    @staticmethod
+    def read_all(path: Path, reading: Optional[Mapping[str, Given]] = None) -> List["Trajectory"]:
+        """Every motion in a file that holds several, told apart by the column `run`.
 
-    def write(self, path: Path) -> List[Dict[str, str]]:
-        """Writes it as CSV or TUM, by the ending; returns what the format cannot hold."""
-        return list(json.loads(self._native.write(os.fspath(path))))
+        >>> len(realgap.Trajectory.read_all("real_trajectories/tripod_standin/run_00.csv"))
+        1
+        """
+        how = asked("reading", **dict(reading or {}))
+        return [Trajectory._of(native) for native in _native.Trajectory.read(os.fspath(path), how)]
+
+    def write(self, path: Path) -> List[Warning]:
+        """Writes it as CSV or TUM, by the ending; returns what the format cannot hold.
+
+        >>> run.write(folder / "run.csv")
+        []
+        """
+        return many(Warning, self._native.write(os.fspath(path)))
 
     @property
     def name(self) -> str:
-        """Its name: that of the file."""
-        return str(self._info["name"])
+        """Its name: that of the file, or of the robot that was simulated.
+
+        >>> recordings[0].name, run.name
+        ('run_00', 'tripod')
+        """
+        return self._motion.name
 
     @property
     def times_s(self) -> Floats:
-        """Times, n."""
-        return got(self._native.times_s(), self._count)
+        """Times, n.
+
+        >>> run.times_s[-1]
+        0.5
+        """
+        return got(self._native.times_s(), len(self))
 
     @property
     def positions_m(self) -> Floats:
-        """Positions of the tracked point in the world, n x 3."""
-        return got(self._native.positions(), self._count, 3)
+        """Positions of the tracked point in the world, n x 3.
+
+        >>> run.positions_m.shape
+        (31, 3)
+        """
+        return got(self._native.positions(), len(self), 3)
 
     @property
     def quaternions(self) -> Optional[Floats]:
-        """Orientations, world from body, real part first, n x 4."""
+        """Orientations, world from body, real part first, n x 4.
+
+        >>> run.quaternions.shape
+        (31, 4)
+        """
         data = self._native.orientations()
-        return None if data is None else got(data, self._count, 4)
+        return None if data is None else got(data, len(self), 4)
 
     @property
     def velocities_m_s(self) -> Optional[Floats]:
-        """Velocities in the world, n x 3."""
+        """Velocities in the world, n x 3.
+
+        >>> run.velocities_m_s.shape
+        (31, 3)
+        """
         data = self._native.velocities()
-        return None if data is None else got(data[0], self._count, 3)
+        return None if data is None else got(data[0], len(self), 3)
 
     @property
     def angular_velocities_body_rad_s(self) -> Optional[Floats]:
-        """Angular velocities in the frame of the body, n x 3."""
+        """Angular velocities in the frame of the body, n x 3.
+
+        >>> run.angular_velocities_body_rad_s.shape
+        (31, 3)
+        """
         data = self._native.velocities()
-        return None if data is None else got(data[1], self._count, 3)
+        return None if data is None else got(data[1], len(self), 3)
 
     @property
     def joints(self) -> Dict[str, Joint]:
-        """Joints by name."""
+        """Joints by name.
+
+        >>> recordings[0].joints
+        {}
+        """
         found: Dict[str, Joint] = {}
-        for name in self._info["joints"]:
+        for name in self._motion.joints:
             data = self._native.joint(name)
             if data is not None:
-                speeds = None if data[1] is None else got(data[1], self._count)
-                found[name] = Joint(got(data[0], self._count), speeds)
+                speeds = None if data[1] is None else got(data[1], len(self))
+                found[name] = Joint(got(data[0], len(self)), speeds)
         return found
 
     @property
     def bodies(self) -> Dict[str, "Trajectory"]:
-        """Motions of other bodies in the same file, by name."""
+        """Motions of other bodies in the same file, by name.
+
+        >>> recordings[0].bodies
+        {}
+        """
         return {name: Trajectory._of(native) for name, native in self._native.bodies()}
 
     @property
     def is_planar(self) -> bool:
-        """Whether heights are unknown."""
-        return bool(self._info["is_planar"])
+        """Whether heights are unknown.
+
+        >>> realgap.Trajectory([0, 1], [[0, 0], [1, 0]]).is_planar
+        True
+        """
+        return self._motion.is_planar
 
     @property
     def is_stand_in(self) -> bool:
-        """Whether it was made by a program in place of hardware."""
-        return bool(self._info["is_stand_in"])
+        """Whether it was made by a program in place of hardware.
+
+        >>> recordings[0].is_stand_in
+        True
+        """
+        return self._motion.is_stand_in
 
     @property
     def duration_s(self) -> float:
-        """From the first sample to the last."""
-        return float(self._info["duration_s"])
+        """From the first sample to the last.
+
+        >>> run.duration_s
+        0.5
+        """
+        return self._motion.duration_s
 
     @property
-    def net_displacement_m(self) -> Floats:
-        """Last position minus first, 3."""
-        return given(self._info["net_displacement_world_m"], "net_displacement_m", (3,))
+    def displacement_m(self) -> Floats:
+        """Last position minus first, 3.
+
+        >>> realgap.Trajectory([0, 1], [[0, 0, 1], [3, 4, 1]]).displacement_m
+        array([3., 4., 0.])
+        """
+        return given(self._motion.net_displacement_world_m, "displacement_m", (3,))
 
     @property
-    def warnings(self) -> List[Dict[str, str]]:
-        """What the reader should know."""
-        return list(self._info["warnings"])
+    def net_displacement_m(self) -> float:
+        """Distance from start to end in the plane.
+
+        >>> realgap.Trajectory([0, 1], [[0, 0], [3, 4]]).net_displacement_m
+        5.0
+        """
+        moved = self._motion.net_displacement_world_m
+        return float(np.hypot(moved[0], moved[1]))
+
+    @property
+    def info(self) -> JsonObject:
+        """Everything in numbers; of a simulation also steps, CPU time, servo error, solver and engine.
+
+        >>> recordings[0].info["samples"] == len(recordings[0])
+        True
+        """
+        return parsed(self._native.info())
+
+    @property
+    def warnings(self) -> Tuple[Warning, ...]:
+        """What the reader should know.
+
+        >>> run.warnings
+        ()
+        """
+        return self._motion.warnings
 
     def __len__(self) -> int:
-        return self._count
+        return self._motion.samples
 
     def __repr__(self) -> str:
-        return f"Trajectory {self.name}: {self._count} samples, {self.duration_s:.4g} s"
+        return f"Trajectory {self.name}: {len(self)} samples, {self.duration_s:.4g} s"
 
     def picture(self) -> bytes:
-        """Its prepared path, a PNG."""
+        r"""Its prepared path, a PNG.
+
+        >>> recordings[0].picture()[:4]
+        b'\x89PNG'
+        """
         return one(self._native.draw)
 
     def _repr_html_(self) -> str:
@@ -237,16 +363,20 @@ def _width(rows: npt.ArrayLike) -> int:
 
 
 def prepare(trajectory: Trajectory) -> Prepared:
-    """Brings a path into the form in which paths are compared."""
+    """Brings a path into the form in which paths are compared.
+
+    >>> realgap.prepare(run).xy_m[0]
+    array([0., 0.])
+    """
     xy, z, turned, info = native_trajectory(trajectory).prepare()
     count = len(xy) // 16
-    rest: Dict[str, Any] = json.loads(info)
+    rest = made(_Measures, info)
     return Prepared(
+        rest.net_displacement_m,
+        rest.path_length_m,
+        rest.heading_rad,
+        rest.warnings,
         xy_m=got(xy, count, 2),
         z_m=None if z is None else got(z, count),
         quaternions=None if turned is None else got(turned, count, 4),
-        **rest,
     )
-
-
-Trajectories = Union[Trajectory, List[Trajectory], Tuple[Trajectory, ...]]

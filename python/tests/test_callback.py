@@ -229,7 +229,7 @@ def test_a_search_for_an_objective_of_ones_own(tmp_path):
 
     def turning(repeats):
         seen.append(repeats)
-        return sum(abs(repeat["turned_rad"]) for repeat in repeats) / len(repeats)
+        return sum(abs(repeat.turned_rad) for repeat in repeats) / len(repeats)
 
     found = search.run(objective=turning, jobs=2)
     fitness = [value for value in found.robots["fitness"] if value is not None]

@@ -103,9 +103,9 @@ def test_what_was_fitted_is_called_in_sample(study_file):
     answer = realgap.Study.read(study_file).sweep()
     fitted = answer.fitted
     assert fitted.info["set"] == answer.best
-    assert "in-sample" in [warning["code"] for warning in fitted.warnings]
+    assert "in-sample" in [warning.code for warning in fitted.warnings]
     again = realgap.Study.read(study_file).at(answer.best)
-    assert "in-sample" not in [warning["code"] for warning in again.warnings]
+    assert "in-sample" not in [warning.code for warning in again.warnings]
     assert fitted.gap(repeats=4).metrics == again.gap(repeats=4).metrics
 
 
@@ -149,7 +149,7 @@ def test_a_gap_and_an_ensemble_say_what_the_command_says(command, study_file, tm
 def test_a_comparison_says_what_the_command_says(command, recordings):
     files = [STAND_INS / "run_00.csv", STAND_INS / "run_01.csv"]
     theirs = json.loads(command("compare", *files, "--format", "json").stdout)
-    ours = realgap.compare(recordings[0], recordings[1]).rows
+    ours = realgap.compare(recordings[0], recordings[1]).report
     for row in theirs:
         row.pop("pca_components")
         row.pop("pca_4_coefficients_m")

@@ -1,6 +1,9 @@
 """The committed schemas are JSON Schemas by the reference implementation's measure, and answers and inputs fit them."""
 
+import collections.abc
+import dataclasses
 import json
+from typing import Literal, Union, get_args, get_origin, get_type_hints
 
 import pytest
 from jsonschema import Draft202012Validator
@@ -44,3 +47,64 @@ def test_a_dictionary_that_is_a_robot_fits_the_schema_and_one_that_does_not_is_n
     assert faults("files/robot", wrong) != []
     with pytest.raises(realgap.Error, match="mass_g"):
         realgap.Robot.from_dict(wrong)
+
+
+def kinds(schema, definitions):
+    """What a schema allows, without null: a set of the names of JSON's kinds, and the schema that says so."""
+    if "$ref" in schema:
+        return kinds(definitions[schema["$ref"].rsplit("/", 1)[-1]], definitions)
+    for word in ("anyOf", "oneOf"):
+        if word in schema:
+            parts = [part for part in schema[word] if part != {"type": "null"}]
+            if len(parts) == 1 or all("const" in part for part in parts):
+                return kinds(parts[0], definitions) if len(parts) == 1 else ({"string"}, schema)
+    kind = schema.get("type", [])
+    return set([kind] if isinstance(kind, str) else kind) - {"null"}, schema
+
+
+PLAIN = {str: "string", int: "integer", float: "number", bool: "boolean"}
+
+
+def assert_says(kind, schema, definitions, where):
+    """A type has the fields of the schema, neither more nor fewer, with their kinds."""
+    allowed, schema = kinds(schema, definitions)
+    origin, inner = get_origin(kind), get_args(kind)
+    if kind in PLAIN:
+        assert PLAIN[kind] in allowed, (where, allowed)
+    elif origin is Literal:
+        assert sorted(inner) == sorted(part["const"] for part in schema["oneOf"]), where
+    elif origin is Union and type(None) in inner and len(inner) == 2:
+        assert_says(inner[0], schema, definitions, where)
+    elif origin is Union:
+        assert where.endswith(".noise"), (where, "only what was given to a study is untyped")
+    elif origin is tuple or dataclasses.is_dataclass(kind) and "array" in allowed:
+        parts = schema.get("prefixItems") or [schema["items"]]
+        types = inner if origin is tuple else list(get_type_hints(kind).values())
+        for part, item in zip(types, parts * (len(types) if len(parts) == 1 else 1)):
+            if part is not ...:
+                assert_says(part, item, definitions, f"{where}[]")
+    elif dataclasses.is_dataclass(kind):
+        hints = get_type_hints(kind)
+        assert set(hints) == set(schema["properties"]) - {"schema_version"}, f"{where}: {kind}"
+        for name, hint in hints.items():
+            assert_says(hint, schema["properties"][name], definitions, f"{where}.{name}")
+    else:
+        assert origin is collections.abc.Mapping and allowed == {"object"}, (where, kind)
+        assert_says(inner[1], schema["additionalProperties"], definitions, f"{where}[]")
+
+
+@pytest.mark.parametrize(
+    "answer, kind",
+    [
+        ("sweep", realgap.answer.SweepSummary),
+        ("gap", realgap.answer.GapSummary),
+        ("ensemble", realgap.answer.EnsembleSummary),
+        ("predict", realgap.answer.FinalistCard),
+    ],
+)
+def test_the_types_of_answers_have_the_fields_of_their_schemas(answer, kind):
+    whole = schema(f"answers/{answer}")
+    assert_says(kind, whole, whole["$defs"], answer)
+    if kind is realgap.answer.FinalistCard:
+        every = {field.name for field in dataclasses.fields(realgap.answer.Card)}
+        assert every == set(whole["required"]) - {"schema_version"}

@@ -37,7 +37,7 @@ def test_points_become_frames_with_the_same_numbers(answer):
 def test_an_answer_says_what_is_best_and_how_sure(answer):
     assert set(answer.best) == {"floor.friction", "floor.restitution"}
     assert answer.unit == "m" and answer.score > 0.0
-    assert [verdict["parameter"] for verdict in answer.verdicts] == list(answer.best)
+    assert [verdict.parameter for verdict in answer.verdicts] == list(answer.best)
     assert "best:" in str(answer)
 
 
@@ -48,7 +48,7 @@ def images(shown):
 def test_a_notebook_shows_pictures(answer, tripod, recordings):
     run = realgap.simulate(tripod, duration_s=0.5)
     prediction = realgap.predict(tripod, duration_s=0.5, repeats=5, model_error=False)
-    comparison = realgap.compare(recordings[0], [recordings[1], run.trajectory])
+    comparison = realgap.compare(recordings[0], [recordings[1], run])
     for shown, count in (
         (tripod, 1),
         (recordings[0], 1),
@@ -71,7 +71,7 @@ def test_names_in_a_page_are_harmless(recordings):
 
 def test_stand_ins_are_called_so(tripod, recordings):
     run = realgap.simulate(tripod, duration_s=0.5)
-    assert run.trajectory.is_stand_in and recordings[0].is_stand_in
+    assert run.is_stand_in and recordings[0].is_stand_in
     made = realgap.Trajectory(run.times_s, run.positions_m)
     assert not made.is_stand_in
     said = realgap.Trajectory(run.times_s, run.positions_m, stand_in_of="tripod")

@@ -1,31 +1,143 @@
 """The package is typed, and using it wrongly is found before it runs."""
 
+import json
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-pytest.importorskip("mypy")
 PACKAGE = Path(__file__).resolve().parents[1]
 
+# What people write, with the types that they get. Both checkers in their strict mode have nothing to say of it.
 PROGRAM = """
+from typing import Mapping, Optional, Sequence
+
 import numpy as np
+import numpy.typing as npt
+
 import realgap
+from realgap.answer import Estimate, Interval, Proportion
 
 robot = realgap.Robot.read("tripod.ron")
-run = realgap.simulate(robot, duration_s=1.0, parameters={"floor.friction": 0.4})
+run = realgap.simulate(robot, duration_s=1.0, parameters={"floor.friction": 0.4}, joint="multibody")
 length: float = run.net_displacement_m
+angles: npt.NDArray[np.float64] = run.joint_angles_rad
 real = realgap.Trajectory(np.arange(3), np.zeros((3, 3)))
-distance: float = float(realgap.compare(real, run.trajectory, metric="rms"))
-study = realgap.Study.of(robot, real, {"floor.friction": (0.1, 0.9, 5)}, metric="rms")
-best: dict[str, float] = study.sweep(jobs=2).best
+either: list[realgap.Trajectory] = [real, run]
+compared = realgap.compare(real, [real, run], metric="rms")
+distance: float = float(compared) + compared.rows[1].distances["rms_m"]
+
+study = realgap.Study.read("study.ron", points=5, metric="rms", set={"floor.restitution": 0.1}, reading={"length": "mm"})
+study = realgap.Study.from_dict({"morphology": "tripod.ron", "parameters": [{"name": "floor.friction"}]}, folds=2)
+study = realgap.Study.of(robot, either, {"floor.friction": (0.1, 0.9, 5)}, noise={"start_heading_rad": {"Normal": 0.02}})
+answer = study.sweep(jobs=2)
+best: dict[str, float] = answer.best
+for verdict in answer.verdicts:
+    wide: float = verdict.high - verdict.low
+    interval: Optional[Interval] = verdict.interval
+    print(f"{verdict.parameter} {verdict.best:.3g} {verdict.unit}", verdict.identified, verdict.text)
+codes: list[str] = [warning.code for warning in answer.warnings]
+lowest: float = float(answer.points.numbers("score").min())
+audit = answer.summary.audit
+if audit is not None:
+    changes: list[Optional[float]] = [row.change for row in audit.rows]
+frame = answer.to_polars()
+raw: realgap.Json = answer.report["best"]
+
+for metric in answer.fitted.gap(repeats=5).metrics:
+    floor: Optional[Estimate] = metric.floor
+success = realgap.predict(robot).card.success
+if success is not None:
+    likely: Proportion = success.probability
+
+
+def ends(one: npt.NDArray[np.float64], other: npt.NDArray[np.float64]) -> float:
+    return float(np.linalg.norm(one[-1] - other[-1]))
+
+
+def later(one: realgap.Trajectory, other: realgap.Trajectory) -> float:
+    return abs(one.duration_s - other.duration_s)
+
+
+own = [realgap.Metric("ends", ends), realgap.Metric("later", later, unit="s", whole=True)]
+realgap.compare(real, run, metric=own)
+
+
+class Dice:
+    def __init__(self, dimensions: int, budget: int, seed: int) -> None:
+        self.rng = np.random.default_rng(seed)
+
+    def ask(self) -> Sequence[Sequence[float]]:
+        return [[self.rng.random()]]
+
+    def tell(self, points: Sequence[Sequence[float]], scores: Sequence[Optional[float]]) -> None:
+        pass
+
+
+study.tune(optimizer=realgap.Optimizer("dice", Dice), budget=9)
+
+
+def gait(t_s: float) -> Mapping[str, float]:
+    return {hinge: float(np.sin(t_s)) for hinge in robot.hinges}
+
+
+def turning(repeats: list[realgap.Travel]) -> float:
+    return min(abs(repeat.turned_rad) for repeat in repeats)
+
+
+realgap.simulate(robot, gait=gait)
+found = realgap.Search.read("search.ron", seed=2).run(objective=turning)
+survivors: list[int] = [finalist.card.rank for finalist in found.finalists if finalist.survives]
+"""
+# Slips that both find, one a line.
+SLIPS = """
+realgap.simulate("tripod.ron")
+wrong: str = run.net_displacement_m
+realgap.Study.read("study.ron", pionts=5)
+realgap.Study.read("study.ron", points="five")
+realgap.Study.of(robot, ["run.csv"], {})
+realgap.simulate(robot, joint="rubber")
+answer.verdicts[0].bset
+answer.verdicts[0]["best"]
+realgap.Metric("wrong", later)
 """
 
 
+def checked(tmp_path, checker, text):
+    """The lines of a program of which a checker has something to say, with what."""
+    program = tmp_path / "program.py"
+    program.write_text(text)
+    if checker == "mypy":
+        said = mypy("--strict", "--output", "json", program).stdout.splitlines()
+        found = [json.loads(line) for line in said if line.startswith("{")]
+        faults = [(fault["line"], fault["message"]) for fault in found]
+    else:
+        faults = [
+            (fault["range"]["start"]["line"] + 1, fault["message"])
+            for fault in pyright(tmp_path, "program.py", typeCheckingMode="strict")
+        ]
+    return {line: message for line, message in faults}
+
+
 def mypy(*words):
+    pytest.importorskip("mypy")
     words = [sys.executable, "-m", "mypy", "--cache-dir", ".mypy_cache", *map(str, words)]
     return subprocess.run(words, capture_output=True, text=True, cwd=PACKAGE)
+
+
+def pyright(folder, *included, **settings):
+    """What pyright finds; it is a program of its own, which needs the network when it runs for the first time."""
+    pytest.importorskip("pyright", reason="SKIPPED: pyright is not installed")
+    settings = {**settings, "include": [*included], "extraPaths": [str(PACKAGE)]}
+    (folder / "pyrightconfig.json").write_text(json.dumps(settings))
+    words = [sys.executable, "-m", "pyright", "--outputjson", "--pythonpath", sys.executable, "-p", str(folder)]
+    done = subprocess.run(words, capture_output=True, text=True)
+    if not done.stdout.startswith("{"):
+        pytest.skip(f"SKIPPED: pyright does not run here: {done.stdout[-200:]}{done.stderr[-200:]}")
+    said = json.loads(done.stdout)
+    assert said["summary"]["filesAnalyzed"] > 0, said
+    return [fault for fault in said["generalDiagnostics"] if fault["severity"] == "error"]
 
 
 def test_the_package_itself_is_sound():
@@ -33,18 +145,22 @@ def test_the_package_itself_is_sound():
     assert done.returncode == 0, done.stdout
 
 
+def test_the_package_itself_is_sound_for_the_stricter_checker(tmp_path):
+    relaxed = {"reportPrivateUsage": False, "reportUnnecessaryIsInstance": False}
+    faults = pyright(tmp_path, str(PACKAGE / "realgap"), typeCheckingMode="strict", **relaxed)
+    assert [(fault["file"], fault["message"]) for fault in faults] == []
+
+
 def test_the_stubs_are_those_of_the_compiled_half():
+    pytest.importorskip("mypy")
     words = [sys.executable, "-m", "mypy.stubtest", "--ignore-disjoint-bases", "realgap._native"]
     done = subprocess.run(words, capture_output=True, text=True, cwd=PACKAGE)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_a_program_that_uses_it_is_checked(tmp_path):
-    good = tmp_path / "good.py"
-    good.write_text(PROGRAM)
-    done = mypy("--strict", good)
-    assert done.returncode == 0, done.stdout
-    bad = tmp_path / "bad.py"
-    bad.write_text(PROGRAM + 'realgap.simulate("tripod.ron")\nwrong: str = run.net_displacement_m\n')
-    done = mypy("--strict", bad)
-    assert done.stdout.count("error:") == 2, done.stdout
+@pytest.mark.parametrize("checker", ["mypy", "pyright"])
+def test_a_program_that_uses_it_passes_the_strict_check_and_one_with_slips_does_not(tmp_path, checker):
+    assert checked(tmp_path, checker, PROGRAM) == {}
+    first = len(PROGRAM.splitlines()) + 1
+    slips = range(first, first + len(SLIPS.strip().splitlines()))
+    assert set(checked(tmp_path, checker, PROGRAM + SLIPS.lstrip())) == set(slips)

@@ -1,0 +1,231 @@
+"""What `summary.json` of a sweep or a tuning says (schemas/answers/sweep.json)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, Mapping, Optional, Tuple
+
+from ._statistic import Interval
+from ._warning import Warning
+
+
+@dataclass(frozen=True)
+class Best:
+    """The best point, its score in the metric's unit: the mean over `settings` equally valid settings.
+
+    `own_score` is that of the study's own settings, which is luck as far as it differs.
+
+    >>> list(answer.summary.best.parameters), answer.summary.best.settings
+    (['floor.friction'], 16)
+    """
+
+    parameters: Mapping[str, float]
+    score: float
+    settings: int
+    own_score: Optional[float]
+    displacement_error_m: Optional[float]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the recordings say about one parameter.
+
+    `low` and `high` are the ends of what cannot be told from the best value; `interval` is the central 90 % interval of the best
+    value when reality is sampled again; `identified` is false where the recordings do not determine the parameter within the
+    searched range.
+
+    >>> verdict = answer.verdicts[0]
+    >>> verdict.parameter, verdict.low <= verdict.best <= verdict.high
+    ('floor.friction', True)
+    """
+
+    parameter: str
+    unit: str
+    best: float
+    low: float
+    high: float
+    interval: Optional[Interval]
+    identified: bool
+    text: str
+
+
+@dataclass(frozen=True)
+class HowSure:
+    """How sure the best point is: how many points cannot be told from it, itself included.
+
+    >>> answer.summary.uncertainty.indistinguishable >= 1
+    True
+    """
+
+    source: Literal["bootstrap", "runs"]
+    level: float
+    best_score_sd: float
+    simulation_sd: float
+    indistinguishable: int
+
+
+@dataclass(frozen=True)
+class Correlation:
+    """How the best values of two parameters move together when reality is sampled again (Pearson).
+
+    >>> answer.summary.correlations
+    ()
+    """
+
+    first: str
+    second: str
+    value: float
+
+
+@dataclass(frozen=True)
+class AuditRow:
+    """The best point again, with one numerical setting changed; no score where it diverged.
+
+    >>> any(row.coarser for row in answer.summary.audit.rows)
+    True
+    """
+
+    setting: str
+    coarser: bool
+    score: Optional[float]
+    change: Optional[float]
+
+
+@dataclass(frozen=True)
+class Audit:
+    """What numerical settings, which no recording can tell, change of the best score.
+
+    `unresolved` are parameters whose whole range changes less, `shaken` those whose indistinguishable values do.
+
+    >>> answer.summary.audit.largest_change >= 0.0
+    True
+    """
+
+    rows: Tuple[AuditRow, ...]
+    largest_change: float
+    largest_coarser_change: float
+    unresolved: Tuple[str, ...]
+    shaken: Tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Fold:
+    """One fold: the best values without some recordings, checked with these.
+
+    >>> folds = realgap.Study.of(robot, recordings, {"floor.friction": (0.2, 0.8, 3)}, metric="rms", duration_s=0.5, folds=2)
+    >>> [fold.held_out for fold in folds.sweep().summary.validation.folds]
+    [('run_01',), ('run_00',)]
+    """
+
+    values: Tuple[float, ...]
+    fit_score: float
+    held_out_score: float
+    held_out: Tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Validation:
+    """How well the fit does on recordings that it has not seen.
+
+    >>> answer.summary.validation is None    # where nothing is held out
+    True
+    """
+
+    split: str
+    fit_score: float
+    held_out_score: float
+    difference_standard_error: float
+    held_out_recordings: int
+    folds: Tuple[Fold, ...]
+
+
+@dataclass(frozen=True)
+class PoseErrors:
+    """Pose errors of the best point: percent of the body length, and degrees.
+
+    >>> answer.summary.pose.rotation_deg >= 0.0
+    True
+    """
+
+    position_percent: float
+    rotation_deg: float
+
+
+@dataclass(frozen=True)
+class Partner:
+    """The parameter with which one is exchanged most easily, and their correlation.
+
+    >>> realgap.answer.Partner("floor.restitution", 0.9).parameter
+    'floor.restitution'
+    """
+
+    parameter: str
+    correlation: float
+
+
+@dataclass(frozen=True)
+class Estimated:
+    """What least squares know of a parameter where they ended: the noise of the errors alone, as a 90 % interval.
+
+    `is_told` says whether the spread is less than half of what was known beforehand.
+
+    >>> tuned.summary.tuning.least_squares    # of gauss-newton only
+    ()
+    """
+
+    parameter: str
+    value: float
+    low: float
+    high: float
+    is_told: bool
+    partner: Optional[Partner]
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """How an optimizer chose the points: `design` of them fill the space first.
+
+    >>> tuned.summary.tuning.optimizer, tuned.summary.tuning.termination
+    ('nelder-mead', 'budget')
+    """
+
+    optimizer: str
+    budget: int
+    design: int
+    evaluated: int
+    termination: Literal["budget", "exhausted", "no_improvement", "interrupted"]
+    least_squares: Tuple[Estimated, ...] = ()
+
+
+@dataclass(frozen=True)
+class SweepSummary:
+    """The whole answer of a sweep or a tuning.
+
+    `points` of `points_total` were evaluated in `runs` simulations; `components` are shares of the variance, for metrics that
+    project; `provenance` holds versions, settings and check sums of inputs.
+
+    >>> answer.summary.points, answer.summary.complete, answer.summary.tuning
+    (3, True, None)
+    """
+
+    study: str
+    description: str
+    complete: bool
+    points: int
+    runs: int
+    points_total: int
+    tuning: Optional[Tuned]
+    diverged: int
+    recordings: int
+    metric: str
+    unit: str
+    best: Optional[Best]
+    uncertainty: Optional[HowSure]
+    verdicts: Tuple[Verdict, ...]
+    correlations: Tuple[Correlation, ...]
+    audit: Optional[Audit]
+    validation: Optional[Validation]
+    components: Optional[Tuple[float, ...]]
+    pose: Optional[PoseErrors]
+    provenance: Mapping[str, str]
+    warnings: Tuple[Warning, ...]
