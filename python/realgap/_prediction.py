@@ -73,7 +73,7 @@ class Gap(Result[_native.Gap, GapSummary]):
         """Noise floor, gap and their ratio, by metric.
 
         >>> [metric.metric for metric in gap.metrics]
-        ['rms']
+        ['rms', 'displacement']
         """
         return self._summary.metrics
 

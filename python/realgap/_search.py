@@ -65,7 +65,7 @@ class SearchResults:
     """The robots of a search.
 
     >>> found.robots.rows
-    8
+    6
     """
 
     def __init__(self, native: _native.Found) -> None:
@@ -142,7 +142,7 @@ class Search:
     """A search, ready to run. Use `Search.read`, `Search.from_text` or `Search.from_dict`.
 
     >>> search
-    Search quick: 8 robots by evolution, net displacement
+    Search quick: 6 robots by evolution, displacement, 20 % quantile
     """
 
     def __init__(self, native: _native.Search) -> None:
@@ -181,8 +181,9 @@ class Search:
     ) -> "Search":
         """A search from RON; the files that it names are relative to `folder`.
 
-        >>> realgap.Search.from_text("Search(strategy: Random(robots: 20), duration_s: 0.5, repeats: 2)").info["robots"]
-        20
+        >>> text = "(strategy: Evolution(population: 4, generations: 2), duration_s: 0.5, repeats: 2)"
+        >>> realgap.Search.from_text(text).info["robots"]
+        6
         """
         wishes = _wishes(set, parameters, indistinguishable, seed)
         return cls(_native.Search.parse(file_name(folder, name), text, False, wishes))
@@ -201,7 +202,7 @@ class Search:
     ) -> "Search":
         """A search from the fields of its file.
 
-        >>> fields = {"strategy": {"Random": {"robots": 20}}, "duration_s": 0.5, "repeats": 2}
+        >>> fields = {"strategy": {"Evolution": {"population": 4, "generations": 2}}, "duration_s": 0.5, "repeats": 2}
         >>> realgap.Search.from_dict(fields, seed=3).info["seed"]
         3
         """

@@ -133,8 +133,8 @@ class Simulation(Trajectory):
     def warnings(self) -> Tuple[Warning, ...]:
         """What the reader should know.
 
-        >>> run.warnings
-        ()
+        >>> "servo-too-slow" in [warning.code for warning in run.warnings]
+        True
         """
         return self._facts.warnings
 

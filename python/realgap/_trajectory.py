@@ -197,7 +197,7 @@ class Trajectory:
     def times_s(self) -> Floats:
         """Times, n.
 
-        >>> run.times_s[-1]
+        >>> float(run.times_s[-1])
         0.5
         """
         return got(self._native.times_s(), len(self))
@@ -324,7 +324,7 @@ class Trajectory:
     def warnings(self) -> Tuple[Warning, ...]:
         """What the reader should know.
 
-        >>> run.warnings
+        >>> recordings[0].warnings
         ()
         """
         return self._motion.warnings

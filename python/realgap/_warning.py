@@ -11,8 +11,8 @@ class Warning:
 
     `code` is stable, `message` is one sentence for people.
 
-    >>> {warning.code for warning in study.warnings} <= {"stand-in", "known-limit", "estimated-velocity"}
-    True
+    >>> [warning.message for warning in answer.warnings if warning.code == "stand-in"]
+    ['the recordings are stand-ins made by a simulator, not recorded from hardware']
     """
 
     code: str

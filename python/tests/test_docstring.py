@@ -16,7 +16,9 @@ def public():
         for name in (*module.__all__, "Warning"):
             thing = getattr(module, name)
             if inspect.isclass(thing):
-                yield f"{name}", thing
+                yield name, thing
+                if getattr(thing, "_is_protocol", False):
+                    continue  # Its methods are somebody else's; the class shows them.
                 for member, value in vars(thing).items():
                     documented = isinstance(value, (property, classmethod, staticmethod))
                     if not member.startswith("_") and (documented or inspect.isfunction(value)):

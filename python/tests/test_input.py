@@ -144,6 +144,25 @@ def test_wrong_options_say_what_is_allowed(tripod, recordings):
         realgap.Trajectory.read(STAND_INS / "meta.ron")
 
 
+def test_a_run_goes_wherever_a_recording_does_and_a_recording_wherever_a_run_does(tripod, recordings):
+    run = realgap.simulate(tripod, duration_s=0.5, rate_hz=30.0)
+    copy = realgap.Trajectory(run.times_s, run.positions_m, run.quaternions, name=run.name)
+    assert realgap.prepare(run).xy_m.tolist() == realgap.prepare(copy).xy_m.tolist()
+    for motion in (run, copy, recordings[0]):
+        compared = realgap.compare(motion, [run, recordings[1]], metric="rms")
+        assert compared.distance(0) == float(realgap.compare(motion, copy, metric="rms"))
+    vary = {"floor.friction": (0.2, 0.8, 2)}
+    scores = [
+        realgap.Study.of(tripod, motions, vary, metric="rms", duration_s=0.5).sweep().points["score"]
+        for motions in (run, copy, (run,), [copy])
+    ]
+    assert scores[1:] == scores[:-1]
+    # What is asked of one can be asked of the other.
+    for motion in (run, copy):
+        assert motion.net_displacement_m == np.hypot(*motion.displacement_m[:2])
+        assert motion.duration_s == 0.5 and len(motion) == 16 and motion.picture().startswith(b"\x89PNG")
+
+
 def test_a_path_in_place_of_an_object_says_how_it_is_read(tripod, recordings):
     vary = {"floor.friction": (0.2, 0.8, 3)}
     for call in (

@@ -99,23 +99,30 @@ def test_an_interrupted_search_goes_on_with_the_same_robots(tmp_path):
     assert [f.card for f in resumed.finalists] == [f.card for f in whole.finalists]
 
 
-def test_ctrl_c_reaches_everything_that_takes_long(tripod, study_file):
+def test_ctrl_c_reaches_everything_that_takes_long_within_a_second(tripod, study_file):
     study = realgap.Study.read(study_file, set={"floor.friction": 0.4})
+    many = {"strategy": {"Evolution": {"population": 50, "generations": 50}}, "duration_s": 2.0}
     for run in (
-        lambda: realgap.predict(tripod, duration_s=2.0, repeats=2000),
-        lambda: study.ensemble(repeats=4000),
-        lambda: study.gap(repeats=4000),
-        lambda: realgap.Search.from_dict(
-            {"strategy": {"Evolution": {"population": 50, "generations": 50}}, "duration_s": 2.0}
-        ).run(),
+        lambda: realgap.Study.read(study_file, points=2000).sweep(jobs=1),
+        lambda: realgap.predict(tripod, duration_s=2.0, repeats=2000, jobs=1),
+        lambda: study.ensemble(repeats=4000, jobs=1),
+        lambda: study.gap(repeats=4000, jobs=1),
+        lambda: realgap.Search.from_dict(many).run(jobs=1),
     ):
-        timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
-        begun = time.monotonic()
+        pressed_cpu_s = []
+
+        def press():
+            pressed_cpu_s.append(time.process_time())
+            signal.raise_signal(signal.SIGINT)
+
+        timer = threading.Timer(0.5, press)
         timer.start()
         with pytest.raises(realgap.Interrupted, match="interrupted"):
             run()
+        # Of the process, which has one thread that works: the machine may be busy with something else.
+        ended_cpu_s = time.process_time()
         timer.join()
-        assert time.monotonic() - begun < 30.0
+        assert ended_cpu_s - pressed_cpu_s[0] < 1.0
 
 
 def test_ctrl_c_in_a_function_of_ones_own_is_none_of_its_errors(recordings):
