@@ -35,6 +35,7 @@ In the examples of this package these are, in a clone of the repository, with a 
 """
 
 from . import answer
+from ._answer import Answer
 from ._callback import AskTell, Metric, Optimizer
 from ._catalogue import engine, metrics, optimizers, parameters, read_parameters
 from ._comparison import Comparison, Distances, compare
@@ -55,7 +56,7 @@ from ._robot import Robot
 from ._search import Finalist, Search, SearchResults, Travel
 from ._simulation import EnergyBalance, Simulation, simulate
 from ._statistic import Interval
-from ._study import Answer, Study
+from ._study import Study
 from ._sweep import Verdict
 from ._table import Table
 from ._trajectory import Joint, Prepared, Trajectory, prepare

@@ -1,131 +1,26 @@
-"""Studies: recordings, a robot, what is not known of it, and how far apart they are; and the answers."""
+"""Studies: recordings, a robot, what is not known of it, and how far apart they are."""
 
 from __future__ import annotations
 
-import json
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Dict, List, Literal, Mapping, Optional, Sequence, Tuple, Union
+from typing import Dict, List, Literal, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _native
+from ._answer import Answer
 from ._callback import AnyMetric, Optimizer, native_metric
 from ._json import Given, JsonObject, asked, made, parsed
 from ._prediction import Ensemble, Gap, Noise, ensemble_of, gap_of
-from ._result import Result
 from ._robot import Robot, native_robot
 from ._run import Parameters, Path, Progress, file_name, files_and_values, folder_name, mode
-from ._sweep import Best, SweepSummary, Verdict
-from ._table import Table
 from ._trajectory import Trajectories, Trajectory, native_trajectories
 from ._warning import Warning
-
-if TYPE_CHECKING:
-    import pandas
-    import polars
 
 # From, to, and how many points in between and at the ends.
 Range = Union[Tuple[float, float], Tuple[float, float, int]]
 # Points of a range that does not say how many: 21 x 21 as in paper 003.
 POINTS = 21
 Start = Literal["settled", "first-sample", "half-sample", "flight"]
-
-
-class Answer(Result[_native.Answer, SweepSummary]):
-    """What a sweep or a tuning says: the best point, and how sure that is.
-
-    >>> list(answer.best), answer.unit
-    (['floor.friction'], 'm')
-    """
-
-    _shown = ("heatmap", "curve", "trajectories", "convergence")
-
-    def __init__(self, native: _native.Answer, study: "Study") -> None:
-        super().__init__(native, SweepSummary)
-        self.study = study
-
-    @property
-    def summary(self) -> SweepSummary:
-        """Everything, as in `summary.json`.
-
-        >>> answer.summary.metric
-        'rms'
-        """
-        return self._summary
-
-    @property
-    def _best(self) -> Best:
-        assert self._summary.best is not None, "an answer without a best point is an error"
-        return self._summary.best
-
-    @property
-    def best(self) -> Dict[str, float]:
-        """The values of the best point.
-
-        >>> answer.best["floor.friction"] in answer.points["floor.friction"]
-        True
-        """
-        return dict(self._best.parameters)
-
-    @property
-    def fitted(self) -> "Study":
-        """The study with the best values fixed, for ensembles and gaps; it warns that its recordings were used to find them.
-
-        >>> "in-sample" in [warning.code for warning in answer.fitted.warnings]
-        True
-        """
-        return Study(self._native.fitted())
-
-    @property
-    def score(self) -> float:
-        """The score of the best point, in `unit`.
-
-        >>> answer.score == answer.summary.best.score
-        True
-        """
-        return self._best.score
-
-    @property
-    def unit(self) -> str:
-        """Unit of the scores.
-
-        >>> answer.unit
-        'm'
-        """
-        return self._summary.unit
-
-    @property
-    def verdicts(self) -> Tuple[Verdict, ...]:
-        """What the recordings say about each parameter: best, interval, whether they determine it.
-
-        >>> [verdict.parameter for verdict in answer.verdicts]
-        ['floor.friction']
-        """
-        return self._summary.verdicts
-
-    @property
-    def points(self) -> Table:
-        """A row a point: parameters, score, whether it can be told from the best.
-
-        >>> answer.points.rows
-        3
-        """
-        return Table(json.loads(self._native.points()))
-
-    def to_pandas(self) -> "pandas.DataFrame":
-        """The points as a pandas frame.
-
-        >>> answer.to_pandas().sort_values("score").shape[0]
-        3
-        """
-        return self.points.to_pandas()
-
-    def to_polars(self) -> "polars.DataFrame":
-        """The points as a polars frame.
-
-        >>> answer.to_polars().height
-        3
-        """
-        return self.points.to_polars()
 
 
 @dataclass(frozen=True)

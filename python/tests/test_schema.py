@@ -3,6 +3,7 @@
 import collections.abc
 import dataclasses
 import json
+import math
 from typing import Literal, Union, get_args, get_origin, get_type_hints
 
 import pytest
@@ -11,6 +12,7 @@ from jsonschema import Draft202012Validator
 import realgap
 
 from conftest import PROJECT
+from realgap._json import made
 
 SCHEMAS = sorted((PROJECT / "schemas").glob("*/*.json"))
 
@@ -108,3 +110,15 @@ def test_the_types_of_answers_have_the_fields_of_their_schemas(answer, kind):
     if kind is realgap.answer.FinalistCard:
         every = {field.name for field in dataclasses.fields(realgap.answer.Card)}
         assert every == set(whole["required"]) - {"schema_version"}
+
+
+def test_numbers_that_json_has_no_word_for_are_nan_and_fields_of_later_versions_stay_in_the_json():
+    interval = made(realgap.Interval, '{"low": null, "high": 1.5, "middle": 1.0}')
+    assert math.isnan(interval.low) and interval.high == 1.5
+    assert made(realgap.Interval, "[0.5, 1.5]") == realgap.Interval(0.5, 1.5)
+    estimate = made(realgap.answer.Estimate, '{"value": 1.0, "low": null, "high": null}')
+    assert estimate.low is None
+    with pytest.raises(TypeError, match="high"):
+        made(realgap.Interval, '{"low": 0.5}')
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        interval.low = 0.0
