@@ -102,12 +102,13 @@ def test_an_interrupted_search_goes_on_with_the_same_robots(tmp_path):
 def test_ctrl_c_reaches_everything_that_takes_long_within_a_second(tripod, study_file):
     study = realgap.Study.read(study_file, set={"floor.friction": 0.4})
     many = {"strategy": {"Evolution": {"population": 50, "generations": 50}}, "duration_s": 2.0}
+    wide, search = realgap.Study.read(study_file, points=2000), realgap.Search.from_dict(many)
     for run in (
-        lambda: realgap.Study.read(study_file, points=2000).sweep(jobs=1),
+        lambda: wide.sweep(jobs=1),
         lambda: realgap.predict(tripod, duration_s=2.0, repeats=2000, jobs=1),
         lambda: study.ensemble(repeats=4000, jobs=1),
         lambda: study.gap(repeats=4000, jobs=1),
-        lambda: realgap.Search.from_dict(many).run(jobs=1),
+        lambda: search.run(jobs=1),
     ):
         pressed_cpu_s = []
 
