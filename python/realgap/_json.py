@@ -19,8 +19,6 @@ from ._error import usage
 # What comes out of the library.
 Json = Union[None, bool, int, float, str, List["Json"], Dict[str, "Json"]]
 JsonObject = Dict[str, Json]
-
-
 # What may be given to it: JSON, and what becomes JSON without a loss.
 Given = Union[
     None, bool, int, float, str, "np.generic[Any]", "np.ndarray[Any, Any]", "os.PathLike[str]",
@@ -98,7 +96,7 @@ def _is_sound(value: object) -> bool:
 def _plain(value: Any) -> Any:
     """Numbers of numpy and paths, as JSON knows them."""
     if isinstance(value, np.generic):
-        return cast(Any, value.item())
+        return cast(object, value.item())
     if isinstance(value, np.ndarray):
         return value.tolist()
     if hasattr(value, "__fspath__"):
