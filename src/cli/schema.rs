@@ -45,7 +45,7 @@ macro_rules! files {
 
 /// The schemas of files, in the order of `realgap::schema::files`.
 const FILES: &[(&str, &str)] = files![
-    "robot" "bodies" "study" "noise" "search" "meta" "reading" "genome" "parameters" "arena" "vehicle" "sensor" "sensorgraph"
+    "robot" "bodies" "study" "noise" "search" "meta" "reading" "genome" "parameters" "arena" "vehicle" "controller" "sensor" "sensorgraph"
     "radio" "scene" "camera" "views" "basis" "plan"
 ];
 
