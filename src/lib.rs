@@ -201,7 +201,7 @@ pub mod guide {
             questions bibliography;
         #[doc = links!()]
         #[doc = include_str!("../docs/fidelity.md")]
-        fidelity: verification contact settings precision joints tosses energy hardware servo engines stand_ins tuning
+        fidelity: verification contact settings joints tosses energy hardware servo engines stand_ins tuning
             intervals sensitivity ensembles gap genomes search sensing radio vision;
         /// Defects of the engine, each with what a program shows of it.
         upstream: contact_stiffness friction_direction multibody_root multibody_swing restitution small_inertia;

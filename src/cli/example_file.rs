@@ -34,7 +34,7 @@ const SHIPPED: &[Shipped] = shipped![
     "scenes": "pen.ron" "room.ron";
     "sensors": "infrared.ron" "infrared_maker.ron" "laser.ron" "ultrasonic.ron";
     "sweeps": "best_robot.ron" "best_tripod_gait.ron" "cube_push_best.ron" "cube_push_fit.ron" "cube_toss.ron"
-        "cube_toss_best.ron" "cube_toss_fit.ron" "double_pendulum_best.ron" "double_pendulum_fit.ron" "elbow_toss_best.ron" "elbow_toss_fit.ron" "servo_xl330_best.ron"
+        "cube_toss_best.ron" "cube_toss_fit.ron" "double_pendulum_best.ron" "double_pendulum_fit.ron" "elbow_toss_best.ron" "elbow_toss_fit.ron" "fleet_floor.ron" "servo_xl330_best.ron"
         "servo_xl330_fit.ron" "so101_arm.ron" "so101_best.ron" "so101_fit.ron" "tripod_floor.ron" "tripod_self.ron" "turtlebot3_burger.ron" "two_wheel_ir.ron" "two_wheel_ir_bayesian.ron"
         "two_wheel_sensor.ron" "two_wheel_us1.ron" "two_wheel_us_bayesian.ron" "unitree_a1.ron";
     "vehicles": "two_wheel.ron";
