@@ -111,11 +111,7 @@ impl fmt::Display for Fit {
             number(self.noise_floors)
         )?;
         if let Some(p) = self.p_value {
-            write!(
-                f,
-                "; drawn like the recordings: p = {} (energy test)",
-                number(p)
-            )?;
+            write!(f, "; drawn alike? p = {} (energy test)", number(p))?;
         }
         if !self.explains {
             f.write_str(
