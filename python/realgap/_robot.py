@@ -109,7 +109,7 @@ class Robot:
         """Names of its hinges, in the order of joint angles.
 
         >>> robot.hinges
-        ['leg_a', 'leg_b', 'leg_c']
+        ['leg_a', 'leg_c', 'leg_b']
         """
         return list(self._info.hinges)
 

@@ -30,9 +30,9 @@ class Best:
 class Verdict:
     """What the recordings say about one parameter.
 
-    `low` and `high` are the ends of what cannot be told from the best value; `interval` is the central 90 % interval of the best
-    value when reality is sampled again; `identified` is false where the recordings do not determine the parameter within the
-    searched range.
+    `low` and `high` are the ends of what cannot be told from the best value; `interval` is the central 90 % interval of the
+    best value when reality is sampled again, `intervals` its parts where values between them are rejected; `identified` is
+    false where the recordings do not determine the parameter within the searched range.
 
     >>> verdict = answer.verdicts[0]
     >>> verdict.parameter, verdict.low <= verdict.best <= verdict.high
@@ -47,6 +47,7 @@ class Verdict:
     interval: Optional[Interval]
     identified: bool
     text: str
+    intervals: Tuple[Interval, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -57,10 +58,11 @@ class HowSure:
     True
     """
 
-    source: Literal["bootstrap", "runs"]
+    source: Literal["recordings", "runs"]
     level: float
     best_score_sd: float
     simulation_sd: float
+    emulator_share: float
     indistinguishable: int
 
 
@@ -198,6 +200,55 @@ class Tuned:
 
 
 @dataclass(frozen=True)
+class Fit:
+    """Whether the best point explains the recordings: how many noise floors away its runs are, and the energy test's p.
+
+    >>> answer.summary.fit is None or answer.summary.fit.noise_floors >= 0
+    True
+    """
+
+    noise_floors: float
+    p_value: Optional[float]
+    explains: bool
+    discrepancy: float
+
+
+@dataclass(frozen=True)
+class RobotMisfit:
+    """How far one robot of a study of many is from its recordings: untuned, at the shared answer, at the best of the others, at its own.
+
+    >>> [robot.held_out for robot in answer.summary.transfer.robots] if answer.summary.transfer else []
+    []
+    """
+
+    robot: str
+    recordings: int
+    untuned: float
+    shared: float
+    held_out: float
+    without_it: Tuple[float, ...]
+    own: float
+    closed: float
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """What a floor that was tuned on the other robots does for each of them; only of a study of many robots.
+
+    >>> answer.summary.transfer is None
+    True
+    """
+
+    untuned: Tuple[float, ...]
+    untuned_misfit: float
+    held_out_misfit: float
+    own_misfit: float
+    closed: float
+    closable: float
+    robots: Tuple[RobotMisfit, ...]
+
+
+@dataclass(frozen=True)
 class SweepSummary:
     """The whole answer of a sweep or a tuning.
 
@@ -220,11 +271,13 @@ class SweepSummary:
     metric: str
     unit: str
     best: Optional[Best]
+    fit: Optional[Fit]
     uncertainty: Optional[HowSure]
     verdicts: Tuple[Verdict, ...]
     correlations: Tuple[Correlation, ...]
     audit: Optional[Audit]
     validation: Optional[Validation]
+    transfer: Optional[Transfer]
     components: Optional[Tuple[float, ...]]
     pose: Optional[PoseErrors]
     provenance: Mapping[str, str]

@@ -365,8 +365,8 @@ def _width(rows: npt.ArrayLike) -> int:
 def prepare(trajectory: Trajectory) -> Prepared:
     """Brings a path into the form in which paths are compared.
 
-    >>> realgap.prepare(run).xy_m[0]
-    array([0., 0.])
+    >>> realgap.prepare(run).xy_m.shape
+    (182, 2)
     """
     xy, z, turned, info = native_trajectory(trajectory).prepare()
     count = len(xy) // 16
