@@ -12,7 +12,7 @@ use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, look_up, parse_ron};
 use realgap_core::range::Range;
 use realgap_robot::morphology::Gait;
-use realgap_sense::arena::Arena;
+use realgap_sense::arena::{Arena, StartFile};
 use realgap_sense::graph::Sensorgraph;
 use realgap_sense::radio::{RadioModel, ServiceOptions};
 use realgap_sense::range::find_sensor;
@@ -145,20 +145,6 @@ struct SineFile {
     /// Phase, radians.
     #[serde(default)]
     phase_rad: f64,
-}
-
-/// A place in an arena.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "Start")]
-struct StartFile {
-    /// Place to the right, metres.
-    x_m: f64,
-    /// Place up, metres.
-    y_m: f64,
-    /// Heading from the x axis to the left, degrees.
-    #[serde(default)]
-    heading_deg: f64,
 }
 
 /// Another robot of the same kind.
@@ -295,14 +281,7 @@ fn unique<'a>(field: &str, names: impl Iterator<Item = &'a str>) -> Result<()> {
 impl ControllerFile {
     fn in_folder(self, folder: &Path, experiment: &Experiment) -> Result<Controller> {
         let mut arena = Arena::parse(&Source::read(folder.join(&self.arena), "arena")?)?;
-        if let Some(StartFile {
-            x_m,
-            y_m,
-            heading_deg,
-        }) = self.start
-        {
-            arena.start = Some([x_m, y_m, heading_deg.to_radians()]);
-        }
+        arena.start = self.start.map(StartFile::pose).or(arena.start);
         let sensors = self
             .sensors
             .into_iter()

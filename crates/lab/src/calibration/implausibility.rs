@@ -66,8 +66,7 @@ impl Variance {
 /// Rounding: smaller variances between two places are none.
 const ROUNDING: f64 = 1e-8;
 
-pub(super) fn implausibility(field: &Field, doubt: Doubt) -> Vec<f64> {
-    let variance = Variance::new(field, doubt);
+pub(super) fn implausibility(field: &Field, variance: &Variance) -> Vec<f64> {
     let n = field.means.len();
     let worse_by = |place: usize, other: usize| {
         let difference = field.means[place] - field.means[other];
@@ -93,11 +92,10 @@ fn as_normal(t: f64, freedom: f64) -> f64 {
 
 pub(super) fn emulator_share(
     field: &Field,
-    doubt: Doubt,
+    variance: &Variance,
     implausibility: &[f64],
     limit: f64,
 ) -> f64 {
-    let variance = Variance::new(field, doubt);
     let best = field.means.imin();
     let inside = (0..implausibility.len()).filter(|i| *i != best && implausibility[*i] <= limit);
     let shares = inside.map(|place| {

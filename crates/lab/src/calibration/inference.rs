@@ -9,7 +9,7 @@
 use rand::RngExt;
 
 use super::emulator::Emulator;
-use super::implausibility::{Doubt, emulator_share, implausibility};
+use super::implausibility::{Doubt, Variance, emulator_share, implausibility};
 use super::posterior::BestDraws;
 use super::sieve::Sieve;
 use realgap_core::random::{Generator, Once};
@@ -63,8 +63,9 @@ impl Inference {
         let look = |places: Vec<Vec<f64>>| {
             let all: Vec<Vec<f64>> = places.iter().chain(visited).cloned().collect();
             let field = emulator.field(&all);
-            let implausibility = implausibility(&field, doubt);
-            (places.len(), all, field, implausibility)
+            let variance = Variance::new(&field, doubt);
+            let implausibility = implausibility(&field, &variance);
+            (all, field, variance, implausibility)
         };
         let sieve = Sieve {
             emulator,
@@ -78,7 +79,7 @@ impl Inference {
         let mut places = sieve.spread(&parts, f64::INFINITY, few / 2);
         places.extend(sieve.lowest(&parts, few / 2));
         for narrowing in 0..NARROWINGS {
-            let (_, all, field, implausibility) = look(places.clone());
+            let (all, field, _, implausibility) = look(places);
             let near = (0..all.len()).filter(|place| implausibility[*place] <= limit + BEYOND);
             let near: Vec<usize> = near.collect();
             let implausible = (0..all.len()).filter(|place| !near.contains(place));
@@ -95,8 +96,9 @@ impl Inference {
                 break;
             }
         }
-        let (count, mut places, field, mut implausibility) = look(places);
-        let emulator_share = emulator_share(&field, doubt, &implausibility, limit);
+        let count = places.len();
+        let (mut places, field, variance, mut implausibility) = look(places);
+        let emulator_share = emulator_share(&field, &variance, &implausibility, limit);
         let visited = implausibility.split_off(count);
         places.truncate(count);
         Self {

@@ -21,6 +21,8 @@ const STEPS_1_M: f64 = 1e6;
 pub(super) struct Mesh {
     vertices: Vec<Vector3<f64>>,
     triangles: Vec<[u32; 3]>,
+    /// The vertices, each once.
+    pub corners: Vec<Vector3<f64>>,
 }
 
 impl Mesh {
@@ -64,19 +66,15 @@ impl Mesh {
         if !vertices.iter().flatten().all(|v| v.is_finite()) {
             return Err("it has coordinates that are no numbers".to_owned());
         }
-        let mesh = Self {
+        let corners = each_once(vertices.clone());
+        if corners.len() < 3 {
+            return Err("it is empty".to_owned());
+        }
+        Ok(Self {
             vertices,
             triangles,
-        };
-        match mesh.corners().len() {
-            0..3 => Err("it is empty".to_owned()),
-            _ => Ok(mesh),
-        }
-    }
-
-    /// Its corners, each once.
-    pub fn corners(&self) -> Vec<Vector3<f64>> {
-        each_once(self.vertices.clone())
+            corners,
+        })
     }
 
     /// Forms that fill it together, at most `most`, and where the frame of each is.
@@ -92,7 +90,7 @@ impl Mesh {
             false => Vec::new(),
         };
         match parts.len() {
-            0..=1 => vec![hull(&self.corners(), name, line, notes)],
+            0..=1 => vec![hull(&self.corners, name, line, notes)],
             _ => (parts.iter())
                 .map(|part| hull(part, name, line, notes))
                 .collect(),

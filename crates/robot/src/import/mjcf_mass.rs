@@ -111,7 +111,7 @@ impl<'a> Weighing<'a> {
             }
             GeomType::Mesh => self.mesh(geom, body, notes).and_then(|mesh| {
                 let shape = Shape::Hull {
-                    points_m: Arc::from(mesh.corners()),
+                    points_m: Arc::from(mesh.corners),
                 };
                 Some((uniform(&shape)?, pose))
             }),

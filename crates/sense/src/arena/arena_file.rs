@@ -86,10 +86,11 @@ struct CircleFile {
     material: String,
 }
 
-#[derive(Debug, Deserialize)]
+/// A place in an arena.
+#[derive(Debug, Clone, Copy, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Start")]
-struct StartFile {
+pub struct StartFile {
     /// Place to the right, metres.
     x_m: f64,
     /// Place up, metres.
@@ -97,6 +98,13 @@ struct StartFile {
     /// Heading from the x axis to the left, degrees.
     #[serde(default)]
     heading_deg: f64,
+}
+
+impl StartFile {
+    /// The place, metres, and the heading, radians.
+    pub fn pose(self) -> [f64; 3] {
+        [self.x_m, self.y_m, self.heading_deg.to_radians()]
+    }
 }
 
 fn thin() -> f64 {
@@ -130,9 +138,7 @@ impl Arena {
             size_m: file.size_m,
             boundary: file.boundary,
             anchors: file.anchors,
-            start: file
-                .start
-                .map(|s| [s.x_m, s.y_m, s.heading_deg.to_radians()]),
+            start: file.start.map(StartFile::pose),
         };
         for (index, anchor) in arena.anchors.iter().enumerate() {
             anchor

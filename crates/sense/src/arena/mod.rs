@@ -18,6 +18,7 @@ use realgap_core::error::{Error, Result};
 
 #[cfg(feature = "schema")]
 pub use arena_file::ArenaFile;
+pub use arena_file::StartFile;
 pub use cast::{Crossing, Hit};
 
 /// What ends the field.
