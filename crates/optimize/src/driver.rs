@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 
 use super::options::{RunOptions, pool};
-use realgap_core::error::Result;
+use realgap_core::error::{ErrorKind, Result};
 use realgap_store::Storage;
 
 /// How a drive ended.
@@ -23,7 +23,7 @@ pub struct Batch<'a> {
     pub points: usize,
     /// Number of threads, at least 1.
     pub jobs: usize,
-    /// Set from outside to stop after the points under way.
+    /// Set from outside to stop after the points under way, or within those that look at it.
     pub stop: &'a AtomicBool,
 }
 
@@ -45,7 +45,8 @@ impl<'a> Batch<'a> {
 /// calling thread with the number of points finished so far, stored ones included.
 ///
 /// # Errors
-/// The first error of `evaluate` or of the store; everything finished before is stored.
+/// The first error of `evaluate` or of the store; everything finished before is stored. What `evaluate` gave up because somebody
+/// asked to stop is no error.
 pub fn drive<R: Send>(
     batch: &Batch<'_>,
     store: &mut (impl Storage<R> + ?Sized),
@@ -76,7 +77,12 @@ pub fn drive<R: Send>(
                     let Some(&index) = todo.get(next.fetch_add(1, Ordering::Relaxed)) else {
                         break;
                     };
-                    if sender.send(evaluate(index)).is_err() {
+                    let result = evaluate(index);
+                    let stopped = batch.stop.load(Ordering::Relaxed);
+                    if stopped && matches!(&result, Err(e) if e.kind() == ErrorKind::Interrupted) {
+                        break;
+                    }
+                    if sender.send(result).is_err() {
                         break;
                     }
                 }

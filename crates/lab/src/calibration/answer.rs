@@ -61,11 +61,13 @@ impl Answer {
         scores: Scores,
         refits: Option<Vec<PointScore>>,
     ) -> Result<Self> {
-        let emulator = Emulator::new(&scored_runs(study, &scores))?;
         let (mut scores, emulator) = match ending {
-            Ending::Complete => settled(study, scores, emulator)?,
-            // Whoever interrupts does not want to wait for more simulations.
-            Ending::Interrupted => (scores, emulator),
+            Ending::Complete => {
+                let emulator = Emulator::new(&scored_runs(study, &scores))?;
+                settled(study, scores, emulator)?
+            }
+            // Whoever interrupts does not want to wait, and a part of a grid says nothing sure of the whole.
+            Ending::Interrupted => (scores, None),
         };
         if let Some(fitted) = method.fitted() {
             // What least squares chose has the least robust loss, whatever the plain score of another point is.

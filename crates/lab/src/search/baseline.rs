@@ -46,7 +46,8 @@ impl Search {
             (None, Body::Developed(_)) => return Ok(None),
         };
         pool(options.jobs)?.install(|| {
-            let seen: Repeats = self.repeats_of(&robot, self.seed(), self.repeats, None)?;
+            let seen: Repeats =
+                self.repeats_of(&robot, self.seed(), self.repeats, None, options)?;
             let ensemble = self.repeat_again(&robot, options)?;
             let displacement_m = Forecast::new(&ensemble)?.displacement_m;
             Ok(Some(Baseline {

@@ -11,6 +11,7 @@ use super::setting::SettingsChoice;
 use realgap_core::Result;
 use realgap_core::warning::Code;
 use realgap_engine::{Experiment, Floor, Posture, settle, watch};
+use realgap_optimize::RunOptions;
 use realgap_path::trajectory::prepare;
 use realgap_robot::genome::Genome;
 use realgap_robot::morphology::Morphology;
@@ -38,14 +39,27 @@ impl Search {
     /// # Errors
     /// Settings that cannot be simulated.
     pub fn evaluate(&self, index: usize, genome: &Genome) -> Result<EvaluatedRobot> {
+        self.evaluate_until_stopped(index, genome, &RunOptions::default())
+    }
+
+    /// As [`Search::evaluate`]; once somebody asks to stop, what there is of the robot is dropped.
+    ///
+    /// # Errors
+    /// As [`Search::evaluate`]; interrupted.
+    pub(super) fn evaluate_until_stopped(
+        &self,
+        index: usize,
+        genome: &Genome,
+        run: &RunOptions<'_>,
+    ) -> Result<EvaluatedRobot> {
         let tuned = match &self.gait {
             None => Ok(genome.clone()),
-            Some(tuning) => self.tuned(tuning, index, genome)?,
+            Some(tuning) => self.tuned(tuning, index, genome, run)?,
         };
         let (genome, outcome) = match tuned {
             Err(failure) => (genome.clone(), Outcome::Failed(failure)),
             Ok(genome) => {
-                let outcome = self.judged(index, &genome)?;
+                let outcome = self.judged(index, &genome, run)?;
                 (genome, outcome)
             }
         };
@@ -56,13 +70,13 @@ impl Search {
         })
     }
 
-    fn judged(&self, index: usize, genome: &Genome) -> Result<Outcome> {
+    fn judged(&self, index: usize, genome: &Genome, run: &RunOptions<'_>) -> Result<Outcome> {
         let robot = match self.build(index, genome)? {
             Err(failure) => return Ok(Outcome::Failed(failure)),
             Ok(robot) => robot,
         };
         Ok(
-            match self.repeats_of(&robot, self.seed(), self.repeats, None)? {
+            match self.repeats_of(&robot, self.seed(), self.repeats, None, run)? {
                 Err(failure) => Outcome::Failed(failure),
                 Ok(repeats) => Outcome::Walked(self.performance(&robot, repeats)?),
             },
@@ -132,19 +146,21 @@ impl Search {
     /// Repeats of one robot as the search explores, or judged in these settings; the failure of the first that fails.
     ///
     /// # Errors
-    /// Settings that cannot be simulated.
+    /// Settings that cannot be simulated; interrupted.
     pub(super) fn repeats_of(
         &self,
         robot: &Morphology,
         seed: u64,
         repeats: usize,
         change: Option<fn(&mut Experiment)>,
+        run: &RunOptions<'_>,
     ) -> Result<Repeats> {
         let base = match change {
             None => self.exploring(robot),
             Some(_) => self.experiment(robot),
         };
         let one = |number: usize| {
+            run.go_on()?;
             let mut experiment = self.repeat(&base, seed, number as u64)?;
             if change.is_none() && self.settings == SettingsChoice::EquallyValid {
                 experiment = self.equally_valid(&experiment, number as u64);

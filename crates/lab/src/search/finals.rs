@@ -157,7 +157,7 @@ impl Search {
                 }
                 stopped(options)?;
                 let (seed, repeats) = (self.seed(), self.repeats);
-                let again = self.repeats_of(&robot, seed, repeats, Some(change))?;
+                let again = self.repeats_of(&robot, seed, repeats, Some(change), options)?;
                 reruns.push(self.rerun(settings, &evaluated, &again));
             }
             let finalist = self.predict(evaluated, robot, reruns, options)?;

@@ -12,7 +12,7 @@ use super::problem::Search;
 use realgap_core::Result;
 use realgap_core::range::Range;
 use realgap_optimize::{
-    Brief, History, Proposal, Told, UnitPoint, default_optimizer, space_filling,
+    Brief, History, Proposal, RunOptions, Told, UnitPoint, default_optimizer, space_filling,
 };
 use realgap_robot::genome::{Gene, Genome, Locus};
 
@@ -71,6 +71,7 @@ impl Search {
         tuning: &GaitTuning,
         index: usize,
         genome: &Genome,
+        run: &RunOptions<'_>,
     ) -> Result<std::result::Result<Genome, Failure>> {
         let driven = match self.body().build(&self.robot_name(index), genome) {
             Ok(robot) => super::body::driven(&robot),
@@ -83,6 +84,7 @@ impl Search {
         let mut first_failure = None;
         let mut best_score = f64::INFINITY;
         let mut promise = |point: &UnitPoint| -> Result<Told> {
+            run.go_on()?;
             let genome = with_gait(genome, &driven, point)?;
             let mut promised = self.promise(tuning, index, &genome)?;
             // Whether it stands is asked of those only that may be judged: it costs as much as half a short run.

@@ -65,7 +65,7 @@ impl Search {
     /// Settings that cannot be simulated.
     pub fn run(&self, options: &RunOptions<'_>) -> Result<SearchResults> {
         follow(self.strategy(), &mut Memory::default(), options, |i, g| {
-            self.evaluate(i, g)
+            self.evaluate_until_stopped(i, g, options)
         })
     }
 
@@ -79,7 +79,7 @@ impl Search {
         options: &RunOptions<'_>,
     ) -> Result<SearchResults> {
         follow(self.strategy(), &mut Memory::default(), options, |i, g| {
-            let mut robot = self.evaluate(i, g)?;
+            let mut robot = self.evaluate_until_stopped(i, g, options)?;
             if let Outcome::Walked(performance) = &mut robot.outcome {
                 let value = fitness(performance)?;
                 if !value.is_finite() {
@@ -105,7 +105,7 @@ impl Search {
         let place = place.into();
         let mut store = self.open(place, mode)?;
         let results = follow(self.strategy(), &mut store, options, |i, g| {
-            self.evaluate(i, g)
+            self.evaluate_until_stopped(i, g, options)
         })
         .map_err(|error| match error.file() {
             None => error.at_file(place.folder()),
@@ -123,7 +123,9 @@ impl Search {
     /// # Errors
     /// As [`Search::run_in`].
     pub fn run_part(&self, part: &mut Part<RobotRow>, options: &RunOptions<'_>) -> Result<Ending> {
-        let results = follow(self.strategy(), part, options, |i, g| self.evaluate(i, g))?;
+        let results = follow(self.strategy(), part, options, |i, g| {
+            self.evaluate_until_stopped(i, g, options)
+        })?;
         Ok(results.ending)
     }
 
