@@ -4,7 +4,7 @@ use std::io::{BufRead as _, IsTerminal as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use realgap::calibration::{Definition, Overrides};
+use realgap::calibration::{Overrides, Study};
 use realgap::file::{Source, write_ron};
 use realgap::import::is_foreign;
 use realgap::robot::morphology::Morphology;
@@ -75,9 +75,9 @@ impl Start {
         }
         let text = self.study(&subject, &guess, &recordings)?;
         let source = Source::new(&self.output, text.clone());
-        let definition = Definition::parse(&source, &Overrides::default())?;
+        let checked = Study::parse(&source, &Overrides::default())?;
         output::write_ron(&self.output, &text)?;
-        terminal::print_warnings(&definition.warnings);
+        terminal::print_warnings(checked.warnings());
         let clues = guess
             .clues
             .iter()

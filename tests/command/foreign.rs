@@ -418,6 +418,7 @@ fn nonsense_that_runs_is_said_with_what_to_change() {
     for (code, change) in [
         ("bent-too-far", "amplitude_rad"),
         ("mass-ratio", "check the masses"),
+        ("unlikely-mass", "kilograms"),
         ("gait-too-fast", "timestep_s"),
         ("centre-of-mass-outside", "body.com_offset_x_m"),
     ] {

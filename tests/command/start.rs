@@ -209,3 +209,49 @@ fn what_a_newcomer_gets_wrong_is_asked_or_refused_with_what_to_do() {
         "{said}"
     );
 }
+
+#[test]
+fn what_only_the_robot_can_tell_is_doubted() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("mine.ron");
+    let files = foreign_tosses(folder.path());
+    // Millimetres and y up as before, but the real part of the orientation stands last under the names of the others.
+    let turned: Vec<PathBuf> = files
+        .iter()
+        .map(|file| {
+            let table = std::fs::read_to_string(file).unwrap();
+            let lines = table.lines().map(|line| {
+                let cells: Vec<&str> = line.split(';').collect();
+                match cells.as_slice() {
+                    [t, x, y, z, w, i, j, k] if *t != "Time" => [t, x, y, z, i, j, k, w]
+                        .map(|cell| (*cell).to_owned())
+                        .join(";"),
+                    _ => line.to_owned(),
+                }
+            });
+            let path = folder.path().join(format!(
+                "turned_{}",
+                file.file_name().unwrap().to_string_lossy()
+            ));
+            std::fs::write(&path, lines.collect::<Vec<_>>().join("\n")).unwrap();
+            path
+        })
+        .collect();
+    let copy = folder.path().join("copy.csv");
+    std::fs::copy(&files[0], &copy).unwrap();
+    let twice = vec![files[0].clone(), files[1].clone(), copy];
+    for (words, files, says) in [
+        (vec!["--cube", "0.14", "400"], &files, "unlikely-mass"),
+        (vec!["--cube", "1.048", "37"], &files, "off-floor"),
+        (CUBE.to_vec(), &turned, "off-floor"),
+        (CUBE.to_vec(), &twice, "same-run"),
+    ] {
+        let (code, said) = start(&words, files, &study);
+        assert!(code == 0 && said.contains(says), "{words:?}: {code} {said}");
+        std::fs::remove_file(&study).unwrap();
+    }
+    let (_, said) = start(&CUBE, &files, &study);
+    for word in ["unlikely", "off-floor", "same-run"] {
+        assert!(!said.contains(word), "{said}");
+    }
+}

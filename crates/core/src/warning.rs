@@ -56,6 +56,7 @@ codes! {
     BaselineNotBeaten "baseline-not-beaten" "A search found nothing better than what it started from." "give the search a larger budget, more modules or another strategy";
     BeliefRestarted "belief-restarted" "Readings were impossible at every distance, and a belief began again." "characterise the sensor over more distances, or let its model expect more wrong readings";
     BentTooFar "bent-too-far" "A gait bends a face into its own cube." "make amplitude or offset smaller in the robot's file";
+    BeyondLimits "beyond-limits" "A gait asks a joint to go beyond its limits." "lower the gait's amplitude or offset (radians), or correct the limits";
     BodyContradicted "body-contradicted" "Flight says otherwise than the robot's file about masses, inertias or hinges." "take over what `realgap study identify` found, or weigh and measure the robot again";
     CentreOfMassContradicted "centre-of-mass-contradicted" "Flight puts the centre of mass elsewhere than the robot's file." "take over the values that `realgap study identify` writes";
     CentreOfMassOutside "centre-of-mass-outside" "A centre of mass lies outside of its cube." "correct the centre of mass in the robot's file";
@@ -116,6 +117,7 @@ codes! {
     NotNormal "not-normal" "Readings are not spread normally." "use the histogram or a mixture in place of a normal distribution";
     NotSettled "not-settled" "A robot did not come to rest before its run." "lift the robot less, or give it longer to settle";
     NotWritten "not-written" "A result could not be written." "check the folder and the disk, then run the command again";
+    OffFloor "off-floor" "Recorded poses put the robot into the floor, or leave it above." "check the robot's size, the unit of lengths, the axes, the order of quaternions and the floor's height";
     OneRecording "one-recording" "One recording does not know its own spread." "record at least two more repeats of the same run";
     OnlyDistributions "only-distributions" "Small differences grow so fast that single runs do not compare." "compare distributions (`realgap ensemble`, `realgap gap`) rather than single runs";
     OtherRobot "other-robot" "A recording names another robot." "check that the recording is of this robot";
@@ -131,6 +133,7 @@ codes! {
     RefinedStart "refined-start" "Start states have seen more than the first sample." "judge on recordings whose start was not refined";
     RestitutionNotExported "restitution-not-exported" "A format has no restitution." "set the restitution by hand in the other simulator";
     RoughScore "rough-score" "Least squares met a score that is not smooth." "take another optimizer, e.g. cma-es, or begin it where this one ended";
+    SameRun "same-run" "One run is named twice." "name every run once: repeats that are copies make reality look more repeatable than it is";
     SamplesSorted "samples-sorted" "Samples are sorted by time." "nothing to do, unless the recorder's clock jumps";
     ScansWithoutPose "scans-without-pose" "Scans outside of the times of the poses are left out." "record poses for as long as scans";
     ServoTooSlow "servo-too-slow" "A gait asks for more speed than its servo has." "make the gait slower or smaller, or give the servo its true speed";
@@ -153,7 +156,9 @@ codes! {
     UndefinedHeading "undefined-heading" "A path that goes nowhere has no heading." "compare with a metric that needs no heading, or let the robot walk farther";
     UnequalMoments "unequal-moments" "Moments of inertia differ where a method takes them as equal." "use a body whose moments are equal, or do not rely on spins";
     UnknownAxes "unknown-axes" "A recording does not say which way its axes point." "say it when reading: `axes: \"world\"` (z up) or `axes: \"camera\"` (z forward, y down)";
+    UnlikelyAngle "unlikely-angle" "Recorded angles lie far beyond their joint's limits." "name columns of degrees NAME_deg, or give the joint its zero or its true limits";
     UnlikelyLength "unlikely-length" "Lengths do not fit the robot, or each other." "name the unit of lengths when reading";
+    UnlikelyMass "unlikely-mass" "A module is lighter than air or denser than any metal." "give masses in kilograms and lengths in metres";
     UnlikelyTime "unlikely-time" "Times do not look like seconds." "name the unit of time when reading";
     UnmatchedConditions "unmatched-conditions" "A condition stands in one of two logs only." "log the same conditions in both";
     Unresolved "unresolved" "Numerical settings change a score as much as a parameter does." "use finer numerics, another gait or another metric; more recordings will not help";

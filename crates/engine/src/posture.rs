@@ -57,8 +57,21 @@ impl<'a> Posture<'a> {
     /// Distance of the lowest point to the floor, metres; below 0 inside of it.
     pub fn clearance_m(&self, snapshot: &Snapshot, floor: &Floor) -> f64 {
         let poses: Vec<_> = snapshot.parts.iter().map(|p| p.world_from_part).collect();
+        self.above_m(&poses, floor)
+    }
+
+    /// The same of a robot whose joints are all at zero, from the pose of what is tracked.
+    pub fn rigid_clearance_m(&self, world_from_track: &Isometry3<f64>, floor: &Floor) -> f64 {
+        let world_from_robot = world_from_track * self.assembly.robot_from_track.inverse();
+        let poses: Vec<_> = (0..self.assembly.parts.len())
+            .map(|part| world_from_robot * robot_from_part_at_zero(self.assembly, part))
+            .collect();
+        self.above_m(&poses, floor)
+    }
+
+    fn above_m(&self, world_from_parts: &[Isometry3<f64>], floor: &Floor) -> f64 {
         let normal = floor.normal_world();
-        lowest_m(self.assembly, &poses, &normal) - floor.height_m * normal.z
+        lowest_m(self.assembly, world_from_parts, &normal) - floor.height_m * normal.z
     }
 
     /// How deep two boxes of parts that no hinge joins are inside each other, metres, the deepest of all; 0 for none. Edges count as

@@ -7,7 +7,8 @@ use nalgebra::Vector3;
 
 use super::definition::{Definition, StartRule};
 use super::fleet::cases_of_all;
-use super::{joints, scene_file};
+use super::recording::in_short;
+use super::{doubt, joints, scene_file};
 use crate::calibration::identification::{
     Body, EQUAL_MOMENTS, KnownFlight, Refined, StartState, refine,
 };
@@ -180,6 +181,9 @@ fn from_recordings(
         });
     }
     warnings.extend(start_state_warnings(definition, &cases)?);
+    let doubts = cases.iter().zip(&definition.recordings);
+    let doubts = doubts.filter_map(|(case, recording)| doubt::floor(&case.experiment, recording));
+    warnings.extend(in_short(doubts.collect()));
     Ok((cases, warnings))
 }
 

@@ -32,6 +32,7 @@ mod builder;
 mod case;
 mod command_file;
 mod definition;
+mod doubt;
 mod emulator;
 mod estimate;
 mod evaluation;

@@ -4,13 +4,14 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::definition::Definition;
+use super::doubt;
 use super::horizon::Horizon;
 use super::matching::matching_files;
 use super::overrides::Overrides;
 use crate::calibration::identification::is_at_rest;
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::file::sha256;
-use realgap_core::unit::{LengthUnit, counted, number};
+use realgap_core::unit::counted;
 use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::{self, META_FILE, Recording, Source};
 use realgap_robot::morphology::Morphology;
@@ -204,7 +205,9 @@ pub(super) fn warnings_for(robot: &Morphology, recordings: &[Recording]) -> Vec<
         );
         warnings.push(Warning::new(Code::OtherRobot, message));
     }
-    warnings.extend(unlikely_lengths(robot, recordings));
+    warnings.extend(doubt::lengths(robot, recordings));
+    warnings.extend(doubt::angles(robot, recordings));
+    warnings.extend(doubt::twins(recordings));
     warnings.extend(stand_in(recordings));
     in_short(warnings)
 }
@@ -263,7 +266,7 @@ pub fn recording_warnings(recordings: &[Recording]) -> Vec<Warning> {
 const SAID_OF: usize = 3;
 
 /// Every warning once, and no long list of recordings that are all alike.
-fn in_short(mut warnings: Vec<Warning>) -> Vec<Warning> {
+pub(super) fn in_short(mut warnings: Vec<Warning>) -> Vec<Warning> {
     warnings.sort();
     warnings.dedup();
     let mut short: Vec<Warning> = Vec::new();
@@ -279,56 +282,15 @@ fn in_short(mut warnings: Vec<Warning>) -> Vec<Warning> {
 }
 
 /// What is said of single recordings.
-const OF_ONE_RECORDING: [Code; 7] = [
+const OF_ONE_RECORDING: [Code; 10] = [
     Code::Hole,
+    Code::OffFloor,
     Code::QuaternionOrder,
+    Code::SameRun,
     Code::StaleSamples,
     Code::Standstill,
     Code::UnknownAxes,
+    Code::UnlikelyAngle,
     Code::UnlikelyLength,
     Code::UnlikelyTime,
 ];
-
-/// A robot that seems to go farther than this, in its own lengths, may have been measured in another unit.
-const FAR: f64 = 100.0;
-/// No robot is faster than this, in its own lengths a second.
-const FAST_1_S: f64 = 5.0;
-/// Who measures in another unit than metres sees a robot go farther than this.
-const NEAR: f64 = 0.05;
-
-/// Recordings whose lengths, in another unit, would fit the robot better.
-fn unlikely_lengths(robot: &Morphology, recordings: &[Recording]) -> Vec<Warning> {
-    let body_m = robot.summary().body_length_m;
-    let unlikely = recordings.iter().filter_map(|recording| {
-        let motion = &recording.trajectory;
-        let far = motion.extent_m() / body_m;
-        let is_far = far > FAR && far > FAST_1_S * motion.duration_s();
-        let is_near = recording.reading.scales_lengths() && far < NEAR;
-        if !is_far && !is_near {
-            return None;
-        }
-        let others = LengthUnit::ALL
-            .iter()
-            .filter(|_| is_far)
-            .filter_map(|unit| {
-                let there = far * unit.metres();
-                let fits = *unit != LengthUnit::Metre && (NEAR..FAR).contains(&there);
-                fits.then(|| format!("`length: \"{}\"` makes it {}", unit.symbol(), number(there)))
-            });
-        let others: Vec<String> = others.collect();
-        let remedy = if others.is_empty() {
-            "is the unit of length right?".to_owned()
-        } else {
-            others.join(", ")
-        };
-        Some(Warning::new(
-            Code::UnlikelyLength,
-            format!(
-                "{}: the robot goes {} body lengths from where it starts; {remedy}",
-                recording.name,
-                number(far)
-            ),
-        ))
-    });
-    unlikely.collect()
-}

@@ -70,6 +70,9 @@ fn turned(there: &Trajectory, turn: Matrix3<f64>) -> Result<Trajectory> {
 
 impl fmt::Display for Axes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "axes of the {}", self.name())
+        match self {
+            Self::World | Self::Camera => write!(f, "axes of the {}", self.name()),
+            Self::YUp | Self::ZDown => write!(f, "axes {}", self.name()),
+        }
     }
 }

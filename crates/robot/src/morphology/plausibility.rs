@@ -11,11 +11,14 @@ use realgap_core::warning::Code;
 
 /// Largest ratio of masses on the two sides of a joint that a solver holds together well.
 const MASS_RATIO: f64 = 1000.0;
+/// From air to more than the densest metal, kg/m³.
+const DENSITIES_KG_M3: std::ops::RangeInclusive<f64> = 1.2..=25_000.0;
 
 impl Morphology {
     /// What is allowed but probably not meant: a gait that asks for more speed than its servo has (`servo-too-slow`) or bends a
     /// face beyond a right angle (`bent-too-far`), a plate as large as its cube (`tied-plate`), a joint between a very light and a
-    /// very heavy part (`mass-ratio`).
+    /// very heavy part (`mass-ratio`), a module of a density that nothing has (`unlikely-mass`), a gait beyond a joint's limits
+    /// (`beyond-limits`).
     pub fn warnings(&self) -> Vec<Warning> {
         let modules = self.modules().iter();
         let mut warnings: Vec<Warning> = modules
@@ -37,7 +40,46 @@ impl Morphology {
         warnings.extend(self.bent_too_far());
         warnings.extend(self.tied_plates());
         warnings.extend(self.mass_ratios());
+        warnings.extend(self.densities());
+        warnings.extend(self.beyond_limits());
         warnings
+    }
+
+    fn densities(&self) -> impl Iterator<Item = Warning> {
+        self.modules().iter().filter_map(|module| {
+            let volume_m3 = module.sides_m.product();
+            let density_kg_m3 = module.mass_kg / volume_m3;
+            (!DENSITIES_KG_M3.contains(&density_kg_m3)).then(|| {
+                Warning::new(
+                    Code::UnlikelyMass,
+                    format!(
+                        "`{}` of {} x {} x {} m weighs {} kg, which is {density_kg_m3:.3} kg/m³, where air has 1.2 and water 1000: \
+                         is the mass in kilograms, and are the lengths in metres?",
+                        module.name, module.sides_m.x, module.sides_m.y, module.sides_m.z, module.mass_kg
+                    ),
+                )
+            })
+        })
+    }
+
+    fn beyond_limits(&self) -> Vec<Warning> {
+        let hinges = self.assemble().hinges;
+        let beyond = hinges.iter().filter_map(|hinge| {
+            let gait = hinge.actuator?.gait;
+            let (low, high) = hinge.bearing.limits_rad?;
+            let ends = [gait.offset_rad - gait.amplitude_rad.abs(), gait.offset_rad + gait.amplitude_rad.abs()];
+            let slack = 1e-9 + 0.05 * (high - low);
+            (ends[0] < low - slack || ends[1] > high + slack).then(|| {
+                Warning::new(
+                    Code::BeyondLimits,
+                    format!(
+                        "the gait of `{}` goes from {} to {}, its limits are {low} and {high}: lower offset_rad or amplitude_rad",
+                        hinge.name, ends[0], ends[1]
+                    ),
+                )
+            })
+        });
+        beyond.collect()
     }
 
     fn bent_too_far(&self) -> impl Iterator<Item = Warning> {
@@ -104,5 +146,33 @@ impl Morphology {
                 )
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gait_beyond_the_limits_of_its_joint_is_said_whatever_turns_there() {
+        let file = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../morphologies/unitree_a1.ron"
+        );
+        let text = std::fs::read_to_string(file).unwrap();
+        let codes = |text: &str| {
+            let source = realgap_core::file::Source::new(file, text);
+            let robot = Morphology::parse(&source).unwrap();
+            let codes: Vec<Code> = robot
+                .warnings()
+                .iter()
+                .map(|warning| warning.code)
+                .collect();
+            codes
+        };
+        assert_eq!(codes(&text), []);
+        let swung = text.replacen("amplitude_rad: 0.", "amplitude_rad: 50.", 1);
+        assert_ne!(swung, text);
+        assert!(codes(&swung).contains(&Code::BeyondLimits));
     }
 }

@@ -15,7 +15,8 @@ use super::reading::{Crop, Reading};
 use super::registry::{format_of, parse_all, read_bytes};
 use super::{Recording, Trajectory, suspicion};
 use realgap_core::error::{Advice, Error, Result};
-use realgap_core::unit::{GRAVITY_M_S2, LengthUnit, TimeUnit};
+
+use realgap_core::unit::{GRAVITY_M_S2, LengthUnit, TimeUnit, number};
 use realgap_core::warning::Code;
 
 /// How files are to be read, why, and what nobody can tell from the files alone.
@@ -201,7 +202,8 @@ impl Guess {
                 self.say(
                     format!("times are in {unit}"),
                     format!(
-                        "samples are {usual} apart, which is {:.4} Hz",
+                        "samples are {} apart, which is {:.4} Hz",
+                        number(usual),
                         rate_hz(unit)
                     ),
                 );
