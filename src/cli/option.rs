@@ -11,7 +11,7 @@ use realgap::calibration::{Overrides, Part, read_best, read_parameters};
 use realgap::comparison::{self, Metric};
 use realgap::search::read_indistinguishable;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
-use realgap::simulation::{EngineChoice, Experiment, JointKind, Solver, engine_by_name};
+use realgap::simulation::{ENGINES, Experiment, JointKind, Solver, engine_by_name};
 use realgap::warning::Code;
 use realgap::{Error, Result, RunOptions, Warning};
 
@@ -292,6 +292,16 @@ pub struct Values {
     /// Take parameters from a file such as the `best.ron` of a sweep (repeatable)
     #[arg(long = "parameters", help_heading = VALUES, value_name = "FILE")]
     parameters: Vec<PathBuf>,
+    /// Which engine simulates: --set solver.engine by name [default: rapier, unless the file says otherwise]
+    #[arg(long, help_heading = VALUES, value_name = "NAME", value_parser = engine)]
+    engine: Option<Assignment>,
+}
+
+/// The engine of a name; else what there is.
+fn engine(name: &str) -> std::result::Result<Assignment, String> {
+    let chosen = engine_by_name(name).map_err(|error| error.to_string())?;
+    let index = ENGINES.iter().position(|engine| *engine == chosen);
+    parse_assignment(&format!("solver.engine={}", index.unwrap_or_default()))
 }
 
 /// clap prints the message itself, so the error is given as plain text.
@@ -317,7 +327,7 @@ impl Values {
         Ok((values.apply(experiment), warnings))
     }
 
-    /// All values: files first, in order, then `--set`.
+    /// All values: files first, in order, then `--set` and `--engine`.
     pub fn parameter_set(&self) -> Result<ParameterSet> {
         let mut all = ParameterSet::new();
         for path in &self.parameters {
@@ -326,6 +336,7 @@ impl Values {
         Ok(self
             .set
             .iter()
+            .chain(&self.engine)
             .fold(all, |set, assignment| set.with(*assignment)))
     }
 }
@@ -339,14 +350,6 @@ pub struct SolverOptions {
     substeps: Option<usize>,
     #[arg(long, help_heading = SOLVER, value_parser = choice(JOINTS), help = joint_help())]
     pub joint: Option<JointKind>,
-    /// Which engine simulates [default: rapier, or solver.engine where it is set]
-    #[arg(long, help_heading = SOLVER, value_name = "NAME", value_parser = engine)]
-    pub engine: Option<EngineChoice>,
-}
-
-/// The engine of a name; else what there is.
-fn engine(name: &str) -> std::result::Result<EngineChoice, String> {
-    engine_by_name(name).map_err(|error| error.to_string())
 }
 
 impl SolverOptions {
@@ -356,7 +359,6 @@ impl SolverOptions {
         solver.timestep_s = self.timestep.unwrap_or(solver.timestep_s);
         solver.substeps = self.substeps.unwrap_or(solver.substeps);
         solver.joint = self.joint.unwrap_or(solver.joint);
-        solver.engine = self.engine.unwrap_or(solver.engine);
         experiment
     }
 }

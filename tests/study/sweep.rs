@@ -319,3 +319,37 @@ fn a_value_for_a_parameter_that_the_study_varies_is_not_silently_ignored() {
             .contains("floor.friction was set, but the study varies it")
     );
 }
+
+#[test]
+fn an_engine_is_chosen_by_name_wherever_values_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = quick_study(folder.path(), 2);
+    let points = |words: &[&str]| {
+        let out = folder.path().join(format!("out{}", words.join("")));
+        let command = realgap()
+            .arg("sweep")
+            .arg(&study)
+            .args(words)
+            .arg("-o")
+            .arg(&out)
+            .assert();
+        command.success();
+        std::fs::read_to_string(out.join("points.csv")).unwrap()
+    };
+    let [usual, named, set] = [
+        &[][..],
+        &["--engine", "tree"],
+        &["--set", "solver.engine=1"],
+    ]
+    .map(points);
+    assert_eq!(named, set);
+    assert_ne!(named, usual);
+    let said = realgap()
+        .arg("sweep")
+        .arg(&study)
+        .args(["--engine", "bullet"])
+        .assert()
+        .code(2);
+    let said = text(&said.get_output().stderr);
+    assert!(said.contains("rapier") && said.contains("tree"), "{said}");
+}
