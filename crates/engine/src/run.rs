@@ -213,6 +213,45 @@ fn total_change(experiment: &Experiment, assembly: &Assembly, hinge: usize) -> H
     change
 }
 
+/// Where the robot stands and how it moves at time 0.
+fn placed(
+    experiment: &Experiment,
+    assembly: &Assembly,
+    robot_from_parts: &[Isometry3<f64>],
+) -> (Isometry3<f64>, Motion) {
+    let perturbation = &experiment.perturbation;
+    let turn = UnitQuaternion::from_scaled_axis(perturbation.turn_world_rad);
+    match (experiment.start, assembly.world_from_mount) {
+        (_, Some(world_from_mount)) => (world_from_mount, Motion::REST),
+        (Start::Settled, None) => {
+            let turned: Vec<_> = robot_from_parts.iter().map(|pose| turn * pose).collect();
+            let normal = experiment.floor.normal_world();
+            // The floor passes through (0, 0, height); lift the robot along z until it just touches.
+            let above_m = lowest_m(assembly, &turned, &normal) / normal.z;
+            let mut shift_m = perturbation.shift_world_m;
+            // Never start inside the floor.
+            shift_m.z = shift_m.z.max(0.0) + experiment.floor.height_m - above_m;
+            (Isometry3::from_parts(shift_m.into(), turn), Motion::REST)
+        }
+        (Start::State(recorded), None) => {
+            let state = recorded.scaled(1.0 / experiment.recording_length_scale);
+            let world_from_track = Isometry3::from_parts(
+                (state.position_world_m + perturbation.shift_world_m).into(),
+                turn * state.orientation_world_from_body,
+            );
+            let robot_from_track =
+                robot_from_parts[assembly.track_part] * part_from_track(assembly);
+            let motion = Motion {
+                about_world_m: world_from_track.translation.vector,
+                linear_world_m_s: state.velocity_world_m_s + perturbation.velocity_world_m_s,
+                angular_world_rad_s: world_from_track.rotation * state.angular_velocity_body_rad_s
+                    + perturbation.spin_world_rad_s,
+            };
+            (world_from_track * robot_from_track.inverse(), motion)
+        }
+    }
+}
+
 impl<'a> Rollout<'a> {
     pub(super) fn new(experiment: &'a Experiment, assembly: &'a Assembly) -> Result<Self> {
         let joints: Vec<JointState> = assembly
@@ -233,38 +272,7 @@ impl<'a> Rollout<'a> {
             .collect();
         let angles_rad: Vec<f64> = joints.iter().map(|joint| joint.angle_rad).collect();
         let robot_from_parts = robot_from_parts(assembly, &angles_rad);
-        let part_from_track = part_from_track(assembly);
-        let perturbation = &experiment.perturbation;
-        let turn = UnitQuaternion::from_scaled_axis(perturbation.turn_world_rad);
-        let (world_from_robot, motion) = match (experiment.start, assembly.world_from_mount) {
-            (_, Some(world_from_mount)) => (world_from_mount, Motion::REST),
-            (Start::Settled, None) => {
-                let turned: Vec<_> = robot_from_parts.iter().map(|pose| turn * pose).collect();
-                let normal = experiment.floor.normal_world();
-                // The floor passes through (0, 0, height); lift the robot along z until it just touches.
-                let above_m = lowest_m(assembly, &turned, &normal) / normal.z;
-                let mut shift_m = perturbation.shift_world_m;
-                // Never start inside the floor.
-                shift_m.z = shift_m.z.max(0.0) + experiment.floor.height_m - above_m;
-                (Isometry3::from_parts(shift_m.into(), turn), Motion::REST)
-            }
-            (Start::State(recorded), None) => {
-                let state = recorded.scaled(1.0 / experiment.recording_length_scale);
-                let world_from_track = Isometry3::from_parts(
-                    (state.position_world_m + perturbation.shift_world_m).into(),
-                    turn * state.orientation_world_from_body,
-                );
-                let robot_from_track = robot_from_parts[assembly.track_part] * part_from_track;
-                let motion = Motion {
-                    about_world_m: world_from_track.translation.vector,
-                    linear_world_m_s: state.velocity_world_m_s + perturbation.velocity_world_m_s,
-                    angular_world_rad_s: world_from_track.rotation
-                        * state.angular_velocity_body_rad_s
-                        + perturbation.spin_world_rad_s,
-                };
-                (world_from_track * robot_from_track.inverse(), motion)
-            }
-        };
+        let (world_from_robot, motion) = placed(experiment, assembly, &robot_from_parts);
         let poses: Vec<_> = robot_from_parts
             .iter()
             .map(|pose| world_from_robot * pose)
@@ -297,7 +305,7 @@ impl<'a> Rollout<'a> {
         Ok(Self {
             assembly,
             world,
-            part_from_track,
+            part_from_track: part_from_track(assembly),
             guides,
             records_joints: experiment.records_joints,
             angles_rad,

@@ -3,7 +3,9 @@
 mod axle;
 mod friction;
 mod hook;
+mod integration;
 mod load;
+mod mass;
 mod pose;
 mod precision;
 mod scene;
@@ -21,16 +23,17 @@ use axle::{Axle, Seat, rotor_inertia_kg_m2};
 use friction::Friction;
 use hook::{Hooks, module_mark};
 use precision::math::{Pose, Vector};
+use precision::narrow;
 use precision::prelude::{
     ActiveHooks, BroadPhaseBvh, CCDSolver, CoefficientCombineRule, ColliderBuilder, ColliderSet,
-    FrictionModel as EngineFriction, ImpulseJointSet, IntegrationParameters, IslandManager,
-    MassProperties, MultibodyJointSet, NarrowPhase, PhysicsPipeline, RigidBodyBuilder,
-    RigidBodyHandle, RigidBodySet, SharedShape, SoftBodySet,
+    ImpulseJointSet, IntegrationParameters, IslandManager, MultibodyJointSet, NarrowPhase,
+    PhysicsPipeline, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SharedShape, SoftBodySet,
 };
-use precision::{Real, narrow};
 use realgap_core::error::Result;
-use realgap_robot::morphology::{Assembly, ClusterMass, Part, Role};
+use realgap_robot::morphology::{ClusterMass, Part, Role};
 
+use mass::mass_properties;
+pub(super) use mass::{LEAST_SHARE, total_kg, weighable};
 use pose::from_rotation;
 pub(super) use pose::{from_pose, from_vector, to_matrix, to_pose, to_vector};
 pub use precision::ENGINE_VERSION;
@@ -145,7 +148,7 @@ impl RapierWorld {
         } = *setup;
         let mut world = Self {
             gravity: Vector::new(0.0, 0.0, narrow(-experiment.gravity_m_s2)),
-            parameters: parameters(experiment),
+            parameters: integration::parameters(experiment),
             pipeline: PhysicsPipeline::new(),
             islands: IslandManager::new(),
             broad_phase: BroadPhaseBvh::new(),
@@ -482,70 +485,4 @@ impl World for RapierWorld {
     fn lead_driven(&mut self, index: usize, next: &Isometry3<f64>) {
         self.guide_driven(index, next);
     }
-}
-
-/// A link without mass weighs this share of the whole robot for the engine.
-pub(super) const LEAST_SHARE: f64 = 1e-9;
-/// … and is as hard to turn as that mass at this distance, metres.
-const LEAST_ARM_M: f64 = 0.01;
-
-pub(super) fn total_kg(assembly: &Assembly) -> f64 {
-    let solids = assembly.parts.iter().flat_map(|part| &part.solids);
-    solids.map(|solid| solid.mass_kg).sum()
-}
-
-/// The engine takes a body without mass for one that nothing moves: a link between two joints gets next to nothing.
-pub(super) fn weighable(mass: ClusterMass, least_kg: f64) -> ClusterMass {
-    if mass.mass_kg > 0.0 {
-        return mass;
-    }
-    ClusterMass {
-        mass_kg: least_kg,
-        inertia_kg_m2: Matrix3::from_diagonal_element(least_kg * LEAST_ARM_M * LEAST_ARM_M),
-        ..mass
-    }
-}
-
-/// What Parry makes of a body's inertia. It takes moments that differ by less than 1e-5 kg m² for equal, and turns their axes to
-/// wherever it likes: a power of two makes them large enough for that, and changes no digit of what it returns
-/// (docs/upstream/small_inertia.md).
-fn mass_properties(mass: &ClusterMass) -> MassProperties {
-    let largest_kg_m2 = mass.inertia_kg_m2.amax();
-    let is_usual = largest_kg_m2.is_normal() && largest_kg_m2 < 1.0;
-    let up = match is_usual {
-        true => (-largest_kg_m2.log2().floor()).exp2(),
-        false => 1.0,
-    };
-    let mut properties = MassProperties::with_inertia_matrix(
-        Vector::ZERO,
-        narrow(mass.mass_kg),
-        to_matrix(&(mass.inertia_kg_m2 * up)),
-    );
-    properties.inv_principal_inertia *= narrow(up);
-    properties
-}
-
-fn parameters(experiment: &Experiment) -> IntegrationParameters {
-    let contact = &experiment.contact;
-    let mut p = IntegrationParameters {
-        dt: narrow(experiment.solver.timestep_s),
-        num_solver_iterations: experiment.solver.substeps,
-        num_internal_pgs_iterations: experiment.solver.sweeps,
-        num_internal_stabilization_iterations: experiment.solver.relaxations,
-        normalized_prediction_distance: narrow(contact.prediction_m),
-        // A robot that flies off is to be seen, not slowed down.
-        normalized_max_linear_velocity: Real::MAX,
-        friction_model: match contact.friction_model {
-            FrictionModel::Simplified => EngineFriction::Simplified,
-            FrictionModel::Coulomb => EngineFriction::Coulomb,
-        },
-        ..IntegrationParameters::default()
-    };
-    // The floor has no body, so its contacts take the softness of fixed bodies; modules among themselves
-    // are half as stiff, as in Rapier's own defaults.
-    p.static_contact_softness.natural_frequency = narrow(contact.natural_frequency_hz);
-    p.static_contact_softness.damping_ratio = narrow(contact.damping_ratio);
-    p.contact_softness.natural_frequency = narrow(0.5 * contact.natural_frequency_hz);
-    p.contact_softness.damping_ratio = narrow(contact.damping_ratio);
-    p
 }
