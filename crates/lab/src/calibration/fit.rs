@@ -8,7 +8,7 @@ use super::score::{PointScore, Scores};
 use super::study::Study;
 use crate::prediction::ensemble::rms_m;
 use realgap_core::error::Result;
-use realgap_core::statistics::{energy_test, mean};
+use realgap_core::statistics::{energy_test, mean, student_quantile};
 use realgap_core::unit::number;
 use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::Prepared;
@@ -23,8 +23,8 @@ pub struct Fit {
     /// How likely the runs are as unlike the recordings if both are drawn alike (energy test; Székely & Rizzo 2013); `None` for
     /// fewer than three recordings.
     pub p_value: Option<f64>,
-    /// False where the recordings are farther from the runs than from each other and than any run is from the others, and chance
-    /// does not explain it: no parameters of this model explain these recordings.
+    /// False where the recordings are farther from the runs than from each other, and neither chance nor a setting that reality
+    /// has of its own explains it: no parameters of this model explain these recordings.
     pub explains: bool,
     /// Variance of the model's discrepancy in those of a recording, which widens the intervals; 0 where the model explains the
     /// recordings.
@@ -71,28 +71,21 @@ impl Fit {
             true => Some(energy_test(&distances, real.len(), study.definition().seed)?.p_value),
             false => None,
         };
-        // Reality has one setting of its own: it may lie as far from the others as any of them does.
-        let from_runs = |member: usize| {
-            let others = (real.len()..all.len()).filter(|run| *run != member);
-            mean(
-                &others
-                    .map(|run| rms_m(all[member], all[run]))
-                    .collect::<Vec<f64>>(),
-            )
-        };
-        let farthest_run = (real.len()..all.len()).map(from_runs).fold(0.0, f64::max);
+        let spreads = [
+            (0.5 * over(0, 2), real.len()),
+            (0.5 * over(2, 2), runs.len()),
+        ];
+        let excess = over(1, 2) - spreads[0].0 - spreads[1].0;
         let explains = noise_floors <= 1.0
             || p_value.is_none_or(|p| p >= SIGNIFICANT)
-            || over(1, 1) <= farthest_run;
-        let within = over(0, 2);
-        let excess = over(1, 2) - 0.5 * within - 0.5 * over(2, 2);
+            || chance_parts(excess, spreads);
         Ok(Some(Self {
             noise_floors,
             p_value,
             explains,
             discrepancy: match explains {
                 true => 0.0,
-                false => (excess / (0.5 * within)).max(0.0),
+                false => (excess / spreads[0].0).max(0.0),
             },
         }))
     }
@@ -101,6 +94,23 @@ impl Fit {
     pub(super) fn warning(&self) -> Option<Warning> {
         (!self.explains).then(|| Warning::new(Code::ModelContradicted, self.to_string()))
     }
+}
+
+/// Whether chance parts the mean paths as far as they are: Welch's t test (1947), with distances for differences. `excess` is what
+/// parts a recording from a run, squared, beyond the variance of either, and the spreads are those variances with how many
+/// paths showed them. The energy test alone also rejects recordings that merely spread more than runs. Reality has one setting
+/// of its own, which moves all of its recordings, so that their mean varies as a single run does, too. All variance is taken to
+/// lie in one direction, where chance goes farthest.
+fn chance_parts(excess: f64, [recordings, runs]: [(f64, usize); 2]) -> bool {
+    let freedom = |(_, count): (f64, usize)| count as f64 - 1.0;
+    let of_mean = |(variance, count): (f64, usize)| variance / count as f64;
+    let apart = (excess + of_mean(recordings) + of_mean(runs)).max(0.0);
+    let own_setting = runs.0 + of_mean(runs);
+    let variance = of_mean(recordings) + own_setting;
+    let doubt =
+        of_mean(recordings).powi(2) / freedom(recordings) + own_setting.powi(2) / freedom(runs);
+    let limit = student_quantile(1.0 - 0.5 * SIGNIFICANT, variance * variance / doubt);
+    apart <= limit * limit * variance
 }
 
 impl fmt::Display for Fit {
@@ -119,5 +129,59 @@ impl fmt::Display for Fit {
             )?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+    use realgap_core::random::Generator;
+
+    /// How many of 400 realities chance does not explain: `spread` times as far apart as runs are, so many of these off.
+    fn unexplained(directions: usize, recordings: usize, spread: f64, off: f64) -> usize {
+        let mut rng = Generator::seed_from_u64(7);
+        let mut path = |centre: &[f64], size: f64| -> Vec<f64> {
+            let normal = |rng: &mut _| -> f64 { StandardNormal.sample(rng) };
+            centre.iter().map(|c| c + size * normal(&mut rng)).collect()
+        };
+        let mean_square = |a: &[Vec<f64>], b: &[Vec<f64>]| {
+            let pairs = a.iter().flat_map(|p| b.iter().map(move |q| (p, q)));
+            let squares = pairs.map(|(p, q)| p.iter().zip(q).map(|(p, q)| (p - q).powi(2)).sum());
+            let other = squares.filter(|square: &f64| *square > 0.0);
+            mean(&other.collect::<Vec<f64>>())
+        };
+        let alarm = |_: &usize| {
+            let mut origin = vec![0.0; directions];
+            let runs: Vec<Vec<f64>> = (0..16).map(|_| path(&origin, 1.0)).collect();
+            origin[0] = off;
+            let own = path(&origin, 1.0);
+            let real: Vec<Vec<f64>> = (0..recordings).map(|_| path(&own, spread)).collect();
+            let half = |paths: &[Vec<f64>]| 0.5 * mean_square(paths, paths);
+            let spreads = [(half(&real), real.len()), (half(&runs), runs.len())];
+            let excess = mean_square(&real, &runs) - spreads[0].0 - spreads[1].0;
+            !chance_parts(excess, spreads)
+        };
+        (0..400).filter(alarm).count()
+    }
+
+    /// At one false alarm in twenty more than 28 of 400 come in 3 % of cases.
+    #[test]
+    fn a_reality_that_is_one_of_the_settings_is_explained_however_much_its_recordings_differ() {
+        for (directions, recordings) in [(1, 3), (1, 10), (4, 3), (4, 10)] {
+            for spread in [0.3, 1.0, 3.0] {
+                let alarms = unexplained(directions, recordings, spread, 0.0);
+                assert!(alarms <= 28, "{directions} {recordings} {spread}: {alarms}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_reality_that_no_setting_comes_near_is_not_explained() {
+        for (recordings, spread) in [(3, 0.3), (5, 1.0), (10, 1.0)] {
+            let found = unexplained(1, recordings, spread, 5.0);
+            assert!(found >= 360, "{recordings} {spread}: {found}");
+        }
     }
 }

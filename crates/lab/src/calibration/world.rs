@@ -87,6 +87,8 @@ fn study(world: &World, points: usize, recordings: usize, seed: u64) -> Found {
         0.1 + 0.8 * rng.random::<f64>(),
         0.1 + 0.8 * rng.random::<f64>(),
     ];
+    // Its own sixteen: with the same ones in every study, all would hold too much or too little together.
+    let own_settings = 100 * (seed + 1);
     let hidden = 1_000_000 + seed;
     let real: Vec<Path> = (0..recordings)
         .map(|_| world.run(&truth, hidden, &mut rng, world.recording))
@@ -100,7 +102,7 @@ fn study(world: &World, points: usize, recordings: usize, seed: u64) -> Found {
         } else {
             world.run
         };
-        let path = world.run(&at, setting as u64 + 77, rng, own);
+        let path = world.run(&at, own_settings + setting as u64, rng, own);
         let distance = |real: &Path| {
             let squares = real.iter().zip(&path).map(|(a, b)| (a - b).powi(2));
             squares.sum::<f64>().sqrt()
@@ -235,16 +237,20 @@ fn the_table_of_worlds() {
         ..quiet
     };
     let only = std::env::var("REALGAP_ROWS").unwrap_or_default();
+    let worlds = [
+        ("slide", &slide),
+        ("moved", &moved),
+        ("inert", &quiet),
+        ("both", &both),
+        ("loud", &loud),
+    ];
     for recordings in [3, 1, 5, 10] {
         for points in [7, 10] {
-            if !only.is_empty() && !format!("{points} {recordings}").contains(&only) {
-                continue;
+            for (name, world) in worlds {
+                if format!("{name} {points} {recordings}").contains(&only) {
+                    row(name, world, points, recordings, studies);
+                }
             }
-            row("slide", &slide, points, recordings, studies);
-            row("moved", &moved, points, recordings, studies);
-            row("inert", &quiet, points, recordings, studies);
-            row("both", &both, points, recordings, studies);
-            row("loud", &loud, points, recordings, studies);
         }
     }
 }
