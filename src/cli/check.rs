@@ -1,5 +1,7 @@
 //! `realgap check`: is a file of ours sound, and what is in it?
 
+mod controller;
+mod dynamics;
 pub mod report;
 mod sensing;
 
@@ -10,7 +12,7 @@ use realgap::calibration::{Definition, Overrides, read_parameters};
 use realgap::file::Source;
 use realgap::import::is_foreign;
 use realgap::robot::genome::Specimen;
-use realgap::robot::morphology::{Assembly, Morphology};
+use realgap::robot::morphology::Morphology;
 use realgap::search::{self, Search};
 use realgap::sensing::arena::Arena;
 use realgap::simulation::Experiment;
@@ -37,14 +39,18 @@ use report::{FileReport, Motion, Varied};
 Examples:
   realgap check morphologies/tripod.ron --plot robot.png
   realgap check sweeps/*.ron runs/*.csv
-  realgap check arenas/paper000.ron --plot arena.png")]
+  realgap check arenas/paper000.ron --plot arena.png
+  realgap check controllers/tripod_avoid.ron --robot morphologies/tripod.ron")]
 pub struct Check {
     /// Files: .ron, or recordings such as .csv and .tum
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     #[command(flatten)]
     reading: ReadingOptions,
-    /// Draw the robot or arena into this file (.png or .svg); for one morphology, genome or arena
+    /// Check controllers for this robot: what its sensors sit on, its servos, and that every robot of it starts clear of walls
+    #[arg(long, value_name = "FILE")]
+    robot: Option<PathBuf>,
+    /// Draw the robot or arena into this file (.png or .svg); for one morphology, genome, arena or controller
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// How to print
@@ -75,7 +81,7 @@ impl Check {
         let mut failed = 0;
         for (index, path) in self.files.iter().enumerate() {
             let reading = self.reading.of_file(index, self.files.len())?;
-            let found = describe(path, &reading, self.dynamics);
+            let found = describe(path, &reading, self.dynamics, self.robot.as_deref());
             if let Err(error) = &found {
                 failed += 1;
                 terminal::print_error(error);
@@ -110,23 +116,18 @@ impl Check {
         let [path] = self.files.as_slice() else {
             return Err(Error::usage("--plot draws one robot")
                 .found(format!("{} files", self.files.len()))
-                .allowed("one morphology or genome"));
+                .allowed("one morphology, genome, arena or controller"));
         };
         let source = Source::read(path, "morphology")?;
-        if Kind::of_ron(&source) == Some(Kind::Arena) {
-            draw_arena(&Arena::parse(&source)?, plot)?;
-            terminal::note(format!("drawn: {}", plot.display()));
-            return Ok(());
+        match Kind::of_ron(&source) {
+            Some(Kind::Arena) => draw_arena(&Arena::parse(&source)?, plot)?,
+            Some(Kind::Controller) => controller::draw(&source, self.robot.as_deref(), plot)?,
+            Some(Kind::Genome) => {
+                let robot = Specimen::parse(&source)?.develop();
+                portrait::draw(&robot.map_err(|m| Error::from(m).at_file(path))?, plot)?;
+            }
+            _ => portrait::draw(&Morphology::parse(&source)?, plot)?,
         }
-        let robot = if source.locate("genes").is_some() {
-            let specimen = Specimen::parse(&source)?;
-            specimen
-                .develop()
-                .map_err(|m| Error::from(m).at_file(path))?
-        } else {
-            Morphology::parse(&source)?
-        };
-        portrait::draw(&robot, plot)?;
         terminal::note(format!("drawn: {}", plot.display()));
         Ok(())
     }
@@ -144,7 +145,12 @@ fn report(path: &Path, found: Result<Contents>) -> FileReport {
     }
 }
 
-fn describe(path: &Path, reading: &Reading, dynamics: usize) -> Result<Contents> {
+fn describe(
+    path: &Path,
+    reading: &Reading,
+    dynamics: usize,
+    robot: Option<&Path>,
+) -> Result<Contents> {
     if path.is_dir() {
         let folder = path.display();
         return Err(
@@ -173,23 +179,11 @@ fn describe(path: &Path, reading: &Reading, dynamics: usize) -> Result<Contents>
         Some(Kind::Sensor) => sensing::sensor(&source),
         Some(Kind::Vehicle) => sensing::vehicle(path),
         Some(Kind::Radio) => sensing::radio(&source),
+        Some(Kind::Controller) => controller::describe(&source, robot),
         _ => Err(Error::invalid("not a file of ours")
             .at_file(path)
             .allowed("a morphology (modules, glue), a genome (modules, genes), a study (morphology, parameters), a search (strategy), a parameter file (parameters) or a meta.ron (robot, source)")),
     }
-}
-
-/// Coordinates spread over what the joints allow, or half a turn: the k-th of them, by multiples of the golden ratio.
-fn coordinates(assembly: &Assembly, k: usize) -> Vec<f64> {
-    let hinges = assembly.hinges.iter().enumerate();
-    hinges
-        .map(|(index, hinge)| {
-            let (low, high) = hinge.bearing.limits_rad.unwrap_or((-1.5, 1.5));
-            let (low, high) = (low.max(-3.0), high.min(3.0));
-            let share = (((k + 1) * (index + 1)) as f64 * 0.618_033_988_749_895).fract();
-            low + share * (high - low)
-        })
-        .collect()
 }
 
 fn morphology(source: &Source, dynamics: usize) -> Result<Contents> {
@@ -232,27 +226,13 @@ fn morphology(source: &Source, dynamics: usize) -> Result<Contents> {
             size_m: [size[0], size[1], size[2]],
             track: robot.modules()[robot.track()].name.clone(),
             body_length_m: summary.body_length_m,
-            dynamics: dynamics_of(&assembly, dynamics),
+            dynamics: dynamics::states(&assembly, dynamics),
         },
         warnings: [
             robot.warnings(),
             known_limits(&Experiment::new(assembly), &[]),
         ]
         .concat(),
-    })
-}
-
-fn dynamics_of(assembly: &Assembly, count: usize) -> Option<report::States> {
-    (count > 0).then(|| report::States {
-        bodies: assembly.module_names.clone(),
-        joints: assembly
-            .hinges
-            .iter()
-            .map(|hinge| hinge.name.clone())
-            .collect(),
-        states: (0..count)
-            .map(|k| assembly.dynamics(&coordinates(assembly, k)))
-            .collect(),
     })
 }
 

@@ -23,6 +23,7 @@ pub enum Kind {
     Sensor,
     Vehicle,
     Radio,
+    Controller,
 }
 
 impl Kind {
@@ -42,6 +43,7 @@ impl Kind {
             ("propagation", Self::Radio),
             ("spread", Self::Sensor),
             ("radius_m", Self::Vehicle),
+            ("rate_hz", Self::Controller),
             ("parameters", Self::Parameters),
             ("robot", Self::Meta),
         ]
@@ -63,6 +65,7 @@ impl Kind {
             Self::Sensor => "sensor model",
             Self::Vehicle => "vehicle",
             Self::Radio => "radio model",
+            Self::Controller => "controller",
         }
     }
 
@@ -96,6 +99,9 @@ impl Kind {
             }
             Self::Radio => format!(
                 "`realgap sense radio evaluate LOG.csv --parameters {path}` and `realgap sense radio send --parameters {path}` use a radio model"
+            ),
+            Self::Controller => format!(
+                "`realgap simulate ROBOT --controller {path}` runs a robot with a controller"
             ),
             Self::Vehicle => format!("a study names {path}: vehicle: (file: ...)"),
             Self::Trajectory => {

@@ -56,6 +56,7 @@ fn shipped_files_are_as_the_schema_of_their_kind_says() {
     for folder in [
         "assets/templates",
         "arenas",
+        "controllers",
         "morphologies",
         "real_trajectories/*",
         "scenes",
@@ -147,6 +148,7 @@ fn what_commands_on_robots_and_paths_print_is_as_its_schema_says() {
     ];
     for folder in [
         "arenas",
+        "controllers",
         "morphologies",
         "sensors",
         "vehicles",

@@ -95,6 +95,11 @@ impl SceneBody {
     /// # Errors
     /// It would.
     pub(super) fn check_clear(&self, experiment: &Experiment) -> Result<()> {
+        self.check_clear_of("a wall", experiment)
+    }
+
+    /// As [`SceneBody::check_clear`], where the body is called something else.
+    pub(super) fn check_clear_of(&self, what: &str, experiment: &Experiment) -> Result<()> {
         let SceneMotion::Fixed { world_from_body } = self.motion else {
             return Ok(());
         };
@@ -112,14 +117,14 @@ impl SceneBody {
                 let depth_m = overlap_m(&module, &(part_pose, 0.5 * part.sides_m));
                 if depth_m > TOUCH_M {
                     let at = module.0.translation.vector;
-                    return Err(Error::invalid("the robot starts in a wall")
+                    return Err(Error::invalid(format!("the robot starts in {what}"))
                         .field(format!("scene.{}", self.name))
                         .found(format!(
                             "a module at ({:.3}, {:.3}, {:.3}) m, {depth_m:.3} m deep",
                             at.x, at.y, at.z
                         ))
                         .allowed(format!("at most {TOUCH_M} m"))
-                        .hint("move the start or the wall"));
+                        .hint(format!("move the start or {}", what.replace("a ", "the "))));
                 }
             }
         }
@@ -128,7 +133,7 @@ impl SceneBody {
 }
 
 /// Where the robot's frame is at the start, with joints at zero.
-fn world_from_robot(experiment: &Experiment) -> Isometry3<f64> {
+pub(super) fn world_from_robot(experiment: &Experiment) -> Isometry3<f64> {
     let assembly = &experiment.assembly;
     match (&experiment.start, assembly.world_from_mount) {
         (_, Some(world_from_mount)) => world_from_mount,

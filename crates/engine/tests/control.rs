@@ -324,6 +324,36 @@ fn a_bad_controller_is_told_what_is_wrong_with_it() {
             "rate_hz: 10, others: [(name: \"b\", x_m: 1.4, y_m: 1.0)],",
             "cannot start here",
         ),
+        ("rate_hz: 10, start: (x_m: 1.4, y_m: 1.0),", "1:51"),
+        (
+            "rate_hz: 10, start: (x_m: 1.37, y_m: 1.0),",
+            "start: a robot cannot start here",
+        ),
+        (
+            "rate_hz: 10, start: (x_m: inf, y_m: 1.0),",
+            "start: a robot cannot start here",
+        ),
+        (
+            "rate_hz: 10, start: (x_m: 2.0, y_m: NaN),",
+            "start: a robot cannot start here",
+        ),
+        (
+            "rate_hz: 10, start: (x_m: 2.0, y_m: 1.0, heading_deg: inf),",
+            "not a heading",
+        ),
+        // Its middle is free, its body is not.
+        (
+            "rate_hz: 10, start: (x_m: 1.5, y_m: 1.0, heading_deg: 90),",
+            "start: the robot starts in a wall",
+        ),
+        (
+            "rate_hz: 10, others: [(name: \"b\", x_m: 1.5, y_m: 1.0, heading_deg: 90)],",
+            "others[0]: the robot starts in a wall",
+        ),
+        (
+            "rate_hz: 10, others: [(name: \"b\", x_m: 2.1, y_m: 1.0)],",
+            "others[0]: the robot starts in another robot",
+        ),
         (
             "rate_hz: 10, others: [(name: \"robot\", x_m: 3, y_m: 1)],",
             "a name of its own",

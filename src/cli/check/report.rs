@@ -187,6 +187,21 @@ pub enum Contents {
         /// Base of the logarithm.
         log_base: &'static str,
     },
+    /// A controller.
+    Controller {
+        /// Name of its arena.
+        arena: String,
+        /// How often it decides, Hz.
+        rate_hz: f64,
+        /// Names of its sensors.
+        sensors: Vec<String>,
+        /// Number of its rules.
+        rules: usize,
+        /// Names of the robots, its own first.
+        robots: Vec<String>,
+        /// Whether it was checked for a robot, too.
+        fits: bool,
+    },
     /// Trajectories.
     Trajectories {
         /// Each recording of the file.

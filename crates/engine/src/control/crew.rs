@@ -78,6 +78,7 @@ pub(in super::super) fn steered(
             inbox: Vec::new(),
         });
     }
+    let by_rule = controller.by_hinge(experiment)?;
     let air = Air::new(controller, experiment.perturbation.draw)?;
     let mut log = Log::default();
     let timestep_s = experiment.solver.timestep_s;
@@ -93,7 +94,7 @@ pub(in super::super) fn steered(
                 sendings += 1;
             }
             decide(
-                controller,
+                (controller, &by_rule),
                 &assemblies,
                 &poses,
                 &mut crew,
@@ -187,7 +188,7 @@ impl Member<'_> {
 
 /// Every robot senses where all are now, and decides.
 fn decide(
-    controller: &Controller,
+    (controller, by_rule): (&Controller, &[Vec<(usize, Steer)>]),
     assemblies: &[Assembly],
     poses: &[Vec<Isometry3<f64>>],
     crew: &mut [Member<'_>],
@@ -224,7 +225,7 @@ fn decide(
         let rule = member.mind.decide(controller, &sensed);
         let steering = member.rollout.steering();
         steering.fill(Steer::Own);
-        for (hinge, steer) in rule.iter().flat_map(|rule| &controller.rules[*rule].then) {
+        for (hinge, steer) in rule.iter().flat_map(|rule| &by_rule[*rule]) {
             steering[*hinge] = *steer;
         }
         if let Some(feedback) = feedback {

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use serde::Deserialize;
 
 use super::super::experiment::Experiment;
-use super::mount::seat;
 use super::{Condition, Controller, Mounted, Other, Radio, Reads, Rule, Steer};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, look_up, parse_ron};
@@ -186,21 +185,29 @@ struct RadioFile {
     loss_width_db: f64,
 }
 
-/// Most sensors, and most robots beside the first.
-const MOST: usize = 255;
-
 impl Controller {
     /// Reads a controller for the robot of an experiment, with its arena and models.
     ///
     /// # Errors
-    /// Any of the files missing or malformed; a sensor, rule or robot that does not fit the robot or the arena.
+    /// As [`Controller::parse`]; a sensor, rule or start that does not fit the robot.
     pub fn read(path: impl AsRef<Path>, experiment: &Experiment) -> Result<Self> {
-        let path = path.as_ref();
         let source = Source::read(path, "controller")?;
-        let file: ControllerFile = parse_ron(&source)?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let found = file.in_folder(folder, experiment).and_then(|controller| {
-            controller.check(experiment)?;
+        let controller = Self::parse(&source)?;
+        controller
+            .check(experiment)
+            .map_err(|error| source.at_field(error))?;
+        Ok(controller)
+    }
+
+    /// The controller in a text, whatever robot it is for, with its arena and models.
+    ///
+    /// # Errors
+    /// Any of the files missing or malformed; two of one name, rules about sensors or robots that are not there, a start in a wall.
+    pub fn parse(source: &Source) -> Result<Self> {
+        let file: ControllerFile = parse_ron(source)?;
+        let folder = source.path().parent().unwrap_or(Path::new(""));
+        let found = file.in_folder(folder).and_then(|controller| {
+            controller.check_alone()?;
             Ok(controller)
         });
         found.map_err(|error| match error.file() {
@@ -208,78 +215,10 @@ impl Controller {
             None => source.at_field(error),
         })
     }
-
-    /// Checks that it fits the robot of an experiment.
-    ///
-    /// # Errors
-    /// A rate that is not positive, two sensors or robots of one name, sensors on what the robot does not have, rules about hinges
-    /// without a servo, a start in a wall or in another robot.
-    pub(in super::super) fn check(&self, experiment: &Experiment) -> Result<()> {
-        let assembly = &experiment.assembly;
-        let most_hz = 1.0 / experiment.solver.timestep_s;
-        Range::above(0.0, most_hz, "Hz")
-            .check(self.rate_hz, "rate_hz")
-            .map_err(|e| e.hint("at most once a timestep"))?;
-        if self.sensors.len() > MOST || self.others.len() > MOST {
-            return Err(Error::invalid("too many sensors or robots")
-                .field("sensors")
-                .allowed(format!("at most {MOST} of each")));
-        }
-        unique("sensors", self.sensors.iter().map(|s| s.name.as_str()))?;
-        let robots = std::iter::once(self.name.as_str());
-        unique(
-            "others",
-            robots.chain(self.others.iter().map(|o| o.name.as_str())),
-        )?;
-        for mounted in &self.sensors {
-            seat(assembly, mounted)?;
-        }
-        for (index, rule) in self.rules.iter().enumerate() {
-            Range::within(0.0, 3600.0, "s").check(rule.for_s, &format!("rules[{index}].for_s"))?;
-        }
-        let Some([x, y, heading]) = self.arena.start else {
-            return Err(Error::invalid("nobody says where the robot starts")
-                .field("start")
-                .hint("add e.g. start: (x_m: 1.0, y_m: 1.0), here or in the arena's file"));
-        };
-        if !heading.is_finite() {
-            return Err(Error::invalid("not a heading")
-                .field("start")
-                .found(heading));
-        }
-        self.arena.check_place([x, y], 0.0)?;
-        for (index, other) in self.others.iter().enumerate() {
-            let [x, y, heading] = other.start;
-            if !heading.is_finite() {
-                return Err(Error::invalid("not a heading")
-                    .field(format!("others[{index}]"))
-                    .found(heading));
-            }
-            let place = self.arena.check_place([x, y], 0.0);
-            place.map_err(|e| e.field(format!("others[{index}]")))?;
-        }
-        if let Some(radio) = &self.radio {
-            Range::above(0.0, 1e6, "s").check(radio.every_s, "radio.every_s")?;
-        }
-        Ok(())
-    }
-}
-
-fn unique<'a>(field: &str, names: impl Iterator<Item = &'a str>) -> Result<()> {
-    let mut known: Vec<&str> = Vec::new();
-    for name in names {
-        if name.is_empty() || known.contains(&name) {
-            return Err(Error::invalid("every one needs a name of its own")
-                .field(field)
-                .found(format!("`{name}`")));
-        }
-        known.push(name);
-    }
-    Ok(())
 }
 
 impl ControllerFile {
-    fn in_folder(self, folder: &Path, experiment: &Experiment) -> Result<Controller> {
+    fn in_folder(self, folder: &Path) -> Result<Controller> {
         let mut arena = Arena::parse(&Source::read(folder.join(&self.arena), "arena")?)?;
         arena.start = self.start.map(StartFile::pose).or(arena.start);
         let sensors = self
@@ -291,7 +230,7 @@ impl ControllerFile {
             .chain(self.others.iter().map(|other| other.name.as_str()))
             .collect();
         let rules = self.rules.into_iter().enumerate().map(|(index, rule)| {
-            let rule = rule.checked(&sensors, &robots, experiment);
+            let rule = rule.checked(&sensors, &robots);
             rule.map_err(|e| e.within(&format!("rules[{index}]")))
         });
         let rules = rules.collect::<Result<Vec<Rule>>>()?;
@@ -366,13 +305,8 @@ impl SensorFile {
 }
 
 impl RuleFile {
-    fn checked(
-        self,
-        sensors: &[Mounted],
-        robots: &[&str],
-        experiment: &Experiment,
-    ) -> Result<Rule> {
-        let then = self.then.into_iter().map(|then| then.steer(experiment));
+    fn checked(self, sensors: &[Mounted], robots: &[&str]) -> Result<Rule> {
+        let then = self.then.into_iter().map(ThenFile::steer);
         Ok(Rule {
             when: self
                 .when
@@ -438,13 +372,7 @@ impl WhenFile {
 }
 
 impl ThenFile {
-    fn steer(self, experiment: &Experiment) -> Result<(usize, Steer)> {
-        let hinges = experiment.assembly.hinges.iter().enumerate();
-        let driven = hinges.filter(|(_, hinge)| hinge.actuator.is_some());
-        let (hinge, _) = look_up("servo", &self.actuator, driven, |(_, hinge)| {
-            hinge.name.as_str()
-        })
-        .map_err(|e| e.field("actuator"))?;
+    fn steer(self) -> Result<(String, Steer)> {
         let steer = match (self.gait, self.hold) {
             (Some(sine), None) => Steer::Gait(Gait {
                 offset_rad: sine.offset_rad,
@@ -477,6 +405,6 @@ impl ThenFile {
                 .field("then")
                 .found(&self.actuator));
         }
-        Ok((hinge, steer))
+        Ok((self.actuator, steer))
     }
 }

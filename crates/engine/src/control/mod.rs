@@ -4,6 +4,7 @@
 //! the poses of that moment, hears what was sent to it, and changes what its servos do until the next time. Each robot is simulated in a world of
 //! its own, in step with the others: they see and hear one another, and do not touch.
 
+mod check;
 mod crew;
 mod file;
 mod mount;

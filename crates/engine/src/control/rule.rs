@@ -43,8 +43,8 @@ pub struct Rule {
     pub when: Condition,
     /// For how long it is followed once it holds, seconds; 0 until the next decision.
     pub for_s: f64,
-    /// What servos do then, by hinge; those that are not named go on by themselves.
-    pub then: Vec<(usize, Steer)>,
+    /// What servos do then, by the name of their hinge; those that are not named go on by themselves.
+    pub then: Vec<(String, Steer)>,
 }
 
 /// What a sensor would read at a distance is above its threshold, or below it where readings fall with the distance.
