@@ -48,6 +48,7 @@ from ._error import (
     InvalidError,
     UsageError,
 )
+from ._feedback import Heard, Sensed
 from ._json import Json, JsonObject
 from ._prediction import Ensemble, Gap, Prediction, predict
 from ._report import report
@@ -76,6 +77,7 @@ __all__ = [
     "FileError",
     "Finalist",
     "Gap",
+    "Heard",
     "Interrupted",
     "Interval",
     "InvalidError",
@@ -90,6 +92,7 @@ __all__ = [
     "Robot",
     "Search",
     "SearchResults",
+    "Sensed",
     "Simulation",
     "Study",
     "Table",

@@ -95,13 +95,29 @@ class Simulation:
     def trajectory(self, name: str, with_joints: bool) -> Trajectory: ...
     def parts(self) -> Tuple[bytes, bytes]: ...
     def joints(self) -> Tuple[bytes, bytes]: ...
+    def others(self) -> List[Tuple[str, Trajectory]]: ...
+    def decisions(self) -> str: ...
     def write_parts(self, path: str) -> None: ...
+
+_Vector = List[float]
+_Step = Callable[
+    [
+        str,
+        float,
+        _Vector,
+        List[Tuple[str, Optional[float]]],
+        List[Tuple[str, float]],
+        List[Tuple[str, _Vector, float, float, float]],
+    ],
+    List[Tuple[str, float]],
+]
 
 def simulate(
     robot: Robot,
     settings: str,
     times_s: Optional[bytes],
     commands: Sequence[Tuple[str, bytes, bytes]],
+    step: Optional[_Step],
 ) -> Simulation: ...
 
 @final

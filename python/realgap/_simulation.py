@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 from dataclasses import dataclass
 from typing import Callable, Dict, List, Literal, Mapping, Optional, Tuple
@@ -13,9 +15,12 @@ from . import _native
 from ._array import Floats, given, got, sent
 from ._callback import number
 from ._error import CallbackError, Error, usage
+from ._feedback import Step
+from ._feedback import asked as stepping
 from ._json import JsonObject, asked, made, parsed
 from ._robot import Robot, native_robot
 from ._run import Parameters, Path, files_and_values
+from ._table import Cell, Table
 from ._trajectory import Trajectory
 from ._warning import Warning
 
@@ -112,6 +117,39 @@ class Simulation(Trajectory):
         return got(self._run.joints()[1], len(self), len(self.robot.hinges))
 
     @property
+    def others(self) -> Dict[str, Trajectory]:
+        """The ways of the other robots of a controller, by name, in the frame of this one.
+
+        >>> run.others
+        {}
+        """
+        return {name: Trajectory._of(native) for name, native in self._run.others()}
+
+    @property
+    def decisions(self) -> Table:
+        """What was read, heard and decided, a row a decision of a robot; empty without a controller or a `step`.
+
+        >>> seeing = realgap.simulate(robot, duration_s=0.5, controller="controllers/tripod_avoid.ron", seed=1)
+        >>> list(seeing.decisions), seeing.decisions.rows
+        (['t_s', 'robot', 'x_m', 'y_m', 'z_m', 'front', 'rule', 'heard'], 5)
+        """
+        rows = list(csv.reader(io.StringIO(self._run.decisions())))
+        texts = {"robot", "heard"}
+        columns: Dict[str, List[Cell]] = {}
+        for index, name in enumerate(rows[0] if rows else []):
+            cells = [row[index] for row in rows[1:]]
+            columns[name] = [cell if name in texts else _number(cell) for cell in cells]
+        return Table(columns)
+
+    def write_decisions(self, path: Path) -> None:
+        """Writes them as CSV, the same bytes as `realgap simulate --decisions`.
+
+        >>> run.write_decisions(folder / "decisions.csv")
+        """
+        with open(path, "w", encoding="utf-8", newline="") as file:
+            file.write(self._run.decisions())
+
+    @property
     def energy(self) -> Optional[EnergyBalance]:
         """Where the energy came from and went, with `energy=True`.
 
@@ -165,6 +203,10 @@ def simulate(
     arena: Optional[Path] = None,
     gait: Optional[Gait] = None,
     gait_rate_hz: float = 240.0,
+    controller: Optional[Path] = None,
+    seed: Optional[int] = None,
+    step: Optional[Step] = None,
+    step_rate_hz: Optional[float] = None,
     energy: bool = False,
     name: Optional[str] = None,
 ) -> Simulation:
@@ -174,10 +216,22 @@ def simulate(
     place of the gaits of the file; it is asked `gait_rate_hz` times a second before the run, with straight lines between, so that
     it cannot react to the robot. Servos that it does not name keep their own gaits. `name` is what pictures call the motion.
 
+    `controller` is a file with sensors, rules, others and radio (docs/control.md); `seed` draws what they read. `step(sensed)` has
+    the last word: it is called at every decision with what a robot knows (`Sensed`) and gives angles in radians by hinge, which hold
+    until the next; servos that it does not name go on. It decides `step_rate_hz` times a second: as the file says, or 50.
+
     >>> slow = realgap.simulate(robot, duration_s=0.5, parameters={"floor.friction": 0.4}, rate_hz=10.0)
     >>> len(slow)
     6
+    >>> def upright(sensed):
+    ...     return {hinge: 0.5 * angle for hinge, angle in sensed.angles_rad.items()} if sensed.time_s > 0.2 else None
+    >>> bool(abs(realgap.simulate(robot, duration_s=0.5, step=upright).joint_angles_rad[-1]).max() < 0.1)
+    True
     """
+    if arena is not None and controller is not None:
+        raise usage("a controller has an arena of its own", field="arena", found=arena)
+    if step is None and controller is None and step_rate_hz is not None:
+        raise usage("nobody decides", field="step_rate_hz", hint="name a controller= or a function step=")
     files, values = files_and_values(parameters)
     settings = asked(
         "simulate",
@@ -190,11 +244,17 @@ def simulate(
         joint=joint,
         arena=arena,
         energy=energy,
+        steering={"controller": controller, "seed": seed, "step_rate_hz": step_rate_hz},
     )
     times = None if times_s is None else sent(given(times_s, "times_s", (None,)))
     commands = [] if gait is None else _commands(gait, float(duration_s), float(gait_rate_hz))
-    run = _native.simulate(native_robot(robot), settings, times, commands)
+    feedback = None if step is None else stepping(step)
+    run = _native.simulate(native_robot(robot), settings, times, commands, feedback)
     return Simulation(run, robot, robot.name if name is None else name)
+
+
+def _number(cell: str) -> Cell:
+    return float(cell) if cell else None
 
 
 def _commands(gait: Gait, duration_s: float, rate_hz: float) -> List[Tuple[str, bytes, bytes]]:

@@ -8,6 +8,7 @@ mod callback;
 #[path = "../../src/cli/mod.rs"]
 mod cli;
 mod error;
+mod feedback;
 mod folder;
 mod prediction;
 mod robot;

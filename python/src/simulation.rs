@@ -10,15 +10,16 @@ use realgap::calibration::read_parameters;
 use realgap::file::Source;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{
-    Between, CommandTrack, Experiment, Film, JointKind, Outcome, Sampling, SceneBody, film,
+    Between, CommandTrack, Experiment, Film, JointKind, Outcome, Sampling, SceneBody,
 };
-use realgap::trajectory::write_with_bodies;
+use realgap::trajectory::{self, write_with_bodies};
 use realgap::{Error, Result, Warning};
 use serde::Deserialize;
 use serde_json::json;
 
 use crate::array;
 use crate::error::Raise;
+use crate::feedback::{self, Steering, Step};
 use crate::robot::Robot;
 use crate::running::{self, Way};
 use crate::text::{of_text, to_text};
@@ -40,6 +41,7 @@ struct Settings {
     joint: Option<String>,
     arena: Option<PathBuf>,
     energy: bool,
+    steering: Steering,
 }
 
 /// Values of parameters, from files first.
@@ -73,24 +75,37 @@ pub struct Simulation {
     robot: String,
     film: Film,
     info: String,
+    others: Vec<(String, trajectory::Trajectory)>,
+    /// A table with a row a decision, empty without a controller.
+    decisions: String,
 }
 
-/// Simulates a robot from rest. `commands` are what its servos are told in place of their gaits, by hinge.
+/// Simulates a robot from rest. `commands` are what its servos are told in place of their gaits, by hinge; `step` is asked at every
+/// decision of a controller.
 #[pyfunction]
+#[pyo3(signature = (robot, settings, times_s, commands, step))]
 pub fn simulate(
     py: Python<'_>,
     robot: &Robot,
     settings: &str,
     times_s: Option<&[u8]>,
     commands: Vec<CommandBytes>,
+    step: Option<Py<PyAny>>,
 ) -> PyResult<Simulation> {
+    let step = step.map(Step::new);
     let (experiment, mut warnings) =
-        experiment(robot, settings, times_s, &commands).or_raise(py)?;
+        experiment(robot, settings, times_s, &commands, step.is_some()).or_raise(py)?;
     let way = Way {
         jobs: Some(1),
         progress: None,
     };
-    let (run, film) = running::run(py, &way, |_| film(&experiment))?;
+    let filmed = running::run(py, &way, |options| {
+        feedback::film(&experiment, step.as_ref(), options.stop)
+    });
+    let (run, film, log) = filmed.map_err(|raised| {
+        let thrown = step.as_ref().and_then(Step::thrown);
+        thrown.unwrap_or(raised)
+    })?;
     warnings.extend(run.warnings.iter().cloned());
     let simulated = || -> Result<Simulation> {
         let Some(film) = film else {
@@ -115,10 +130,13 @@ pub fn simulate(
             "records_joints": experiment.records_joints,
             "warnings": warnings,
         });
+        let controller = experiment.controller.as_deref();
         Ok(Simulation {
             robot: robot.morphology.name().to_owned(),
             info: to_text(&info)?,
             film,
+            decisions: controller.map_or(String::new(), |controller| log.to_csv(controller)),
+            others: log.others,
         })
     };
     simulated().or_raise(py)
@@ -129,6 +147,7 @@ fn experiment(
     settings: &str,
     times_s: Option<&[u8]>,
     commands: &[CommandBytes],
+    has_step: bool,
 ) -> Result<(Experiment, Vec<Warning>)> {
     let settings: Settings = of_text("simulate", settings)?;
     let mut experiment = Experiment::new(robot.morphology.assemble());
@@ -141,6 +160,7 @@ fn experiment(
         let plan = Source::read(path, "arena")?;
         experiment.scene.push(SceneBody::read_arena(&plan, true)?);
     }
+    let experiment = settings.steering.apply(experiment, has_step)?;
     let values = values(&settings.parameters, &settings.set)?;
     let mut warnings = robot.morphology.warnings();
     warnings.extend(values.without_effect(&experiment));
@@ -218,6 +238,20 @@ impl Simulation {
             None => f64::NAN,
         });
         (PyBytes::new(py, &angles), PyBytes::new(py, &speeds))
+    }
+
+    /// The other robots' tracked modules, by name, in the frame of the run.
+    fn others(&self) -> Vec<(String, Trajectory)> {
+        let others = self.others.iter().map(|(name, motion)| {
+            let motion = Trajectory::of(name, motion.clone()).stand_in_of(&self.robot);
+            (name.clone(), motion)
+        });
+        others.collect()
+    }
+
+    /// The table of decisions, as `realgap simulate --decisions` writes it.
+    fn decisions(&self) -> &str {
+        &self.decisions
     }
 
     /// Writes all parts into a CSV file, as `realgap simulate --parts` does.

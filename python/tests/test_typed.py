@@ -86,7 +86,17 @@ def turning(repeats: list[realgap.Travel]) -> float:
     return min(abs(repeat.turned_rad) for repeat in repeats)
 
 
+def step(sensed: realgap.Sensed) -> Optional[Mapping[str, float]]:
+    near = sensed.readings["front"]
+    if near is not None and near < 20.0 or any(heard.strength_dbm > -50.0 for heard in sensed.heard):
+        return {hinge: 0.5 * angle for hinge, angle in sensed.angles_rad.items()}
+    return None
+
+
 realgap.simulate(robot, gait=gait)
+steered = realgap.simulate(robot, controller="avoid.ron", seed=1, step=step, step_rate_hz=20.0)
+read: npt.NDArray[np.float64] = steered.decisions.numbers("front")
+ways: dict[str, realgap.Trajectory] = steered.others
 found = realgap.Search.read("search.ron", seed=2).run(objective=turning)
 survivors: list[int] = [finalist.card.rank for finalist in found.finalists if finalist.survives]
 """
@@ -101,6 +111,7 @@ realgap.simulate(robot, joint="rubber")
 answer.verdicts[0].bset
 answer.verdicts[0]["best"]
 realgap.Metric("wrong", later)
+realgap.simulate(robot, step=gait)
 """
 
 

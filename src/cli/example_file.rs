@@ -13,9 +13,10 @@ macro_rules! shipped {
 /// others stay in the repository.
 const SHIPPED: &[Shipped] = shipped![
     "arenas": "cartons.ron" "flat.ron" "paper000.ron" "pen.ron";
-    "controllers": "tripod_avoid.ron";
+    "controllers": "tripod_avoid.ron" "two_tripods.ron";
     "morphologies": "chain3.ron" "chain30.ron" "chain5.ron" "cube.ron" "double_pendulum.ron" "elbow.ron" "push_cube.ron" "servo_pendulum.ron"
         "so101_arm.ron" "so101_feetech.ron" "spider8.ron" "tripod.ron" "turtlebot3_burger.ron" "two_module.ron" "unitree_a1.ron";
+    "radios": "paper002.ron";
     "real_trajectories/cube_tosses": "README.md" "meta.ron" "toss_003.csv" "toss_015.csv" "toss_026.csv" "toss_037.csv"
         "toss_051.csv" "toss_063.csv" "toss_074.csv" "toss_086.csv" "toss_101.csv" "toss_112.csv" "toss_133.csv"
         "toss_147.csv" "toss_161.csv" "toss_175.csv" "toss_190.csv" "toss_205.csv" "toss_217.csv" "toss_231.csv"

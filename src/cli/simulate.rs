@@ -9,7 +9,7 @@ use realgap::report::SIMULATION;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{
     self, Controller, Divergence, EnergyBalance, Experiment, Film, Log, Outcome, Run, Sampling,
-    SceneBody, film, steer,
+    SceneBody, steer, steered_film,
 };
 use realgap::trajectory;
 use realgap::unit::{Unit, decimals};
@@ -190,19 +190,15 @@ impl Simulate {
             experiment.energy_from_s = Some(0.0);
         }
         experiment.check().map_err(Error::into_usage)?;
-        let (run, film) = if self.parts.is_some() || self.replay.is_some() {
-            film(&experiment)?
+        let (run, film, log) = if self.parts.is_some() || self.replay.is_some() {
+            steered_film(&experiment, None)?
+        } else if experiment.controller.is_some() {
+            let (run, log) = steer(&experiment, None, None)?;
+            (run, None, log)
         } else {
-            (simulation::run(&experiment)?, None)
+            (simulation::run(&experiment)?, None, Log::default())
         };
         terminal::print_warnings(&run.warnings);
-        let log = match &experiment.controller {
-            // The same run again, which says what was decided on the way.
-            Some(_) if self.output.is_some() || self.decisions.is_some() => {
-                steer(&experiment, None, None)?.1
-            }
-            _ => Log::default(),
-        };
         if let (Some(output), Some(motion)) = (&self.output, run.outcome.get()) {
             if log.others.is_empty() {
                 terminal::print_warnings(&trajectory::write(output, motion)?);

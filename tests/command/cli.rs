@@ -62,6 +62,7 @@ fn no_shipped_file_points_outside_of_the_repository() {
     let folders = [
         "arenas",
         "controllers",
+        "radios",
         "morphologies",
         "scenes",
         "sensors",

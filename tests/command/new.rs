@@ -77,6 +77,7 @@ fn the_examples_inside_of_the_program_are_those_of_the_repository() {
         "sweeps",
         "arenas",
         "controllers",
+        "radios",
         "sensors",
         "vehicles",
         "scenes",

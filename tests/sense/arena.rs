@@ -14,6 +14,8 @@ fn shipped_arenas_and_vehicles_are_sound() {
         "sensors/infrared.ron",
         "sensors/laser.ron",
         "controllers/tripod_avoid.ron",
+        "controllers/two_tripods.ron",
+        "radios/paper002.ron",
     ] {
         common::realgap().args(["check", name]).assert().success();
     }

@@ -2,9 +2,10 @@
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
+use super::control::{Feedback, Log};
 use super::experiment::Experiment;
 use super::kinematics::{part_from_track, robot_from_part_at_zero, robot_from_parts};
-use super::run::{Run, watch};
+use super::run::{Run, steer, watch};
 use super::watch::Snapshot;
 use realgap_core::error::{Error, Result};
 use realgap_path::trajectory::{Recording, Trajectory};
@@ -28,6 +29,17 @@ pub struct Film {
 /// # Errors
 /// As [`watch`]: a vehicle has no parts.
 pub fn film(experiment: &Experiment) -> Result<(Run, Option<Film>)> {
+    steered_film(experiment, None).map(|(run, film, _)| (run, film))
+}
+
+/// As [`film`], of an experiment whose controller `feedback` may overrule ([`steer`]); with what was decided.
+///
+/// # Errors
+/// As [`film`] and [`steer`].
+pub fn steered_film(
+    experiment: &Experiment,
+    feedback: Option<Feedback<'_>>,
+) -> Result<(Run, Option<Film>, Log)> {
     let mut experiment = experiment.clone();
     experiment.records_joints = !experiment.assembly.hinges.is_empty();
     let times_s = experiment.sample_times_s();
@@ -36,7 +48,7 @@ pub fn film(experiment: &Experiment) -> Result<(Run, Option<Film>)> {
     let mut before: Option<Snapshot> = None;
     let mut scene = vec![Vec::with_capacity(times_s.len()); experiment.scene.len()];
     let mut next = 0;
-    let run = watch(&experiment, &[], &mut |now: &Snapshot| {
+    let mut observer = |now: &Snapshot| {
         while next < times_s.len() && times_s[next] <= now.time_s + slack_s {
             let share = before.as_ref().map_or(1.0, |before| {
                 let share = (times_s[next] - before.time_s) / (now.time_s - before.time_s);
@@ -55,13 +67,17 @@ pub fn film(experiment: &Experiment) -> Result<(Run, Option<Film>)> {
             next += 1;
         }
         before = Some(now.clone());
-    })?;
+    };
+    let (run, log) = match (&experiment.controller, feedback) {
+        (None, None) => (watch(&experiment, &[], &mut observer)?, Log::default()),
+        (_, feedback) => steer(&experiment, Some(&mut observer), feedback)?,
+    };
     let film = run.outcome.get().map(|track| Film {
         track: track.clone(),
         parts: parts.into_iter().map(Some).collect(),
         scene,
     });
-    Ok((run, film))
+    Ok((run, film, log))
 }
 
 fn between(a: &Isometry3<f64>, b: &Isometry3<f64>, share: f64) -> Isometry3<f64> {

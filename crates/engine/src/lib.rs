@@ -52,7 +52,7 @@ pub use experiment::{
     Contact, Experiment, Floor, FrictionModel, JointKind, JointState, Perturbation, Sampling,
     Solver, Start,
 };
-pub use film::{Film, film, part_from_solid, part_name};
+pub use film::{Film, film, part_from_solid, part_name, steered_film};
 pub use motor::Effort;
 pub use noise::Noise;
 pub use outcome::{Divergence, Outcome};

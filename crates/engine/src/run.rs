@@ -388,6 +388,11 @@ impl<'a> Rollout<'a> {
         self.world.step();
     }
 
+    /// The angle of a hinge now, by its encoder.
+    fn angle_rad(&self, index: usize) -> f64 {
+        self.world.hinge_angle_rad(index, self.angles_rad[index]) + self.changes[index].zero_rad
+    }
+
     /// The tracked module's state, and the joints' where they are recorded.
     fn sample(&self) -> (State, Vec<JointState>) {
         let joints = if self.records_joints {
@@ -396,8 +401,7 @@ impl<'a> Rollout<'a> {
             0
         };
         let joint = |index: usize| JointState {
-            angle_rad: self.world.hinge_angle_rad(index, self.angles_rad[index])
-                + self.changes[index].zero_rad,
+            angle_rad: self.angle_rad(index),
             speed_rad_s: self.world.hinge_speed_rad_s(index),
         };
         (self.track(), (0..joints).map(joint).collect())

@@ -6,7 +6,8 @@ use std::path::Path;
 use crate::common;
 
 use realgap_engine::{
-    Controller, EngineChoice, Experiment, Log, Run, Steer, engine_by_name, steer, watch,
+    Controller, Decision, EngineChoice, Experiment, Log, Run, Sampling, Steer, engine_by_name,
+    steer, watch,
 };
 use realgap_path::trajectory::Trajectory;
 use realgap_robot::morphology::Morphology;
@@ -241,6 +242,32 @@ fn a_callback_has_the_last_word_at_a_fixed_rate() {
     assert!(refused.unwrap_err().to_string().contains("no more"));
 }
 
+#[test]
+fn the_angles_that_it_knows_are_those_of_the_moment() {
+    let mut experiment = chain();
+    experiment.duration_s = 1.0;
+    experiment.records_joints = true;
+    experiment.sampling = Sampling::Rate(1.0 / experiment.solver.timestep_s);
+    let experiment = experiment.with_controller(Controller::bare(7.0)).unwrap();
+    let (run, log) = steer(&experiment, None, None).unwrap();
+    let way = motion(&run);
+    assert_eq!(log.decisions.len(), 7);
+    for Decision { sensed, .. } in &log.decisions {
+        let row = (sensed.time_s / experiment.solver.timestep_s).round() as usize;
+        let joints = way.joints().iter();
+        let angles: Vec<f64> = joints.map(|joint| joint.angles_rad[row]).collect();
+        // Samples are drawn between two steps: they differ by rounding.
+        let place: [f64; 3] = way.positions_world_m()[row].into();
+        let (known, seen) = (sensed.angles_rad.iter(), angles.iter());
+        let pairs = known.zip(seen).chain(sensed.position_m.iter().zip(&place));
+        assert!(
+            pairs.clone().all(|(a, b)| (a - b).abs() < 1e-12),
+            "{sensed:?}"
+        );
+        assert_eq!(pairs.count(), 7);
+    }
+}
+
 /// Two chains walk one behind the other: the one behind sees the first, and is told where it was when that was sent.
 #[test]
 fn robots_see_one_another_and_hear_where_the_others_were() {
@@ -269,7 +296,7 @@ fn robots_see_one_another_and_hear_where_the_others_were() {
         let then = ahead
             .iter()
             .min_by(|a, b| {
-                let off = |d: &&&realgap_engine::Decision| (d.sensed.time_s - message.sent_s).abs();
+                let off = |d: &&&Decision| (d.sensed.time_s - message.sent_s).abs();
                 off(a).total_cmp(&off(b))
             })
             .unwrap();
@@ -343,11 +370,11 @@ fn a_bad_controller_is_told_what_is_wrong_with_it() {
         ),
         // Its middle is free, its body is not.
         (
-            "rate_hz: 10, start: (x_m: 1.5, y_m: 1.0, heading_deg: 90),",
+            "rate_hz: 10, start: (x_m: 1.46, y_m: 1.0, heading_deg: 90),",
             "start: the robot starts in a wall",
         ),
         (
-            "rate_hz: 10, others: [(name: \"b\", x_m: 1.5, y_m: 1.0, heading_deg: 90)],",
+            "rate_hz: 10, others: [(name: \"b\", x_m: 1.46, y_m: 1.0, heading_deg: 90)],",
             "others[0]: the robot starts in a wall",
         ),
         (
@@ -363,5 +390,94 @@ fn a_bad_controller_is_told_what_is_wrong_with_it() {
             .unwrap_err()
             .to_string();
         assert!(error.contains(said), "{text}: {error}");
+    }
+}
+
+/// Strength falls by equation 2 of paper 002, a wall takes 30 dB, and what is weaker than -92 dBm does not arrive.
+#[test]
+fn what_is_heard_is_what_the_closed_form_lets_through_after_its_delay() {
+    let folder = folder();
+    let model = "Radio(propagation: \"walls\", values: [-90.0, 2.0, 30.0])";
+    std::fs::write(folder.path().join("radio.ron"), model).unwrap();
+    let experiment = chain();
+    let text = "rate_hz: 20, start: (x_m: 2.0, y_m: 1.0), others: [
+            (name: \"near\", x_m: 2.2, y_m: 1.7), (name: \"edge\", x_m: 3.24, y_m: 1.0),
+            (name: \"hidden\", x_m: 0.9, y_m: 1.0)],
+        radio: (model: \"radio.ron\", every_s: 0.5, latency_s: 0.23),";
+    let controller = controller(folder.path(), &experiment, text).unwrap();
+    let experiment = experiment.with_controller(controller).unwrap();
+    let (_, log) = steer(&experiment, None, None).unwrap();
+    let robots = 4;
+    let rounds: Vec<_> = log.decisions.chunks(robots).collect();
+    // The wall stands from x = 1.35 to 1.45 m, and every robot beside the middle of it.
+    let strength_dbm = |a: [f64; 3], b: [f64; 3]| {
+        let apart_m = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+        let is_between = (a[0] < 1.4) != (b[0] < 1.4);
+        -90.0 - 20.0 * apart_m.log10() - if is_between { 30.0 } else { 0.0 }
+    };
+    let mut counts = [[0; 4]; 4];
+    for (round, decisions) in rounds.iter().enumerate() {
+        for to in 0..robots {
+            let now_s = decisions[to].sensed.time_s;
+            // Ten decisions from one sending to the next.
+            let expected = (0..robots).filter(|from| *from != to).filter_map(|from| {
+                let mut sent = (0..round + 1).step_by(10).rev();
+                sent.find_map(|at| {
+                    let [sender, receiver] = [from, to].map(|robot| &rounds[at][robot].sensed);
+                    let dbm = strength_dbm(sender.position_m, receiver.position_m);
+                    let arrived_s = sender.time_s + 0.23;
+                    (arrived_s <= now_s && dbm >= -92.0).then_some((from, sender, arrived_s, dbm))
+                })
+            });
+            let expected: Vec<_> = expected.collect();
+            let heard = &decisions[to].sensed.heard;
+            assert_eq!(heard.len(), expected.len(), "{to} at {now_s} s");
+            for (heard, (from, sender, arrived_s, dbm)) in heard.iter().zip(expected) {
+                assert_eq!((heard.from, heard.sent_s), (from, sender.time_s));
+                assert_eq!(heard.position_m, sender.position_m);
+                assert!((heard.arrived_s - arrived_s).abs() < 1e-12);
+                assert!((heard.strength_dbm - dbm).abs() < 1e-9, "{heard:?} {dbm}");
+                counts[to][from] += 1;
+            }
+        }
+    }
+    assert!(
+        counts[0][1] > 180 && counts[1][0] == counts[0][1],
+        "{counts:?}"
+    );
+    assert!(counts[0][2] > 0 && counts[2][3] == 0, "{counts:?}");
+    assert_eq!(
+        counts[0][3] + counts[1][3] + counts[3].iter().sum::<i32>(),
+        0
+    );
+}
+
+/// Two tripods walk at one another, and stop where the other said that it is near; without radio they walk through one another.
+#[test]
+fn robots_stop_for_one_another_by_what_they_heard() {
+    let path = common::project().join("controllers/two_tripods.ron");
+    let robot = Morphology::read(common::project().join("morphologies/tripod.ron")).unwrap();
+    for name in ["rapier", "tree"] {
+        let mut experiment = Experiment::new(robot.assemble());
+        experiment.duration_s = 20.0;
+        experiment.solver.engine = engine_by_name(name).unwrap();
+        experiment.perturbation.draw = Some((1, 0));
+        let hearing = Controller::read(&path, &experiment).unwrap();
+        let deaf = Controller {
+            radio: None,
+            ..hearing.clone()
+        };
+        let nearest_m = [hearing, deaf].map(|controller| {
+            let experiment = experiment.with_controller(controller).unwrap();
+            let (run, log) = steer(&experiment, None, None).unwrap();
+            assert!(run.outcome.is_completed());
+            let pairs = log.decisions.chunks(2).map(|both| {
+                let [a, b] = [0, 1].map(|robot| both[robot].sensed.position_m);
+                (a[0] - b[0]).hypot(a[1] - b[1])
+            });
+            pairs.fold(f64::INFINITY, f64::min)
+        });
+        assert!(nearest_m[0] > 0.3, "{name}: {nearest_m:?}");
+        assert!(nearest_m[1] < 0.2, "{name}: {nearest_m:?}");
     }
 }

@@ -219,7 +219,7 @@ fn decide(
                 .iter_mut()
                 .map(|eye| eye.read(&seen, &poses[robot]))
                 .collect(),
-            angles_rad: member.rollout.angles_rad().to_vec(),
+            angles_rad: member.rollout.angles_rad(),
             heard: last_heard(&member.inbox, now_s),
         };
         let rule = member.mind.decide(controller, &sensed);

@@ -46,7 +46,7 @@ pub struct ControllerFile {
 }
 
 fn me() -> String {
-    "robot".to_owned()
+    super::OWN.to_owned()
 }
 
 /// A sensor on a robot. It looks along its x axis.

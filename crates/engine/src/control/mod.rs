@@ -19,7 +19,7 @@ use super::scene::SceneBody;
 use realgap_core::error::Result;
 use realgap_path::trajectory::Trajectory;
 use realgap_robot::morphology::Gait;
-use realgap_sense::arena::Arena;
+use realgap_sense::arena::{Arena, Boundary};
 use realgap_sense::graph::Sensorgraph;
 use realgap_sense::radio::{RadioModel, ServiceOptions};
 use realgap_sense::range::RangeModel;
@@ -28,6 +28,9 @@ pub(super) use crew::steered;
 #[cfg(feature = "schema")]
 pub use file::ControllerFile;
 pub use rule::{Condition, Rule};
+
+/// What a robot is called that has no name.
+const OWN: &str = "robot";
 
 /// What a robot reads, hears and does about it.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,7 +126,7 @@ pub struct Sensed {
     pub position_m: [f64; 3],
     /// What each sensor read, in its own unit; `None` where nothing came.
     pub readings: Vec<Option<f64>>,
-    /// Angle of each hinge, radians.
+    /// Angle of each hinge now, by its encoder, radians.
     pub angles_rad: Vec<f64>,
     /// The last message of every robot that it heard, by number.
     pub heard: Vec<Heard>,
@@ -213,6 +216,29 @@ fn arena_from_start([x, y, heading]: [f64; 3]) -> Isometry3<f64> {
         Translation3::new(x, y, 0.0),
         UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading),
     )
+}
+
+impl Controller {
+    /// One for a function alone: nothing stands around the robot, and places are those of the run itself.
+    pub fn bare(rate_hz: f64) -> Self {
+        let arena = Arena {
+            name: String::new(),
+            size_m: [0.0; 2],
+            boundary: Boundary::Open,
+            objects: Vec::new(),
+            anchors: Vec::new(),
+            start: Some([0.0; 3]),
+        };
+        Self {
+            arena: Arc::new(arena),
+            rate_hz,
+            sensors: Vec::new(),
+            rules: Vec::new(),
+            name: OWN.to_owned(),
+            others: Vec::new(),
+            radio: None,
+        }
+    }
 }
 
 impl Experiment {

@@ -38,9 +38,10 @@ impl Course {
 }
 
 impl Rollout<'_> {
-    /// Angles of the hinges as of the last step, radians.
-    pub(in super::super) fn angles_rad(&self) -> &[f64] {
-        &self.angles_rad
+    /// Angles of the hinges now, by their encoders, radians.
+    pub(in super::super) fn angles_rad(&self) -> Vec<f64> {
+        let hinges = 0..self.angles_rad.len();
+        hinges.map(|index| self.angle_rad(index)).collect()
     }
 
     /// What servos do in place of their orders, by hinge.

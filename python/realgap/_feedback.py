@@ -1,0 +1,87 @@
+"""What a robot reads and hears in a run, for a function of yours that acts on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as AbstractMapping
+from dataclasses import dataclass
+from typing import Callable, List, Mapping, Optional, Sequence, Tuple, cast
+
+from ._callback import number
+from ._error import CallbackError
+
+Place = Tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Heard:
+    """The last message of another robot that arrived: where it was when it sent it.
+
+    >>> realgap.Heard("second", (0.3, 0.2, 0.03), sent_s=1.0, arrived_s=1.05, strength_dbm=-61.0).robot
+    'second'
+    """
+
+    robot: str
+    position_m: Place
+    sent_s: float
+    arrived_s: float
+    strength_dbm: float
+
+
+@dataclass(frozen=True)
+class Sensed:
+    """What one robot knows when it decides: its place in the arena, readings by sensor (`None` where nothing came), angles by hinge.
+
+    >>> known = []
+    >>> _ = realgap.simulate(robot, duration_s=0.2, step=known.append, step_rate_hz=10.0)
+    >>> [round(sensed.time_s, 1) for sensed in known], sorted(known[0].angles_rad)
+    ([0.0, 0.1], ['leg_a', 'leg_b', 'leg_c'])
+    """
+
+    robot: str
+    time_s: float
+    position_m: Place
+    readings: Mapping[str, Optional[float]]
+    angles_rad: Mapping[str, float]
+    heard: Tuple[Heard, ...]
+
+
+# What servos are told until the next decision, by hinge: angles in radians, for the law `Direct` torques in N m; or nothing.
+Step = Callable[[Sensed], Optional[Mapping[str, float]]]
+_Message = Tuple[str, Sequence[float], float, float, float]
+
+
+def asked(step: Step) -> Callable[..., List[Tuple[str, float]]]:
+    """The function as the library calls it."""
+
+    def ask(
+        robot: str,
+        time_s: float,
+        position_m: Sequence[float],
+        readings: Sequence[Tuple[str, Optional[float]]],
+        angles_rad: Sequence[Tuple[str, float]],
+        heard: Sequence[_Message],
+    ) -> List[Tuple[str, float]]:
+        messages = tuple(Heard(who, _place(where), *rest) for who, where, *rest in heard)
+        told = step(
+            Sensed(robot, time_s, _place(position_m), dict(readings), dict(angles_rad), messages)
+        )
+        try:
+            return _commands(told)
+        except (TypeError, ValueError) as error:
+            raise CallbackError(f"step: {error}\n  found:   at t_s = {time_s:.6g}") from error
+
+    return ask
+
+
+def _place(numbers: Sequence[float]) -> Place:
+    x, y, z = numbers
+    return x, y, z
+
+
+def _commands(told: object) -> List[Tuple[str, float]]:
+    if told is None:
+        return []
+    if not isinstance(told, AbstractMapping):
+        raise TypeError(f"the function must give a dict of angles by hinge, or None, not {told!r}")
+    commands = cast(Mapping[object, object], told)
+    return [(str(hinge), number(value, f"the command of {hinge}")) for hinge, value in commands.items()]
