@@ -84,6 +84,34 @@ fn a_sweep_in_shards_leaves_the_bytes_of_one_machine() {
     assert_eq!(same_bytes(folder.path(), "sweep", &study, &[]), 4);
 }
 
+/// Robots with recordings, values and weights of their own, in every shard.
+#[test]
+fn a_sweep_of_many_robots_in_shards_leaves_the_bytes_of_one_machine() {
+    let folder = tempfile::tempdir().unwrap();
+    let fleet = common::project().join("real_trajectories/fleet_mujoco");
+    let robot = |name: &str, more: &str| {
+        let own = fleet.join(name);
+        let (file, runs) = (own.join("robot.ron"), own.join("*.csv"));
+        format!("(morphology: {file:?}, recordings: [{runs:?}], {more})")
+    };
+    let robots = [
+        robot("random_0005", "weight: 2.0"),
+        robot("random_0022", "set: {\"body.mass_scale\": 1.1}"),
+        robot("random_0068", ""),
+    ];
+    let study = folder.path().join("fleet.ron");
+    let text = format!(
+        "Study(robots: [{}], start: Settled, duration_s: 1.0, metric: \"displacement\",
+        parameters: [(name: \"floor.friction\", from: 0.1, to: 0.9, points: 4)])",
+        robots.join(", ")
+    );
+    std::fs::write(&study, text).unwrap();
+    assert!(same_bytes(folder.path(), "sweep", &study, &[]) > 0);
+    let summary = folder.path().join("sweep_plan/results/summary.json");
+    let summary = std::fs::read_to_string(summary).unwrap();
+    assert!(summary.contains("\"transfer\""), "{summary}");
+}
+
 #[test]
 fn a_tuning_in_shards_leaves_the_bytes_of_one_machine() {
     let folder = tempfile::tempdir().unwrap();
