@@ -28,7 +28,7 @@ pub fn warning_in_options(warning: &Warning) -> String {
         Code::Hole | Code::Standstill => "--crop FROM:TO",
         Code::QuaternionOrder => "--quaternion ORDER",
         Code::SeveralRobots => "--where COLUMN=VALUE",
-        Code::UnknownAxes => "--axes world or --axes camera",
+        Code::UnknownAxes => "--axes world, y-up, z-down or camera",
         Code::UnlikelyLength => "--unit UNIT",
         Code::UnlikelyTime => "--time-unit UNIT",
         _ => return warning.to_string(),

@@ -155,7 +155,7 @@ codes! {
     UncertainParameters "uncertain-parameters" "Parameters that tuning left open were drawn." "fit with more recordings, so that fewer values are left open";
     UndefinedHeading "undefined-heading" "A path that goes nowhere has no heading." "compare with a metric that needs no heading, or let the robot walk farther";
     UnequalMoments "unequal-moments" "Moments of inertia differ where a method takes them as equal." "use a body whose moments are equal, or do not rely on spins";
-    UnknownAxes "unknown-axes" "A recording does not say which way its axes point." "say it when reading: `axes: \"world\"` (z up) or `axes: \"camera\"` (z forward, y down)";
+    UnknownAxes "unknown-axes" "A recording does not say which way its axes point, or its motion says otherwise." "say it when reading: `axes: \"world\"` (z up), `y-up`, `z-down` or `camera` (z forward, y down)";
     UnlikelyAngle "unlikely-angle" "Recorded angles lie far beyond their joint's limits." "name columns of degrees NAME_deg, or give the joint its zero or its true limits";
     UnlikelyLength "unlikely-length" "Lengths do not fit the robot, or each other." "name the unit of lengths when reading";
     UnlikelyMass "unlikely-mass" "A module is lighter than air or denser than any metal." "give masses in kilograms and lengths in metres";

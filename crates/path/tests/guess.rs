@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
-use realgap_path::trajectory::{Ask, Axes, Guess, Reading, Recording, read, read_all};
+use realgap_path::trajectory::{Ask, Axes, Guess, Reading, Recording, odd_axes, read, read_all};
 
 const CUBE_M: f64 = 0.1048;
 
@@ -295,4 +295,44 @@ fn degrees_several_objects_waits_and_lengths_without_any_hint_are_noticed() {
     assert_eq!(trial.guess(&y_up).reading.axes, Some(Axes::YUp));
     let slow = arc("t,x [m],y [m]", |t, x, y, _| vec![t * 25.0, x, y]);
     assert_eq!(trial.guess(&slow).open[0].ask, Ask::Time);
+}
+
+#[test]
+fn axes_that_nobody_named_are_doubted_where_the_robot_tells_and_no_shipped_run_is() {
+    let trial = Trial::new();
+    let odd = |header: &str, line: &dyn Fn(f64, f64, f64, [f64; 2]) -> Vec<f64>| {
+        // Half of a turn: the quaternion's real part, and its part along the axis that points up.
+        let half = |a: f64| [(0.5 * a).cos(), (0.5 * a).sin()];
+        let text = arc(header, |t, x, y, a| line(t, x, y, half(a)));
+        let all = read_all(trial.put(&text), &Reading::default()).unwrap();
+        odd_axes(&all, 0.1)
+    };
+    let usual = odd(OURS, &|t, x, y, [w, k]| vec![t, x, y, 0.05, w, 0.0, 0.0, k]);
+    assert_eq!(usual, None);
+    let y_up = odd(OURS, &|t, x, y, [w, k]| vec![t, y, 0.05, x, w, 0.0, k, 0.0]);
+    assert!(y_up.is_some_and(|said| said.contains("`axes: \"y-up\"`")));
+    let mirrored = odd(OURS, &|t, x, y, [w, k]| {
+        vec![t, x, -y, 0.05, w, 0.0, 0.0, k]
+    });
+    assert!(mirrored.is_some_and(|said| said.contains("mirrored")));
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../real_trajectories");
+    for (name, body_m) in [
+        ("cube_tosses", CUBE_M),
+        ("cube_pushes", 0.1),
+        ("elbow_tosses", 0.2),
+        ("tripod_mujoco", 0.2),
+        ("chain5_mujoco", 0.3),
+        ("two_module_mujoco", 0.15),
+        ("unitree_a1_standin", 0.4),
+        ("turtlebot3_burger_standin", 0.15),
+    ] {
+        let files = std::fs::read_dir(folder.join(name)).unwrap();
+        let mut all: Vec<PathBuf> = files.map(|file| file.unwrap().path()).collect();
+        all.retain(|path| path.extension().is_some_and(|e| e == "csv"));
+        all.sort();
+        assert!(!all.is_empty(), "{name}");
+        let read = |path: &PathBuf| read_all(path, &Reading::default()).unwrap();
+        let all: Vec<Recording> = all.iter().flat_map(read).collect();
+        assert_eq!(odd_axes(&all, body_m), None, "{name}");
+    }
 }

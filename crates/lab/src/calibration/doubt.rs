@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Translation3};
 use realgap_core::unit::{LengthUnit, number};
 use realgap_core::warning::{Code, Warning};
 use realgap_engine::{Experiment, Posture};
-use realgap_path::trajectory::Recording;
+use realgap_path::trajectory::{Recording, odd_axes};
 use realgap_robot::morphology::Morphology;
 
 /// A robot that seems to go farther than this, in its own lengths, may have been measured in another unit.
@@ -50,6 +50,15 @@ pub(super) fn lengths(robot: &Morphology, recordings: &[Recording]) -> Vec<Warni
         ))
     });
     unlikely.collect()
+}
+
+/// Axes that hardly are x forward, y to the left, z up.
+pub(super) fn axes(robot: &Morphology, recordings: &[Recording]) -> Option<Warning> {
+    let body_m = robot.summary().body_length_m;
+    Some(Warning::new(
+        Code::UnknownAxes,
+        odd_axes(recordings, body_m)?,
+    ))
 }
 
 /// A recorded angle is doubted where it lies beyond its joint's limits by more than this share of their size.

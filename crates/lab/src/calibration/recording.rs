@@ -206,6 +206,7 @@ pub(super) fn warnings_for(robot: &Morphology, recordings: &[Recording]) -> Vec<
         warnings.push(Warning::new(Code::OtherRobot, message));
     }
     warnings.extend(doubt::lengths(robot, recordings));
+    warnings.extend(doubt::axes(robot, recordings));
     warnings.extend(doubt::angles(robot, recordings));
     warnings.extend(doubt::twins(recordings));
     warnings.extend(stand_in(recordings));

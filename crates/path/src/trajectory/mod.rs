@@ -41,7 +41,7 @@ pub use crop::{clip, cut_out, cut_to_shortest};
 pub use csv::Csv;
 pub use euroc::Euroc;
 pub use format::{Format, Parsed, Rendered};
-pub use guess::{Ask, Clue, Guess, Open};
+pub use guess::{Ask, Clue, Guess, Open, odd_axes};
 pub use joint_column::may_be_attitude;
 pub use kitti::Kitti;
 pub use log::{Mcap, Rosbag};

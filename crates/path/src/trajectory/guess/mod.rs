@@ -381,3 +381,42 @@ impl Guess {
         }
     }
 }
+
+/// Why the axes of these recordings of one robot of size `body_m` (metres) are hardly x forward, y to the left, z up, where nobody
+/// said so: they fall along another axis than z, go up and down along z as over a floor while another axis stays at the robot's
+/// height, or are mirrored.
+pub fn odd_axes(recordings: &[Recording], body_m: f64) -> Option<String> {
+    let unsaid: Vec<&Recording> = (recordings.iter())
+        .filter(|recording| recording.reading.axes.is_none() && !recording.trajectory.is_planar())
+        .collect();
+    for recording in &unsaid {
+        let motion = &recording.trajectory;
+        let fall =
+            motion::free_fall(motion).map(|fall| (fall.up, "it falls the other way".to_owned()));
+        let (up, because) = match fall {
+            Some(found) => found,
+            None => match motion::above_floor(motion, body_m) {
+                Some((up, level_m)) if motion::roams_along_z(motion) => {
+                    (up, format!("it stays near {} m along it", number(level_m)))
+                }
+                _ => continue,
+            },
+        };
+        let (name, axes) = match up {
+            motion::Up::Y => ("y", Axes::YUp),
+            motion::Up::MinusZ => ("-z", Axes::ZDown),
+            motion::Up::MinusY => ("-y", Axes::Camera),
+            motion::Up::Z | motion::Up::Other => continue,
+        };
+        return Some(format!(
+            "{}: {name} seems to point up ({because}): `axes: \"{}\"` reads it so",
+            recording.name,
+            axes.name()
+        ));
+    }
+    let found = motion::mirrored(recordings)?;
+    Some(format!(
+        "{}: axes seem mirrored ({found}): export them right-handed, or change the sign of one axis in positions and orientations alike",
+        recordings.first()?.name
+    ))
+}

@@ -1,6 +1,6 @@
 //! What a motion tells of its axes: free fall, a floor, rolling.
 
-use nalgebra::Vector3;
+use nalgebra::{Rotation2, Vector2, Vector3};
 
 use super::super::{Recording, Trajectory};
 
@@ -129,6 +129,20 @@ pub(super) fn above_floor(trajectory: &Trajectory, body_m: f64) -> Option<(Up, f
     Some((up, level_m))
 }
 
+/// Whether it goes along z as far as along another axis, or nearly: no floor is there.
+pub(super) fn roams_along_z(trajectory: &Trajectory) -> bool {
+    let range = |axis: usize| {
+        let along = || {
+            trajectory
+                .positions_world_m()
+                .iter()
+                .map(|place| place[axis])
+        };
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    };
+    range(2) > 0.3 * range(0).max(range(1))
+}
+
 /// Sums of products, and of their sizes: whether two things go together.
 #[derive(Default)]
 struct Together {
@@ -155,36 +169,41 @@ const AGAINST: f64 = 0.25;
 /// Tumbling tells it only over several recordings.
 const TUMBLES: usize = 8;
 
+/// What goes on wheels or legs goes in one direction of its own: this sure of it where the axes are mirrored back, …
+const STEADY: f64 = 0.9;
+/// … and no surer than this as they are read.
+const ASTRAY: f64 = 0.5;
+
 /// Why positions and orientations are not of one right-handed world: what rolls forward along one axis rolls backward along the
-/// other, or paths bend to the side away from which bodies turn.
+/// other, or what turns to one side goes to the other.
 pub(super) fn mirrored(all: &[Recording]) -> Option<String> {
-    let [mut along_x, mut along_y, mut bend] = [(); 3].map(|()| Together::default());
+    let [mut along_x, mut along_y] = [(); 2].map(|()| Together::default());
+    // Sums of directions as the body sees them, as read and mirrored, and how far it went.
+    let (mut read, mut mirror, mut way_m) = (Vector2::zeros(), Vector2::zeros(), 0.0);
     let mut is_upright = true;
     for recording in all {
         let trajectory = &recording.trajectory;
         let turns = trajectory.orientations_world_from_body()?;
         let (times_s, places) = (trajectory.times_s(), trajectory.positions_world_m());
         is_upright &= turns.iter().all(|turn| (turn * Vector3::z()).z > 0.9);
-        let mut before: Option<Vector3<f64>> = None;
         for index in 1..places.len() {
             let dt_s = times_s[index] - times_s[index - 1];
-            let v = (places[index] - places[index - 1]) / dt_s;
+            let step_m = places[index] - places[index - 1];
             let w = (turns[index] * turns[index - 1].inverse()).scaled_axis() / dt_s;
             // Rolling without slip: the velocity of the centre is the rate of turn cross the way up from the floor.
-            along_x.add(w.y * v.x);
-            along_y.add(-w.x * v.y);
-            if let Some(u) = before {
-                bend.add(w.z * (u.x * v.y - u.y * v.x));
-            }
-            before = Some(v);
+            along_x.add(w.y * step_m.x);
+            along_y.add(-w.x * step_m.y);
+            let ahead = turns[index] * Vector3::x();
+            let yaw = Rotation2::new(ahead.y.atan2(ahead.x));
+            read += yaw.inverse() * step_m.xy();
+            mirror += yaw * step_m.xy();
+            way_m += step_m.xy().norm();
         }
     }
     if is_upright {
-        return (bend.share() < -AGAINST).then(|| {
-            format!(
-                "paths bend to the side away from which it turns ({:+.2} of 1)",
-                bend.share()
-            )
+        let [read, mirror] = [read, mirror].map(|sum| sum.norm() / way_m);
+        return (mirror > STEADY && read < ASTRAY).then(|| {
+            format!("it goes in one direction of its own, {mirror:.2} of 1, were y the other way round, and {read:.2} as it is read")
         });
     }
     let [x, y] = [along_x.share(), along_y.share()];
