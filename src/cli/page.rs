@@ -159,11 +159,8 @@ pub fn of_study(study: &Study, answer: &Answer) -> Kept {
     let Some(case) = study.cases().first() else {
         return Kept::default();
     };
-    let best = answer
-        .scores
-        .best
-        .map(|best| answer.scores.points[best].values.clone());
-    let experiment = best.and_then(|values| study.experiment(0, &values).ok());
+    let best = answer.scores.best.map(|best| &answer.scores.points[best]);
+    let experiment = best.and_then(|best| study.experiment(0, &best.values).ok());
     let scale = experiment
         .as_ref()
         .map_or(1.0, |e| e.recording_length_scale);
@@ -172,6 +169,9 @@ pub fn of_study(study: &Study, answer: &Answer) -> Kept {
         duration_s: case.experiment.duration_s,
         reality: definition.source().reality_label().to_owned(),
         recorded,
+        best_xy_m: best.map_or_else(Vec::new, |best| {
+            best.path_xy_m.iter().map(rounded).collect()
+        }),
         // Whoever interrupts does not want to wait for one more simulation.
         replay: experiment
             .filter(|_| answer.ending == Ending::Complete)
@@ -194,6 +194,11 @@ pub fn of_gap(study: &Study) -> Kept {
     }
 }
 
+/// A place in hundredths of millimetres.
+fn rounded(place_m: &[f64; 2]) -> [f64; 2] {
+    place_m.map(|m| (m * 1e5).round() / 1e5)
+}
+
 /// The recordings of a case: as they are compared, and as they are seen.
 fn recorded(definition: &Definition, case: &Case, scale: f64) -> (Vec<KeptPath>, Vec<Recording>) {
     let (mut paths, mut seen) = (Vec::new(), Vec::new());
@@ -206,17 +211,10 @@ fn recorded(definition: &Definition, case: &Case, scale: f64) -> (Vec<KeptPath>,
         if target.motion.is_of_joints() {
             continue;
         }
-        // Hundredths of millimetres.
-        let rounded = |m: f64| (m * 1e5).round() / 1e5;
         paths.push(KeptPath {
             name: recording.name.clone(),
             duration_s: target.motion.duration_s(),
-            xy_m: target
-                .prepared
-                .xy_m()
-                .iter()
-                .map(|p| p.map(rounded))
-                .collect(),
+            xy_m: target.prepared.xy_m().iter().map(rounded).collect(),
         });
         if seen.len() < GHOSTS {
             seen.push(Recording {

@@ -7,6 +7,30 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
+/// Widths of windows: a phone, a laptop with something beside, a whole screen.
+const WIDTHS: [u32; 3] = [390, 1100, 1440];
+
+/// Texts of pictures that lie on each other or are cut, and numbers with digits that nobody set.
+const FAULTS: &str = r#"(() => {
+  const faults = [], isPage = document.contentType === "text/html";
+  const page = document.documentElement.clientWidth;
+  const inner = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1;
+  for (const svg of document.querySelectorAll("svg")) {
+    const frame = svg.getBoundingClientRect();
+    const texts = [...svg.querySelectorAll("text")].filter(t => t.textContent.trim()).map(t => [t.textContent.trim(), t.getBoundingClientRect()]).filter(([, box]) => box.width > 0);
+    texts.forEach(([text, box], k) => {
+      const isCut = box.left < frame.left - 1 || box.right > frame.right + 1 || box.top < frame.top - 1 || box.bottom > frame.bottom + 1;
+      if (isCut || isPage && (box.left < 0 || box.right > page)) faults.push("cut: " + text);
+      for (const [other, its] of texts.slice(k + 1)) if (inner(box, its)) faults.push(text + " on " + other);
+    });
+  }
+  if (isPage && document.documentElement.scrollWidth > innerWidth) faults.push("the page is wider than the window");
+  // How it was made is said exactly.
+  const said = isPage ? [...document.querySelectorAll("header, section:not(#provenance)")] : [document.documentElement];
+  faults.push(...said.flatMap(part => (part.innerText ?? part.textContent).match(/\b\d+\.\d{9,}/g) || []));
+  return faults;
+})()"#;
+
 /// Chromium without a window; drawn by software, as on a machine without a graphics card.
 pub struct Browser {
     process: Child,
@@ -144,6 +168,30 @@ impl Browser {
         let url = format!("file://{}{place}", file.display());
         self.call("Page.navigate", json!({ "url": url }));
         self.wait("document.readyState === 'complete' && location.protocol === 'file:'");
+    }
+
+    /// Asserts of what is open that no text of a picture lies on another or is cut, at three widths; of a picture alone at its own.
+    pub fn is_legible(&mut self, what: &str) {
+        let widths = match self.value("document.contentType") == json!("text/html") {
+            true => &WIDTHS[..],
+            false => &WIDTHS[2..],
+        };
+        for width in widths {
+            self.look([*width, 900], false);
+            assert_eq!(self.value(FAULTS), json!([]), "{what}, {width} px wide");
+        }
+    }
+
+    /// Asserts the same of every SVG picture in a folder; how many there are.
+    pub fn are_legible(&mut self, folder: &Path) -> usize {
+        let files = std::fs::read_dir(folder).unwrap();
+        let mut files: Vec<_> = files.map(|file| file.unwrap().path()).collect();
+        files.retain(|file| file.extension().is_some_and(|ending| ending == "svg"));
+        for file in &files {
+            self.open(file, "");
+            self.is_legible(&file.display().to_string());
+        }
+        files.len()
     }
 
     /// What an expression is in the page.

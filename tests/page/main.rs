@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod gallery;
+mod legible;
 mod pages;
 mod replay;
 mod replay_file;

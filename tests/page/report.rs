@@ -127,6 +127,8 @@ fn told(args: &[&str], browser: Option<&mut Browser>) -> String {
             browser.wait("typeof realgap.draw === 'function'");
         }
         browser.is_quiet(&args.join(" "));
+        browser.is_legible(&args.join(" "));
+        browser.are_legible(&folder);
     }
     // Whoever wants none gets none, and no old one stays.
     if args[0] == "gap" {

@@ -36,7 +36,27 @@ pub fn svg(canvas: &Canvas, (width, height): (u32, u32)) -> Result<Vec<u8>> {
     let real = format!(
         "width=\"{width}\" height=\"{height}\" stroke-linejoin=\"round\" stroke-linecap=\"round\""
     );
-    Ok(text.replacen(&fine, &real, 1).into_bytes())
+    Ok(with_lengths(&text.replacen(&fine, &real, 1), canvas).into_bytes())
+}
+
+/// Every text as wide as it was set, whatever font the viewer has in place of the embedded one.
+fn with_lengths(svg: &str, canvas: &Canvas) -> String {
+    const TEXT: &str = "<text ";
+    let mut pieces = svg.split(TEXT);
+    let mut all = pieces.next().unwrap_or_default().to_owned();
+    let texts = canvas.marks.iter().filter_map(|mark| match mark {
+        Mark::Text(text) => Some(text),
+        _ => None,
+    });
+    for (piece, Text { text, letter, .. }) in pieces.zip(texts) {
+        let length = (letter.width(text) * f64::from(PER_UNIT)).round();
+        all += TEXT;
+        if length > 0.0 {
+            all += &format!("textLength=\"{length}\" lengthAdjust=\"spacingAndGlyphs\" ");
+        }
+        all += piece;
+    }
+    all
 }
 
 fn at(point: Point) -> (i32, i32) {

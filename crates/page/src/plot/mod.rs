@@ -9,7 +9,9 @@
 //! | [`Cloud`] | [`plane()`], [`draw_lines`] | recordings and simulations in the first two principal components |
 //! | [`BarChart`] | [`draw_bars`] | what each of many causes changes |
 //! | [`ColumnChart`] | [`draw_columns`] | a few values for each of several things |
+//! | [`Corner`] | [`draw_corner`] | draws of several quantities, each against each |
 //! | [`Stack`] | [`draw_stack`] | several quantities over one axis, one above the other |
+//! | [`JointPlot`] | [`draw_joints`] | recorded and simulated joints over time, and what is left between them |
 //! | [`Overlay`] | [`draw_overlay`] | aligned trajectories over each other |
 //! | [`EnsemblePlot`] | [`draw_ensemble`] | repeats by behaviour, their envelope over time, the real runs |
 //! | [`Animation`] | [`draw_animation`] | a robot in motion, as the bytes of an animated PNG |
@@ -45,6 +47,7 @@ mod bar;
 mod block;
 mod colour;
 mod column;
+mod corner;
 mod curve;
 mod ensemble;
 mod font;
@@ -52,6 +55,7 @@ mod frame;
 mod gallery;
 mod heading;
 mod heatmap;
+mod joint;
 mod legend;
 mod line;
 mod overlay;
@@ -71,11 +75,13 @@ pub use bar::{Bar, BarChart, draw_bars};
 pub use block::{Block, BlockKind, DrivenFace, Motion};
 pub(crate) use colour::score_hex;
 pub use column::{ColumnChart, ColumnSeries, draw_columns};
+pub use corner::{Corner, draw_corner};
 pub use curve::{Curve, draw_curve};
 pub use ensemble::{EnsembleBand, EnsembleGroup, EnsemblePlot, draw_ensemble};
 pub use gallery::{Command, Gallery, GalleryRobot, ModuleName, draw_gallery};
 pub use heading::Caption;
 pub use heatmap::{HeatMap, draw_heat_map};
+pub use joint::{JointPanel, JointPlot, draw_joints};
 pub use line::{LinePlot, Series, SeriesKind, draw_lines};
 pub use overlay::{Overlay, OverlayPath, draw_overlay};
 pub use panel::{Panel, PanelGrid, draw_panels};

@@ -15,6 +15,11 @@ const NOTE_SIZE: f64 = 20.0;
 /// Height of a panel as a share of its width.
 const SHAPE: std::ops::RangeInclusive<f64> = 0.42..=1.1;
 
+/// Paths that go less to the side than this share of how far they go ahead are flat lines from above: they are shown over time.
+const STRAIGHT: f64 = 0.08;
+/// Shape of a panel over time.
+const OVER_TIME: f64 = 0.7;
+
 /// One panel: simulated paths at one set of parameter values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
@@ -28,7 +33,8 @@ pub struct Panel {
     pub is_best: bool,
 }
 
-/// A grid of panels with common axes, filled row by row from the top left.
+/// A grid of panels with common axes, filled row by row from the top left. Paths lead along +x, their points at equal steps of
+/// time; where all of them are straight, the panels show how far along each is over its time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PanelGrid {
     /// What is shown, and where it comes from.
@@ -52,6 +58,7 @@ pub fn draw_panels(grid: &PanelGrid, path: impl AsRef<Path>) -> Result<()> {
 }
 
 struct Layout {
+    is_over_time: bool,
     heading: Heading,
     legend: Legend,
     x: Scale,
@@ -67,6 +74,32 @@ struct Layout {
     panel_height: f64,
     legend_top: f64,
     height: f64,
+}
+
+/// How far along each point of a path is, in centimetres, over its time in percent.
+fn over_time(path_m: &[PathPoint]) -> Vec<Point> {
+    let last = path_m.len().saturating_sub(1).max(1) as f64;
+    let places = finite_cm(path_m).into_iter().enumerate();
+    let over = places.map(|(k, (x, _))| (100.0 * k as f64 / last, x));
+    over.collect()
+}
+
+fn is_straight(paths_m: &[&Vec<PathPoint>]) -> bool {
+    let points = || paths_m.iter().flat_map(|path| finite_cm(path));
+    let ahead = points().map(|(x, _)| x.abs()).fold(0.0, f64::max);
+    let aside = points().map(|(_, y)| y.abs()).fold(0.0, f64::max);
+    // Who stays where it is goes nowhere, and not straight on.
+    ahead > 1.0 && aside < 0.5 * STRAIGHT * ahead
+}
+
+/// All of the time, and the ways of all paths with some room.
+fn over_time_bounds(paths_m: &[&Vec<PathPoint>]) -> (Point, Point) {
+    let ways = paths_m.iter().flat_map(|path| finite_cm(path));
+    let (low, high) = ways.fold((0.0_f64, 0.0_f64), |(low, high), (x, _)| {
+        (low.min(x), high.max(x))
+    });
+    let room = 0.06 * (high - low);
+    ((-3.0, 103.0), (low - room, high + room))
 }
 
 impl Panel {
@@ -91,16 +124,28 @@ impl PanelGrid {
         let all = self.panels.iter();
         let good = all.filter(|panel| panel.finite_score().is_some());
         let simulated = good.flat_map(|panel| &panel.simulated_m);
-        let (x, y) = bounds_cm(self.reality_m.iter().chain(simulated).map(Vec::as_slice));
-        let shape = ((y.1 - y.0) / (x.1 - x.0)).clamp(*SHAPE.start(), *SHAPE.end());
+        let paths: Vec<_> = self.reality_m.iter().chain(simulated).collect();
+        let is_over_time = is_straight(&paths);
+        let (x, y) = match is_over_time {
+            true => over_time_bounds(&paths),
+            false => bounds_cm(paths.iter().map(|path| path.as_slice())),
+        };
+        let shape = match is_over_time {
+            true => OVER_TIME,
+            false => ((y.1 - y.0) / (x.1 - x.0)).clamp(*SHAPE.start(), *SHAPE.end()),
+        };
+        let scales = |shape: f64| match is_over_time {
+            true => (Scale::linear(x.0, x.1), Scale::linear(y.0, y.1)),
+            false => equal_aspect(x, y, shape),
+        };
         let tick_count = |length: f64| (length / 50.0).clamp(3.0, 9.0) as usize;
         // The width of the labels decides the width of the panels and the other way round: one
         // round is enough, as only the number of digits matters.
-        let (_, rough) = equal_aspect(x, y, 1.0 / shape);
+        let (_, rough) = scales(1.0 / shape);
         let left = (MARGIN + left_of_label(&rough.ticks(4))).round();
         let panel_width = ((WIDTH - MARGIN - left - GAP * (columns - 1.0)) / columns).floor();
         let panel_height = (panel_width.min(560.0) * shape).round();
-        let (x, y) = equal_aspect(x, y, panel_width / panel_height);
+        let (x, y) = scales(panel_width / panel_height);
         let panels = self.panels.iter();
         let note_lines = panels.map(|panel| panel.note_lines(panel_width).len());
         let head = TITLE + NOTE_LINE * note_lines.max().unwrap_or(0) as f64;
@@ -109,6 +154,7 @@ impl PanelGrid {
             top + rows * (head + panel_height) + (rows - 1.0) * ROW_GAP + BELOW_LABEL + 10.0;
         let scores = self.panels.iter().filter_map(Panel::finite_score);
         Layout {
+            is_over_time,
             height: legend_top + legend.height() + 14.0,
             x_ticks: x.ticks(tick_count(panel_width)),
             y_ticks: y.ticks(tick_count(panel_height)),
@@ -163,14 +209,21 @@ impl PanelGrid {
             frame.draw_grid(canvas, &layout.x_ticks, &layout.y_ticks);
         }
         let (colour, width) = self.reality_style();
+        let draw = |canvas: &mut Canvas, path: &[PathPoint], stroke| match layout.is_over_time {
+            true => {
+                let points = over_time(path).into_iter().map(|point| frame.at(point));
+                canvas.path(&points.collect::<Vec<_>>(), stroke);
+            }
+            false => draw_path(canvas, frame, path, stroke),
+        };
         for path in &self.reality_m {
-            draw_path(canvas, frame, path, Stroke::new(width, colour));
+            draw(canvas, path, Stroke::new(width, colour));
         }
         if score.is_some() {
             let is_crowd = panel.simulated_m.len() > 3;
             let width = if is_crowd { 2.0 } else { 3.5 };
             for path in &panel.simulated_m {
-                draw_path(canvas, frame, path, Stroke::new(width, BLUE));
+                draw(canvas, path, Stroke::new(width, BLUE));
             }
         }
         draw_start(canvas, frame.at((0.0, 0.0)));
@@ -210,6 +263,10 @@ impl Picture for PanelGrid {
 
     fn draw(&self, canvas: &mut Canvas) {
         let layout = self.layout();
+        let [x_label, y_label] = match layout.is_over_time {
+            true => ["time (% of the run)", "x (cm)"],
+            false => ["x (cm)", "y (cm)"],
+        };
         layout.heading.draw(canvas, MARGIN, 14.0);
         layout.legend.draw(canvas, MARGIN, layout.legend_top);
         for (index, panel) in self.panels.iter().enumerate() {
@@ -223,10 +280,10 @@ impl Picture for PanelGrid {
             self.draw_panel(canvas, panel, &frame, &layout);
             // Axes are common: numbers at the left, and below the lowest panel of each column.
             if column == 0 {
-                frame.draw_y_axis(canvas, &layout.y_ticks, "y (cm)");
+                frame.draw_y_axis(canvas, &layout.y_ticks, y_label);
             }
             if index + self.columns >= self.panels.len() {
-                frame.draw_x_axis(canvas, &layout.x_ticks, "x (cm)");
+                frame.draw_x_axis(canvas, &layout.x_ticks, x_label);
             }
         }
     }

@@ -333,6 +333,15 @@ fn panels() {
     one.panels[0].score = None;
     check("panels_one", |p| draw_panels(&one, p));
 
+    // A straight walker is a flat line from above, whatever its pace: it is shown over time.
+    let mut straight = nine_panels();
+    straight.reality_m = vec![curved_path(0.7, 0.02, 0.01)];
+    for (k, panel) in (0..).zip(&mut straight.panels) {
+        panel.simulated_m = vec![curved_path(0.5 + 0.05 * f64::from(k), 0.02, 0.01)];
+    }
+    let svg = check("panels_straight", |p| draw_panels(&straight, p));
+    assert!(svg.contains("time (% of the run)") && !svg.contains("y (cm)"));
+
     let mut upright = nine_panels();
     for path in upright
         .panels

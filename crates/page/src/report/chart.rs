@@ -12,10 +12,13 @@ use crate::plot::Scale;
 /// Size of a chart in its own units; the page scales it.
 const WIDTH: f64 = 440.0;
 const HEIGHT: f64 = 250.0;
-const LEFT: f64 = 60.0;
+/// Least room at the sides; wider numbers get more.
+const LEFT: f64 = 52.0;
 const RIGHT: f64 = 12.0;
 const TOP: f64 = 12.0;
-const BOTTOM: f64 = 40.0;
+const BOTTOM: f64 = 44.0;
+/// What the name of the upright axis takes, with the gaps beside it and the numbers.
+pub(super) const LABEL: f64 = 22.0;
 
 /// A line of a chart.
 #[derive(Debug)]
@@ -64,13 +67,15 @@ pub(super) struct Chart {
 struct Frame {
     x: [f64; 2],
     y: [f64; 2],
+    left: f64,
+    right: f64,
 }
 
 impl Frame {
     fn place(&self, [x, y]: [f64; 2]) -> (f64, f64) {
         let share = |value: f64, [low, high]: [f64; 2]| (value - low) / (high - low);
         (
-            LEFT + share(x, self.x) * (WIDTH - LEFT - RIGHT),
+            self.left + share(x, self.x) * (self.right - self.left),
             HEIGHT - BOTTOM - share(y, self.y) * (HEIGHT - TOP - BOTTOM),
         )
     }
@@ -166,21 +171,34 @@ impl Chart {
                 *range = [middle, middle + 1e-3];
             }
         }
-        if is_map {
-            let (wide, high) = (WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM);
-            let scale = 1.08 * ((x[1] - x[0]) / wide).max((y[1] - y[0]) / high);
-            for (range, length) in [(&mut x, wide), (&mut y, high)] {
-                let middle = 0.5 * (range[0] + range[1]);
-                *range = [middle - 0.5 * scale * length, middle + 0.5 * scale * length];
-            }
-        } else {
+        if !is_map {
             let room = 0.06 * (y[1] - y[0]);
             y[1] += room;
             if y[0] != 0.0 {
                 y[0] -= room;
             }
         }
-        Frame { x, y }
+        let (left, right) = (LEFT, WIDTH - RIGHT);
+        let mut frame = Frame { x, y, left, right };
+        // Numbers decide how much room they need, and of a map the room which numbers there are: as report/page/chart.js.
+        for _ in 0..3 {
+            if is_map {
+                let (wide, high) = (frame.right - frame.left, HEIGHT - TOP - BOTTOM);
+                let scale = 1.08 * ((x[1] - x[0]) / wide).max((y[1] - y[0]) / high);
+                let around = |range: [f64; 2], length: f64| {
+                    let middle = 0.5 * (range[0] + range[1]);
+                    [middle - 0.5 * scale * length, middle + 0.5 * scale * length]
+                };
+                (frame.x, frame.y) = (around(x, wide), around(y, high));
+            }
+            let widest = |range| {
+                let ticks = ticks(range).into_iter();
+                ticks.map(|(_, text)| set_width(&text)).fold(0.0, f64::max)
+            };
+            frame.left = frame.left.max(LABEL + widest(frame.y)).round();
+            frame.right = frame.right.min(WIDTH - 1.0 - 0.5 * widest(frame.x)).round();
+        }
+        frame
     }
 
     /// The chart as an `svg` element.
@@ -214,7 +232,7 @@ impl Chart {
                 svg,
                 "<line class=\"grid\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{TOP}\" y2=\"{:.1}\"/><text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
                 low.1,
-                low.1 + 15.0,
+                low.1 + 18.0,
                 text,
             );
         }
@@ -222,22 +240,24 @@ impl Chart {
             let (_, y) = frame.place([frame.x[0], value]);
             let _infallible = write!(
                 svg,
-                "<line class=\"grid\" x1=\"{LEFT}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                "<line class=\"grid\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                low.0,
                 high.0,
-                LEFT - 6.0,
+                low.0 - 6.0,
                 y + 4.0,
                 text,
             );
         }
+        let middle = 0.5 * (low.0 + high.0);
         let _infallible = write!(
             svg,
             "<text class=\"axis\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\
              <text class=\"axis\" transform=\"translate(11 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            0.5 * (low.0 + high.0),
+            middle,
             HEIGHT - 7.0,
-            html(&self.x_label),
+            html(&short(&self.x_label, 2.0 * middle.min(WIDTH - middle))),
             0.5 * (low.1 + high.1),
-            html(&self.y_label),
+            html(&short(&self.y_label, HEIGHT - BOTTOM)),
         );
         for band in self.bands.iter().filter(|band| !band.is_empty()) {
             let upper = band.iter().map(|[x, _, high]| [*x, *high]);
@@ -298,6 +318,26 @@ fn path(frame: &Frame, points: impl Iterator<Item = [f64; 2]>) -> String {
         }
     }
     text
+}
+
+/// The greatest width of a number in 12 units, whatever font the reader has.
+pub(super) fn set_width(text: &str) -> f64 {
+    let wide = |c: char| if ".,-−".contains(c) { 4.5 } else { 7.7 };
+    text.chars().map(wide).sum()
+}
+
+/// A name that has this much room, cut where it is longer.
+fn short(name: &str, room: f64) -> String {
+    const LETTER: f64 = 7.6;
+    let most = (room / LETTER) as usize;
+    match name.chars().count() > most {
+        true => name
+            .chars()
+            .take(most.saturating_sub(1))
+            .chain(['…'])
+            .collect(),
+        false => name.to_owned(),
+    }
 }
 
 /// Round numbers within the range, and how they are written.

@@ -37,10 +37,11 @@ pub(super) fn ensemble(folder: &Path, report: &Value) -> Result<Story> {
     if let Some(coverage) = reality.list("coverage").last() {
         let end = coverage.at("at_end");
         said += &format!(
-            " Of {}, {} end in the region that should hold {}: {}.",
+            " Of {}, {} end in the region that should hold {}, which is {}: {}.",
             runs(report, end.float("trials")),
             end.get("count").map_or_else(String::new, Value::to_string),
             coverage.percent("level"),
+            coverage.likely("at_end"),
             match coverage.is("is_honest") {
                 Some(true) => "these confidences are honest as far as so few runs can tell",
                 Some(false) =>
@@ -86,7 +87,7 @@ pub(super) fn answer(summary: &Value, sure: &str) -> String {
                 1 => "its one behaviour".to_owned(),
                 many => format!("the most likely of {many} behaviours"),
             };
-            let (name, share) = (behaviour.text("name"), percent(Some(share(behaviour))));
+            let (name, share) = (behaviour.text("name"), behaviour.likely("probability"));
             format!("; {which} is “{name}” with {share}")
         });
     let seconds = summary.float("duration_s").map(|s| decimals(s, 1));
@@ -191,8 +192,8 @@ pub(super) fn charts(name: &str, summary: &Value) -> String {
         .enumerate()
         .map(|(index, behaviour)| {
             let name = behaviour.text("name");
-            let share = percent(Some(share(behaviour)));
-            key(CLASSES[index], &format!("{name} ({share})"))
+            let share = behaviour.likely("probability");
+            key(CLASSES[index % CLASSES.len()], &format!("{name}: {share}"))
         })
         .collect();
     let title = if name.is_empty() {

@@ -143,15 +143,15 @@ fn metrics(report: &Value) -> String {
                 let p = metric.float("alike.p_value").filter(|_| which == "repeats");
                 Some(vec![
                     format!("{}: {name}", metric.text("metric")),
-                    interval(metric.at("floor"), &unit),
-                    interval(found.at("gap"), &unit),
-                    interval(found.at("ratio"), ""),
                     p.map_or("–".to_owned(), number),
+                    interval(found.at("ratio"), ""),
+                    interval(found.at("gap"), &unit),
+                    interval(metric.at("floor"), &unit),
                 ])
             })
     });
     noted(
-        "metric | noise floor (95 %) | gap (95 %) | gap ratio (95 %) | drawn alike? p",
+        "metric | drawn alike? p | gap ratio (95 %) | gap (95 %) | noise floor (95 %)",
         rows,
         "A ratio of 1 means as far from a recording, on average, as another recording is; whether both are drawn alike says p. More recorded repeats narrow the noise floor, which the width of most of these intervals comes from.",
     )
@@ -239,12 +239,12 @@ fn displacement(report: &Value) -> String {
             .map_or("–".to_owned(), number)
     };
     titled(
-        "recorded, mean | simulated, mean | drawn alike? p (Mann-Whitney) | p (Kolmogorov-Smirnov)",
+        "drawn alike? p (Mann-Whitney) | p (Kolmogorov-Smirnov) | recorded, mean | simulated, mean",
         [vec![
-            found.measured("real_mean_m", "m"),
-            found.measured("simulated_mean_m", "m"),
             p("mann_whitney"),
             p("kolmogorov_smirnov"),
+            found.measured("real_mean_m", "m"),
+            found.measured("simulated_mean_m", "m"),
         ]],
     )
 }

@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
+use super::chart::{LABEL, set_width};
 use super::page::html;
-use super::value::measured;
-use crate::plot::score_hex as colour;
-use realgap_core::unit::number;
+use crate::plot::{Scale, score_hex as colour};
+use realgap_core::unit::{DisplayUnit, Unit, number};
 
 /// A point of a sweep.
 #[derive(Debug, Clone)]
@@ -19,12 +19,15 @@ pub(super) struct Point {
 }
 
 /// Where the map is in its picture, and its size.
-const LEFT: f64 = 60.0;
 const TOP: f64 = 12.0;
-const WIDE: f64 = 440.0;
-const TALL: f64 = 340.0;
-/// Steps of the colour bar.
+const WIDE: f64 = 400.0;
+const TALL: f64 = 320.0;
+/// Room below the map for numbers and a name.
+const BELOW: f64 = 48.0;
+/// The colour bar: its width, its steps, and what it and its numbers are apart from their neighbours.
+const BAR: f64 = 14.0;
 const STEPS: u32 = 32;
+const GAP: f64 = 16.0;
 
 /// The values that a parameter takes, in order.
 fn values(points: &[Point], parameter: usize) -> Vec<f64> {
@@ -38,11 +41,14 @@ fn values(points: &[Point], parameter: usize) -> Vec<f64> {
 struct Grid<'a> {
     points: &'a [Point],
     names: [String; 2],
-    unit: &'a str,
+    /// What the score is, and its unit.
+    score: [&'a str; 2],
     x_values: Vec<f64>,
     y_values: Vec<f64>,
     low: f64,
     high: f64,
+    /// Where the cells begin, behind the numbers of the upright axis.
+    left: f64,
 }
 
 /// The map of the first two parameters; `None` where the points are no grid of two parameters. `best` may lie between them.
@@ -50,7 +56,7 @@ pub(super) fn heat_map(
     points: &[Point],
     best: Option<&[f64]>,
     names: &[String],
-    unit: &str,
+    score: [&str; 2],
 ) -> Option<String> {
     if names.len() != 2 || points.is_empty() {
         return None;
@@ -64,17 +70,24 @@ pub(super) fn heat_map(
     let grid = Grid {
         points,
         names: [html(&names[0]), html(&names[1])],
-        unit,
+        score,
+        left: LABEL + widest(y_values.iter().map(|value| number(*value))),
         x_values,
         y_values,
         low: scores().fold(f64::INFINITY, f64::min),
         high: scores().fold(f64::NEG_INFINITY, f64::max),
     };
     let [x, y] = &grid.names;
-    let (cells, axes, bar) = (grid.cells(best), grid.axes(), grid.bar());
+    let (cells, axes, (bar, wide)) = (grid.cells(best), grid.axes(), grid.bar());
+    let tall = TOP + TALL + BELOW;
     Some(format!(
-        "<svg class=\"chart heat\" id=\"heat\" viewBox=\"0 0 612 410\" role=\"img\" tabindex=\"0\" aria-label=\"Score over {x} and {y}; the same numbers are in the table of points\">{cells}{axes}{bar}</svg>"
+        "<svg class=\"chart heat\" id=\"heat\" viewBox=\"0 0 {wide:.0} {tall:.0}\" role=\"img\" tabindex=\"0\" aria-label=\"Score over {x} and {y}; the same numbers are in the table of points\">{cells}{axes}{bar}</svg>"
     ))
+}
+
+/// The width of the widest of these numbers.
+fn widest(texts: impl Iterator<Item = String>) -> f64 {
+    texts.map(|text| set_width(&text)).fold(0.0, f64::max)
 }
 
 impl Grid<'_> {
@@ -104,7 +117,7 @@ impl Grid<'_> {
             }
         };
         let corner = |values: &[f64]| {
-            let x = LEFT + place(&self.x_values, values[0]) * wide;
+            let x = self.left + place(&self.x_values, values[0]) * wide;
             let y = TOP + TALL - (place(&self.y_values, values[1]) + 1.0) * tall;
             (x, y)
         };
@@ -122,7 +135,7 @@ impl Grid<'_> {
             let (class, fill, shown) = match point.score {
                 Some(score) => {
                     let share = (score - self.low) / (self.high - self.low).max(f64::MIN_POSITIVE);
-                    let shown = format!("{} {}", number(score), self.unit);
+                    let shown = format!("{} {}", number(score), self.score[1]);
                     ("cell", colour(share), html(&shown))
                 }
                 None => ("cell lost", "#888888".to_owned(), "diverged".to_owned()),
@@ -148,8 +161,8 @@ impl Grid<'_> {
     /// Values and names along both sides.
     fn axes(&self) -> String {
         let [wide, tall] = self.cell();
-        let below = |k: f64| (LEFT + k * wide, TOP + TALL + 16.0, "middle");
-        let beside = |k: f64| (LEFT - 6.0, TOP + TALL - k * tall + 4.0, "end");
+        let below = |k: f64| (self.left + k * wide, TOP + TALL + 18.0, "middle");
+        let beside = |k: f64| (self.left - 6.0, TOP + TALL - k * tall + 4.0, "end");
         let texts = |all: &[f64], at: &dyn Fn(f64) -> (f64, f64, &'static str)| -> String {
             let some = all.iter().enumerate().step_by(all.len().div_ceil(6));
             some.map(|(index, value)| {
@@ -160,29 +173,59 @@ impl Grid<'_> {
             .collect()
         };
         let [x, y] = &self.names;
-        let (middle, low, up) = (LEFT + 0.5 * WIDE, TOP + TALL + 38.0, TOP + 0.5 * TALL);
+        let (middle, low) = (self.left + 0.5 * WIDE, TOP + TALL + 40.0);
+        let up = TOP + 0.5 * TALL;
         let along = texts(&self.x_values, &below) + &texts(&self.y_values, &beside);
         format!(
-            "{along}<text class=\"axis\" x=\"{middle:.1}\" y=\"{low:.1}\" text-anchor=\"middle\">{x}</text><text class=\"axis\" transform=\"translate(13 {up:.1}) rotate(-90)\" text-anchor=\"middle\">{y}</text>",
+            "{along}<text class=\"axis\" x=\"{middle:.1}\" y=\"{low:.1}\" text-anchor=\"middle\">{x}</text><text class=\"axis\" transform=\"translate(11 {up:.1}) rotate(-90)\" text-anchor=\"middle\">{y}</text>",
         )
     }
 
-    /// What colours mean.
-    fn bar(&self) -> String {
+    /// What colours mean, and where the picture ends behind it.
+    fn bar(&self) -> (String, f64) {
+        let left = self.left + WIDE + GAP;
         let height = TALL / f64::from(STEPS);
         let steps = (0..STEPS).map(|step| {
             let (y, tall) = (TOP + height * f64::from(step), height + 0.5);
             let fill = colour(1.0 - f64::from(step) / f64::from(STEPS - 1));
             format!(
-                "<rect x=\"516\" y=\"{y:.1}\" width=\"14\" height=\"{tall:.1}\" fill=\"{fill}\"/>"
+                "<rect x=\"{left:.1}\" y=\"{y:.1}\" width=\"{BAR}\" height=\"{tall:.1}\" fill=\"{fill}\"/>"
             )
         });
-        let said = [(TOP + 10.0, self.high), (TOP + TALL, self.low)];
-        let said = said.map(|(y, score)| {
-            let score = html(&measured(Some(score), self.unit));
-            format!("<text x=\"535\" y=\"{y:.1}\">{score}</text>")
+        let [metric, unit] = self.score;
+        // Metres are shown in a unit of handy size, as everywhere; whatever else it is keeps its name.
+        let (factor, unit) = match unit {
+            "m" => {
+                let scores = self.points.iter().filter_map(|point| point.score);
+                let shown = DisplayUnit::for_values(Unit::Metre, scores);
+                (shown.factor, shown.symbol)
+            }
+            other => (1.0, other),
+        };
+        let name = match unit {
+            "" | "1" => html(metric),
+            unit => html(&format!("{metric} [{unit}]")),
+        };
+        let (low, high) = (self.low * factor, self.high * factor);
+        let ticks = match low <= high {
+            true => Scale::linear(low, high).ticks(5),
+            false => Vec::new(),
+        };
+        let beside = left + BAR + 6.0;
+        let said = ticks.iter().map(|tick| {
+            let share = (tick.value - low) / (high - low).max(f64::MIN_POSITIVE);
+            // Scores that are all the same have the middle of the bar.
+            let share = if high > low { share } else { 0.5 };
+            let y = TOP + (1.0 - share) * TALL + 4.0;
+            format!("<text x=\"{beside:.1}\" y=\"{y:.1}\">{}</text>", tick.label)
         });
-        steps.chain(said).collect()
+        let name_x = beside + widest(ticks.iter().map(|tick| tick.label.clone())) + 16.0;
+        let up = TOP + 0.5 * TALL;
+        let name = format!(
+            "<text class=\"axis\" transform=\"translate({name_x:.1} {up:.1}) rotate(-90)\" text-anchor=\"middle\">{name}</text>"
+        );
+        let all = steps.chain(said).chain([name]).collect();
+        (all, name_x + 6.0)
     }
 }
 
@@ -200,14 +243,18 @@ mod tests {
             })
             .collect();
         let names = ["a<b".to_owned(), "c".to_owned()];
-        let svg = heat_map(&points, Some(&[0.5, 1.0]), &names, "m").unwrap();
+        let svg = heat_map(&points, Some(&[0.5, 1.0]), &names, ["pca", "m"]).unwrap();
         assert_eq!(svg.matches("data-point=").count(), 6);
         assert_eq!(svg.matches("frame best").count(), 1);
         assert_eq!(svg.matches("cell lost").count(), 1);
         assert!(!svg.contains("a<b") && svg.contains(&colour(0.0)));
         roxmltree::Document::parse(&svg).unwrap();
+        // Scores from 1 m to 6 m: what they are stands beside round numbers.
+        for said in ["pca [m]", ">2</text>", ">6</text>"] {
+            assert!(svg.contains(said), "{said}");
+        }
         assert!(
-            heat_map(&points[1..], None, &names, "m").is_none(),
+            heat_map(&points[1..], None, &names, ["pca", "m"]).is_none(),
             "no grid"
         );
     }

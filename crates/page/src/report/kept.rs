@@ -30,6 +30,9 @@ pub struct Kept {
     pub reality: String,
     /// Recorded paths that the first simulation of a point is compared with, at most [`KEPT_RECORDINGS`].
     pub recorded: Vec<KeptPath>,
+    /// The best point's path, prepared, metres: an optimizer's best need not be one of the stored points.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub best_xy_m: Vec<[f64; 2]>,
     /// The best in motion.
     pub replay: Option<KeptReplay>,
 }

@@ -15,6 +15,7 @@ mod foxglove;
 mod gap;
 mod gltf;
 mod heat;
+mod joint;
 mod kept;
 mod leaf;
 mod look;

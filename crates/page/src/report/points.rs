@@ -71,7 +71,8 @@ impl Points {
         let best = self
             .best(report)
             .map(|best| self.points[best].values.as_slice());
-        heat_map(points, best, &self.names, report.text("unit"))
+        let score = [report.text("metric"), report.text("unit")];
+        heat_map(points, best, &self.names, score)
     }
 
     /// The point that the report calls the best, else that of the lowest score.

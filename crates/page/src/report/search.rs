@@ -25,7 +25,7 @@ pub(super) fn search(folder: &Path, report: &Value) -> Result<Story> {
     Ok(Story {
         kind: "search",
         name: report.named("search", "search"),
-        answer: answer(report),
+        answer: answer(folder, report)?,
         sections: vec![
             picture("gallery", "The best robots", "gallery")?,
             Section::new("finalists", "Finalists, looked at again", finalists(report)),
@@ -44,7 +44,7 @@ pub(super) fn search(folder: &Path, report: &Value) -> Result<Story> {
     })
 }
 
-fn answer(report: &Value) -> String {
+fn answer(folder: &Path, report: &Value) -> Result<String> {
     let unit = report.text("unit");
     let best = report.list("best");
     let survivors = best
@@ -52,7 +52,12 @@ fn answer(report: &Value) -> String {
         .filter(|robot| robot.is("survives") == Some(true))
         .count();
     let Some(first) = best.first() else {
-        return "Not determined: no robot was looked at again. What was found so far is in the history below.".to_owned();
+        return Ok("Not determined: no robot was looked at again. What was found so far is in the history below.".to_owned());
+    };
+    // The summary has the share alone; the card knows how sure it is.
+    let odds = match card_of(folder, first)? {
+        Some(card) if card.at("success").is_object() => card.at("success").likely("probability"),
+        _ => first.percent("success"),
     };
     let holds = if first.is("survives") == Some(true) {
         "and walks the same under other numerics"
@@ -66,15 +71,14 @@ fn answer(report: &Value) -> String {
         format!(" What it started from is worth {worth}: it was {outcome}.")
     });
     let beats = beats.unwrap_or_default();
-    format!(
-        "The best robot, {}, is worth {} with new draws ({}), {holds}. It gets at least {} far with a probability of {}, and {survivors} of {} finalists survive.{beats}",
+    Ok(format!(
+        "The best robot, {}, is worth {} with new draws ({}), {holds}. It gets at least {} far with a probability of {odds}, and {survivors} of {} finalists survive.{beats}",
         first.text("file"),
         first.measured("fitness", unit),
         report.text("objective"),
         first.measured("success_m", "m"),
-        first.percent("success"),
         best.len(),
-    )
+    ))
 }
 
 fn finalists(report: &Value) -> String {
@@ -126,18 +130,25 @@ fn finalists(report: &Value) -> String {
     )
 }
 
+/// The card of a finalist, where the folder has it.
+fn card_of(folder: &Path, robot: &Value) -> Result<Option<Value>> {
+    let file = robot.text("file");
+    // A name from a report is no path.
+    let is_name = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
+    let path = folder.join("best").join(format!("{file}.json"));
+    if file.is_empty() || !file.chars().all(is_name) || !path.is_file() {
+        return Ok(None);
+    }
+    Ok(Some(read_json(&path, "a card")?))
+}
+
 fn cards(folder: &Path, report: &Value) -> Result<String> {
     let mut all = String::new();
     for robot in report.list("best") {
-        let file = robot.text("file");
-        // A name from a report is no path.
-        let is_name = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
-        let path = folder.join("best").join(format!("{file}.json"));
-        if file.is_empty() || !file.chars().all(is_name) || !path.is_file() {
-            continue;
+        if let Some(card) = card_of(folder, robot)? {
+            let (name, card) = (html(robot.text("file")), one_card(&card));
+            all += &format!("<details><summary>{name}</summary>{card}</details>");
         }
-        let (name, card) = (html(file), one_card(&read_json(&path, "a card")?));
-        all += &format!("<details><summary>{name}</summary>{card}</details>");
     }
     Ok(all)
 }

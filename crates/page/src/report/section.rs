@@ -79,16 +79,42 @@ pub(super) fn warnings(report: &Value) -> Section {
     warning_section(pairs_of(&all))
 }
 
-/// Codes and messages, each with its remedy.
+/// More messages of one kind than this are folded away.
+const MESSAGES: usize = 3;
+
+/// Codes and messages: what is of one kind is one item, with its remedy.
 pub(super) fn warning_section<'a>(all: impl Iterator<Item = (&'a str, &'a str)>) -> Section {
-    let items: String = all
-        .map(|(code, message)| {
+    let mut kinds: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (code, message) in all {
+        match kinds.iter_mut().find(|(known, _)| *known == code) {
+            Some((_, messages)) if messages.contains(&message) => {}
+            Some((_, messages)) => messages.push(message),
+            None => kinds.push((code, vec![message])),
+        }
+    }
+    let items: String = kinds
+        .into_iter()
+        .map(|(code, messages)| {
             let remedy = Code::by_name(code).map_or_else(String::new, |code| {
                 let remedy = html(code.remedy());
                 format!("<span class=\"remedy\">What to do: {remedy}.</span>")
             });
-            let (code, message) = (html(code), html(message));
-            format!("<li><code>{code}</code> {message} {remedy}</li>")
+            let code = html(code);
+            let list = |messages: &[&str]| -> String {
+                let lines = messages.iter().map(|m| format!("<p>{}</p>", html(m)));
+                lines.collect()
+            };
+            let said = match messages.split_at(messages.len().min(MESSAGES)) {
+                ([one], []) => html(one),
+                (all, []) => list(all),
+                (first, rest) => format!(
+                    "{}<details><summary>{} more</summary>{}</details>",
+                    list(first),
+                    rest.len(),
+                    list(rest)
+                ),
+            };
+            format!("<li><code>{code}</code> {said} {remedy}</li>")
         })
         .collect();
     Section::new("warnings", "Warnings", within("ul", items))
@@ -213,5 +239,13 @@ mod tests {
         assert_eq!(section.html.matches("<li>").count(), 1);
         assert!(section.html.contains(Code::FewRecordings.remedy()));
         assert!(!section.html.contains("<2>"));
+        // The same of several recordings is one warning, its remedy said once.
+        let of =
+            |k: u32| serde_json::json!({ "code": "few-recordings", "message": format!("run {k}") });
+        let report = serde_json::json!({ "warnings": (0..5).map(of).collect::<Vec<_>>() });
+        let html = warnings(&report).html;
+        assert_eq!(html.matches("<li>").count(), 1);
+        assert_eq!(html.matches("What to do").count(), 1);
+        assert!(html.contains("run 4") && html.contains("<summary>2 more</summary>"));
     }
 }

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::block::Block;
 use super::chart::{Chart, steps};
+use super::joint::joints;
 use super::kept::Kept;
 use super::page::script_json;
 use super::path::{from_above, over_time};
@@ -33,9 +34,20 @@ const SAID: [&str; 9] = [
 
 pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Result<Story> {
     let points = Points::read(folder)?;
-    let paths = points.paths(folder)?;
+    let joints = joints(folder)?;
+    // A robot whose joints alone were recorded goes nowhere.
+    let is_of_joints = !joints.is_empty() && kept.is_none_or(|kept| kept.recorded.is_empty());
     let best = points.best(report);
+    let mut paths = points.paths(folder)?.filter(|_| !is_of_joints);
+    if let (Some(paths), Some(best), Some(kept)) = (&mut paths, best, kept) {
+        // An optimizer's best may have been looked at after all stored points.
+        let own = &mut paths.xy_m[best];
+        if own.is_empty() {
+            own.clone_from(&kept.best_xy_m);
+        }
+    }
     let map = points.map(report);
+    let has_joints = !joints.is_empty();
     let (has_map, has_paths) = (map.is_some(), paths.is_some() && best.is_some());
     let is_tuned = !report.at("tuning").is_null();
     let chosen = from_above(&points, paths.as_ref(), best, kept);
@@ -44,10 +56,14 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
     let verdicts = verdicts(folder, report)?;
     let came = convergence(folder, report)?;
     let is_plane = |stem: &str| stem == "components";
+    let is_corner = |stem: &str| stem == "corner";
+    let corner_title = "Which values go together";
     let plane_title = "Every run in the first two principal components";
     let is_drawn = move |stem: &str| {
         stem.starts_with("profile_")
             || is_plane(stem)
+            || is_corner(stem)
+            || (has_joints && stem == "joints")
             || (has_map && stem == "heatmap")
             || (has_paths && stem == "trajectories")
             || stem == "convergence"
@@ -57,7 +73,9 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
     let sections = vec![
         Section::new("map", "Scores, and the path of each point", map),
         Section::new("over-time", "The chosen point over time", over_time),
+        Section::new("joints", "Joints over time", joints),
         Section::new("verdicts", verdict_title, verdicts),
+        pictures(folder, "corner", corner_title, is_corner)?,
         Section::new("convergence", "How the optimizer came there", came),
         pictures(folder, "components", plane_title, is_plane)?,
         Section::new(
@@ -214,8 +232,12 @@ fn heat(points: &Points, report: &Value, map: Option<String>, path: &str) -> Str
         ),
     };
     let map = map.map_or_else(String::new, |map| {
+        let choose = match path.is_empty() {
+            true => "",
+            false => " Choose a cell (click, or arrow keys) to see its path.",
+        };
         format!(
-            "<figure>{map}<figcaption>Light is near to the recordings. Framed: cannot be told apart from the best, which has the thick frame. Choose a cell (click, or arrow keys) to see its path. More recordings, or finer numerics where the audit says so, would make the framed set smaller.</figcaption></figure>"
+            "<figure>{map}<figcaption>Light is near to the recordings. Framed: cannot be told apart from the best, which has the thick frame.{choose} More recordings, or finer numerics where the audit says so, would make the framed set smaller.</figcaption></figure>"
         )
     });
     format!("{alike}<div class=\"pair\">{map}{path}</div>{table}")

@@ -82,6 +82,11 @@ pub(super) trait Found {
         span(self.float(low), self.float(high), unit)
     }
 
+    /// The same in a sentence, which says what the interval is.
+    fn likely(&self, name: &str) -> String {
+        self.proportion(name).replacen('(', "(95 %: ", 1)
+    }
+
     /// A proportion: its share with the interval of sampling.
     fn proportion(&self, name: &str) -> String {
         let found = self.at(name);
@@ -242,6 +247,8 @@ mod tests {
         assert_eq!(span(Some(0.01), None, "m"), "1.00 cm to –");
         assert!(report.floats("n")[1].is_nan());
         assert_eq!(percent(Some(0.123)), "12 %");
+        let odds = serde_json::json!({ "p": { "share": 0.5, "low": 0.25, "high": 0.75 } });
+        assert_eq!(odds.likely("p"), "50 % (95 %: 25 % to 75 %)");
     }
 
     #[test]

@@ -202,11 +202,15 @@ pub(super) fn draw_repeats(folder: &Path, stem: &str, case: &EnsembleResult<'_>)
     let path_m = |motion: &Motion| motion.path.xy_m().to_vec();
     let behaviours = summary.behaviours.list.iter();
     let groups = behaviours.map(|behaviour| {
-        let share = 100.0 * behaviour.probability.share;
+        let odds = &behaviour.probability;
+        let [share, low, high] = [odds.share, odds.low, odds.high].map(|p| 100.0 * p);
         let alike = case.ensemble.motions();
         let alike = alike.filter(|(repeat, _)| behaviour.repeats.contains(&repeat.number));
         EnsembleGroup {
-            label: format!("{}: {share:.0} %", behaviour.name),
+            label: format!(
+                "{}: {share:.0} % (95 %: {low:.0} to {high:.0} %)",
+                behaviour.name
+            ),
             paths_m: alike.take(PATHS_DRAWN).map(|(_, m)| path_m(m)).collect(),
             representative_m: behaviour
                 .representative

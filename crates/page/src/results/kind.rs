@@ -33,6 +33,7 @@ pub(crate) mod file {
     pub(crate) const PROFILES: &str = "profiles.csv";
     pub(crate) const TRIALS: &str = "trials.csv";
     pub(crate) const BASIS: &str = "basis.json";
+    pub(crate) const JOINTS: &str = "joints.csv";
     pub(crate) const BEST: &str = "best.ron";
     pub(crate) const HISTORY: &str = "history.csv";
     pub(crate) const ARCHIVE: &str = "archive.csv";
@@ -59,6 +60,7 @@ impl Kind {
                     PROFILES,
                     TRIALS,
                     BASIS,
+                    JOINTS,
                     BEST,
                 ],
                 &[
@@ -68,6 +70,8 @@ impl Kind {
                     "trajectories",
                     "convergence",
                     "components",
+                    "corner",
+                    "joints",
                 ],
             ),
             Self::Search => (

@@ -29,9 +29,11 @@
 mod best;
 mod cell;
 mod convergence;
+mod corner;
 mod draft;
 mod ensemble;
 mod gap;
+pub(crate) mod joint;
 pub(crate) mod kind;
 mod odds;
 mod over_time;
@@ -84,6 +86,7 @@ pub fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
         write_report(draft, kind::file::SUMMARY, &answer.report)?;
         best::write(draft, study, answer)?;
         plane::write_basis(draft, answer)?;
-        picture::draw(draft, study, answer)
+        picture::draw(draft, study, answer)?;
+        joint::write(draft, study, answer)
     })
 }

@@ -14,7 +14,7 @@ use realgap_optimize::{Grid, Range};
 use realgap_path::trajectory::Prepared;
 
 use super::cell::{alike, cells};
-use super::{convergence, plane};
+use super::{convergence, corner, joint, plane};
 
 /// Draws everything that the points evaluated so far allow.
 pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
@@ -29,14 +29,24 @@ pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer) -> Result<()> 
     if let Method::Tune(tuned) = &answer.method {
         convergence::draw(folder, study, answer, tuned, &map.subtitle)?;
     }
-    plane::draw(folder, study, answer, &map.subtitle)?;
+    // Where nothing but joints was recorded nothing goes anywhere.
+    let has_paths = !joint::is_of_joints(study);
+    if has_paths {
+        plane::draw(folder, study, answer, &map.subtitle)?;
+    }
+    corner::draw(folder, study, answer, &map.subtitle)?;
     match ranges {
         [x] => map.draw_curve(x, folder)?,
         [_, _] => {
             draw_map(folder, "heatmap", &map.slice(0, 1))?;
             draw_map(folder, "heatmap_fitness", &map.fitness())?;
         }
-        _ if map.cells.is_empty() => return map.draw_best_panels(&folder.join("trajectories.png")),
+        _ if map.cells.is_empty() => {
+            return match has_paths {
+                true => map.draw_best_panels(&folder.join("trajectories.png")),
+                false => Ok(()),
+            };
+        }
         ranges => {
             for first in 0..ranges.len() {
                 for second in first + 1..ranges.len() {
@@ -47,7 +57,10 @@ pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer) -> Result<()> 
             }
         }
     }
-    map.draw_panels(&folder.join("trajectories.png"))
+    match has_paths {
+        true => map.draw_panels(&folder.join("trajectories.png")),
+        false => Ok(()),
+    }
 }
 
 /// Scores by grid index, with what the captions need.

@@ -116,6 +116,40 @@ pub fn joint_errors(real: &Trajectory, simulated: &Trajectory) -> Vec<JointError
     joints.iter().map(error).collect()
 }
 
+/// A joint as it was recorded and as it was simulated, at the recorded samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointSamples {
+    /// Name of the joint.
+    pub name: String,
+    /// Since the start of the recording, seconds.
+    pub times_s: Vec<f64>,
+    /// Recorded angles, radians.
+    pub recorded_rad: Vec<f64>,
+    /// Simulated angles, radians, each within half a turn of the recorded one.
+    pub simulated_rad: Vec<f64>,
+}
+
+/// Every joint that both have, at the recorded samples within the simulation.
+pub fn joint_samples(real: &Trajectory, simulated: &Trajectory) -> Vec<JointSamples> {
+    let times_s = real.times_s();
+    let end_s = simulated.duration_s() * (1.0 + 1e-9) + 1e-9;
+    let since_start = times_s.iter().map(|t| t - times_s[0]);
+    let times_s: Vec<f64> = since_start.take_while(|t| *t <= end_s).collect();
+    let joint = |joint: &(&JointTrack, &JointTrack)| {
+        let mut at = Interpolator::new(simulated);
+        let recorded = &joint.0.angles_rad;
+        let simulated = times_s.iter().enumerate();
+        let simulated = simulated.map(|(k, t)| recorded[k] + difference_rad(joint, &mut at, *t, k));
+        JointSamples {
+            name: joint.0.name.clone(),
+            simulated_rad: simulated.collect(),
+            recorded_rad: recorded[..times_s.len()].to_vec(),
+            times_s: times_s.clone(),
+        }
+    };
+    common(real, simulated).iter().map(joint).collect()
+}
+
 /// Mean absolute error of the joints' angles, radians, and the number of recorded samples compared.
 ///
 /// # Errors

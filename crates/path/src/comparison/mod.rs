@@ -22,7 +22,7 @@ mod whitened;
 pub use basis::{Basis, Components};
 pub use cluster::PcaCluster;
 pub use evo::{Ape, Rpe, UmeyamaApe};
-pub use joint::{JointError, Joints, joint_error_rad, joint_errors};
+pub use joint::{JointError, JointSamples, Joints, joint_error_rad, joint_errors, joint_samples};
 pub use metric::{Context, Measurement, Metric, Needs, Pair, Score};
 pub use pca::Pca;
 pub use pointwise::{Displacement, Rms};

@@ -62,7 +62,7 @@ realgap.live = (clock, svg, tracks) => {
 // Draws a chart anew, in the manner of src/report/chart.rs.
 realgap.redraw = (svg, { lines, bands = [], map = false, fromZero = false }) => {
   const [, , wide, high] = svg.getAttribute("viewBox").split(" ").map(Number);
-  const [left, top, right, bottom] = svg.dataset.box.split(" ").map(Number);
+  const [, top, , bottom] = svg.dataset.box.split(" ").map(Number);
   let x = [Infinity, -Infinity], y = fromZero ? [0, 0] : [Infinity, -Infinity];
   const see = (a, b) => {
     if (Number.isFinite(a)) { x[0] = Math.min(x[0], a); x[1] = Math.max(x[1], a); }
@@ -72,23 +72,6 @@ realgap.redraw = (svg, { lines, bands = [], map = false, fromZero = false }) => 
   for (const band of bands) band.x.forEach((v, k) => { see(v, band.low[k]); see(v, band.high[k]); });
   for (const range of [x, y])
     if (!(range[1] - range[0] >= 1e-9)) { const middle = Number.isFinite(range[0]) ? range[0] : 0; range[0] = middle; range[1] = middle + 1e-3; }
-  if (map) {
-    const scale = 1.08 * Math.max((x[1] - x[0]) / (right - left), (y[1] - y[0]) / (bottom - top));
-    [[x, right - left], [y, bottom - top]].forEach(([range, length]) => {
-      const middle = (range[0] + range[1]) / 2;
-      range[0] = middle - scale * length / 2; range[1] = middle + scale * length / 2;
-    });
-  } else {
-    const room = 0.06 * (y[1] - y[0]);
-    y[1] += room;
-    if (y[0] !== 0) y[0] -= room;
-  }
-  svg.dataset.x = x.join(" ");
-  svg.dataset.y = y.join(" ");
-  const axes = [...svg.querySelectorAll(".axis")].map(text => text.cloneNode(true));
-  svg.replaceChildren();
-  const px = v => (left + (v - x[0]) / (x[1] - x[0]) * (right - left)).toFixed(1);
-  const py = v => (bottom - (v - y[0]) / (y[1] - y[0]) * (bottom - top)).toFixed(1);
   const ticks = ([a, b]) => {
     const rough = (b - a) / 5, power = 10 ** Math.floor(Math.log10(rough));
     const step = [1, 2, 5, 10].map(f => f * power).find(s => s >= rough * 0.999) || power;
@@ -96,15 +79,40 @@ realgap.redraw = (svg, { lines, bands = [], map = false, fromZero = false }) => 
     for (let k = Math.ceil(a / step - 1e-9); k <= b / step + 1e-9 && all.length < 21; k++) all.push([k * step, (k * step).toFixed(places).replace(/^-0(\.0*)?$/, "0$1")]);
     return all;
   };
+  if (!map) {
+    const room = 0.06 * (y[1] - y[0]);
+    y[1] += room;
+    if (y[0] !== 0) y[0] -= room;
+  }
+  // Numbers decide how much room they need, and of a map the room which numbers there are.
+  const widest = range => Math.max(0, ...ticks(range).map(([, text]) => [...text].reduce((sum, c) => sum + (".-".includes(c) ? 4.5 : 7.7), 0)));
+  const [seenX, seenY] = [x, y];
+  let left = 52, right = wide - 12;
+  for (let round = 0; round < 3; round++) {
+    if (map) {
+      const scale = 1.08 * Math.max((seenX[1] - seenX[0]) / (right - left), (seenY[1] - seenY[0]) / (bottom - top));
+      [x, y] = [[seenX, right - left], [seenY, bottom - top]].map(([[a, b], length]) => [(a + b - scale * length) / 2, (a + b + scale * length) / 2]);
+    }
+    left = Math.round(Math.max(left, 22 + widest(y)));
+    right = Math.round(Math.min(right, wide - 1 - widest(x) / 2));
+  }
+  svg.dataset.box = [left, top, right, bottom].join(" ");
+  svg.dataset.x = x.join(" ");
+  svg.dataset.y = y.join(" ");
+  const axes = [...svg.querySelectorAll(".axis")].map(text => text.cloneNode(true));
+  svg.replaceChildren();
+  const px = v => (left + (v - x[0]) / (x[1] - x[0]) * (right - left)).toFixed(1);
+  const py = v => (bottom - (v - y[0]) / (y[1] - y[0]) * (bottom - top)).toFixed(1);
   const write = (attributes, text) => { realgap.svg("text", attributes, svg).textContent = text; };
   for (const [v, text] of ticks(x)) {
     realgap.svg("line", { class: "grid", x1: px(v), x2: px(v), y1: top, y2: bottom }, svg);
-    write({ x: px(v), y: bottom + 15, "text-anchor": "middle" }, text);
+    write({ x: px(v), y: bottom + 18, "text-anchor": "middle" }, text);
   }
   for (const [v, text] of ticks(y)) {
     realgap.svg("line", { class: "grid", x1: left, x2: right, y1: py(v), y2: py(v) }, svg);
     write({ x: left - 6, y: Number(py(v)) + 4, "text-anchor": "end" }, text);
   }
+  axes[0].setAttribute("x", (left + right) / 2);
   axes.forEach(text => svg.appendChild(text));
   const path = (xs, ys) => [...xs].map((v, k) => px(v) + " " + py(ys[k])).join("L");
   for (const band of bands)

@@ -70,7 +70,8 @@
         fromZero: true, bands,
         lines: path.t.length ? recorded.map(one => ({ ...finite(path.t, apart(path, one)), kind: "sim" })) : [],
       });
-      if (marker) for (const name of ["x", "y", "width", "height"]) marker.setAttribute(name, cells[k].getAttribute(name));
+      // The best point may lie between the cells; then its own frame marks it.
+      if (marker) for (const name of ["x", "y", "width", "height"]) marker.setAttribute(name, k < cells.length ? cells[k].getAttribute(name) : 0);
       const score = points.rows[k][1];
       $("chosen").textContent = words(k) + ": " + (isBest ? "the best point" : score === null ? "diverged"
         : "score " + Number(score.toPrecision(3)) + (points.rows[k][2] ? ", cannot be told from the best" : ""))
@@ -79,13 +80,14 @@
       live.forEach(one => one.renew(realgap.state().time));
     };
     cells.forEach(cell => cell.addEventListener("click", () => choose(Number(cell.dataset.point))));
-    const values = heat && [0, 1].map(axis => [...new Set(points.rows.map(row => row[0][axis]))].sort((a, b) => a - b));
+    const values = heat && [0, 1].map(axis => [...new Set(cells.map((_, k) => points.rows[k][0][axis]))].sort((a, b) => a - b));
+    const nearest = (all, value) => all.reduce((best, v, k) => Math.abs(v - value) < Math.abs(all[best] - value) ? k : best, 0);
     if (heat) heat.addEventListener("keydown", event => {
       const by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
       if (!by) return;
       event.preventDefault();
       const wanted = [0, 1].map(axis => {
-        const at = values[axis].indexOf(points.rows[chosen][0][axis]) + by[axis];
+        const at = nearest(values[axis], points.rows[chosen][0][axis]) + by[axis];
         return values[axis][Math.min(Math.max(at, 0), values[axis].length - 1)];
       });
       const found = points.rows.findIndex(row => row[0][0] === wanted[0] && row[0][1] === wanted[1]);

@@ -210,8 +210,9 @@ fn gallery(search: &Search, finalists: &[Finalist]) -> Gallery {
         let far = far.unwrap_or_else(|| "every repeat diverged".to_owned());
         let success = finalist.success().map(|s| {
             let least_cm = number(100.0 * s.least_displacement_m);
-            let share = 100.0 * s.probability.share;
-            format!(", P(over {least_cm} cm) {share:.0} %")
+            let odds = &s.probability;
+            let [share, low, high] = [odds.share, odds.low, odds.high].map(|p| 100.0 * p);
+            format!(", P(over {least_cm} cm) {share:.0} % (95 %: {low:.0} to {high:.0} %)")
         });
         let success = success.unwrap_or_default();
         let survives = match finalist.finals.survives {

@@ -1,0 +1,48 @@
+//! What reality may be, every parameter against every other.
+
+use std::path::Path;
+
+use crate::plot::{AxisSpec, Caption, Corner, both, draw_corner};
+use realgap_core::error::Result;
+use realgap_core::unit::counted;
+use realgap_lab::calibration::{Answer, Study};
+
+/// Draws of the inference, where there are two parameters or more.
+pub(super) fn draw(folder: &Path, study: &Study, answer: &Answer, subtitle: &str) -> Result<()> {
+    let definition = study.definition();
+    let ranges = definition.grid.ranges();
+    let Some(draws) = answer.draws.as_ref().filter(|_| ranges.len() > 1) else {
+        return Ok(());
+    };
+    let draws = draws.rows().to_vec();
+    if draws.len() < 2 {
+        return Ok(());
+    }
+    let best = answer
+        .scores
+        .best
+        .map(|best| answer.scores.points[best].values.clone());
+    let truth = ranges
+        .iter()
+        .map(|range| definition.truth.value(range.parameter.name));
+    let truth: Vec<Option<f64>> = truth.collect();
+    let is_known = truth.iter().any(Option::is_some);
+    let what = "what the recordings leave possible";
+    let corner = Corner {
+        caption: Caption::new(
+            format!(
+                "{}: {what}, every parameter against every other",
+                definition.name
+            ),
+            format!("{subtitle}; {}", counted(draws.len(), "draw")),
+        ),
+        axes: ranges
+            .iter()
+            .map(|range| AxisSpec::new(range.parameter.name, range.parameter.unit))
+            .collect(),
+        draws,
+        best,
+        truth: is_known.then(|| (truth, "hidden value of the stand-in".to_owned())),
+    };
+    both(folder, "corner", |path| draw_corner(&corner, path))
+}
