@@ -47,6 +47,7 @@ pub(super) fn module(x: f64, y: f64, z: f64) -> Solid {
 /// Parts and hinges as a robot; the origin of the robot frame is tracked.
 pub(super) fn robot(parts: Vec<Vec<Solid>>, hinges: Vec<Hinge>) -> Assembly {
     Assembly {
+        name: "body".to_owned(),
         module_names: vec!["body".to_owned()],
         parts: parts.into_iter().map(|solids| Part { solids }).collect(),
         hinges,

@@ -128,6 +128,9 @@ impl ParameterSet {
         let why = |a: &Assignment| -> Option<String> {
             let subject = a.parameter.subject;
             let names = || robot.hinges.iter().map(|hinge| hinge.name.as_str());
+            if !a.parameter.is_about(experiment) {
+                return Some(format!("the robot is `{}`", robot.name));
+            }
             match a.parameter.group() {
                 group
                     if OF_JOINTS.contains(&group)

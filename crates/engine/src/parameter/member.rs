@@ -27,11 +27,30 @@ pub(super) fn of_joints() -> impl Iterator<Item = &'static Parameter> {
     all.filter(|parameter| OF_JOINTS.contains(&parameter.group()))
 }
 
+/// Parameters are compared and stored by reference, so each name has one for as long as the program runs.
+static KNOWN: LazyLock<Mutex<BTreeMap<String, &'static Parameter>>> = LazyLock::new(Mutex::default);
+
+/// The one parameter of this name.
+fn kept(name: String, subject: &str, family: &Parameter) -> &'static Parameter {
+    let mut known = KNOWN
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner);
+    known.entry(name).or_insert_with_key(|name| {
+        Box::leak(Box::new(Parameter {
+            name: Box::leak(name.clone().into_boxed_str()),
+            subject: Box::leak(subject.to_owned().into_boxed_str()),
+            ..*family
+        }))
+    })
+}
+
+/// A parameter for one robot of many.
+pub(super) fn of_robot(robot: &str, all: &'static Parameter) -> &'static Parameter {
+    kept(format!("robot.{robot}.{}", all.name), all.subject, all)
+}
+
 /// The parameter that a name with a thing in it means: group `.` name of the thing `.` quantity.
 pub(super) fn member(name: &str) -> Option<&'static Parameter> {
-    // A parameter is compared and stored by reference, so each name has one for as long as the program runs.
-    static KNOWN: LazyLock<Mutex<BTreeMap<String, &'static Parameter>>> =
-        LazyLock::new(Mutex::default);
     let (group, rest) = name.split_once('.')?;
     let (subject, quantity) = rest.rsplit_once('.')?;
     let is_of_joint = OF_JOINTS.contains(&group);
@@ -44,16 +63,7 @@ pub(super) fn member(name: &str) -> Option<&'static Parameter> {
         "module" => module::FAMILY.iter().find(|p| p.quantity() == quantity)?,
         _ => of_joints().find(|p| p.group() == group && p.quantity() == quantity)?,
     };
-    let mut known = KNOWN
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner);
-    Some(known.entry(name.to_owned()).or_insert_with(|| {
-        Box::leak(Box::new(Parameter {
-            name: Box::leak(name.to_owned().into_boxed_str()),
-            subject: Box::leak(subject.to_owned().into_boxed_str()),
-            ..*family
-        }))
-    }))
+    Some(kept(name.to_owned(), subject, family))
 }
 
 /// Whether a name has this form; nothing stands for every name.

@@ -156,12 +156,23 @@ fn usual(name: &str) -> String {
         .join(".")
 }
 
+/// The robot and the rest of a name that is about one robot of many: `robot.NAME.servo.gain`.
+fn scoped(name: &str) -> Option<(&str, &str)> {
+    let (robot, rest) = name.strip_prefix("robot.")?.split_once('.')?;
+    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    let is_robot = (1..=64).contains(&robot.len()) && robot.chars().all(is_name);
+    (is_robot && !rest.starts_with("robot.")).then_some((robot, rest))
+}
+
 /// Looks a parameter up by name.
 ///
 /// # Errors
 /// An unknown name; the error lists the nearest known ones.
 pub fn by_name(name: &str) -> Result<&'static Parameter> {
     let asked = name;
+    if let Some((robot, rest)) = scoped(name) {
+        return Ok(member::of_robot(robot, by_name(rest)?));
+    }
     let name = usual(name);
     let name = name.as_str();
     if let Some(known) = all().find(|parameter| parameter.name == name) {
@@ -183,9 +194,21 @@ pub fn by_name(name: &str) -> Result<&'static Parameter> {
 }
 
 impl Parameter {
-    /// What stands before the first dot of its name.
+    /// The robot of a study of many that it is about; nothing where it is about all of them.
+    pub fn robot(&self) -> Option<&'static str> {
+        scoped(self.name).map(|(robot, _)| robot)
+    }
+
+    /// Whether it is about the robot of this experiment.
+    fn is_about(&self, experiment: &Experiment) -> bool {
+        let own = &experiment.assembly.name;
+        self.robot().is_none_or(|robot| robot == own)
+    }
+
+    /// What stands before the first dot of its name, the robot that it is about left out.
     fn group(&self) -> &'static str {
-        self.name.split('.').next().unwrap_or(self.name)
+        let name = scoped(self.name).map_or(self.name, |(_, rest)| rest);
+        name.split('.').next().unwrap_or(name)
     }
 
     /// What stands after the last dot of its name.
@@ -200,10 +223,16 @@ impl Parameter {
 
     /// What is set later, whatever stands first in a file: one joint after a group, a group after all.
     fn rank(&self) -> usize {
-        match self.subject {
+        let thing = match self.subject {
             "" => 0,
             form if form.contains('*') => 1,
             _ => 2,
+        };
+        // What is about one robot overrules what is about all of them.
+        if self.robot().is_some() {
+            thing + 3
+        } else {
+            thing
         }
     }
 
@@ -228,6 +257,9 @@ impl Parameter {
 
     /// The value; `None` where the robot's own file decides (a limit that is not overridden).
     pub fn value(&self, experiment: &Experiment) -> Option<f64> {
+        if !self.is_about(experiment) {
+            return None;
+        }
         (self.get)(experiment, self.subject)
     }
 
@@ -242,12 +274,15 @@ impl Parameter {
     }
 
     fn put(&self, experiment: &mut Experiment, value: f64) {
+        if !self.is_about(experiment) {
+            return;
+        }
         (self.set)(experiment, self.subject, value);
     }
 
     /// The value where nothing is set; `None` where the robot's file decides.
     pub fn default_value(&self) -> Option<f64> {
-        self.value(&Experiment::new(Assembly::nobody()))
+        (self.get)(&Experiment::new(Assembly::nobody()), self.subject)
     }
 
     /// `value` made a little smaller and a little larger (see [`Nudge`]); `None` at a bound.

@@ -9,11 +9,12 @@ use serde::Deserialize;
 use super::case::{Case, cases};
 use super::definition::{Definition, StartRule};
 use super::study_file::{assignments, morphology_source};
-use realgap_core::error::Result;
+use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, unique_keys};
 use realgap_core::range;
 use realgap_core::warning::Warning;
-use realgap_engine::parameter::ParameterSet;
+use realgap_engine::Experiment;
+use realgap_engine::parameter::{Parameter, ParameterSet};
 use realgap_robot::morphology::Morphology;
 use realgap_store::Fingerprint;
 
@@ -53,6 +54,25 @@ impl Definition {
         }
     }
 
+    /// What is fixed for a robot: all but what is about another one.
+    pub(super) fn set_of(&self, robot: &Morphology) -> ParameterSet {
+        let own = self.set.iter().filter(|assignment| {
+            let about = assignment.parameter.robot();
+            about.is_none_or(|name| name == robot.name())
+        });
+        own.fold(ParameterSet::new(), |set, assignment| set.with(*assignment))
+    }
+
+    /// The experiment in which a parameter has its value where nobody has tuned it.
+    pub(super) fn untuned(&self, parameter: &Parameter) -> Experiment {
+        let mut members = self.robots.iter();
+        let owner = members.find(|member| parameter.robot() == Some(member.morphology.name()));
+        match owner {
+            Some(member) => self.of_member(member).experiment(),
+            None => self.experiment(),
+        }
+    }
+
     /// Of each recording by how much its score counts, 1 on average.
     pub(super) fn weights(&self) -> Vec<f64> {
         let mut weights = vec![1.0; self.recordings.len()];
@@ -82,6 +102,34 @@ impl Definition {
                 )
             })
     }
+}
+
+/// Checks that what is about one robot is about one that there is.
+///
+/// # Errors
+/// A parameter of a robot that is not in the study.
+pub(super) fn check_owners(definition: &Definition) -> Result<()> {
+    let mut names = vec![definition.morphology.name()];
+    names.extend(
+        definition
+            .robots
+            .iter()
+            .skip(1)
+            .map(|member| member.morphology.name()),
+    );
+    let fixed = definition.set.iter().map(|assignment| assignment.parameter);
+    for parameter in fixed.chain(definition.parameters.iter().copied()) {
+        let Some(robot) = parameter.robot() else {
+            continue;
+        };
+        if !names.contains(&robot) {
+            return Err(Error::invalid("the study has no robot of this name")
+                .field(parameter.name)
+                .found(robot)
+                .allowed(names.join(", ")));
+        }
+    }
+    Ok(())
 }
 
 /// The cases of every robot, one robot after the other.

@@ -8,6 +8,7 @@ use super::basis::BasisRule;
 use super::case::{Case, cases};
 use super::definition::{Definition, ScoreRule, StartRule};
 use super::fitted::in_sample;
+use super::fleet::check_owners;
 use super::overrides::Overrides;
 use super::setting::Settings;
 use crate::calibration::identification::{StartState, refine_again};
@@ -78,7 +79,9 @@ impl Study {
         check_score(&definition).map_err(|e| definition.at_file(e))?;
         let (cases, mut warnings) = cases(&definition)?;
         warnings.extend(definition.warnings.iter().cloned());
-        warnings.extend(definition.set.without_effect(&cases[0].experiment));
+        check_owners(&definition).map_err(|e| definition.at_file(e))?;
+        let of_first = definition.set_of(&definition.morphology);
+        warnings.extend(of_first.without_effect(&cases[0].experiment));
         warnings.extend(definition.morphology.warnings());
         warnings.extend(cases[0].experiment.warnings());
         warnings.sort();

@@ -109,12 +109,12 @@ impl Transfer {
 /// The point nearest to where nobody has tuned anything, along the ranges.
 fn nearest_to_defaults<'a>(study: &Study, points: &[&'a PointScore]) -> Option<&'a PointScore> {
     let definition = study.definition();
-    let base = definition.experiment();
     let ranges = definition.grid.ranges();
     let away = |point: &PointScore| -> f64 {
         let axes = definition.parameters.iter().zip(ranges).zip(&point.values);
         axes.map(|((parameter, range), value)| {
-            let default = parameter.value(&base).unwrap_or(range.from);
+            let untuned = definition.untuned(parameter);
+            let default = parameter.value(&untuned).unwrap_or(range.from);
             let default = default.clamp(range.from, range.to);
             (range.coordinate(*value) - range.coordinate(default)).powi(2)
         })

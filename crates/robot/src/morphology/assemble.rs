@@ -30,6 +30,7 @@ pub(super) fn assemble(morphology: &Morphology) -> Assembly {
     }
     let track = morphology.track();
     Assembly {
+        name: morphology.name().to_owned(),
         module_names: modules.iter().map(|module| module.name.clone()).collect(),
         parts: workshop.parts,
         hinges: workshop.hinges,

@@ -287,6 +287,8 @@ pub struct Mark {
 /// every parent part comes before its children.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assembly {
+    /// The robot's name.
+    pub name: String,
     /// Names of the modules or bodies, by index.
     pub module_names: Vec<String>,
     /// Rigid clusters.
@@ -313,6 +315,7 @@ impl Assembly {
     /// No robot at all: for what an experiment is without one.
     pub fn nobody() -> Self {
         Self {
+            name: String::new(),
             module_names: Vec::new(),
             parts: Vec::new(),
             hinges: Vec::new(),

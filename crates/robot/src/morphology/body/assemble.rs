@@ -361,6 +361,7 @@ impl Workshop<'_> {
         };
         let body_length_m = self.length_m(track);
         Ok(Assembly {
+            name: structure.name.clone(),
             module_names: structure
                 .bodies
                 .iter()
