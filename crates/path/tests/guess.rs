@@ -304,7 +304,7 @@ fn axes_that_nobody_named_are_doubted_where_the_robot_tells_and_no_shipped_run_i
         // Half of a turn: the quaternion's real part, and its part along the axis that points up.
         let half = |a: f64| [(0.5 * a).cos(), (0.5 * a).sin()];
         let text = arc(header, |t, x, y, a| line(t, x, y, half(a)));
-        let all = read_all(trial.put(&text), &Reading::default()).unwrap();
+        let all = read_all(trial.put(&text), Reading::default()).unwrap();
         odd_axes(&all, 0.1)
     };
     let usual = odd(OURS, &|t, x, y, [w, k]| vec![t, x, y, 0.05, w, 0.0, 0.0, k]);
@@ -331,7 +331,7 @@ fn axes_that_nobody_named_are_doubted_where_the_robot_tells_and_no_shipped_run_i
         all.retain(|path| path.extension().is_some_and(|e| e == "csv"));
         all.sort();
         assert!(!all.is_empty(), "{name}");
-        let read = |path: &PathBuf| read_all(path, &Reading::default()).unwrap();
+        let read = |path: &PathBuf| read_all(path, Reading::default()).unwrap();
         let all: Vec<Recording> = all.iter().flat_map(read).collect();
         assert_eq!(odd_axes(&all, body_m), None, "{name}");
     }
