@@ -35,7 +35,8 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
     optuna = pytest.importorskip("optuna")
     pytest.importorskip("pandas")
     optuna.logging.set_verbosity(optuna.logging.WARNING)
-    (tmp_path / "morphologies").symlink_to(PROJECT / "morphologies")
+    for folder in ("morphologies", "controllers", "arenas", "sensors"):
+        (tmp_path / folder).symlink_to(PROJECT / folder)
     monkeypatch.chdir(tmp_path)
     real = realgap.Trajectory.read(STAND_INS / "run_00.csv")
     simulated = realgap.Trajectory.read(STAND_INS / "run_01.csv")
