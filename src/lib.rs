@@ -194,7 +194,7 @@ pub mod guide {
 
     // A page is a word in this table; `tests/document/documentation.rs` holds it to the folder.
     pages! {
-        pictures: compare confidence convergence curves ensemble fitness gallery heatmap histograms map paths profile ride
+        pictures: compare confidence convergence corner curves ensemble fitness gallery heatmap histograms joints map paths profile ride
             robot seen sensitivity sensor so101_arm steps template time times tosses trajectories turtlebot3_burger unitree_a1 visits
             watched;
         pages: tutorial cli results conventions files python recordings joints robots control scale glossary gallery pages design compare limits

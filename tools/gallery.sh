@@ -34,7 +34,7 @@ recordings=(real_trajectories/tripod_mujoco/run_0[0-4].csv)
 once tosses/heatmap.png "$realgap" sweep sweeps/cube_toss.ron -o "$work/tosses"
 once sweep/heatmap.png "$realgap" sweep sweeps/tripod_floor.ron -o "$work/sweep"
 once tune/convergence.png "$realgap" tune sweeps/tripod_floor.ron --budget 100 -o "$work/tune"
-once sensitivity.png "$realgap" sensitivity sweeps/tripod_floor.ron "${best[@]}" \
+once sensitivity.png "$realgap" study sensitivity sweeps/tripod_floor.ron "${best[@]}" \
     --plot "$work/sensitivity.png"
 once compare.png "$realgap" compare "${recordings[@]}" --metric rms --plot "$work/compare.png"
 once ensemble/ensemble.png "$realgap" ensemble sweeps/tripod_floor.ron "${best[@]}" \
@@ -42,34 +42,36 @@ once ensemble/ensemble.png "$realgap" ensemble sweeps/tripod_floor.ron "${best[@
 once gap/confidence.png "$realgap" gap sweeps/tripod_floor.ron "${best[@]}" \
     --repeats 100 -o "$work/gap"
 once time.png "$realgap" compare "${recordings[@]}" --metric rms --over-time "$work/time.png"
-once walk.csv "$realgap" sensorgraph log arenas/cartons.ron --samples 1400 -o "$work/walk.csv"
-once visits.png "$realgap" sensorgraph fit "$work/walk.csv" --stop terms --visits "$work/visits.png"
-once readings.csv "$realgap" sense ultrasonic -o "$work/readings.csv"
-once sensor.png "$realgap" characterise "$work/readings.csv" --plot "$work/sensor.png" \
+once walk.csv "$realgap" sense graph log arenas/cartons.ron --samples 1400 -o "$work/walk.csv"
+once visits.png "$realgap" sense graph fit "$work/walk.csv" --stop terms --visits "$work/visits.png"
+once readings.csv "$realgap" sense draw ultrasonic -o "$work/readings.csv"
+once sensor.png "$realgap" sense characterise "$work/readings.csv" --plot "$work/sensor.png" \
     --histograms "$work/histograms.png"
 once robot.png "$realgap" check morphologies/tripod.ron --plot "$work/robot.png"
 for robot in turtlebot3_burger unitree_a1 so101_arm; do
     once "$robot.png" "$realgap" check "morphologies/$robot.ron" --plot "$work/$robot.png"
 done
+once arm/joints.png "$realgap" tune sweeps/so101_fit.ron --optimizer gauss-newton --budget 200 \
+    -o "$work/arm"
 once search/gallery.png "$realgap" search sweeps/best_robot.ron -o "$work/search"
 
 # Stand-ins: a camera with other, hidden settings.
-once simulated/door.png "$realgap" picture scenes/room.ron -o "$work/simulated"
-once real/door_1.png "$realgap" picture scenes/room.ron --camera standin --repeats 2 --seed 2 \
+once simulated/door.png "$realgap" sense picture scenes/room.ron -o "$work/simulated"
+once real/door_1.png "$realgap" sense picture scenes/room.ron --camera standin --repeats 2 --seed 2 \
     -o "$work/real"
-once real_dark/door.png "$realgap" picture scenes/room.ron --camera standin --light badly \
+once real_dark/door.png "$realgap" sense picture scenes/room.ron --camera standin --light badly \
     --seed 3 -o "$work/real_dark"
-once vision/template.png "$realgap" vision compare "$work/simulated" "$work/real" \
+once vision/template.png "$realgap" sense vision compare "$work/simulated" "$work/real" \
     --badly-lit "$work/real_dark" --relative-to view -o "$work/vision"
-once steps.png "$realgap" vision extract "$work/simulated/door.png" "$work/real/door_1.png" \
+once steps.png "$realgap" sense vision extract "$work/simulated/door.png" "$work/real/door_1.png" \
     --extractor contour -o "$work/steps.png"
 once run.csv "$realgap" simulate morphologies/tripod.ron --duration 20 -o "$work/run.csv"
-once ride/t_005.000.png "$realgap" picture scenes/room.ron --ride tripod --run "$work/run.csv" \
+once ride/t_005.000.png "$realgap" sense picture scenes/room.ron --ride tripod --run "$work/run.csv" \
     --every 5 -o "$work/ride"
 once parts.csv "$realgap" simulate morphologies/chain5.ron --duration 10 --parts "$work/parts.csv"
-once watched/side_t_005.000.png "$realgap" picture scenes/pen.ron --watch snake --view side \
+once watched/side_t_005.000.png "$realgap" sense picture scenes/pen.ron --watch snake --view side \
     --run "$work/parts.csv" --robot morphologies/chain5.ron --every 5 -o "$work/watched"
-once seen/t_006.800.png "$realgap" picture scenes/pen.ron --ride snake \
+once seen/t_006.800.png "$realgap" sense picture scenes/pen.ron --ride snake \
     --run "$work/parts.csv" --robot morphologies/chain5.ron --every 3.4 -o "$work/seen"
 
 # The fit of docs/fidelity/radio.md, whose whole recordings are not part of this repository.
@@ -79,7 +81,7 @@ cat > "$work/radio.ron" <<'RON'
     values: [-43.9, 1.56, 7.63, 5.38], cap: 1, robot_height_m: 0.3,
 )
 RON
-once map.png "$realgap" radio map --arena arenas/flat.ron --parameters "$work/radio.ron" \
+once map.png "$realgap" sense radio map --arena arenas/flat.ron --parameters "$work/radio.ron" \
     --anchor 6 --plot "$work/map.png"
 
 # Trials of one robot on its way to a place, behind those of others: LOG ROBOT PLACE TRAJECTORY...
@@ -87,7 +89,7 @@ trials() {
     local log=$1 robot=$2 place=$3 first=1
     shift 3
     [ ! -s "$log" ] || first=2
-    "$realgap" tasks time "$@" --reach="$place" --within 0.3 --condition "robot=$robot" \
+    "$realgap" sense tasks time "$@" --reach="$place" --within 0.3 --condition "robot=$robot" \
         | tail -n "+$first" >> "$log"
 }
 
@@ -104,7 +106,7 @@ if [ ! -e "$work/times.png" ]; then
         trials "$work/real.csv" "$robot" "${task#*:}" "real_trajectories/${robot}_mujoco"/*.csv
         trials "$work/simulated.csv" "$robot" "${task#*:}" "${runs[@]}"
     done
-    "$realgap" tasks compare "$work/real.csv" "$work/simulated.csv" --plot "$work/times.png" \
+    "$realgap" sense tasks compare "$work/real.csv" "$work/simulated.csv" --plot "$work/times.png" \
         --curves "$work/curves.png"
 fi
 
@@ -117,6 +119,8 @@ keep map.png map.png
 keep times.png times.png
 keep curves.png curves.png
 keep tosses/heatmap.png tosses.png
+keep tosses/corner.png corner.png
+keep arm/joints.png joints.png
 keep sweep/heatmap.png heatmap.png
 keep sweep/trajectories.png trajectories.png
 keep sweep/profile_floor_friction.png profile.png

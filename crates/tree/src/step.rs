@@ -188,8 +188,12 @@ impl World {
         let mut impact = false;
         for (index, touch) in self.touches.iter_mut().enumerate() {
             touch.impulse_world_n_s *= ratio;
-            let (mut point, hits) = Point::new(touch, index, forest, &self.nodes, step);
+            let (point, hits) = Point::new(touch, index, forest, &self.nodes, step);
             impact |= hits;
+            rows.points.push(point);
+            let Some(point) = rows.points.last_mut() else {
+                continue;
+            };
             let last = rows.groups.last();
             if !last.is_some_and(|group| group.a == touch.a && group.b == touch.b) {
                 rows.groups.push(Group {
@@ -214,7 +218,7 @@ impl World {
                     reads: point.basis.map(|axis| -Spatial::at(point.arm_b, axis)),
                     ..Side::default()
                 };
-                give(&mut point, &mut side, group, forest, &mut self.nodes);
+                give(point, &mut side, group, forest, &mut self.nodes);
                 point.weigh(Some(&mut side));
                 point.b = rows.sides.len();
                 for (read, impulse) in side.reads.iter().zip(point.impulse) {
@@ -225,7 +229,6 @@ impl World {
             for (read, impulse) in point.a.reads.iter().zip(point.impulse) {
                 self.nodes[touch.a].warm.add_scaled(read, impulse);
             }
-            rows.points.push(point);
         }
         rows.link(forest.bodies.len());
         impact
