@@ -82,6 +82,7 @@ class Confidence:
     times_s: Tuple[float, ...]
     inside: Tuple[Proportion, ...]
     over_time: float
+    over_time_interval: Tuple[float, float]
     below_half_s: Optional[float]
     surely_below_half_s: Optional[float]
 

@@ -15,7 +15,7 @@ use realgap::report::{
 };
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, film};
-use realgap::trajectory::Recording;
+use realgap::trajectory::{Recording, Trajectory};
 use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 
@@ -208,15 +208,14 @@ fn recorded(definition: &Definition, case: &Case, scale: f64) -> (Vec<KeptPath>,
             continue;
         };
         let target: &Target = &target;
-        if target.motion.is_of_joints() {
-            continue;
+        if !target.motion.is_of_joints() {
+            paths.push(KeptPath {
+                name: recording.name.clone(),
+                duration_s: target.motion.duration_s(),
+                xy_m: target.prepared.xy_m().iter().map(rounded).collect(),
+            });
         }
-        paths.push(KeptPath {
-            name: recording.name.clone(),
-            duration_s: target.motion.duration_s(),
-            xy_m: target.prepared.xy_m().iter().map(rounded).collect(),
-        });
-        if seen.len() < GHOSTS {
+        if seen.len() < GHOSTS && is_seen(&target.motion, &case.experiment) {
             seen.push(Recording {
                 trajectory: target.motion.clone(),
                 // They are as long as the file, the motion as long as the study.
@@ -228,13 +227,18 @@ fn recorded(definition: &Definition, case: &Case, scale: f64) -> (Vec<KeptPath>,
     (paths, seen)
 }
 
+/// Whether a recording tells where the robot was: joints alone do where it is held.
+fn is_seen(motion: &Trajectory, experiment: &Experiment) -> bool {
+    !motion.is_of_joints() || experiment.assembly.world_from_mount.is_some()
+}
+
 /// Recordings of a case to be seen beside its run, in true lengths.
 pub fn recordings_of(study: &Repeatable, case: &RepeatCase) -> Vec<Recording> {
     let scale = case.experiment.recording_length_scale;
     let is_of_case = |r: &&Recording| case.real.iter().any(|(name, _)| *name == r.name);
     let shown = study.definition.recordings.iter().filter(is_of_case);
     shown
-        .filter(|recording| !recording.trajectory.is_of_joints())
+        .filter(|recording| is_seen(&recording.trajectory, &case.experiment))
         .filter_map(|recording| {
             Some(Recording {
                 trajectory: recording.trajectory.scaled(1.0 / scale).ok()?,

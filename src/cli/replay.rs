@@ -128,20 +128,19 @@ impl ReplayCommand {
 
     /// The run of a study.
     fn of_study(&self) -> Result<()> {
-        let overrides = Overrides {
+        let against = self.against.iter().map(|path| path.display().to_string());
+        let mut overrides = Overrides {
             set: self.values.parameter_set()?,
             fitted_on: self.values.fitted_on()?,
-            recordings: self
-                .against
-                .iter()
-                .map(|path| path.display().to_string())
-                .collect(),
+            recordings: against.collect(),
             reading: self.reading.reading()?,
-            // Nothing is scored here, so no metric can refuse a recording.
-            metric: Some(comparison::by_name("rms")?),
             ..Overrides::default()
         };
-        let study = read_repeatable(&self.run, &overrides)?;
+        // Nothing is scored here, so what the study's metric would refuse is shown all the same.
+        let study = read_repeatable(&self.run, &overrides).or_else(|_| {
+            overrides.metric = Some(comparison::by_name("rms")?);
+            read_repeatable(&self.run, &overrides)
+        })?;
         let case = self.case(&study)?;
         let mut experiment = case.experiment.clone();
         if let Some(duration_s) = self.duration {

@@ -13,7 +13,7 @@ use realgap::robot::morphology::Morphology;
 use realgap::simulation::{
     Experiment, Film, Floor, Sampling, SceneBody, SceneBox, SceneMotion, film, run,
 };
-use realgap::trajectory::{self, Reading, write_with_bodies};
+use realgap::trajectory::{self, Reading, Trajectory, write_with_bodies};
 use realgap::warning::Code;
 
 const RUNS: &str = "real_trajectories/tripod_standin";
@@ -79,6 +79,35 @@ fn a_film_is_the_run_and_parts_follow_from_the_joints() {
     );
     let real = Film::of_recording(&experiment.assembly, &real.unwrap());
     assert_eq!(real.parts.iter().flatten().count(), 1);
+}
+
+#[test]
+fn an_arm_whose_joints_alone_were_recorded_is_shown_as_it_was() {
+    let arm = Morphology::read(common::project().join("morphologies/so101_arm.ron")).unwrap();
+    let experiment = two_seconds(&arm);
+    let (_, film) = film(&experiment).unwrap();
+    let film = film.unwrap();
+    let nowhere = vec![Vector3::zeros(); film.track.len()];
+    let joints = Trajectory::new(film.track.times_s().to_vec(), nowhere)
+        .and_then(|path| path.with_joints(film.track.joints().to_vec()))
+        .unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("joints.csv");
+    trajectory::write(&file, &joints).unwrap();
+    let recording = trajectory::read(&file, Reading::default()).unwrap();
+    assert!(recording.trajectory.is_of_joints());
+    let shown = Film::of_recording(&experiment.assembly, &recording);
+    let pairs = shown.parts.iter().zip(&film.parts);
+    for (part, (shown, film)) in pairs.enumerate() {
+        let (shown, film) = (shown.as_ref().unwrap(), film.as_ref().unwrap());
+        for (a, b) in shown.iter().zip(film) {
+            let apart_m = (a.translation.vector - b.translation.vector).norm();
+            assert!(apart_m < 1e-4, "part {part}: {apart_m} m");
+        }
+    }
+    let paths = [&shown.track, &film.track].map(|track| track.positions_world_m().last().copied());
+    let apart_m = (paths[0].unwrap() - paths[1].unwrap()).norm();
+    assert!(apart_m < 1e-4, "tip: {apart_m} m");
 }
 
 #[test]

@@ -96,7 +96,8 @@ pub fn part_name(part: usize) -> String {
 
 impl Film {
     /// What a recording tells about a robot's parts: the columns `part0_x_m` and so on, where every part has them; else what follows
-    /// from the tracked module's orientation and the recorded joints. Parts beyond a joint that nobody recorded are unknown.
+    /// from the tracked module's orientation and the recorded joints, or from the joints alone of a robot that is held. Parts beyond a
+    /// joint that nobody recorded are unknown.
     pub fn of_recording(assembly: &Assembly, recording: &Recording) -> Self {
         let track = recording.trajectory.clone();
         let count = assembly.parts.len();
@@ -116,31 +117,45 @@ impl Film {
                 scene: Vec::new(),
             };
         }
-        let Some(tracked) = poses(&track) else {
+        let joints: Vec<_> = (assembly.hinges.iter())
+            .map(|hinge| track.joint(&hinge.name))
+            .collect();
+        let held = assembly.world_from_mount.filter(|_| track.is_of_joints());
+        let tracked = poses(&track).map(Iterator::collect::<Vec<_>>);
+        if tracked.is_none() && held.is_none() {
             return Self {
                 track,
                 parts: vec![None; count],
                 scene: Vec::new(),
             };
-        };
-        let joints: Vec<_> = (assembly.hinges.iter())
-            .map(|hinge| track.joint(&hinge.name))
-            .collect();
-        let known = known_parts(assembly, |hinge| joints[hinge].is_some());
-        let track_from_part = part_from_track(assembly).inverse();
+        }
+        // What is held is known without any joint.
+        let start = if held.is_some() { 0 } else { assembly.track_part };
+        let known = known_parts(assembly, start, |hinge| joints[hinge].is_some());
+        let part_from_track = part_from_track(assembly);
+        let mut places = Vec::with_capacity(track.len());
         let mut parts = vec![Vec::with_capacity(track.len()); count];
-        for (sample, world_from_track) in tracked.enumerate() {
+        for sample in 0..track.len() {
             let angles: Vec<f64> = (joints.iter())
                 .map(|joint| joint.map_or(0.0, |joint| joint.angles_rad[sample]))
                 .collect();
             let robot_from_parts = robot_from_parts(assembly, &angles);
-            let world_from_robot = world_from_track
-                * track_from_part
-                * robot_from_parts[assembly.track_part].inverse();
+            let robot_from_track = robot_from_parts[assembly.track_part] * part_from_track;
+            let world_from_robot = match (&tracked, held) {
+                (Some(world_from_track), _) => {
+                    world_from_track[sample] * robot_from_track.inverse()
+                }
+                (None, world_from_mount) => world_from_mount.unwrap_or_default(),
+            };
+            places.push((world_from_robot * robot_from_track).translation.vector);
             for (poses, robot_from_part) in parts.iter_mut().zip(&robot_from_parts) {
                 poses.push(world_from_robot * robot_from_part);
             }
         }
+        let track = match held.and(Trajectory::new(track.times_s().to_vec(), places).ok()) {
+            Some(path) if known[assembly.track_part] => path,
+            _ => track,
+        };
         let parts = (parts.into_iter().zip(known))
             .map(|(poses, known)| known.then_some(poses))
             .collect();
@@ -208,10 +223,10 @@ fn poses(motion: &Trajectory) -> Option<impl Iterator<Item = Isometry3<f64>> + '
     Some((places.zip(turns)).map(|(place, turn)| Isometry3::from_parts((*place).into(), *turn)))
 }
 
-/// Which parts hang on the tracked one by joints that are known.
-fn known_parts(assembly: &Assembly, is_known: impl Fn(usize) -> bool) -> Vec<bool> {
+/// Which parts hang on this one by joints that are known.
+fn known_parts(assembly: &Assembly, start: usize, is_known: impl Fn(usize) -> bool) -> Vec<bool> {
     let mut known = vec![false; assembly.parts.len()];
-    known[assembly.track_part] = true;
+    known[start] = true;
     // Every round reaches at least one part more, or none is left to reach.
     for _ in 0..assembly.parts.len() {
         for (index, hinge) in assembly.hinges.iter().enumerate() {

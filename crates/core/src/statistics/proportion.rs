@@ -36,27 +36,27 @@ impl Proportion {
                 high: 1.0,
             };
         }
-        let n = trials as f64;
-        let share = count as f64 / n;
-        let z = normal_quantile(0.5 + 0.5 * level);
-        let z2 = z * z;
-        let centre = (share + z2 / (2.0 * n)) / (1.0 + z2 / n);
-        let half = z / (1.0 + z2 / n) * (share * (1.0 - share) / n + z2 / (4.0 * n * n)).sqrt();
+        let share = count as f64 / trials as f64;
+        let (low, high) = Self::interval_of(share, trials, level);
         Self {
             count,
             trials,
             share,
-            low: if count == 0 {
-                0.0
-            } else {
-                (centre - half).max(0.0)
-            },
-            high: if count == trials {
-                1.0
-            } else {
-                (centre + half).min(1.0)
-            },
+            low,
+            high,
         }
+    }
+
+    /// The same interval of a share that need not be a count: of a mean of shares, one a trial, it is wider than the truth.
+    pub fn interval_of(share: f64, trials: usize, level: f64) -> (f64, f64) {
+        let n = trials as f64;
+        let z = normal_quantile(0.5 + 0.5 * level);
+        let z2 = z * z;
+        let centre = (share + z2 / (2.0 * n)) / (1.0 + z2 / n);
+        let half = z / (1.0 + z2 / n) * (share * (1.0 - share) / n + z2 / (4.0 * n * n)).sqrt();
+        let low = if share == 0.0 { 0.0 } else { centre - half };
+        let high = if share == 1.0 { 1.0 } else { centre + half };
+        (low.max(0.0), high.min(1.0))
     }
 }
 

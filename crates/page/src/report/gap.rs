@@ -94,8 +94,12 @@ fn answer(report: &Value) -> String {
     ) {
         (None, _) => String::new(),
         (Some(inside), until) => format!(
-            " Over time {} of recorded runs are inside the region that should hold {}{}.",
+            " Over time {}{} of recorded runs are inside the region that should hold {}{}.",
             percent(Some(inside)),
+            match confidence.floats("over_time_interval")[..] {
+                [low, high] => format!(" ({} to {})", percent(Some(low)), percent(Some(high))),
+                _ => String::new(),
+            },
             confidence.percent("level"),
             until.map_or_else(
                 || ", never fewer than half".to_owned(),

@@ -131,7 +131,8 @@ impl Replay<'_> {
                         scene: Vec::new(),
                     },
                 };
-                let film = if self.align {
+                // What is held stands where it is.
+                let film = if self.align && !recording.trajectory.is_of_joints() {
                     laid_onto(&film, &self.run.track)?
                 } else {
                     film

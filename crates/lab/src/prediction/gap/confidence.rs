@@ -31,6 +31,8 @@ pub struct Confidence {
     pub inside: Vec<Proportion>,
     /// Mean of C(t) over time.
     pub over_time: f64,
+    /// Its 95 % interval, with each recording as one trial: its samples say nearly the same.
+    pub over_time_interval: (f64, f64),
     /// First time at which fewer than half of the recordings lie inside; `None`: never. With few recordings one instant may
     /// dip by chance.
     pub below_half_s: Option<f64>,
@@ -88,6 +90,7 @@ impl Confidence {
             .collect();
         let times_s = times_s(real);
         let shares: Vec<f64> = inside.iter().map(|p| p.share).collect();
+        let over_time = mean(&shares);
         let first_s = |of: &dyn Fn(&Proportion) -> f64| {
             let at = inside.iter().position(|p| of(p) < HALF)?;
             Some(times_s[at])
@@ -97,7 +100,8 @@ impl Confidence {
             below_half_s: first_s(&|p| p.share),
             surely_below_half_s: first_s(&|p| p.high),
             times_s,
-            over_time: mean(&shares),
+            over_time,
+            over_time_interval: Proportion::interval_of(over_time, trials, INTERVAL),
             inside,
         }))
     }

@@ -110,8 +110,10 @@ impl fmt::Display for StudyGap {
         if let Some(confidence) = &self.confidence {
             write!(
                 f,
-                "\n  confidence: {:.0} % of real runs inside the {:.0} % region, mean over time; {}",
+                "\n  confidence: {:.0} % ({:.0} to {:.0} %) of real runs inside the {:.0} % region, mean over time; {}",
                 100.0 * confidence.over_time,
+                100.0 * confidence.over_time_interval.0,
+                100.0 * confidence.over_time_interval.1,
                 100.0 * confidence.level,
                 confidence.drop_in_words()
             )?;
