@@ -57,6 +57,8 @@ streams! {
     ServoPhase = 4;
     /// Age of the command that each servo acts on.
     ServoLatency = 5;
+    /// How much later than recorded each command arrives.
+    CommandJitter = 14;
     /// Mass of each module.
     ModuleMass = 6;
     /// Friction of each module.

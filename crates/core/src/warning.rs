@@ -162,6 +162,7 @@ codes! {
     UnlikelyTime "unlikely-time" "Times do not look like seconds." "name the unit of time when reading";
     UnmatchedConditions "unmatched-conditions" "A condition stands in one of two logs only." "log the same conditions in both";
     Unresolved "unresolved" "Numerical settings change a score as much as a parameter does." "use finer numerics, another gait or another metric; more recordings will not help";
+    UnsynchronisedClocks "unsynchronised-clocks" "Joints move before they are told to, or ever later." "stamp commands and angles by one clock";
     VelocitiesLate "velocities-late" "Recorded velocities belong to an earlier moment." "let `realgap study identify` correct the lag, or record velocities without filter";
 }
 

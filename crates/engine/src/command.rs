@@ -92,6 +92,19 @@ impl CommandTrack {
         self
     }
 
+    /// The same commands, each later by seconds of its own, of which none overtakes another.
+    pub(super) fn late(&self, mut by_s: impl FnMut() -> f64) -> Self {
+        let mut latest_s = f64::NEG_INFINITY;
+        let arrivals = self.times_s.iter().map(|time_s| {
+            latest_s = latest_s.max(time_s + by_s());
+            latest_s
+        });
+        Self {
+            times_s: arrivals.collect(),
+            ..self.clone()
+        }
+    }
+
     /// What is commanded.
     pub fn quantity(&self) -> Quantity {
         self.quantity
@@ -221,6 +234,24 @@ mod tests {
             let between = track().with(Between::Interpolated);
             assert_eq!(between.value(t_s), line, "{t_s}");
         }
+    }
+
+    #[test]
+    fn late_commands_do_not_overtake_each_other() {
+        let mut delays_s = [1.5, 0.0, 0.25].into_iter();
+        let late = track().late(|| delays_s.next().unwrap_or_default());
+        // The first comes with the second, which replaces it at once.
+        assert_eq!(late.times_s, [2.5, 2.5, 4.25]);
+        assert_eq!(
+            [2.4, 2.5, 4.2, 4.25].map(|t_s| late.value(t_s)),
+            [0.0, 1.0, 1.0, -1.0]
+        );
+        let line = late.with(Between::Interpolated);
+        assert!(
+            [2.4, 2.5, 3.0, 5.0]
+                .iter()
+                .all(|t_s| line.value(*t_s).is_finite())
+        );
     }
 
     #[test]

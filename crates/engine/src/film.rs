@@ -130,7 +130,11 @@ impl Film {
             };
         }
         // What is held is known without any joint.
-        let start = if held.is_some() { 0 } else { assembly.track_part };
+        let start = if held.is_some() {
+            0
+        } else {
+            assembly.track_part
+        };
         let known = known_parts(assembly, start, |hinge| joints[hinge].is_some());
         let part_from_track = part_from_track(assembly);
         let mut places = Vec::with_capacity(track.len());

@@ -1,5 +1,7 @@
 //! What makes repeats of one experiment differ: random starts, servos, masses and frictions, and the camera that sees them.
 
+use std::sync::Arc;
+
 use nalgebra::{UnitQuaternion, Vector3};
 use rand_distr::{Distribution as _, StandardNormal};
 use serde::{Deserialize, Serialize};
@@ -50,6 +52,8 @@ pub struct Noise {
     pub servo_phase_rad: Distribution,
     /// Age of the command that each servo acts on, added to the experiment's own, seconds.
     pub servo_latency_s: Distribution,
+    /// How much later than recorded each single command of a recorded track arrives, seconds; none overtakes another.
+    pub command_jitter_s: Distribution,
     /// Mass (and with it inertia) of each module, relative.
     pub mass_relative: Distribution,
     /// Friction of each module, its plate included, relative.
@@ -102,11 +106,11 @@ impl Noise {
     }
 
     /// Every field with its name, in the order of the struct.
-    pub fn fields(&self) -> [(&'static str, Distribution); 17] {
+    pub fn fields(&self) -> [(&'static str, Distribution); 18] {
         self.uses().map(|(name, field, _)| (name, field))
     }
 
-    fn uses(&self) -> [(&'static str, Distribution, Use); 17] {
+    fn uses(&self) -> [(&'static str, Distribution, Use); 18] {
         let [position, angle, time] = self.camera.uses();
         [
             ("start_position_m", self.start_position_m, Use::Offset),
@@ -119,6 +123,7 @@ impl Noise {
             ("servo_gain_relative", self.servo_gain_relative, Use::Factor),
             ("servo_phase_rad", self.servo_phase_rad, Use::Offset),
             ("servo_latency_s", self.servo_latency_s, Use::Delay),
+            ("command_jitter_s", self.command_jitter_s, Use::Delay),
             ("mass_relative", self.mass_relative, Use::Factor),
             (
                 "friction_cube_relative",
@@ -163,10 +168,17 @@ impl Noise {
     ///
     /// Repeat k is the same whatever the other repeats are, so any one can be replayed.
     pub fn perturb(&self, experiment: &Experiment, seed: u64, repeat: u64) -> Experiment {
-        Experiment {
+        let mut drawn = Experiment {
             perturbation: self.draw(experiment, seed, repeat),
             ..experiment.clone()
+        };
+        if !self.command_jitter_s.is_zero() {
+            let mut rng = Numbered::CommandJitter.generator(seed, repeat);
+            for track in drawn.commands.values_mut() {
+                *track = Arc::new(track.late(|| self.command_jitter_s.draw(normal(&mut rng))));
+            }
         }
+        drawn
     }
 
     /// What the camera makes of the motion of repeat number `repeat`; the motion itself where no camera is stated.

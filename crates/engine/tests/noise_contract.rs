@@ -5,9 +5,11 @@
 
 use crate::common;
 
+use std::sync::Arc;
+
 use nalgebra::{UnitQuaternion, Vector3};
 use realgap_core::file::{Source, parse_ron};
-use realgap_engine::{Experiment, Noise, Perturbation, Start, run};
+use realgap_engine::{CommandTrack, Experiment, Noise, Perturbation, Start, run};
 use realgap_path::trajectory::{State, Trajectory};
 use realgap_robot::morphology::Morphology;
 
@@ -34,6 +36,17 @@ fn flight() -> Experiment {
     experiment
 }
 
+/// The walk with one leg that follows a recorded track.
+fn told() -> Experiment {
+    let mut experiment = walk();
+    let times_s: Vec<f64> = (0..60).map(|k| 0.025 * f64::from(k)).collect();
+    let angles_rad = times_s.iter().map(|t| (4.0 * t).sin()).collect();
+    let track = CommandTrack::new(times_s, angles_rad, None).unwrap();
+    let leg = experiment.assembly.hinges[0].name.clone();
+    experiment.commands.insert(leg, Arc::new(track));
+    experiment
+}
+
 fn names() -> Vec<&'static str> {
     Noise::default().fields().iter().map(|(n, _)| *n).collect()
 }
@@ -47,7 +60,7 @@ fn noise(text: &str) -> realgap_core::Result<Noise> {
 /// The noise of one field alone, as strong as that field is in practice.
 fn only(name: &str) -> Noise {
     let distribution = match name {
-        "servo_latency_s" => "Uniform(0.01, 0.02)",
+        "servo_latency_s" | "command_jitter_s" => "Uniform(0.01, 0.02)",
         "start_position_m" | "start_height_m" => "Uniform(0.001, 0.002)",
         _ if name.ends_with("_relative") => "LogNormal(0.05)",
         _ => "Normal(0.0175)",
@@ -64,6 +77,7 @@ fn every_kind_of_noise_changes_a_run_and_a_repeat_can_be_made_again() {
     for name in names() {
         let base = match name {
             "start_velocity_m_s" | "start_spin_rad_s" => flight(),
+            "command_jitter_s" => told(),
             _ => walk(),
         };
         let intended = run(&base).unwrap().outcome.completed().unwrap();
@@ -194,6 +208,7 @@ fn noise_that_makes_no_sense_is_refused_with_the_way_out() {
         ("start_height_m: LogNormal(0.1)", "Normal(sd)"),
         ("servo_latency_s: Normal(0.01)", "HalfNormal(sd)"),
         ("servo_latency_s: Uniform(-0.01, 0.01)", "low >= 0"),
+        ("command_jitter_s: Normal(0.01)", "HalfNormal(sd)"),
         ("mass_relative: Normal(0.5)", "LogNormal(sd)"),
         ("mass_relative: Uniform(-1.0, 0.0)", "low > -1"),
         ("friction_run_relative: LogNormal(5.0)", "sd <= 2"),

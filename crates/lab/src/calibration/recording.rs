@@ -283,7 +283,7 @@ pub(super) fn in_short(mut warnings: Vec<Warning>) -> Vec<Warning> {
 }
 
 /// What is said of single recordings.
-const OF_ONE_RECORDING: [Code; 10] = [
+const OF_ONE_RECORDING: [Code; 11] = [
     Code::Hole,
     Code::OffFloor,
     Code::QuaternionOrder,
@@ -294,4 +294,5 @@ const OF_ONE_RECORDING: [Code; 10] = [
     Code::UnlikelyAngle,
     Code::UnlikelyLength,
     Code::UnlikelyTime,
+    Code::UnsynchronisedClocks,
 ];

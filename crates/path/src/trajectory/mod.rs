@@ -6,6 +6,7 @@
 mod align;
 mod axes;
 mod body_column;
+mod clock;
 mod column;
 mod columnar;
 mod crop;

@@ -3,7 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::reading::{QuaternionOrder, Reading};
-use super::{JointTrack, Trajectory};
+use super::{JointTrack, Trajectory, clock};
 use realgap_core::unit::TimeUnit;
 use realgap_core::warning::{Code, Warning};
 
@@ -52,6 +52,8 @@ pub(super) fn of(
         wait(trajectory, origin_s).map(|message| (Code::Standstill, message)),
         order(trajectory, read_as).map(|message| (Code::QuaternionOrder, message)),
         stale(trajectory).map(|message| (Code::StaleSamples, message)),
+        clock::doubt(trajectory, usual_interval_s(trajectory))
+            .map(|message| (Code::UnsynchronisedClocks, message)),
     ];
     let found = found.into_iter().flatten();
     found
