@@ -343,7 +343,10 @@ fn number_letter() -> Letter {
 }
 
 fn ticks(scale: &Scale) -> Vec<Tick> {
-    scale.ticks(3)
+    // One number alone says nothing of the scale.
+    let mut tries = (3..=6).map(|count| scale.ticks(count));
+    let enough = tries.find(|ticks| ticks.len() > 1);
+    enough.unwrap_or_else(|| scale.ticks(3))
 }
 
 /// The colour of a correlation of this sign.
