@@ -150,11 +150,7 @@ fn words_of_joints(found: &JointIdentification) -> String {
             text(verdict.estimate.low),
             text(verdict.estimate.high),
             format!("{:.2}", verdict.left_of_prior),
-            if verdict.is_determined {
-                "determined".to_owned()
-            } else {
-                "not determined: as stated".to_owned()
-            },
+            verdict.claim().word,
         ]);
     }
     let mut errors = TextTable::new([

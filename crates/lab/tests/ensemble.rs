@@ -340,7 +340,7 @@ fn ensemble_of(paths: Vec<Prepared>) -> Ensemble {
 fn against(ensemble: &Ensemble, real: &[Prepared]) -> Reality {
     let summary = Forecast::new(ensemble).unwrap();
     let real: Vec<(&str, &Prepared)> = real.iter().map(|p| ("real", p)).collect();
-    Reality::new(ensemble, &summary, &real).unwrap()
+    Reality::new(ensemble, &summary, &real).unwrap().unwrap()
 }
 
 #[test]

@@ -114,4 +114,4 @@ pub use uncertainty::{Uncertainty, UncertaintySource, Unvisited};
 pub use validation::{Fold, Validation};
 pub(crate) use values::by_name;
 pub use values::{BestFile, read_best, read_parameters, study_of};
-pub use verdict::Verdict;
+pub use verdict::{Tables, Verdict};

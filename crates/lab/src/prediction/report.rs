@@ -6,10 +6,11 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::ensemble::{self, Draws, Ensemble, Forecast, Reality, Recall};
+use super::ensemble::{self, Coverage, Draws, Ensemble, Forecast, Reality, Recall};
 use super::kept::{row_of, runs_in};
 use super::model::ModelError;
 use crate::calibration::{RepeatCase, Repeatable, by_name, few_recordings};
+use crate::claim::{self, About, Claim};
 use realgap_core::error::Result;
 use realgap_core::file::sha256;
 use realgap_core::statistics::Proportion;
@@ -87,6 +88,8 @@ pub struct EnsembleReport {
     pub reality: Option<Reality>,
     /// One ensemble a start.
     pub cases: Vec<EnsembleCase>,
+    /// Everything that is stated here about reality, the most important first; how far the robot gets is that of the first start.
+    pub claims: Vec<Claim>,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
 }
@@ -229,7 +232,7 @@ impl EnsembleReport {
         warnings.extend(cases.iter().flat_map(|case| case.forecast.warnings.clone()));
         warnings.sort();
         warnings.dedup();
-        Ok(Self {
+        let report = Self {
             study: definition.name.clone(),
             morphology: definition.morphology.name().to_owned(),
             complete,
@@ -240,8 +243,29 @@ impl EnsembleReport {
             source: definition.source(),
             reality: Reality::pooled(&parts),
             cases,
+            claims: Vec::new(),
             warnings,
-        })
+        };
+        Ok(report.with_claims())
+    }
+
+    /// The report with what its own numbers say.
+    #[must_use]
+    pub fn with_claims(mut self) -> Self {
+        let reach = self
+            .cases
+            .first()
+            .and_then(|case| claim::reach(&case.forecast));
+        let reality = self.reality.iter();
+        let regions: Vec<Claim> = reality
+            .clone()
+            .flat_map(|r| &r.coverage)
+            .map(Coverage::claim)
+            .collect();
+        let alike = self.reality.as_ref().and_then(|reality| reality.alike);
+        let recorded = claim::recorded(&regions, alike.as_ref(), self.source);
+        self.claims = reach.into_iter().chain(recorded).chain(regions).collect();
+        self
     }
 
     /// Repeats that were simulated, of all starts together.
@@ -260,7 +284,7 @@ impl EnsembleCase {
     fn new(case: &RepeatCase, ensemble: Ensemble) -> Result<Self> {
         let forecast = Forecast::new(&ensemble)?;
         let real: Vec<_> = case.real.iter().map(|(n, p)| (n.as_str(), p)).collect();
-        let reality = Reality::new(&ensemble, &forecast, &real);
+        let reality = Reality::new(&ensemble, &forecast, &real)?;
         Ok(Self {
             case: case.name.clone(),
             real_paths_m: case.real.iter().map(|(_, p)| p.xy_m().to_vec()).collect(),
@@ -312,10 +336,14 @@ impl fmt::Display for EnsembleReport {
                 self.cases[0].forecast.repeats
             )?;
         }
-        match &self.reality {
-            Some(reality) => write!(f, "\n{reality}"),
-            None => Ok(()),
+        if let Some(reality) = &self.reality {
+            write!(f, "\n{reality}")?;
         }
+        let mut said = self
+            .claims
+            .iter()
+            .filter(|claim| claim.about == About::Ensemble);
+        said.try_for_each(|claim| write!(f, "\n  {claim}"))
     }
 }
 

@@ -6,18 +6,14 @@ use super::kind::file;
 use realgap_core::error::Result;
 use realgap_core::file::{write_atomic, write_ron};
 use realgap_core::unit::counted;
-use realgap_lab::calibration::{Answer, BestFile, Study, recording_id};
+use realgap_lab::calibration::{Answer, Best, BestFile, Report, Study, recording_id};
+use realgap_lab::claim::{About, Claim};
 
 pub(super) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()> {
     let report = &answer.report;
     let Some(best) = &report.best else {
         return Ok(());
     };
-    let verdicts: Vec<&str> = report
-        .verdicts
-        .iter()
-        .map(|verdict| verdict.text.as_str())
-        .collect();
     // The study's fixed values belong to the answer: the best of the rest holds only with them.
     let fixed = study
         .definition()
@@ -26,16 +22,7 @@ pub(super) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()>
         .map(|a| (a.parameter.name.to_owned(), a.value));
     let file = BestFile {
         study: None,
-        description: format!(
-            "Best of {} of the study {} ({}, {} = {} {}). {}.",
-            counted(answer.scores.points.len(), "point"),
-            report.study,
-            counted(report.recordings, "recording"),
-            report.metric,
-            best.score,
-            report.unit.label(),
-            verdicts.join(". "),
-        ),
+        description: description(report, best, answer.scores.points.len()),
         parameters: fixed.chain(best.parameters.clone()).collect(),
         fitted_on: (study.definition().recordings.iter().enumerate())
             .filter(|(index, _)| !study.is_held_out(*index))
@@ -43,4 +30,21 @@ pub(super) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()>
             .collect(),
     };
     write_atomic(folder.join(file::BEST), write_ron(&file)?.as_bytes())
+}
+
+/// What the values are, the best of so many points, with what is claimed of the model and of each parameter.
+pub(crate) fn description(report: &Report, best: &Best, points: usize) -> String {
+    let is_said = |claim: &&Claim| matches!(claim.about, About::Model | About::Parameter);
+    let said = report.claims.iter().filter(is_said);
+    let said: Vec<&str> = said.map(|claim| claim.text.as_str()).collect();
+    format!(
+        "Best of {} of the study {} ({}, {} = {} {}). {}.",
+        counted(points, "point"),
+        report.study,
+        counted(report.recordings, "recording"),
+        report.metric,
+        best.score,
+        report.unit.label(),
+        said.join(". "),
+    )
 }

@@ -26,7 +26,7 @@
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 
-mod best;
+pub(crate) mod best;
 mod cell;
 mod convergence;
 mod corner;

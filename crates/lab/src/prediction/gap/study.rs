@@ -13,6 +13,7 @@ use super::fitness::Fitness;
 use super::over_time::OverTime;
 use super::sample::{CaseRuns, Sample, Scoring};
 use crate::calibration::Study;
+use crate::claim::{self, Claim};
 use crate::prediction::ensemble::{self, Recall};
 use crate::prediction::kept::{row_of, runs_in};
 use realgap_core::error::{Error, Result};
@@ -67,6 +68,8 @@ pub struct StudyGap {
     pub over_time: OverTime,
     /// Simulation confidence over time; `None` without an ensemble.
     pub confidence: Option<Confidence>,
+    /// Everything that is stated here about reality, the most important first.
+    pub claims: Vec<Claim>,
     /// How repeats differ.
     pub noise: Option<Noise>,
     /// Engine and its version.
@@ -76,6 +79,9 @@ pub struct StudyGap {
     /// What the reader should know.
     pub warnings: Vec<Warning>,
 }
+
+/// The metric by which repeats and recordings are said to be alike.
+const LIKENESS: &str = "rms";
 
 impl GapOptions {
     /// The study's own metric, and two that everybody understands; its noise and seed; 200 repeats.
@@ -124,6 +130,19 @@ impl StudyGap {
     ) -> Result<Self> {
         let known = runs_in(folder, &Self::fingerprint(study, options))?;
         run.install(|| study_gap(study, options, &known, run))?
+    }
+
+    /// The gap with what its own numbers say: likeness by the metric `rms` where it is one of them, as an ensemble says it.
+    #[must_use]
+    pub fn with_claims(mut self) -> Self {
+        let seen = (self.source, self.recordings);
+        let rows = || self.metrics.iter();
+        let tested = rows().find(|row| row.metric == LIKENESS).or(rows().next());
+        let alike = tested.and_then(|row| Some(claim::likeness(row.metric, &row.alike?, seen)));
+        let distance = rows().next().and_then(|row| claim::distance(row, seen));
+        let over_time = self.confidence.as_ref().map(claim::over_time);
+        self.claims = [alike, distance, over_time].into_iter().flatten().collect();
+        self
     }
 
     /// Everything that decides the runs.
@@ -236,7 +255,7 @@ fn study_gap(
     warnings.extend(found.warnings);
     warnings.sort();
     warnings.dedup();
-    Ok(StudyGap {
+    let found = StudyGap {
         study: definition.name.clone(),
         morphology: definition.morphology.name().to_owned(),
         parameters: definition
@@ -254,11 +273,13 @@ fn study_gap(
         displacement: Fitness::new(&real, &cases)?,
         over_time: OverTime::new(&real, &cases),
         confidence: Confidence::new(&real, &cases, body_length_m)?,
+        claims: Vec::new(),
         noise,
         engine: study.cases()[0].experiment.engine().version(),
         version: env!("CARGO_PKG_VERSION"),
         warnings,
-    })
+    };
+    Ok(found.with_claims())
 }
 
 /// The runs that a study was asked for, as far as they were begun.
