@@ -88,6 +88,7 @@ impl Identify {
                 study.name,
             ),
             parameters: parameters.clone(),
+            draws: BTreeMap::new(),
             fitted_on: recordings.iter().map(recording_id).collect(),
         };
         if !experiment.assembly.hinges.is_empty() {

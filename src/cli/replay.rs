@@ -129,8 +129,6 @@ impl ReplayCommand {
     /// The run of a study.
     fn of_study(&self) -> Result<()> {
         let overrides = Overrides {
-            set: self.values.parameter_set()?,
-            fitted_on: self.values.fitted_on()?,
             recordings: self
                 .against
                 .iter()
@@ -139,7 +137,7 @@ impl ReplayCommand {
             reading: self.reading.reading()?,
             // Nothing is scored here, so no metric can refuse a recording.
             metric: Some(comparison::by_name("rms")?),
-            ..Overrides::default()
+            ..self.values.over(Overrides::default())?
         };
         let study = read_repeatable(&self.run, &overrides)?;
         let case = self.case(&study)?;

@@ -9,14 +9,15 @@ use serde::Serialize;
 use super::ensemble::{self, Coverage, Draws, Ensemble, Forecast, Reality, Recall};
 use super::kept::{row_of, runs_in};
 use super::model::ModelError;
+use super::uncertain::UncertainParameters;
 use crate::calibration::{RepeatCase, Repeatable, by_name, few_recordings};
 use crate::claim::{self, About, Claim};
 use realgap_core::error::Result;
 use realgap_core::file::sha256;
 use realgap_core::statistics::Proportion;
 use realgap_core::warning::Warning;
-use realgap_engine::Noise;
 use realgap_engine::parameter::ParameterSet;
+use realgap_engine::{Noise, Run};
 use realgap_optimize::{Batch, Ending, Progress, RunOptions, drive};
 use realgap_path::trajectory::{Prepared, Source};
 use realgap_store::{Fingerprint, RunRow, Storage};
@@ -138,7 +139,7 @@ impl EnsembleReport {
             .with("noise", format!("{:?}", options.noise))
             .with("repeats", options.repeats)
             .with("seed", options.seed);
-        definition.with_recordings(fingerprint)
+        definition.with_recordings(definition.with_draws(fingerprint))
     }
 
     /// Simulates one worker's share of the repeats.
@@ -163,9 +164,22 @@ impl EnsembleReport {
     /// As [`EnsembleReport::new`].
     pub fn repeat(study: &Repeatable, options: &EnsembleOptions, index: usize) -> Result<RunRow> {
         let (case, number) = (index / options.repeats, index % options.repeats);
-        let experiment = &study.cases[case].experiment;
-        let run = ensemble::repeat(experiment, &options.noise, options.seed, number as u64)?;
-        row_of(index, &run)
+        row_of(index, &Self::run(study, options, case, number as u64)?)
+    }
+
+    /// One repeat of a start in full, with the parameters that it draws.
+    ///
+    /// # Errors
+    /// As [`EnsembleReport::new`].
+    pub fn run(
+        study: &Repeatable,
+        options: &EnsembleOptions,
+        case: usize,
+        number: u64,
+    ) -> Result<Run> {
+        let uncertain = UncertainParameters::of_draws(&study.definition.draws);
+        let experiment = uncertain.apply(&study.cases[case].experiment, options.seed, number)?;
+        ensemble::repeat(&experiment, &options.noise, options.seed, number)
     }
 
     fn recalling(
@@ -175,6 +189,7 @@ impl EnsembleReport {
         run: &RunOptions<'_>,
     ) -> Result<Self> {
         let total = study.cases.len() * options.repeats;
+        let uncertain = UncertainParameters::of_draws(&study.definition.draws);
         let mut ensembles: Vec<(&RepeatCase, Ensemble)> = Vec::new();
         for case in &study.cases {
             // A case that is not begun says nothing; the first at least says so itself.
@@ -189,13 +204,12 @@ impl EnsembleReport {
             };
             let draws = Draws {
                 noise: &options.noise,
+                uncertain: &uncertain,
                 seed: options.seed,
                 repeats: options.repeats,
                 recall: &|number| recall(before + number),
             };
-            let alike = |_| case.experiment.clone();
-            let repeats =
-                run.install(|| ensemble::run_each(&case.experiment, alike, &draws, &run))??;
+            let repeats = run.install(|| ensemble::run_each(&case.experiment, &draws, &run))??;
             ensembles.push((case, repeats));
         }
         let mut report = run.install(|| Self::of(study, ensembles, &options.noise_from))??;

@@ -14,6 +14,7 @@ use super::over_time::OverTime;
 use super::sample::{CaseRuns, Sample, Scoring};
 use crate::calibration::Study;
 use crate::claim::{self, Claim};
+use crate::prediction::UncertainParameters;
 use crate::prediction::ensemble::{self, Recall};
 use crate::prediction::kept::{row_of, runs_in};
 use realgap_core::error::{Error, Result};
@@ -147,8 +148,9 @@ impl StudyGap {
 
     /// Everything that decides the runs.
     pub fn fingerprint(study: &Study, options: &GapOptions) -> Fingerprint {
-        study
-            .fingerprint()
+        let definition = study.definition();
+        definition
+            .with_draws(study.fingerprint())
             .with("noise", format!("{:?}", options.noise))
             .with("repeats", options.repeats)
             .with("seed of the noise", options.seed)
@@ -183,10 +185,8 @@ impl StudyGap {
         let runs = runs_a_start(options);
         let experiment = study.experiment_with(index / runs, &ParameterSet::new())?;
         let noise = usable_noise(options.noise, &mut Vec::new())?;
-        row_of(
-            index,
-            &one(&experiment, noise, options.seed, (index % runs) as u64)?,
-        )
+        let draws = (noise, options.seed, (index % runs) as u64);
+        row_of(index, &one(study, &experiment, draws)?)
     }
 }
 
@@ -199,9 +199,17 @@ fn runs_a_start(options: &GapOptions) -> usize {
 }
 
 /// Run number `number` of a start.
-fn one(experiment: &Experiment, noise: Option<Noise>, seed: u64, number: u64) -> Result<Run> {
+fn one(
+    study: &Study,
+    experiment: &Experiment,
+    (noise, seed, number): (Option<Noise>, u64, u64),
+) -> Result<Run> {
     match (number.checked_sub(1), &noise) {
-        (Some(repeat), Some(noise)) => ensemble::repeat(experiment, noise, seed, repeat),
+        (Some(repeat), Some(noise)) => {
+            let uncertain = UncertainParameters::of_draws(&study.definition().draws);
+            let own = uncertain.apply(experiment, seed, repeat)?;
+            ensemble::repeat(&own, noise, seed, repeat)
+        }
         _ => realgap_engine::run(experiment),
     }
 }
@@ -216,6 +224,8 @@ fn study_gap(
     ensemble::must_repeat(options.repeats)?;
     let mut warnings = study.warnings().to_vec();
     let noise = usable_noise(options.noise, &mut warnings)?;
+    let uncertain = UncertainParameters::of_draws(&definition.draws);
+    warnings.extend(noise.and_then(|_| uncertain.warning()));
     let repeats = noise.map_or(0, |_| options.repeats);
     let total = study.cases().len() * (repeats + 1);
     let Simulated {
@@ -322,7 +332,7 @@ fn simulated(
                 }
                 let simulated = match recall(index * (repeats + 1) + number as usize)? {
                     Some(run) => run,
-                    None => one(&experiment, noise, options.seed, number)?,
+                    None => one(study, &experiment, (noise, options.seed, number))?,
                 };
                 run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
                 completed(simulated, number).map(Some)

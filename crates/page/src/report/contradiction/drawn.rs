@@ -17,7 +17,9 @@ use realgap_lab::prediction::ensemble::{Ensemble, Forecast, Motion, Reality, Rep
 use realgap_lab::prediction::gap::{
     CaseRuns, Confidence, Fitness, OverTime, Sample, Scoring, StudyGap, distances,
 };
-use realgap_lab::prediction::{Card, EnsembleCase, EnsembleReport, SuccessRule};
+use realgap_lab::prediction::{
+    Card, EnsembleCase, EnsembleReport, SuccessRule, UncertainParameters,
+};
 use realgap_optimize::Range;
 use realgap_path::comparison;
 use realgap_path::trajectory::{Source, Trajectory};
@@ -384,6 +386,7 @@ fn repeated(repeats: &[Sample], ideal: &Sample) -> Ensemble {
     };
     Ensemble {
         noise: Noise::unmeasured_robot(),
+        uncertain: UncertainParameters::default(),
         seed: 1,
         asked: repeats.len(),
         repeats: repeats.iter().enumerate().map(one).collect(),
