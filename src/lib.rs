@@ -123,7 +123,7 @@ pub use realgap_core::{error, file, quantity, random, statistics, table, text, u
 #[doc(inline)]
 pub use realgap_engine::export;
 #[doc(inline)]
-pub use realgap_lab::{plan, prediction, search};
+pub use realgap_lab::{claim, plan, prediction, search};
 #[doc(inline)]
 pub use realgap_optimize as optimization;
 #[doc(inline)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Mapping, Optional, Tuple
 
+from ._claim import Claim
 from ._forecast import Forecast, ModelError
 from ._statistic import Interval, Proportion
 from ._warning import Warning
@@ -66,6 +67,7 @@ class Card:
     growth: Optional[Growth]
     prediction: Forecast
     model: Optional[ModelError]
+    claims: Tuple[Claim, ...]
     not_covered: Tuple[str, ...]
     warnings: Tuple[Warning, ...]
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Mapping, Optional, Tuple
 
+from ._claim import Claim
 from ._json import Json
-from ._statistic import Interval, Proportion, Quantiles
+from ._statistic import EnergyTest, Interval, Proportion, Quantiles
 from ._warning import Warning
 
 
@@ -128,7 +129,7 @@ class RealRun:
 
 @dataclass(frozen=True)
 class Reality:
-    """All recordings against the repeats: coverage, and the energy score beside that of one more repeat.
+    """All recordings against the repeats: coverage, the energy score beside that of one more repeat, and whether they are drawn alike.
 
     >>> ensemble.summary.reality.energy_score_m > 0.0
     True
@@ -137,6 +138,7 @@ class Reality:
     coverage: Tuple[Coverage, ...]
     energy_score_m: float
     expected_energy_score_m: float
+    alike: Optional[EnergyTest]
     runs: Tuple[RealRun, ...]
 
 
@@ -204,4 +206,5 @@ class EnsembleSummary:
     source: Literal["Real", "StandIn"]
     reality: Optional[Reality]
     cases: Tuple[EnsembleCase, ...]
+    claims: Tuple[Claim, ...]
     warnings: Tuple[Warning, ...]

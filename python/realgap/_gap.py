@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Mapping, Optional, Tuple
 
+from ._claim import Claim
 from ._json import Json
 from ._statistic import EnergyTest, Estimate, Proportion, SampleTest
 from ._warning import Warning
@@ -108,6 +109,7 @@ class GapSummary:
     displacement: Optional[Fitness]
     over_time: OverTime
     confidence: Optional[Confidence]
+    claims: Tuple[Claim, ...]
     noise: Json
     engine: str
     version: str

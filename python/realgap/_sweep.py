@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Mapping, Optional, Tuple
 
+from ._claim import Claim
 from ._statistic import Interval
 from ._warning import Warning
 
@@ -52,7 +53,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class HowSure:
-    """How sure the best point is: how many points cannot be told from it, itself included.
+    """How sure the best point is: how many of how many points cannot be told from it, itself included.
 
     >>> answer.summary.uncertainty.indistinguishable >= 1
     True
@@ -64,6 +65,7 @@ class HowSure:
     simulation_sd: float
     emulator_share: float
     indistinguishable: int
+    points: int
 
 
 @dataclass(frozen=True)
@@ -201,7 +203,7 @@ class Tuned:
 
 @dataclass(frozen=True)
 class Fit:
-    """Whether the best point explains the recordings: how many noise floors away its runs are, and the energy test's p.
+    """Whether the best point explains the recordings: how far its runs are in noise floors, and the energy test's p.
 
     >>> answer.summary.fit is None or answer.summary.fit.noise_floors >= 0
     True
@@ -274,6 +276,7 @@ class SweepSummary:
     fit: Optional[Fit]
     uncertainty: Optional[HowSure]
     verdicts: Tuple[Verdict, ...]
+    claims: Tuple[Claim, ...]
     correlations: Tuple[Correlation, ...]
     audit: Optional[Audit]
     validation: Optional[Validation]

@@ -7,6 +7,7 @@ A number that JSON has no word for, because it is not finite, is NaN.
 """
 
 from ._card import Card, Economy, FinalistCard, Growth, Rerun, Success, SuccessRange
+from ._claim import Claim
 from ._forecast import (
     Behaviour,
     Behaviours,
@@ -50,6 +51,7 @@ __all__ = [
     "Behaviours",
     "Best",
     "Card",
+    "Claim",
     "Confidence",
     "Correlation",
     "Coverage",

@@ -109,7 +109,8 @@ impl Answer {
             .filter(|(index, _)| !self.study.is_held_out(*index))
             .map(|(_, recording)| recording_id(recording))
             .collect();
-        at(py, &self.study, &best, &fitted_on)
+        let draws = results::draws(&self.study, &self.answer);
+        at(py, &self.study, &best, draws, &fitted_on)
     }
 
     /// Writes tables and pictures into a folder.

@@ -10,7 +10,9 @@ use realgap::file::{Source, parse_ron, versioned_json};
 use realgap::optimization::RunOptions;
 use realgap::prediction::ensemble;
 use realgap::prediction::gap::{GapOptions, StudyGap};
-use realgap::prediction::{Card, EnsembleOptions, EnsembleReport, Growth, ModelError, SuccessRule};
+use realgap::prediction::{
+    Card, EnsembleOptions, EnsembleReport, Growth, ModelError, SuccessRule, UncertainParameters,
+};
 use realgap::results::{Kind, check_folder, write_ensemble, write_gap, write_prediction};
 use realgap::search::read_indistinguishable;
 use realgap::simulation::parameter::ParameterSet;
@@ -25,7 +27,7 @@ use crate::error::Raise;
 use crate::folder::into_folder;
 use crate::robot::Robot;
 use crate::running::{self, Way};
-use crate::simulation::values;
+use crate::simulation::fitted;
 use crate::study::Study;
 use crate::text::{of_text, to_text};
 
@@ -335,7 +337,8 @@ fn card(
         None => SuccessRule::HalfOfNoiseFree,
     };
     let robot = &robot.morphology;
-    let values = values(&question.parameters, &question.set)?;
+    let fitted = fitted(&question.parameters, &question.set)?;
+    let (values, uncertain) = (fitted.values, UncertainParameters::of_draws(&fitted.draws));
     let mut experiment = Experiment::new(robot.assemble());
     experiment.duration_s = question.duration_s;
     experiment.sampling = Sampling::Rate(60.0);
@@ -354,7 +357,14 @@ fn card(
         }
     };
     let seed = drawing.seed.unwrap_or(1);
-    let repeats = ensemble::run(&experiment, &noise, seed, drawing.repeats, run)?;
+    let draws = ensemble::Draws {
+        noise: &noise,
+        uncertain: &uncertain,
+        seed,
+        repeats: drawing.repeats,
+        recall: &|_| Ok(None),
+    };
+    let repeats = run.install(|| ensemble::run_each(&experiment, &draws, run))??;
     let growth = match repeats.is_complete() {
         true => Growth::of(&experiment)?,
         false => None,

@@ -17,7 +17,7 @@ use crate::error::{Raise, raised};
 use crate::folder::{into_folder, mode_of, source};
 use crate::robot::Robot;
 use crate::running::{self, Way};
-use crate::simulation::values;
+use crate::simulation::fitted;
 use crate::text::{of_text, to_text};
 
 /// What somebody wants different from a search's text.
@@ -49,8 +49,10 @@ impl Search {
     ) -> PyResult<Self> {
         let make = || {
             let wishes: Wishes = of_text("a search", wishes)?;
+            let fitted = fitted(&wishes.parameters, &wishes.set)?;
             let overrides = search::Overrides {
-                set: values(&wishes.parameters, &wishes.set)?,
+                set: fitted.values,
+                draws: fitted.draws,
                 indistinguishable: wishes.indistinguishable,
                 seed: wishes.seed,
             };

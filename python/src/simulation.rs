@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use realgap::calibration::read_parameters;
+use realgap::calibration::Fitted;
 use realgap::file::Source;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
 use realgap::simulation::{
@@ -46,15 +46,16 @@ struct Settings {
 
 /// Values of parameters, from files first.
 pub fn values(files: &[PathBuf], set: &BTreeMap<String, f64>) -> Result<ParameterSet> {
-    let mut all = ParameterSet::new();
-    for file in files {
-        all = all.with_all(&read_parameters(file)?);
-    }
-    for (name, value) in set {
-        let assignment = Assignment::new(name, *value).map_err(Error::into_usage)?;
-        all = all.with(assignment);
-    }
-    Ok(all)
+    Ok(fitted(files, set)?.values)
+}
+
+/// The same with what the fits of the files left possible.
+pub fn fitted(files: &[PathBuf], set: &BTreeMap<String, f64>) -> Result<Fitted> {
+    let set = set
+        .iter()
+        .map(|(name, value)| Assignment::new(name, *value));
+    let set: Result<ParameterSet> = set.collect();
+    Ok(Fitted::read(files)?.with_values(&set.map_err(Error::into_usage)?))
 }
 
 fn joint_kind(name: &str) -> Result<JointKind> {

@@ -13,6 +13,7 @@ use realgap::comparison::Metric;
 use realgap::optimization::optimizer_by_name;
 use realgap::results::{self, Kind};
 use realgap::simulation::Noise;
+use realgap::simulation::parameter::ParameterSet;
 use realgap::trajectory::Reading;
 use realgap::{Error, Result};
 use serde::Deserialize;
@@ -24,7 +25,7 @@ use crate::error::Raise;
 use crate::folder::{into_folder, mode_of, source};
 use crate::robot::Robot;
 use crate::running::{self, Way};
-use crate::simulation::values;
+use crate::simulation::{fitted, values};
 use crate::text::{of_text, to_text};
 use crate::trajectory::Trajectory;
 
@@ -96,6 +97,7 @@ fn split(folds: Option<usize>, hold_out: Option<f64>) -> Result<Option<Split>> {
 
 impl Wishes {
     fn overrides(self, metric: Option<&'static dyn Metric>) -> Result<Overrides> {
+        let fitted = fitted(&self.parameters, &self.set)?;
         Ok(Overrides {
             recordings: self.recordings,
             part: self
@@ -112,21 +114,14 @@ impl Wishes {
             score: self.score.as_deref().map(score_rule).transpose()?,
             points: self.points,
             seed: self.seed,
-            set: values(&self.parameters, &self.set)?,
-            fitted_on: fitted_on(&self.parameters)?,
+            set: fitted.values,
+            draws: fitted.draws,
+            fitted_on: fitted.fitted_on,
             reading: self.reading,
             split: split(self.folds, self.hold_out)?,
             ..Overrides::default()
         })
     }
-}
-
-fn fitted_on(files: &[PathBuf]) -> Result<Vec<String>> {
-    let mut all = Vec::new();
-    for file in files {
-        all.extend(calibration::read_best(file)?.1);
-    }
-    Ok(all)
 }
 
 /// A study, ready to run.
@@ -268,7 +263,7 @@ impl Study {
 
     /// The same study with these values fixed.
     fn at(&self, py: Python<'_>, set: BTreeMap<String, f64>) -> PyResult<Self> {
-        at(py, &self.study, &set, &[])
+        at(py, &self.study, &set, Vec::new(), &[])
     }
 
     /// The values of parameters at a point of coordinates from 0 to 1.
@@ -368,6 +363,7 @@ pub fn at(
     py: Python<'_>,
     study: &calibration::Study,
     set: &BTreeMap<String, f64>,
+    draws: Vec<Vec<ParameterSet>>,
     fitted_on: &[String],
 ) -> PyResult<Study> {
     let way = Way {
@@ -376,7 +372,7 @@ pub fn at(
     };
     let study = running::run(py, &way, |options| {
         let set = values(&[], set)?;
-        options.install(|| study.at(&set, fitted_on))?
+        options.install(|| study.at(&set, draws, fitted_on))?
     })?;
     Ok(Study {
         study: Arc::new(study),

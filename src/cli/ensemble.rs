@@ -6,7 +6,7 @@ use clap::Args;
 use realgap::calibration::{Overrides, Repeatable, read_noise};
 use realgap::comparison;
 use realgap::plan::Work;
-use realgap::prediction::{EnsembleOptions, EnsembleReport, ensemble};
+use realgap::prediction::{EnsembleOptions, EnsembleReport};
 use realgap::results::{Kind, write_ensemble};
 use realgap::simulation::Outcome;
 use realgap::trajectory;
@@ -22,8 +22,8 @@ use super::{output, progress, terminal};
 /// Repeat a study's experiment under its noise: what will really happen, and how sure may we be?
 ///
 /// The `noise` section of the study says how repeats differ. Printed are the distribution of the displacement, the
-/// behaviours (groups of repeats that do the same) with their probabilities, and, where there are recordings, how
-/// honest these confidences are. The folder gets ensemble.json, repeats.csv, ensemble.png and .svg; docs/results.md
+/// behaviours (groups of repeats that do the same) with their probabilities, and, where there are recordings,
+/// whether these contradict such confidences. The folder gets ensemble.json, repeats.csv, ensemble.png and .svg; docs/results.md
 /// says how to read them. Repeat K is the same whatever --repeats is. Where every recording has its own start (`start:
 /// FromRecording`), there is one ensemble a recording; --limit-recordings bounds the work.
 #[derive(Debug, Args)]
@@ -79,11 +79,9 @@ impl Ensemble {
 
     fn read(&self) -> Result<(Repeatable, EnsembleOptions)> {
         let overrides = Overrides {
-            set: self.values.parameter_set()?,
-            fitted_on: self.values.fitted_on()?,
             // Nothing is scored by the study's metric here, so none can refuse a recording.
             metric: Some(comparison::by_name("rms")?),
-            ..self.recordings.overrides()?
+            ..self.values.over(self.recordings.overrides()?)?
         };
         let study = read_repeatable(&self.study, &overrides)?;
         let (noise, noise_from) = match &self.noise {
@@ -153,7 +151,7 @@ impl Ensemble {
 
 /// Simulates one repeat alone and writes its motion.
 fn replay(study: &Repeatable, options: &EnsembleOptions, number: u64, file: &Path) -> Result<()> {
-    let [case] = study.cases.as_slice() else {
+    let [_] = study.cases.as_slice() else {
         return Err(Error::usage("which recording's repeat?")
             .field("--only")
             .found(format!(
@@ -164,7 +162,7 @@ fn replay(study: &Repeatable, options: &EnsembleOptions, number: u64, file: &Pat
     };
     trajectory::check_output(file)?;
     output::check(file)?;
-    let run = ensemble::repeat(&case.experiment, &options.noise, options.seed, number)?;
+    let run = EnsembleReport::run(study, options, 0, number)?;
     terminal::print_warnings(&run.warnings);
     match run.outcome {
         Outcome::Completed(motion) => {

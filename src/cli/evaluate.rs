@@ -72,10 +72,8 @@ impl Evaluate {
     pub fn run(self) -> Result<()> {
         self.page.check()?;
         let mut overrides = Overrides {
-            set: self.values.parameter_set()?,
-            fitted_on: self.values.fitted_on()?,
             start_state: self.start,
-            ..self.recordings.overrides()?
+            ..self.values.over(self.recordings.overrides()?)?
         };
         let definition = read_definition(&self.study, &overrides)?;
         let mut recordings = definition.recordings.iter();

@@ -113,10 +113,8 @@ impl Gap {
 
     fn read(&self, path: &Path) -> Result<(Study, GapOptions)> {
         let overrides = Overrides {
-            set: self.values.parameter_set()?,
-            fitted_on: self.values.fitted_on()?,
             metric: metric_option(self.metrics.first().map(String::as_str))?,
-            ..self.recordings.overrides()?
+            ..self.values.over(self.recordings.overrides()?)?
         };
         // Before the study is read: a wrong name is a wrong use, whatever the file says.
         self.metrics(by_name(DEFAULT_METRIC)?)?;

@@ -88,6 +88,7 @@ impl Identify {
                 study.name,
             ),
             parameters: parameters.clone(),
+            draws: BTreeMap::new(),
             fitted_on: recordings.iter().map(recording_id).collect(),
         };
         if !experiment.assembly.hinges.is_empty() {
@@ -150,11 +151,7 @@ fn words_of_joints(found: &JointIdentification) -> String {
             text(verdict.estimate.low),
             text(verdict.estimate.high),
             format!("{:.2}", verdict.left_of_prior),
-            if verdict.is_determined {
-                "determined".to_owned()
-            } else {
-                "not determined: as stated".to_owned()
-            },
+            verdict.claim().word,
         ]);
     }
     let mut errors = TextTable::new([

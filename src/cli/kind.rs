@@ -166,10 +166,12 @@ fn behind(path: &Path, overrides: &Overrides) -> Result<(PathBuf, Overrides)> {
     let Some(study) = study_of(path) else {
         return Ok((path.to_path_buf(), overrides.clone()));
     };
-    let (values, fitted_on) = read_best(path)?;
+    // What is asked for besides holds against what the file has, its draws included.
+    let own = read_best(path)?.with_values(&overrides.set);
     let mut overrides = overrides.clone();
-    overrides.set = values.with_all(&overrides.set);
-    overrides.fitted_on.extend(fitted_on);
+    overrides.set = own.values;
+    overrides.draws = [own.draws, overrides.draws].concat();
+    overrides.fitted_on.extend(own.fitted_on);
     Ok((study, overrides))
 }
 

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use realgap::calibration::identification::StartState;
-use realgap::calibration::{Overrides, Part, read_best, read_parameters};
+use realgap::calibration::{Fitted, Overrides, Part};
 use realgap::comparison::{self, Metric};
 use realgap::search::read_indistinguishable;
 use realgap::simulation::parameter::{Assignment, ParameterSet};
@@ -310,13 +310,25 @@ fn parse_assignment(text: &str) -> std::result::Result<Assignment, String> {
 }
 
 impl Values {
-    /// The recordings that the values in the files were fitted on.
-    pub fn fitted_on(&self) -> Result<Vec<String>> {
-        let mut all = Vec::new();
-        for path in &self.parameters {
-            all.extend(read_best(path)?.1);
-        }
-        Ok(all)
+    /// What the files say with what is set after them: all values, what their fits left possible and were fitted on.
+    pub fn fitted(&self) -> Result<Fitted> {
+        let set = self.set.iter().chain(&self.engine).copied();
+        Ok(Fitted::read(&self.parameters)?.with_values(&set.collect()))
+    }
+
+    /// All of this in place of what a study says.
+    pub fn over(&self, overrides: Overrides) -> Result<Overrides> {
+        let Fitted {
+            values: set,
+            draws,
+            fitted_on,
+        } = self.fitted()?;
+        Ok(Overrides {
+            set,
+            draws,
+            fitted_on,
+            ..overrides
+        })
     }
 
     /// The experiment with all values, those that have no effect there, and what to say of them; no recording is read.
@@ -329,15 +341,7 @@ impl Values {
 
     /// All values: files first, in order, then `--set` and `--engine`.
     pub fn parameter_set(&self) -> Result<ParameterSet> {
-        let mut all = ParameterSet::new();
-        for path in &self.parameters {
-            all = all.with_all(&read_parameters(path)?);
-        }
-        Ok(self
-            .set
-            .iter()
-            .chain(&self.engine)
-            .fold(all, |set, assignment| set.with(*assignment)))
+        Ok(self.fitted()?.values)
     }
 }
 

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use realgap::calibration::read_noise;
-use realgap::prediction::{Card, Growth, ModelError, SuccessRule, ensemble};
+use realgap::prediction::ensemble::{Draws, run_each};
+use realgap::prediction::{Card, Growth, ModelError, SuccessRule, UncertainParameters};
 use realgap::results::{Kind, write_prediction};
 use realgap::simulation::{Experiment, Noise, Sampling};
 use realgap::warning::Code;
@@ -73,7 +74,8 @@ impl Predict {
         };
         let points = self.model.points()?;
         let morphology = read_morphology(&self.morphology)?;
-        let values = self.values.parameter_set()?;
+        let fitted = self.values.fitted()?;
+        let (values, uncertain) = (fitted.values, UncertainParameters::of_draws(&fitted.draws));
         let mut experiment = Experiment::new(morphology.assemble());
         experiment.duration_s = self.duration;
         experiment.sampling = Sampling::Rate(60.0);
@@ -96,7 +98,14 @@ impl Predict {
         let folder = folder.transpose()?;
         let (total, run) = (self.repeats as usize, self.jobs.stoppable());
         let repeats = progress::during(total, "repeating", run, |run| {
-            ensemble::run(&experiment, &noise, self.seed, total, run)
+            let draws = Draws {
+                noise: &noise,
+                uncertain: &uncertain,
+                seed: self.seed,
+                repeats: total,
+                recall: &|_| Ok(None),
+            };
+            run.install(|| run_each(&experiment, &draws, run))?
         })?;
         // Two more runs, which somebody who has just stopped this one does not wait for.
         let growth = match repeats.is_complete() {

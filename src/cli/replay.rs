@@ -130,11 +130,9 @@ impl ReplayCommand {
     fn of_study(&self) -> Result<()> {
         let against = self.against.iter().map(|path| path.display().to_string());
         let mut overrides = Overrides {
-            set: self.values.parameter_set()?,
-            fitted_on: self.values.fitted_on()?,
             recordings: against.collect(),
             reading: self.reading.reading()?,
-            ..Overrides::default()
+            ..self.values.over(Overrides::default())?
         };
         // Nothing is scored here, so what the study's metric would refuse is shown all the same.
         let study = read_repeatable(&self.run, &overrides).or_else(|_| {

@@ -72,10 +72,11 @@ pub struct Search {
 
 impl Search {
     fn read(&self) -> Result<search::Search> {
-        let set = self.values.parameter_set()?;
-        terminal::print_warnings(&recording_unused(&set));
+        let fitted = self.values.fitted()?;
+        terminal::print_warnings(&recording_unused(&fitted.values));
         let overrides = Overrides {
-            set,
+            set: fitted.values,
+            draws: fitted.draws,
             indistinguishable: self.indistinguishable.clone(),
             seed: self.seed,
         };

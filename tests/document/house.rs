@@ -112,3 +112,54 @@ fn the_library_names_no_option_of_the_command_line() {
     }
     assert!(offences.is_empty(), "{}", offences.join("\n"));
 }
+
+/// Words that state something about reality. Who shows a report shows its claims (`realgap::claim`) and says nothing of its own.
+const CLAIMED: [&str; 7] = [
+    " honest",
+    "narrowed down",
+    "is not determined",
+    "not determined by",
+    "drawn like",
+    "noise floors away",
+    "explain these",
+];
+
+#[test]
+fn who_shows_a_report_makes_no_claims_of_its_own() {
+    let mut files = Vec::new();
+    for folder in [
+        "crates/page/src/report",
+        "crates/page/src/plot",
+        "crates/page/src/results",
+    ] {
+        library(&common::project().join(folder), &mut files);
+    }
+    for folder in ["src/cli", "python/realgap"] {
+        let entries = std::fs::read_dir(common::project().join(folder)).unwrap();
+        files.extend(
+            entries
+                .map(|entry| entry.unwrap().path())
+                .filter(|path| path.is_file()),
+        );
+    }
+    files.retain(|file| {
+        !file
+            .components()
+            .any(|part| part.as_os_str() == "contradiction")
+    });
+    files.retain(|file| !file.ends_with("contradiction.rs"));
+    assert!(files.len() > 150, "only {} files were found", files.len());
+    let claims = |line: &str| CLAIMED.iter().any(|word| line.contains(word));
+    assert!(claims("\"these confidences are NOT honest\""));
+    let mut offences = Vec::new();
+    for file in files {
+        let text = std::fs::read_to_string(&file).unwrap_or_default();
+        for line in text.lines() {
+            let line = line.trim_start();
+            if !line.starts_with("//") && claims(line) {
+                offences.push(format!("{}: {line}", file.display()));
+            }
+        }
+    }
+    assert!(offences.is_empty(), "{}", offences.join("\n"));
+}

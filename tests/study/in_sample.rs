@@ -41,7 +41,7 @@ fn recordings_that_the_values_were_fitted_on_are_called_in_sample_and_others_are
     let study = study(folder.path(), "run_0[0-4].csv");
     run(&["sweep", &study, "--hold-out", "0.4", "-o", &place("fit")]);
     let best = format!("{}/best.ron", place("fit"));
-    let (_, fitted_on) = read_best(&best).unwrap();
+    let fitted_on = read_best(&best).unwrap().fitted_on;
     assert_eq!(fitted_on.len(), 3, "two of five were held out");
     let shipped = project().join("real_trajectories/tripod_standin");
     let others = format!("{}/run_0[5-9].csv", shipped.display());

@@ -10,6 +10,7 @@ use std::time::Duration;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use realgap_engine::{Divergence, Experiment, Noise, Outcome, Perturbation};
+use realgap_lab::prediction::UncertainParameters;
 use realgap_lab::prediction::ensemble::{
     BEHAVIOURS, Ensemble, Envelope, Forecast, Kind, LEAST_PATHS, LEVELS, Motion, Quantiles,
     Reality, Repeat, behaviours, cut_m, repeat, rms_m, run,
@@ -51,6 +52,7 @@ fn diverged() -> Outcome<Motion> {
 
 fn hand_made(outcomes: Vec<Outcome<Motion>>, noise_free: Outcome<Motion>) -> Ensemble {
     Ensemble {
+        uncertain: UncertainParameters::default(),
         noise: Noise::careful_repeat(),
         seed: 1,
         asked: outcomes.len(),
@@ -340,7 +342,7 @@ fn ensemble_of(paths: Vec<Prepared>) -> Ensemble {
 fn against(ensemble: &Ensemble, real: &[Prepared]) -> Reality {
     let summary = Forecast::new(ensemble).unwrap();
     let real: Vec<(&str, &Prepared)> = real.iter().map(|p| ("real", p)).collect();
-    Reality::new(ensemble, &summary, &real).unwrap()
+    Reality::new(ensemble, &summary, &real).unwrap().unwrap()
 }
 
 #[test]

@@ -12,7 +12,9 @@ fn the_shipped_servo_follows_the_recorded_one_at_every_gain() {
         return;
     };
     let sweeps = common::project().join("sweeps");
-    let (values, _) = read_best(sweeps.join("servo_xl330_best.ron")).unwrap();
+    let values = read_best(sweeps.join("servo_xl330_best.ron"))
+        .unwrap()
+        .values;
     for gain in [100, 200, 800] {
         let overrides = Overrides {
             recordings: vec![format!("{}/kp{gain}_*.csv", data.display())],

@@ -97,6 +97,8 @@ pub struct Definition {
     pub reading: Reading,
     /// Fixed parameter values.
     pub set: ParameterSet,
+    /// Values in place of some of them that fits left possible: every repeat under noise takes one of each group.
+    pub draws: Vec<Vec<ParameterSet>>,
     /// The parameters that vary, and how far.
     pub grid: Grid,
     /// The parameters of [`Definition::grid`], in its order.
@@ -176,6 +178,7 @@ impl Definition {
             duration_s: None,
             reading: Reading::default(),
             set: ParameterSet::new(),
+            draws: Vec::new(),
             grid: Grid::default(),
             parameters: Vec::new(),
             priors: Vec::new(),

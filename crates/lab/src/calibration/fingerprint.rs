@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::definition::Definition;
 use super::study::Study;
 use crate::calibration::identification::StartState;
+use realgap_core::file::sha256;
 use realgap_store::Fingerprint;
 
 impl Study {
@@ -73,6 +74,17 @@ impl Study {
 }
 
 impl Definition {
+    /// The fingerprint with the draws that repeats take, where there are any.
+    pub(crate) fn with_draws(&self, print: Fingerprint) -> Fingerprint {
+        match self.draws.is_empty() {
+            true => print,
+            false => print.with(
+                "draws sha256",
+                sha256(format!("{:?}", self.draws).as_bytes()),
+            ),
+        }
+    }
+
     /// The fingerprint with an entry for every recording.
     pub(crate) fn with_recordings(&self, print: Fingerprint) -> Fingerprint {
         let recordings = self.recordings.iter().zip(&self.recordings_sha256);

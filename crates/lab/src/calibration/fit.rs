@@ -1,15 +1,13 @@
 //! Does the model explain the recordings at all? Judged before its numbers.
 
-use std::fmt;
-
 use serde::Serialize;
 
 use super::score::{PointScore, Scores};
 use super::study::Study;
+use crate::claim::{self, SIGNIFICANT};
 use crate::prediction::ensemble::rms_m;
 use realgap_core::error::Result;
 use realgap_core::statistics::{energy_test, mean, student_quantile};
-use realgap_core::unit::number;
 use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::Prepared;
 
@@ -31,8 +29,6 @@ pub struct Fit {
     pub discrepancy: f64,
 }
 
-/// Below this probability chance does not explain what parts runs and recordings.
-const SIGNIFICANT: f64 = 0.05;
 /// Fewer recordings than this cannot be told from anything.
 const LEAST: usize = 3;
 
@@ -90,9 +86,10 @@ impl Fit {
         }))
     }
 
-    /// A warning where nothing explains the recordings.
-    pub(super) fn warning(&self) -> Option<Warning> {
-        (!self.explains).then(|| Warning::new(Code::ModelContradicted, self.to_string()))
+    /// A warning where nothing explains so many recordings.
+    pub(super) fn warning(&self, recordings: usize) -> Option<Warning> {
+        let said = claim::model(self, recordings).text;
+        (!self.explains).then(|| Warning::new(Code::ModelContradicted, said))
     }
 }
 
@@ -111,25 +108,6 @@ fn chance_parts(excess: f64, [recordings, runs]: [(f64, usize); 2]) -> bool {
         of_mean(recordings).powi(2) / freedom(recordings) + own_setting.powi(2) / freedom(runs);
     let limit = student_quantile(1.0 - 0.5 * SIGNIFICANT, variance * variance / doubt);
     apart <= limit * limit * variance
-}
-
-impl fmt::Display for Fit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "the best is {} noise floors away",
-            number(self.noise_floors)
-        )?;
-        if let Some(p) = self.p_value {
-            write!(f, "; drawn alike? p = {} (energy test)", number(p))?;
-        }
-        if !self.explains {
-            f.write_str(
-                ": NO PARAMETERS OF THIS MODEL EXPLAIN THESE RECORDINGS; intervals are widened by what is left",
-            )?;
-        }
-        Ok(())
-    }
 }
 
 #[cfg(test)]

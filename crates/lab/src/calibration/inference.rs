@@ -157,10 +157,7 @@ impl Inference {
             draws.push(grid.values_at(&self.places[0]));
         }
         let gaps = (0..grid.ranges().len()).map(|axis| self.gaps(axis, grid));
-        BestDraws {
-            gaps: gaps.collect(),
-            draws,
-        }
+        BestDraws::new(draws, gaps.collect())
     }
 
     /// Values in the middle of what is implausible along a parameter, between what is not.

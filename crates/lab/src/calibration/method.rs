@@ -1,10 +1,7 @@
 //! How the points of an answer were chosen.
 
-use std::fmt;
-
 use serde::Serialize;
 
-use realgap_core::unit::number;
 use realgap_optimize::{Grid, Quadratic};
 
 /// How the points of an answer were chosen.
@@ -119,22 +116,5 @@ impl Estimated {
                 }
             })
             .collect()
-    }
-}
-
-impl fmt::Display for Estimated {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, value) = (self.parameter, number(self.value));
-        let (low, high) = (number(self.low), number(self.high));
-        write!(f, "{name} = {value}, 90 % {low} to {high}")?;
-        if !self.is_told {
-            write!(f, ": these recordings do not tell it")?;
-        }
-        match self.partner {
-            Some((other, correlation)) if correlation.abs() > 0.9 => {
-                write!(f, "; exchanged with {other} ({correlation:.2})")
-            }
-            _ => Ok(()),
-        }
     }
 }

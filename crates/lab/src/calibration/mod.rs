@@ -113,5 +113,5 @@ pub use tune::TuneOptions;
 pub use uncertainty::{Uncertainty, UncertaintySource, Unvisited};
 pub use validation::{Fold, Validation};
 pub(crate) use values::by_name;
-pub use values::{BestFile, read_best, read_parameters, study_of};
-pub use verdict::Verdict;
+pub use values::{BestFile, Fitted, read_best, read_parameters, study_of};
+pub use verdict::{Tables, Verdict};

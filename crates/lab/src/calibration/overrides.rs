@@ -59,6 +59,8 @@ pub struct Overrides {
     pub seed: Option<u64>,
     /// Fixed values, after the file's own.
     pub set: ParameterSet,
+    /// What the fits of these values left possible, a group a fit: every repeat under noise takes one of each.
+    pub draws: Vec<Vec<ParameterSet>>,
     /// What the values were fitted on ([`recording_id`](super::recording_id)): a warning says which of the recordings are among
     /// them.
     pub fitted_on: Vec<String>,

@@ -8,12 +8,17 @@ pub const INTERVAL_LEVEL: f64 = 0.90;
 #[derive(Debug, Clone, PartialEq)]
 pub struct BestDraws {
     /// One row a draw, one value a parameter.
-    pub(super) draws: Vec<Vec<f64>>,
+    draws: Vec<Vec<f64>>,
     /// By parameter, values in the middle of what is rejected between what is not.
-    pub(super) gaps: Vec<Vec<f64>>,
+    gaps: Vec<Vec<f64>>,
 }
 
 impl BestDraws {
+    /// Draws, one row each, and by parameter the values in the middle of what is rejected.
+    pub fn new(draws: Vec<Vec<f64>>, gaps: Vec<Vec<f64>>) -> Self {
+        Self { draws, gaps }
+    }
+
     /// The draws, one row each, one value a parameter.
     pub fn rows(&self) -> &[Vec<f64>] {
         &self.draws

@@ -16,12 +16,14 @@ use super::transfer::Transfer;
 use super::uncertainty::{Uncertainty, UncertaintySource, own_score};
 use super::validation::Validation;
 use super::values::by_name;
-use super::verdict::{Verdict, verdicts};
+use super::verdict::{Tables, Verdict};
+use crate::claim::{self, About, Claim};
 use realgap_core::error::Result;
 use realgap_core::unit::{Unit, counted, quantity};
 use realgap_core::warning::{Code, Warning};
 use realgap_optimize::Ending;
 use realgap_path::comparison::pose_errors;
+use realgap_path::trajectory::Source;
 
 /// What a sweep or tuning says, with how sure it is and where it comes from; its `Display` is for people.
 #[derive(Debug, Clone, Serialize)]
@@ -57,6 +59,8 @@ pub struct Report {
     pub uncertainty: Option<HowSure>,
     /// What the recordings say about each parameter.
     pub verdicts: Vec<Verdict>,
+    /// Everything that is stated here about reality, the most important first.
+    pub claims: Vec<Claim>,
     /// How the best values of two parameters move together when reality is sampled again.
     pub correlations: Vec<Correlation>,
     /// What the numerical settings change.
@@ -119,6 +123,8 @@ pub struct HowSure {
     pub emulator_share: f64,
     /// Simulated points that cannot be told apart from the best, itself included.
     pub indistinguishable: usize,
+    /// Of so many.
+    pub points: usize,
 }
 
 /// Mean over recordings of the pose errors of the best point.
@@ -181,11 +187,12 @@ impl Evidence<'_> {
                 ),
             ));
         }
-        warnings.extend(self.fit.as_ref().and_then(Fit::warning));
+        let fitted = study.fitted_recordings();
+        warnings.extend(self.fit.and_then(|fit| fit.warning(fitted)));
         let validation = self.validation.as_ref();
         warnings.extend(validation.and_then(Validation::warning));
-        warnings.extend(few_recordings(study.fitted_recordings()));
-        if study.fitted_recordings() == 1 {
+        warnings.extend(few_recordings(fitted));
+        if fitted == 1 {
             warnings.push(Warning::new(
                 Code::OneRecording,
                 "one recording says nothing about how repeatable reality is; the uncertainty is that of perturbed simulated starts",
@@ -206,9 +213,13 @@ impl fmt::Display for Report {
             counted(self.points_total, "point"),
             counted(self.recordings, "recording"),
         )?;
-        if let Some(fit) = &self.fit {
-            write!(f, "\n  {fit}")?;
-        }
+        let say = |f: &mut fmt::Formatter<'_>, about: About| {
+            let claims = self.claims.iter().filter(|claim| claim.about == about);
+            claims
+                .map(|claim| write!(f, "\n  {claim}"))
+                .collect::<fmt::Result>()
+        };
+        say(f, About::Model)?;
         if let Some(best) = &self.best {
             let values: Vec<String> = best
                 .parameters
@@ -263,19 +274,8 @@ impl fmt::Display for Report {
                 100.0 * transfer.closable,
             )?;
         }
-        if let Some(sure) = &self.uncertainty {
-            write!(
-                f,
-                "\n  {} of {} simulations' points cannot be told apart from it at {:.0} % ({})",
-                sure.indistinguishable,
-                self.runs,
-                100.0 * sure.level,
-                sure.source.label()
-            )?;
-        }
-        for verdict in &self.verdicts {
-            write!(f, "\n  {verdict}")?;
-        }
+        say(f, About::Set)?;
+        say(f, About::Parameter)?;
         if let Some(audit) = &self.audit {
             write!(
                 f,
@@ -306,7 +306,15 @@ impl Report {
             Method::Sweep => (definition.grid.len(), Default::default()),
             Method::Tune(tuned) => (tuned.budget, tuned.least_squares.as_slice()),
         };
-        Ok(Self {
+        let tables = Tables {
+            ranges: definition.grid.ranges(),
+            scores,
+            uncertainty: evidence.uncertainty,
+            draws: evidence.draws,
+            audit: evidence.audit.as_ref(),
+            recordings: study.fitted_recordings(),
+        };
+        let report = Self {
             study: definition.name.clone(),
             description: definition.description.clone(),
             complete: evidence.ending == Ending::Complete,
@@ -333,22 +341,16 @@ impl Report {
                 simulation_sd: u.simulation_sd,
                 emulator_share: u.emulator_share,
                 indistinguishable: u.indistinguishable.iter().filter(|is_in| **is_in).count(),
+                points: u.indistinguishable.len(),
             }),
             verdicts: match evidence.ending {
                 // Of the errors themselves least squares know more than an emulator of their mean.
-                Ending::Complete if !known.is_empty() => {
-                    Verdict::of_least_squares(definition, known)
-                }
-                Ending::Complete => verdicts(
-                    study,
-                    scores,
-                    evidence.uncertainty,
-                    evidence.draws,
-                    evidence.audit.as_ref(),
-                ),
+                Ending::Complete if !known.is_empty() => Verdict::of_least_squares(&tables, known),
+                Ending::Complete => Verdict::all(&tables),
                 // The best of a part may not be the best of all.
                 Ending::Interrupted => Vec::new(),
             },
+            claims: Vec::new(),
             correlations: correlations(study, evidence.draws),
             audit: evidence.audit.clone(),
             validation: evidence.validation.clone(),
@@ -366,7 +368,24 @@ impl Report {
             pose: pose(study, scores)?,
             provenance: study.fingerprint().entries().iter().cloned().collect(),
             warnings: evidence.warnings(study, points_total),
-        })
+        };
+        Ok(report.with_claims(definition.source(), tables.recordings))
+    }
+
+    /// The report with what its own numbers say, of so many fitted recordings that come from there.
+    #[must_use]
+    pub fn with_claims(mut self, source: Source, recordings: usize) -> Self {
+        let reality = claim::called(source);
+        let of_metric = (self.metric, self.unit);
+        let model = self.fit.map(|fit| claim::model(&fit, recordings));
+        let best = self.best.as_ref();
+        let best = best.map(|best| claim::nearest(best, of_metric, (reality, recordings)));
+        let each: Vec<Claim> = self.verdicts.iter().map(|v| v.claim.clone()).collect();
+        let sure = self.uncertainty.as_ref();
+        let set = sure.map(|sure| claim::set(sure, recordings));
+        let first = model.into_iter().chain(best).chain(claim::summary(&each));
+        self.claims = first.chain(set).chain(each).collect();
+        self
     }
 }
 

@@ -59,12 +59,18 @@ impl Study {
     }
 
     /// The same study with these values, after those that it fixes itself, for ensembles and gaps. `fitted_on` are the recordings that they were
-    /// fitted on, as in [`Overrides::fitted_on`].
+    /// fitted on and `draws` what that left possible, as in [`Overrides`].
     ///
     /// # Errors
     /// As [`Study::new`].
-    pub fn at(&self, set: &ParameterSet, fitted_on: &[String]) -> Result<Self> {
+    pub fn at(
+        &self,
+        set: &ParameterSet,
+        draws: Vec<Vec<ParameterSet>>,
+        fitted_on: &[String],
+    ) -> Result<Self> {
         let mut definition = self.definition.clone();
+        definition.draws = draws;
         definition.set = definition.set.with_all(set);
         let known = in_sample(&definition.recordings, fitted_on);
         definition.warnings.extend(known);

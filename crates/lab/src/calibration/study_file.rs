@@ -322,6 +322,7 @@ impl Definition {
             duration_s: file.duration_s,
             reading: overrides.reading.clone().or(&file.reading),
             set,
+            draws: overrides.draws.clone(),
             grid,
             parameters,
             priors,

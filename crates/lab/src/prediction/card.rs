@@ -10,6 +10,7 @@ use super::ensemble::{Ensemble, Forecast, Motion, percent};
 use super::growth::Growth;
 use super::model::{self, ModelError, SuccessRange};
 use crate::calibration::by_name;
+use crate::claim::{self, Claim};
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::Proportion;
 use realgap_core::unit::{Unit, quantity};
@@ -179,6 +180,8 @@ pub struct Card {
     pub prediction: Forecast,
     /// How far models that are as valid part; `None` where nobody looked.
     pub model: Option<ModelError>,
+    /// Everything that is stated here about reality, as far as the model goes.
+    pub claims: Vec<Claim>,
     /// What no number here knows of.
     pub not_covered: [&'static str; 4],
     /// What the reader should know, what the prediction itself warns of included.
@@ -200,7 +203,7 @@ impl Card {
                 "without noise the robot goes nowhere (or diverges), so half of that is no success; say which net displacement is one",
             ));
         }
-        Ok(Self {
+        let card = Self {
             robot: robot.into(),
             finals: None,
             success,
@@ -211,9 +214,19 @@ impl Card {
             growth: None,
             prediction,
             model: None,
+            claims: Vec::new(),
             not_covered: NOT_COVERED,
             warnings,
-        })
+        };
+        Ok(card.with_claims())
+    }
+
+    /// The card with what its own numbers say.
+    fn with_claims(mut self) -> Self {
+        let reach = claim::reach(&self.prediction);
+        let success = self.success.as_ref().map(claim::success);
+        self.claims = reach.into_iter().chain(success).collect();
+        self
     }
 
     /// The card with the fixed values that the experiment had.
@@ -245,7 +258,7 @@ impl Card {
             success.range = Some(model.success(ensemble, success.least_displacement_m));
         }
         self.model = model;
-        self
+        self.with_claims()
     }
 
     /// The card with more that the reader should know, before its own warnings.

@@ -33,6 +33,7 @@ mod kept;
 mod model;
 mod odds;
 mod report;
+mod uncertain;
 
 pub use card::{Card, Finals, Rerun, Success, SuccessRule};
 pub use economy::Economy;
@@ -40,3 +41,4 @@ pub use growth::Growth;
 pub use model::{LEVEL, Model, ModelError, Range, Source, SuccessRange};
 pub use odds::{EndCoverage, Odds, OddsOptions, RecordingOdds, Scored};
 pub use report::{EnsembleCase, EnsembleOptions, EnsembleReport};
+pub use uncertain::{UncertainParameters, UncertainRange, read_indistinguishable};

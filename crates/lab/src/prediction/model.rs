@@ -167,6 +167,12 @@ impl ModelError {
         let repeats = (ensemble.asked / REPEATS_A_REPEAT)
             .clamp(*REPEATS.start(), *REPEATS.end())
             .min(ensemble.asked);
+        // What repeats draw is in all of them, and would count twice as models.
+        let points = if ensemble.uncertain.is_empty() {
+            points
+        } else {
+            &[]
+        };
         let tried = models(experiment, points);
         let own: Option<Vec<f64>> = (ensemble.repeats.iter().take(repeats))
             .map(|repeat| repeat.outcome.get().map(Motion::net_displacement_m))
@@ -186,8 +192,9 @@ impl ModelError {
             if run.is_stopped() {
                 return Ok(None);
             }
-            let experiment = &tried[*model].2;
-            let run = ensemble::repeat(experiment, &ensemble.noise, ensemble.seed, *repeat)?;
+            let (seed, change) = (ensemble.seed, &tried[*model].2);
+            let own = ensemble.uncertain.apply(experiment, seed, *repeat)?;
+            let run = ensemble::repeat(&change(&own), &ensemble.noise, seed, *repeat)?;
             Ok(Some(match run.outcome {
                 Outcome::Completed(motion) => Outcome::Completed(prepare(&motion)?),
                 Outcome::Diverged(divergence) => Outcome::Diverged(divergence),
@@ -336,36 +343,40 @@ fn displacements_m(ensemble: &Ensemble) -> Vec<f64> {
     motions.map(|(_, m)| m.net_displacement_m()).collect()
 }
 
-/// The models of an experiment: name, what they vary, and the experiment.
-fn models(experiment: &Experiment, points: &[ParameterSet]) -> Vec<(String, Source, Experiment)> {
-    let mut models = Vec::new();
+/// What a model makes of an experiment.
+type Change = Box<dyn Fn(&Experiment) -> Experiment + Sync + Send>;
+
+/// The models of an experiment: name, what they vary, and how.
+fn models(experiment: &Experiment, points: &[ParameterSet]) -> Vec<(String, Source, Change)> {
+    let mut models: Vec<(String, Source, Change)> = Vec::new();
     for number in 1..=NUMERICS {
         let changed = experiment.with_numerics(number);
         let solver = &changed.solver;
         let name = format!("{:.3e} s x {} substeps", solver.timestep_s, solver.substeps);
-        models.push((name, Source::Numerics, changed));
+        let change: Change = Box::new(move |own| own.with_numerics(number));
+        models.push((name, Source::Numerics, change));
     }
     let kind = experiment.joint_kind();
     models.push((
         LIMIT.to_owned(),
         Source::Numerics,
-        experiment.at_limit(kind),
+        Box::new(move |own| own.at_limit(kind)),
     ));
     if !experiment.assembly.hinges.is_empty() {
         models.push((
             format!("{:?} joints at their limit", kind.other()).to_lowercase(),
             Source::Joints,
-            experiment.at_limit(kind.other()),
+            Box::new(move |own| own.at_limit(kind.other())),
         ));
     }
     let taken = points.len().min(POINTS);
     for index in 0..taken {
         // Spread over the set, both ends included.
-        let point = &points[index * (points.len() - 1) / taken.saturating_sub(1).max(1)];
+        let point = points[index * (points.len() - 1) / taken.saturating_sub(1).max(1)].clone();
         models.push((
             point.to_string(),
             Source::Indistinguishable,
-            point.apply(experiment),
+            Box::new(move |own| point.apply(own)),
         ));
     }
     models

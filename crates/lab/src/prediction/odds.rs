@@ -10,6 +10,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::ensemble::{LEVELS, Region};
+use super::uncertain::UncertainParameters;
 use crate::calibration::Study;
 use crate::calibration::identification::face_down;
 use realgap_core::error::{Error, Result};
@@ -164,7 +165,9 @@ impl Odds {
         let found = run.each(resting.len(), |index| {
             odds_of(study, resting[index], set, options)
         })?;
-        Ok(Self::over(found, options, study.warnings().to_vec()))
+        let drawn = UncertainParameters::of_draws(&definition.draws).warning();
+        let warnings = study.warnings().iter().cloned().chain(drawn);
+        Ok(Self::over(found, options, warnings.collect()))
     }
 
     fn over(found: Vec<Found>, options: &OddsOptions, mut warnings: Vec<Warning>) -> Self {
@@ -263,10 +266,12 @@ fn odds_of(study: &Study, case: usize, set: &ParameterSet, options: &OddsOptions
     };
     let one_run = end_of(&experiment)?;
     let mut ends = Vec::with_capacity(options.runs);
+    let uncertain = UncertainParameters::of_draws(&study.definition().draws);
     for number in 0..options.runs as u64 {
         // Draws of their own for every recording, or else all would err alike.
         let draw = number + case as u64 * (1 << 32);
-        let other = options.noise.perturb(&experiment, options.seed, draw);
+        let own = uncertain.apply(&experiment, options.seed, number)?;
+        let other = options.noise.perturb(&own, options.seed, draw);
         ends.extend(end_of(&other.with_numerics(number))?);
     }
     let joints = target.motion.joints().len() as u32;

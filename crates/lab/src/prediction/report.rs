@@ -6,16 +6,18 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::ensemble::{self, Draws, Ensemble, Forecast, Reality, Recall};
+use super::ensemble::{self, Coverage, Draws, Ensemble, Forecast, Reality, Recall};
 use super::kept::{row_of, runs_in};
 use super::model::ModelError;
+use super::uncertain::UncertainParameters;
 use crate::calibration::{RepeatCase, Repeatable, by_name, few_recordings};
+use crate::claim::{self, About, Claim};
 use realgap_core::error::Result;
 use realgap_core::file::sha256;
 use realgap_core::statistics::Proportion;
 use realgap_core::warning::Warning;
-use realgap_engine::Noise;
 use realgap_engine::parameter::ParameterSet;
+use realgap_engine::{Noise, Run};
 use realgap_optimize::{Batch, Ending, Progress, RunOptions, drive};
 use realgap_path::trajectory::{Prepared, Source};
 use realgap_store::{Fingerprint, RunRow, Storage};
@@ -87,6 +89,8 @@ pub struct EnsembleReport {
     pub reality: Option<Reality>,
     /// One ensemble a start.
     pub cases: Vec<EnsembleCase>,
+    /// Everything that is stated here about reality, the most important first; how far the robot gets is that of the first start.
+    pub claims: Vec<Claim>,
     /// What the reader should know.
     pub warnings: Vec<Warning>,
 }
@@ -135,7 +139,7 @@ impl EnsembleReport {
             .with("noise", format!("{:?}", options.noise))
             .with("repeats", options.repeats)
             .with("seed", options.seed);
-        definition.with_recordings(fingerprint)
+        definition.with_recordings(definition.with_draws(fingerprint))
     }
 
     /// Simulates one worker's share of the repeats.
@@ -160,9 +164,22 @@ impl EnsembleReport {
     /// As [`EnsembleReport::new`].
     pub fn repeat(study: &Repeatable, options: &EnsembleOptions, index: usize) -> Result<RunRow> {
         let (case, number) = (index / options.repeats, index % options.repeats);
-        let experiment = &study.cases[case].experiment;
-        let run = ensemble::repeat(experiment, &options.noise, options.seed, number as u64)?;
-        row_of(index, &run)
+        row_of(index, &Self::run(study, options, case, number as u64)?)
+    }
+
+    /// One repeat of a start in full, with the parameters that it draws.
+    ///
+    /// # Errors
+    /// As [`EnsembleReport::new`].
+    pub fn run(
+        study: &Repeatable,
+        options: &EnsembleOptions,
+        case: usize,
+        number: u64,
+    ) -> Result<Run> {
+        let uncertain = UncertainParameters::of_draws(&study.definition.draws);
+        let experiment = uncertain.apply(&study.cases[case].experiment, options.seed, number)?;
+        ensemble::repeat(&experiment, &options.noise, options.seed, number)
     }
 
     fn recalling(
@@ -172,6 +189,7 @@ impl EnsembleReport {
         run: &RunOptions<'_>,
     ) -> Result<Self> {
         let total = study.cases.len() * options.repeats;
+        let uncertain = UncertainParameters::of_draws(&study.definition.draws);
         let mut ensembles: Vec<(&RepeatCase, Ensemble)> = Vec::new();
         for case in &study.cases {
             // A case that is not begun says nothing; the first at least says so itself.
@@ -186,13 +204,12 @@ impl EnsembleReport {
             };
             let draws = Draws {
                 noise: &options.noise,
+                uncertain: &uncertain,
                 seed: options.seed,
                 repeats: options.repeats,
                 recall: &|number| recall(before + number),
             };
-            let alike = |_| case.experiment.clone();
-            let repeats =
-                run.install(|| ensemble::run_each(&case.experiment, alike, &draws, &run))??;
+            let repeats = run.install(|| ensemble::run_each(&case.experiment, &draws, &run))??;
             ensembles.push((case, repeats));
         }
         let mut report = run.install(|| Self::of(study, ensembles, &options.noise_from))??;
@@ -229,7 +246,7 @@ impl EnsembleReport {
         warnings.extend(cases.iter().flat_map(|case| case.forecast.warnings.clone()));
         warnings.sort();
         warnings.dedup();
-        Ok(Self {
+        let report = Self {
             study: definition.name.clone(),
             morphology: definition.morphology.name().to_owned(),
             complete,
@@ -240,8 +257,29 @@ impl EnsembleReport {
             source: definition.source(),
             reality: Reality::pooled(&parts),
             cases,
+            claims: Vec::new(),
             warnings,
-        })
+        };
+        Ok(report.with_claims())
+    }
+
+    /// The report with what its own numbers say.
+    #[must_use]
+    pub fn with_claims(mut self) -> Self {
+        let reach = self
+            .cases
+            .first()
+            .and_then(|case| claim::reach(&case.forecast));
+        let reality = self.reality.iter();
+        let regions: Vec<Claim> = reality
+            .clone()
+            .flat_map(|r| &r.coverage)
+            .map(Coverage::claim)
+            .collect();
+        let alike = self.reality.as_ref().and_then(|reality| reality.alike);
+        let recorded = claim::recorded(&regions, alike.as_ref(), self.source);
+        self.claims = reach.into_iter().chain(recorded).chain(regions).collect();
+        self
     }
 
     /// Repeats that were simulated, of all starts together.
@@ -260,7 +298,7 @@ impl EnsembleCase {
     fn new(case: &RepeatCase, ensemble: Ensemble) -> Result<Self> {
         let forecast = Forecast::new(&ensemble)?;
         let real: Vec<_> = case.real.iter().map(|(n, p)| (n.as_str(), p)).collect();
-        let reality = Reality::new(&ensemble, &forecast, &real);
+        let reality = Reality::new(&ensemble, &forecast, &real)?;
         Ok(Self {
             case: case.name.clone(),
             real_paths_m: case.real.iter().map(|(_, p)| p.xy_m().to_vec()).collect(),
@@ -312,10 +350,14 @@ impl fmt::Display for EnsembleReport {
                 self.cases[0].forecast.repeats
             )?;
         }
-        match &self.reality {
-            Some(reality) => write!(f, "\n{reality}"),
-            None => Ok(()),
+        if let Some(reality) = &self.reality {
+            write!(f, "\n{reality}")?;
         }
+        let mut said = self
+            .claims
+            .iter()
+            .filter(|claim| claim.about == About::Ensemble);
+        said.try_for_each(|claim| write!(f, "\n  {claim}"))
     }
 }
 

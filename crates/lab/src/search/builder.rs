@@ -11,7 +11,7 @@ use super::objective::Objective;
 use super::problem::Search;
 use super::setting::SettingsChoice;
 use super::strategy::{Space, StrategySettings, within};
-use super::uncertain::{UncertainParameters, UncertainRange};
+use crate::prediction::{UncertainParameters, UncertainRange};
 use realgap_core::file::check_name;
 use realgap_core::range::Range;
 use realgap_core::{Error, Result};
@@ -39,7 +39,7 @@ pub struct SearchBuilder {
     set: Vec<(String, f64)>,
     overruling: ParameterSet,
     ranges: Vec<UncertainRange>,
-    points: Vec<ParameterSet>,
+    points: Vec<Vec<ParameterSet>>,
     noise: Option<(Noise, String)>,
     objective: Objective,
     repeats: usize,
@@ -144,7 +144,7 @@ impl SearchBuilder {
     /// Points of which every repeat gets one, e.g. those that tuning could not tell apart.
     #[must_use]
     pub fn uncertain_points(mut self, points: Vec<ParameterSet>) -> Self {
-        self.points = points;
+        self.points.push(points);
         self
     }
 

@@ -8,9 +8,7 @@ use super::run::SearchResults;
 use super::strategy::Evaluated;
 use crate::prediction::ensemble::{self, Draws, Ensemble, Forecast};
 use crate::prediction::{Card, Economy, Finals, Growth, Rerun, Success, SuccessRule};
-use realgap_core::warning::{Code, Warning};
 use realgap_core::{Error, Result};
-use realgap_engine::parameter::ParameterSet;
 use realgap_engine::{EnergyBalance, Experiment};
 use realgap_optimize::{RunOptions, pool};
 use realgap_robot::morphology::Morphology;
@@ -234,14 +232,10 @@ impl Search {
         let mut base = self.experiment(robot);
         base.energy_from_s = Some(self.objective.from_s);
         let seed = self.finals_seed();
-        // `run_each` takes no errors, and draws of checked ranges have none.
-        let drawn: Result<Vec<ParameterSet>> = (0..self.finals.repeats as u64)
-            .map(|number| self.uncertain.draw(seed, number))
-            .collect();
-        let drawn = drawn?;
         let draws = Draws {
             // What the robot does counts here, not what somebody sees of it.
             noise: &self.noise.without_camera(),
+            uncertain: &self.uncertain,
             seed,
             repeats: self.finals.repeats,
             recall: &|_| Ok(None),
@@ -250,15 +244,7 @@ impl Search {
             progress: None,
             ..*options
         };
-        let vary = |number: u64| drawn[number as usize].apply(&base);
-        let mut ensemble = ensemble::run_each(&base, vary, &draws, &quiet)?;
-        if !self.uncertain.is_empty() {
-            ensemble.warnings.push(Warning::new(
-                Code::UncertainParameters,
-                "repeats differ in the parameters that tuning left open, too; the run without noise has the fixed values",
-            ));
-        }
-        Ok(ensemble)
+        ensemble::run_each(&base, &draws, &quiet)
     }
 
     /// What counts of every repeat that ended.

@@ -103,8 +103,8 @@ mod run;
 mod search_file;
 mod setting;
 mod strategy;
-mod uncertain;
 
+pub use crate::prediction::{UncertainParameters, UncertainRange, read_indistinguishable};
 pub use baseline::Baseline;
 pub use body::Body;
 pub use builder::SearchBuilder;
@@ -127,4 +127,3 @@ pub use strategy::{
     GridSettings, MapElites, OPERATORS, Operator, SELECTIONS, STRATEGIES, Selection, Space,
     Strategy, StrategySettings, Variation, generator, operator_named, selection_named,
 };
-pub use uncertain::{UncertainParameters, UncertainRange, read_indistinguishable};

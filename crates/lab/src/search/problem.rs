@@ -9,7 +9,7 @@ use super::gait::GaitTuning;
 use super::objective::Objective;
 use super::setting::SettingsChoice;
 use super::strategy::{Space, Strategy};
-use super::uncertain::UncertainParameters;
+use crate::prediction::UncertainParameters;
 use realgap_engine::parameter::ParameterSet;
 use realgap_engine::{EngineChoice, Experiment, Noise, Sampling};
 use realgap_robot::morphology::{Assembly, Morphology};

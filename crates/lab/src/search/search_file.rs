@@ -13,7 +13,7 @@ use super::objective::Objective;
 use super::problem::Search;
 use super::setting::SettingsChoice;
 use super::strategy::StrategyFile;
-use super::uncertain::{UncertainRange, read_indistinguishable};
+use crate::prediction::{UncertainRange, read_indistinguishable};
 use realgap_core::Result;
 use realgap_core::file::{Source, name_of_file, parse_ron, unique_keys};
 use realgap_engine::Noise;
@@ -95,6 +95,8 @@ pub struct Overrides {
     pub set: ParameterSet,
     /// Folder with indistinguishable points in place of the file's.
     pub indistinguishable: Option<PathBuf>,
+    /// Values that files of parameters carry: every repeat takes one of each group where there are no such points.
+    pub draws: Vec<Vec<ParameterSet>>,
     /// Seed in place of the file's.
     pub seed: Option<u64>,
 }
@@ -154,7 +156,14 @@ fn builder(source: &Source, file: SearchFile, overrides: &Overrides) -> Result<S
         (None, Some(named)) => read_indistinguishable(&folder.join(named))?,
         (None, None) => Vec::new(),
     };
-    builder = builder.uncertain_points(points);
+    // A folder's points were named for this; what a file of values carries is left out then.
+    let groups = match points.is_empty() {
+        true => overrides.draws.clone(),
+        false => vec![points],
+    };
+    builder = groups
+        .into_iter()
+        .fold(builder, SearchBuilder::uncertain_points);
     match &file.start {
         None => Ok(builder),
         Some(StartFile::Genome(path)) => {

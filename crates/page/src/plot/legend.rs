@@ -91,11 +91,11 @@ pub(super) fn best_text(unit: DisplayUnit, score: Option<f64>, place: &str) -> S
     format!("best: {score} at {place}")
 }
 
-/// How many points cannot be told from the best, where there are some.
+/// What is marked as not told from the best, where there is some.
 pub(super) fn alike_text(indistinguishable: &[bool]) -> Option<String> {
-    let inside = indistinguishable.iter().filter(|&&inside| inside).count();
-    let all = indistinguishable.len();
-    (inside > 0).then(|| format!("cannot be told from the best ({inside} of {all})"))
+    // How many stands where points are counted: a picture counts its own cells.
+    let any = indistinguishable.contains(&true);
+    any.then(|| "cannot be told from the best".to_owned())
 }
 
 fn letter() -> Letter {

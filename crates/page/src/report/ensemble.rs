@@ -1,15 +1,16 @@
-//! The story of an ensemble: how far, which behaviours, how likely, how honest.
+//! The story of an ensemble: how far, which behaviours, how likely, and what recordings say of it.
 
 use std::path::Path;
 
 use serde_json::Value;
 
 use super::chart::{Chart, key};
+use super::claim::{sentences, word};
 use super::section::{Section, figures, pictures};
 use super::story::Story;
 use super::value::*;
 use realgap_core::error::Result;
-use realgap_core::unit::{counted, decimals, number};
+use realgap_core::unit::number;
 
 /// Colours of behaviours, the first for what was predicted.
 const CLASSES: [&str; 6] = ["b0", "b1", "b2", "b3", "b4", "b5"];
@@ -33,74 +34,26 @@ pub(super) fn ensemble(folder: &Path, report: &Value) -> Result<Story> {
         motion += &format!("<p class=\"note\">{note}</p>");
     }
     let reality = report.at("reality");
-    let mut said = answer(first, "");
-    if let Some(coverage) = reality.list("coverage").last() {
-        let end = coverage.at("at_end");
-        said += &format!(
-            " Of {}, {} end in the region that should hold {}, which is {}: {}.",
-            runs(report, end.float("trials")),
-            end.get("count").map_or_else(String::new, Value::to_string),
-            coverage.percent("level"),
-            coverage.likely("at_end"),
-            match coverage.is("is_honest") {
-                Some(true) => "these confidences are honest as far as so few runs can tell",
-                Some(false) =>
-                    "these confidences are NOT honest, and the simulation knows too little",
-                None => "nothing more is said",
-            }
-        );
-    }
     let does = behaviour_table(first, cases);
     Ok(Story {
         kind: "ensemble",
         name: report.named("study", "ensemble"),
-        answer: said,
+        answer: sentences(report, &["ensemble", "reach"]),
         sections: vec![
             Section::new("behaviours", "What it does, and how likely", does),
             Section::new("motion", "Where it will be", motion),
             Section::new("distance", "How far", distances(cases)),
-            Section::new("reality", "How honest that is", honesty(reality)),
+            Section::new(
+                "reality",
+                "What recordings say of it",
+                recorded(report, reality),
+            ),
             Section::new("noise", "What repeats differ by", noise(first)),
             pictures(folder, "pictures", "All repeats", |_| true)?,
         ],
         said: vec!["reality", "cases"],
         ..Story::default()
     })
-}
-
-fn runs(report: &Value, count: Option<f64>) -> String {
-    let what = match report.text("source") {
-        "StandIn" => "stand-in run",
-        _ => "real run",
-    };
-    counted(count.unwrap_or(0.0) as usize, what)
-}
-
-pub(super) fn answer(summary: &Value, sure: &str) -> String {
-    let far = summary.at("displacement_m");
-    let behaviours = summary.list("behaviours.list");
-    let likely = behaviours
-        .iter()
-        .max_by(|a, b| share(a).total_cmp(&share(b)))
-        .map_or_else(String::new, |behaviour| {
-            let which = match behaviours.len() {
-                1 => "its one behaviour".to_owned(),
-                many => format!("the most likely of {many} behaviours"),
-            };
-            let (name, share) = (behaviour.text("name"), behaviour.likely("probability"));
-            format!("; {which} is “{name}” with {share}")
-        });
-    let seconds = summary.float("duration_s").map(|s| decimals(s, 1));
-    let seconds = seconds.unwrap_or_default();
-    format!(
-        "In {seconds} s it goes {} in nine of ten repeats, {} in the middle one{likely}.{sure}",
-        far.span(["q05", "q95"], "m"),
-        far.measured("q50", "m"),
-    )
-}
-
-fn share(behaviour: &Value) -> f64 {
-    behaviour.float("probability.share").unwrap_or(0.0)
 }
 
 pub(super) fn behaviour_table(first: &Value, cases: &[Value]) -> String {
@@ -261,7 +214,7 @@ pub(super) fn distances(cases: &[Value]) -> String {
     titled(head, rows)
 }
 
-fn honesty(reality: &Value) -> String {
+fn recorded(report: &Value, reality: &Value) -> String {
     let coverage = reality.list("coverage");
     if coverage.is_empty() {
         return String::new();
@@ -271,17 +224,12 @@ fn honesty(reality: &Value) -> String {
             level.percent("level"),
             level.percent("over_time"),
             level.proportion("at_end"),
-            match level.is("is_honest") {
-                Some(true) => "yes",
-                Some(false) => "NO: region too narrow or too wide",
-                None => "–",
-            }
-            .to_owned(),
+            word(report, "region", &level.percent("level")),
             level.proportion("whole_path"),
         ]
     });
     let first = titled(
-        "region of | recorded runs inside, over time | at the end (95 %) | honest | whole paths in their band",
+        "region of | recorded runs inside, over time | at the end (95 %) | recordings say | whole paths in their band",
         rows,
     );
     let runs = reality.list("runs").iter().map(|run| {

@@ -5,21 +5,19 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::chart::{Chart, key};
+use super::claim::sentences;
 use super::section::{Section, figures, pictures};
 use super::story::Story;
 use super::value::*;
 use realgap_core::error::Result;
-use realgap_core::unit::{counted, decimals, number};
+use realgap_core::unit::number;
 
 pub(super) fn gap(folder: &Path, report: &Value) -> Result<Story> {
     let is_floor_alone = report.get("sets").is_some();
     Ok(Story {
         kind: if is_floor_alone { "noise floor" } else { "gap" },
         name: report.named("study", "recordings"),
-        answer: match is_floor_alone {
-            true => floor_answer(report),
-            false => answer(report),
-        },
+        answer: answer(report),
         sections: vec![
             Section::new("metrics", "How far, in noise floors", metrics(report)),
             Section::new("sets", "Sets of repeats", sets(report)),
@@ -42,91 +40,11 @@ pub(super) fn gap(folder: &Path, report: &Value) -> Result<Story> {
 }
 
 fn answer(report: &Value) -> String {
-    let reality = match report.text("source") {
-        "StandIn" => "the stand-in for reality",
-        _ => "reality",
-    };
-    let Some(metric) = report.list("metrics").first() else {
-        return "Not determined: nothing was compared.".to_owned();
-    };
-    // Repeats where there are some, else the run without noise.
-    let either = |name: &str| {
-        let mut both = ["repeats", "ideal"].map(|which| metric.at(&format!("{which}.{name}")));
-        both.sort_by_key(|found| found.is_null());
-        both[0]
-    };
-    let (ratio, gap) = (either("ratio"), either("gap"));
-    let unit = metric.text("unit");
-    let alike = match metric.float("alike.p_value") {
-        None => String::new(),
-        Some(p) if p < 0.05 => format!(
-            "Simulated repeats are NOT drawn like {reality} (energy test, p = {}). ",
-            number(p)
-        ),
-        Some(p) => format!(
-            "Nothing tells simulated repeats from {reality} (energy test, p = {}, {}). ",
-            number(p),
-            counted(
-                report.count("recordings").unwrap_or(0) as usize,
-                "recording"
-            )
-        ),
-    };
-    let first = match ratio.float("value") {
-        Some(value) => format!(
-            "The simulation is {} noise floors away from {reality} (95 %: {}; at 1 as far on average as repeats are from each other, which does not say that they are alike): {} {} where repeats of the recorded run are {} apart.",
-            number(value),
-            ratio.span(["low", "high"], ""),
-            metric.text("metric"),
-            gap.measured("value", unit),
-            metric.measured("floor.value", unit),
-        ),
-        None => format!(
-            "How many noise floors the simulation is away is not determined: {} {} from {reality}, and there are no repeats of the recorded run.",
-            metric.text("metric"),
-            gap.measured("value", unit),
-        ),
-    };
-    let confidence = report.at("confidence");
-    let until = match (
-        confidence.float("over_time"),
-        confidence.float("below_half_s"),
-    ) {
-        (None, _) => String::new(),
-        (Some(inside), until) => format!(
-            " Over time {}{} of recorded runs are inside the region that should hold {}{}.",
-            percent(Some(inside)),
-            match confidence.floats("over_time_interval")[..] {
-                [low, high] => format!(" ({} to {})", percent(Some(low)), percent(Some(high))),
-                _ => String::new(),
-            },
-            confidence.percent("level"),
-            until.map_or_else(
-                || ", never fewer than half".to_owned(),
-                |s| format!("; fewer than half are after {} s", decimals(s, 2))
-            )
-        ),
-    };
-    alike + &first + &until
-}
-
-fn floor_answer(report: &Value) -> String {
-    let sets = report.list("sets");
-    let first = sets.first().and_then(|set| set.list("metrics").first());
-    let floors = sets.iter().filter_map(|set| {
-        let metric = set.list("metrics").first()?;
-        let floor = measured(metric.float("floor.value"), metric.text("unit"));
-        Some(match sets.len() {
-            1 => floor,
-            _ => format!("{floor} ({})", set.text("set")),
-        })
-    });
-    let said: Vec<String> = floors.take(6).collect();
-    format!(
-        "Repeats of one recorded run are {} apart in {}. No simulation can be told to be nearer than that.",
-        said.join(", "),
-        first.map_or("", |metric| metric.text("metric")),
-    )
+    let about = ["likeness", "distance", "over_time", "floor"];
+    match sentences(report, &about) {
+        none if none.is_empty() => "Nothing was compared.".to_owned(),
+        said => said,
+    }
 }
 
 fn metrics(report: &Value) -> String {
@@ -218,7 +136,7 @@ fn over_time(report: &Value) -> String {
         let chart = chart.line("edge", ends.map(|t| [t, level]).to_vec());
         all.push(chart.line("sim", line.collect()).figure(
             "Recorded runs inside the predicted region",
-            "Dashed: what an honest region holds. Band: 95 % interval of the share, narrower with more recordings.",
+            "Dashed: what the region promises. Band: 95 % interval of the share, narrower with more recordings.",
         ));
     }
     if all.is_empty() {

@@ -9,6 +9,9 @@ mod animation;
 mod base64;
 mod block;
 mod chart;
+mod claim;
+#[cfg(test)]
+mod contradiction;
 mod ensemble;
 mod folder;
 mod foxglove;

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::ensemble::{answer, behaviour_table, charts, distances, noise};
+use super::claim::sentences;
+use super::ensemble::{behaviour_table, charts, distances, noise};
 use super::page::html;
 use super::section::{Section, pictures};
 use super::story::Story;
@@ -13,29 +14,6 @@ use realgap_core::error::Result;
 
 pub(super) fn prediction(folder: &Path, report: &Value) -> Result<Story> {
     let summary = report.at("prediction");
-    let success = report.at("success");
-    let range = success.at("range");
-    let mut sure = String::new();
-    if !success.is_null() {
-        let models = range.at("models");
-        sure = format!(
-            " It gets at least {} far with a probability of {} ({} to {} by sampling alone{}).",
-            success.measured("least_displacement_m", "m"),
-            success.percent("probability.share"),
-            success.percent("probability.low"),
-            success.percent("probability.high"),
-            match models.is_null() {
-                true => String::new(),
-                false => format!(
-                    "; {} to {} over other models, {} to {} with another engine",
-                    models.percent("low"),
-                    models.percent("high"),
-                    range.percent("other_engine.low"),
-                    range.percent("other_engine.high")
-                ),
-            }
-        );
-    }
     let case = serde_json::json!([{ "case": report.text("robot"), "summary": summary }]);
     let cases = case.as_array().map_or(&[][..], Vec::as_slice);
     let not = report.list("not_covered").iter();
@@ -49,7 +27,7 @@ pub(super) fn prediction(folder: &Path, report: &Value) -> Result<Story> {
     Ok(Story {
         kind: "prediction",
         name: report.named("robot", "prediction"),
-        answer: answer(summary, &sure),
+        answer: sentences(report, &["reach", "success"]),
         sections: vec![
             Section::new("behaviours", "What it does, and how likely", does),
             Section::new("motion", "Where it will be", charts("", summary)),

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::chart::{Chart, steps};
+use super::claim::sentences;
 use super::page::html;
 use super::section::{Section, figures, pictures};
 use super::sheet::Sheet;
@@ -55,10 +56,8 @@ fn answer(folder: &Path, report: &Value) -> Result<String> {
         return Ok("Not determined: no robot was looked at again. What was found so far is in the history below.".to_owned());
     };
     // The summary has the share alone; the card knows how sure it is.
-    let odds = match card_of(folder, first)? {
-        Some(card) if card.at("success").is_object() => card.at("success").likely("probability"),
-        _ => first.percent("success"),
-    };
+    let card = card_of(folder, first)?;
+    let odds = card.map_or_else(String::new, |card| sentences(&card, &["success"]));
     let holds = if first.is("survives") == Some(true) {
         "and walks the same under other numerics"
     } else {
@@ -72,11 +71,10 @@ fn answer(folder: &Path, report: &Value) -> Result<String> {
     });
     let beats = beats.unwrap_or_default();
     Ok(format!(
-        "The best robot, {}, is worth {} with new draws ({}), {holds}. It gets at least {} far with a probability of {odds}, and {survivors} of {} finalists survive.{beats}",
+        "The best robot, {}, is worth {} with new draws ({}), {holds}. {odds} {survivors} of {} finalists survive.{beats}",
         first.text("file"),
         first.measured("fitness", unit),
         report.text("objective"),
-        first.measured("success_m", "m"),
         best.len(),
     ))
 }

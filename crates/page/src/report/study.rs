@@ -6,9 +6,10 @@ use serde_json::{Value, json};
 
 use super::block::Block;
 use super::chart::{Chart, steps};
+use super::claim::{sentences, word};
 use super::joint::joints;
 use super::kept::Kept;
-use super::page::script_json;
+use super::page::{html, script_json};
 use super::path::{from_above, over_time};
 use super::points::{PATH_STEP_M, Points, push_path};
 use super::section::{Section, figures, pictures};
@@ -17,11 +18,12 @@ use super::story::Story;
 use super::value::*;
 use crate::results::kind::file;
 use realgap_core::error::Result;
-use realgap_core::unit::{counted, number};
+use realgap_core::unit::number;
 
 /// Fewer numbers than this of a report stand in the section of numbers, because others tell them.
-const SAID: [&str; 9] = [
+const SAID: [&str; 10] = [
     "study",
+    "fit",
     "best",
     "verdicts",
     "audit",
@@ -94,7 +96,7 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
     let mut story = Story {
         kind: if is_tuned { "tuning" } else { "sweep" },
         name: report.named("study", "results"),
-        answer: answer(report, kept),
+        answer: answer(report),
         sections,
         said: SAID.to_vec(),
         ..Story::default()
@@ -121,84 +123,16 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
     Ok(story)
 }
 
-/// Two sentences: where the simulation is nearest, and what the recordings determine.
-fn answer(report: &Value, kept: Option<&Kept>) -> String {
-    let reality = match kept.map_or("", |kept| kept.reality.as_str()) {
-        "" => "the recordings".to_owned(),
-        "reality" => "reality".to_owned(),
-        stand_in => format!("the {stand_in}"),
-    };
-    let best = report.at("best");
-    let Some(parameters) = best.get("parameters").and_then(Value::as_object) else {
-        return "Not determined: no point has a score.".to_owned();
-    };
-    let unit = report.text("unit");
-    let verdicts = report.list("verdicts");
-    let names = |identified: bool| -> Vec<&str> {
-        verdicts
-            .iter()
-            .filter(|v| v.is("identified") == Some(identified))
-            .map(|v| v.text("parameter"))
-            .collect()
-    };
-    let (known, open) = (names(true), names(false));
-    let values: Vec<String> = parameters
-        .iter()
-        .map(|(name, value)| {
-            let value = value.as_f64().map_or_else(String::new, number);
-            let is_known = known.contains(&name.as_str());
-            let mut found = verdicts.iter().filter(|_| is_known);
-            let verdict = found.find(|verdict| verdict.text("parameter") == name);
-            let interval = verdict.map(|verdict| verdict.floats("interval"));
-            let interval = match interval.as_deref() {
-                Some([low, high]) => format!(" (90 %: {} to {})", number(*low), number(*high)),
-                _ => String::new(),
-            };
-            format!("{name} = {value}{interval}")
-        })
-        .collect();
-    let over = match best.count("settings") {
-        Some(settings) if settings > 1 => {
-            format!(" on average over {settings} equally valid numerical settings")
-        }
-        _ => " in one run each, numerical luck included".to_owned(),
-    };
-    let mut text = format!(
-        "The simulation comes nearest to {reality} at {}: {} {}{over}.",
-        values.join(", "),
-        report.text("metric"),
-        best.measured("score", unit),
-    );
-    text += &match (known.is_empty(), open.is_empty()) {
-        (true, true) => " Nothing is said about how sure that is.".to_owned(),
-        (false, true) => format!(
-            " {} narrowed down by {}.",
-            listed(&known),
-            counted(
-                report.count("recordings").unwrap_or(0) as usize,
-                "recording"
-            )
-        ),
-        (true, false) => format!(" {} not determined by these recordings.", listed(&open)),
-        (false, false) => format!(
-            " {} narrowed down, {} not determined by these recordings.",
-            listed(&known),
-            listed(&open)
-        ),
-    };
+/// Whether the model explains the recordings, where it is nearest, and what they say about its parameters.
+fn answer(report: &Value) -> String {
+    let mut text = sentences(report, &["model", "best", "parameters"]);
+    if text.is_empty() {
+        return "No point has a score: nothing is said.".to_owned();
+    }
     if report.is("complete") == Some(false) {
         text += " Unfinished: this is what there is so far.";
     }
     text
-}
-
-/// `a is`, `a and b are`.
-fn listed(names: &[&str]) -> String {
-    match names {
-        [one] => format!("{one} is"),
-        [first @ .., last] => format!("{} and {last} are", first.join(", ")),
-        [] => String::new(),
-    }
 }
 
 fn heat(points: &Points, report: &Value, map: Option<String>, path: &str) -> String {
@@ -224,12 +158,9 @@ fn heat(points: &Points, report: &Value, map: Option<String>, path: &str) -> Str
         order.len(),
         table(&head, rows)
     );
-    let alike = match order.iter().filter(|point| point.is_in).count() {
-        0 => String::new(),
-        alike => format!(
-            "<p class=\"note\">{alike} of {} points cannot be told apart from the best.</p>",
-            order.len()
-        ),
+    let alike = match sentences(report, &["set"]) {
+        none if none.is_empty() => none,
+        alike => format!("<p class=\"note\">{}</p>", html(&alike)),
     };
     let map = map.map_or_else(String::new, |map| {
         let choose = match path.is_empty() {
@@ -252,17 +183,24 @@ fn verdicts(folder: &Path, report: &Value) -> Result<String> {
         vec![
             verdict.owned("parameter"),
             measured(verdict.float("best"), verdict.text("unit")),
-            verdict.span(["interval.0", "interval.1"], ""),
-            match verdict.is("identified") {
-                Some(true) => "narrowed down".to_owned(),
-                _ => "not determined".to_owned(),
-            },
+            intervals(verdict),
+            word(report, "parameter", verdict.text("parameter")),
             verdict.owned("text"),
         ]
     });
     let table = titled("parameter | best | 90 % interval | | verdict", rows);
     let profiles = profiles(folder, report)?;
     Ok(figures(&profiles) + &table)
+}
+
+/// The parts of a verdict's interval.
+fn intervals(verdict: &Value) -> String {
+    let parts = match verdict.list("intervals") {
+        [] => vec![verdict.at("interval")],
+        many => many.iter().collect(),
+    };
+    let parts = parts.into_iter().map(|part| part.span(["0", "1"], ""));
+    parts.collect::<Vec<_>>().join(" or ")
 }
 
 /// The best score along each parameter, from `profiles.csv`.

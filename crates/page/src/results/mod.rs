@@ -26,7 +26,7 @@
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 
-mod best;
+pub(crate) mod best;
 mod cell;
 mod convergence;
 mod corner;
@@ -54,6 +54,7 @@ use std::path::Path;
 use realgap_core::error::{Error, Result};
 use realgap_lab::calibration::{Answer, Method, Study};
 
+pub use best::draws;
 pub use ensemble::{write_ensemble, write_prediction, write_report};
 pub use gap::{write_floor, write_gap};
 pub use kind::{Kind, accept, check_folder, check_seal};

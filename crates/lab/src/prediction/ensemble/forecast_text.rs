@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::forecast::Forecast;
-use super::reality::{Coverage, Reality};
+use super::reality::Reality;
 use realgap_core::statistics::Proportion;
 use realgap_core::table::{Side, TextTable};
 use realgap_core::unit::{Unit, decimals, quantity};
@@ -120,7 +120,7 @@ impl fmt::Display for Reality {
             ("real runs, over time", Side::Right),
             ("at the end", Side::Right),
             ("95 % interval", Side::Right),
-            ("honest", Side::Left),
+            ("recordings say", Side::Left),
             ("whole paths in their band", Side::Right),
         ]);
         for coverage in &self.coverage {
@@ -130,7 +130,7 @@ impl fmt::Display for Reality {
                 format!("{:.0} %", 100.0 * coverage.over_time),
                 format!("{} of {}", end.count, end.trials),
                 format!("{:.0} to {:.0} %", 100.0 * end.low, 100.0 * end.high),
-                honesty(coverage).to_owned(),
+                coverage.claim().word,
                 coverage.whole_path.map_or("-".to_owned(), |held| {
                     format!("{} of {}", held.count, held.trials)
                 }),
@@ -143,19 +143,5 @@ impl fmt::Display for Reality {
             quantity(self.energy_score_m, Unit::Metre),
             quantity(self.expected_energy_score_m, Unit::Metre)
         )
-    }
-}
-
-fn honesty(coverage: &Coverage) -> &'static str {
-    if coverage.is_honest {
-        "not contradicted"
-    } else if coverage.at_end.high < coverage.level
-        || coverage
-            .whole_path
-            .is_some_and(|held| held.high < coverage.level)
-    {
-        "NO: region too narrow"
-    } else {
-        "NO: region too wide"
     }
 }

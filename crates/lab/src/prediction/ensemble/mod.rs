@@ -36,6 +36,7 @@ pub use envelope::{Envelope, LEAST_PATHS, LEVELS, Region};
 pub use forecast::Forecast;
 pub use forecast_text::percent;
 pub use quantiles::{QUANTILES, Quantiles};
+pub(super) use reality::REPEATS_TESTED;
 pub use reality::{Coverage, RealRun, Reality};
 pub(super) use run::must_repeat;
 pub use run::{Draws, Recall, no_camera, run_each};

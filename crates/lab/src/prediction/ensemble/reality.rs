@@ -1,4 +1,4 @@
-//! An ensemble held against recorded paths: are its confidences honest?
+//! An ensemble held against recorded paths: do its confidences keep what they promise?
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -7,7 +7,9 @@ use super::distance::rms_m;
 use super::envelope::LEVELS;
 use super::forecast::Forecast;
 use super::run::Ensemble;
-use realgap_core::statistics::{Proportion, mean};
+use crate::claim::{self, Claim, Says};
+use realgap_core::error::Result;
+use realgap_core::statistics::{EnergyTest, Proportion, energy_test, mean};
 use realgap_path::trajectory::Prepared;
 
 /// Confidence level of the coverages' intervals.
@@ -63,26 +65,40 @@ pub struct Reality {
     pub energy_score_m: f64,
     /// The score that reality would get on average if it were one more repeat: ½ E‖X − X′‖, metres.
     pub expected_energy_score_m: f64,
+    /// Whether recordings and repeats are drawn alike, by their RMS distances; `None` without several recordings of one start.
+    pub alike: Option<EnergyTest>,
     /// The runs.
     pub runs: Vec<RealRun>,
 }
 
+/// At most so many repeats take part in the test of likeness: it needs the distances of all pairs.
+pub(in crate::prediction) const REPEATS_TESTED: usize = 400;
+
+impl Coverage {
+    /// What it says of its region.
+    pub fn claim(&self) -> Claim {
+        claim::region(self.level, &self.at_end, self.whole_path.as_ref())
+    }
+}
+
 impl Reality {
     /// Compares an ensemble and what is said about it with named prepared recordings, in true lengths; `None` without recordings or repeats.
+    ///
+    /// # Errors
+    /// Distances that are not finite.
     pub fn new(
         ensemble: &Ensemble,
         forecast: &Forecast,
         real: &[(&str, &Prepared)],
-    ) -> Option<Self> {
+    ) -> Result<Option<Self>> {
         let repeats: Vec<(u64, &Prepared)> = ensemble
             .motions()
             .map(|(repeat, motion)| (repeat.number, &motion.path))
             .collect();
-        if real.is_empty() || repeats.is_empty() {
-            return None;
-        }
+        let Some(envelope) = forecast.envelope.as_ref().filter(|_| !real.is_empty()) else {
+            return Ok(None);
+        };
         let behaviours = &forecast.behaviours;
-        let envelope = forecast.envelope.as_ref()?;
         let half_spread_m = 0.5 * mean_distance_m(&repeats);
         let runs: Vec<RealRun> = real
             .par_iter()
@@ -115,7 +131,13 @@ impl Reality {
                 }
             })
             .collect();
-        Some(Self::of_runs(runs, half_spread_m))
+        let tested = repeats.iter().take(REPEATS_TESTED).map(|(_, path)| *path);
+        let all: Vec<&Prepared> = real.iter().map(|(_, path)| *path).chain(tested).collect();
+        let alike = match real.len() > 1 && repeats.len() > 1 {
+            true => Some(energy_test(&pairs_m(&all), real.len(), ensemble.seed)?),
+            false => None,
+        };
+        Ok(Some(Self::of_runs(runs, half_spread_m, alike)))
     }
 
     /// Recorded runs that each had an ensemble of their own, together; `None` for none.
@@ -128,10 +150,18 @@ impl Reality {
             .iter()
             .flat_map(|part| part.runs.iter().map(|_| part.expected_energy_score_m))
             .collect();
-        Some(Self::of_runs(runs, mean(&expected)))
+        let alike = match parts {
+            [only] => only.alike,
+            _ => None,
+        };
+        Some(Self::of_runs(runs, mean(&expected), alike))
     }
 
-    fn of_runs(runs: Vec<RealRun>, expected_energy_score_m: f64) -> Self {
+    fn of_runs(
+        runs: Vec<RealRun>,
+        expected_energy_score_m: f64,
+        alike: Option<EnergyTest>,
+    ) -> Self {
         let coverage = LEVELS
             .iter()
             .enumerate()
@@ -145,9 +175,9 @@ impl Reality {
                     let count = held.iter().filter(|held| **held).count();
                     Proportion::new(count, held.len(), INTERVAL)
                 });
-                let mut shares_held = std::iter::once(at_end).chain(whole_path);
+                let claim = claim::region(level, &at_end, whole_path.as_ref());
                 Coverage {
-                    is_honest: shares_held.all(|held| (held.low..=held.high).contains(&level)),
+                    is_honest: claim.says == Says::Holds,
                     whole_path,
                     level,
                     over_time: mean(&shares),
@@ -160,6 +190,7 @@ impl Reality {
             coverage,
             energy_score_m: mean(&scores),
             expected_energy_score_m,
+            alike,
             runs,
         }
     }
@@ -171,6 +202,12 @@ impl Reality {
             .filter(|run| run.behaviour.as_deref() == behaviour)
             .count()
     }
+}
+
+/// Distances of all pairs, metres: (0, 1), (0, 2), …, (1, 2), ….
+fn pairs_m(paths: &[&Prepared]) -> Vec<f64> {
+    let of = |i: usize| (i + 1..paths.len()).map(move |j| rms_m(paths[i], paths[j]));
+    (0..paths.len()).flat_map(of).collect()
 }
 
 /// Mean distance over all pairs of different repeats, metres; 0 for one.

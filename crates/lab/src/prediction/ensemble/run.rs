@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use rayon::prelude::*;
 
+use crate::prediction::uncertain::UncertainParameters;
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::{Code, Warning};
 use realgap_engine::{EnergyBalance, Experiment, Noise, Outcome, Perturbation, Run};
@@ -53,6 +54,8 @@ pub struct Repeat {
 pub struct Ensemble {
     /// How the repeats differ.
     pub noise: Noise,
+    /// Parameters that differ from repeat to repeat.
+    pub uncertain: UncertainParameters,
     /// Seed of all draws.
     pub seed: u64,
     /// How many repeats were asked for; fewer are here where the run was stopped.
@@ -87,7 +90,7 @@ impl Ensemble {
     }
 }
 
-/// Simulates `repeats` repeats of `experiment` under `noise`.
+/// Simulates `repeats` repeats of `experiment` under `noise`, with its own parameters in all of them.
 ///
 /// The result does not depend on the threads. Once the run is stopped no repeat is begun; those that are done are returned
 /// ([`Ensemble::is_complete`]).
@@ -102,14 +105,14 @@ pub fn run(
     repeats: usize,
     run: &RunOptions<'_>,
 ) -> Result<Ensemble> {
-    let recall: Recall<'_> = &|_| Ok(None);
     let draws = Draws {
         noise,
+        uncertain: &UncertainParameters::default(),
         seed,
         repeats,
-        recall,
+        recall: &|_| Ok(None),
     };
-    run.install(|| run_each(experiment, |_| experiment.clone(), &draws, run))?
+    run.install(|| run_each(experiment, &draws, run))?
 }
 
 /// How the repeats of an ensemble are drawn.
@@ -117,6 +120,8 @@ pub fn run(
 pub struct Draws<'a> {
     /// How they differ.
     pub noise: &'a Noise,
+    /// Parameters that differ, too.
+    pub uncertain: &'a UncertainParameters,
     /// Seed of all draws.
     pub seed: u64,
     /// How many there are.
@@ -125,19 +130,18 @@ pub struct Draws<'a> {
     pub recall: Recall<'a>,
 }
 
-/// As [`run`] on the current rayon pool, with an experiment of its own for every repeat: `vary` gives that of a repeat by its number, e.g. with another draw of
-/// uncertain parameters. `experiment` is the one without noise.
+/// As [`run`] on the current rayon pool, with parameters of its own for every repeat. `experiment` is the one without noise.
 ///
 /// # Errors
 /// As [`run`], and those of the recall.
 pub fn run_each(
     experiment: &Experiment,
-    vary: impl Fn(u64) -> Experiment + Sync,
     draws: &Draws<'_>,
     run: &RunOptions<'_>,
 ) -> Result<Ensemble> {
     let Draws {
         noise,
+        uncertain,
         seed,
         repeats,
         recall,
@@ -158,7 +162,8 @@ pub fn run_each(
             if run.is_stopped() {
                 return Ok(None);
             }
-            let drawn = noise.perturb(&vary(number), seed, number);
+            let own = uncertain.apply(experiment, seed, number)?;
+            let drawn = noise.perturb(&own, seed, number);
             let simulated = match recall(number as usize)? {
                 Some(known) => known,
                 None => recorded(realgap_engine::run(&drawn)?, noise, seed, number)?,
@@ -176,6 +181,7 @@ pub fn run_each(
     let cpu = first_cpu + all.iter().flatten().map(|(_, cpu)| *cpu).sum::<Duration>();
     let mut ensemble = Ensemble {
         noise: *noise,
+        uncertain: uncertain.clone(),
         seed,
         asked: repeats,
         repeats: all
@@ -192,6 +198,7 @@ pub fn run_each(
     };
     let own = warnings(&ensemble);
     ensemble.warnings.extend(own);
+    ensemble.warnings.extend(uncertain.warning());
     Ok(ensemble)
 }
 

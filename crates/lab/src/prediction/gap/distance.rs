@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::estimate::Estimate;
 use super::floor::{self, NoiseFloor, Pairs};
 use super::sample::{CaseRuns, Heard, Sample, Scoring, distance};
+use crate::prediction::ensemble::REPEATS_TESTED;
 use realgap_core::error::{Error, Result};
 use realgap_core::statistics::{Degree, EnergyTest, energy_test, mean};
 use realgap_core::unit::Unit;
@@ -121,9 +122,6 @@ pub fn distances(real: &[Sample], cases: &[CaseRuns], scoring: &Scoring) -> Resu
         warnings,
     })
 }
-
-/// At most so many repeats take part in the test of likeness: it needs the distances of all pairs.
-const REPEATS_TESTED: usize = 400;
 
 /// The energy test of recordings and repeats by each metric; none where either are fewer than two.
 fn alike(real: &[Sample], case: &CaseRuns, scoring: &Scoring) -> Result<Vec<EnergyTest>> {

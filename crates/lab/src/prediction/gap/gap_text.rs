@@ -44,7 +44,9 @@ impl fmt::Display for FloorReport {
             f,
             "noise floor: mean distance between repeats (95 % interval over recordings)\n{}",
             table.render(false).trim_end()
-        )
+        )?;
+        let mut claims = self.claims.iter();
+        claims.try_for_each(|claim| write!(f, "\n  {claim}"))
     }
 }
 
@@ -107,17 +109,7 @@ impl fmt::Display for StudyGap {
                 number(fitness.kolmogorov_smirnov.p_value)
             )?;
         }
-        if let Some(confidence) = &self.confidence {
-            write!(
-                f,
-                "\n  confidence: {:.0} % ({:.0} to {:.0} %) of real runs inside the {:.0} % region, mean over time; {}",
-                100.0 * confidence.over_time,
-                100.0 * confidence.over_time_interval.0,
-                100.0 * confidence.over_time_interval.1,
-                100.0 * confidence.level,
-                confidence.drop_in_words()
-            )?;
-        }
-        Ok(())
+        let mut claims = self.claims.iter();
+        claims.try_for_each(|claim| write!(f, "\n  {claim}"))
     }
 }

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::floor::{NoiseFloor, noise_floor};
 use super::sample::{Sample, Scoring};
 use crate::calibration::{Overrides, recording_paths, recording_warnings};
+use crate::claim::{self, Claim};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::{Unit, counted};
 use realgap_core::warning::Warning;
@@ -100,6 +101,8 @@ pub struct FloorReport {
     pub metrics: Vec<(&'static str, Unit)>,
     /// One floor a set.
     pub sets: Vec<SetFloor>,
+    /// Everything that is stated here about reality.
+    pub claims: Vec<Claim>,
 }
 
 /// The noise floor of one set.
@@ -138,14 +141,17 @@ impl FloorReport {
                     .hint("record the same run again, at least five times"),
             );
         }
+        let metrics = scoring.metrics.iter();
+        let metrics: Vec<_> = metrics
+            .map(|metric| (metric.name(), metric.unit()))
+            .collect();
+        let first = metrics.first();
+        let claim = first.and_then(|first| claim::floor(&floors, *first));
         Ok(Self {
             version: env!("CARGO_PKG_VERSION"),
-            metrics: scoring
-                .metrics
-                .iter()
-                .map(|metric| (metric.name(), metric.unit()))
-                .collect(),
+            metrics,
             sets: floors,
+            claims: claim.into_iter().collect(),
         })
     }
 }

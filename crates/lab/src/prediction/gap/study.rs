@@ -13,6 +13,8 @@ use super::fitness::Fitness;
 use super::over_time::OverTime;
 use super::sample::{CaseRuns, Sample, Scoring};
 use crate::calibration::Study;
+use crate::claim::{self, Claim};
+use crate::prediction::UncertainParameters;
 use crate::prediction::ensemble::{self, Recall};
 use crate::prediction::kept::{row_of, runs_in};
 use realgap_core::error::{Error, Result};
@@ -67,6 +69,8 @@ pub struct StudyGap {
     pub over_time: OverTime,
     /// Simulation confidence over time; `None` without an ensemble.
     pub confidence: Option<Confidence>,
+    /// Everything that is stated here about reality, the most important first.
+    pub claims: Vec<Claim>,
     /// How repeats differ.
     pub noise: Option<Noise>,
     /// Engine and its version.
@@ -76,6 +80,9 @@ pub struct StudyGap {
     /// What the reader should know.
     pub warnings: Vec<Warning>,
 }
+
+/// The metric by which repeats and recordings are said to be alike.
+const LIKENESS: &str = "rms";
 
 impl GapOptions {
     /// The study's own metric, and two that everybody understands; its noise and seed; 200 repeats.
@@ -126,10 +133,24 @@ impl StudyGap {
         run.install(|| study_gap(study, options, &known, run))?
     }
 
+    /// The gap with what its own numbers say: likeness by the metric `rms` where it is one of them, as an ensemble says it.
+    #[must_use]
+    pub fn with_claims(mut self) -> Self {
+        let seen = (self.source, self.recordings);
+        let rows = || self.metrics.iter();
+        let tested = rows().find(|row| row.metric == LIKENESS).or(rows().next());
+        let alike = tested.and_then(|row| Some(claim::likeness(row.metric, &row.alike?, seen)));
+        let distance = rows().next().and_then(|row| claim::distance(row, seen));
+        let over_time = self.confidence.as_ref().map(claim::over_time);
+        self.claims = [alike, distance, over_time].into_iter().flatten().collect();
+        self
+    }
+
     /// Everything that decides the runs.
     pub fn fingerprint(study: &Study, options: &GapOptions) -> Fingerprint {
-        study
-            .fingerprint()
+        let definition = study.definition();
+        definition
+            .with_draws(study.fingerprint())
             .with("noise", format!("{:?}", options.noise))
             .with("repeats", options.repeats)
             .with("seed of the noise", options.seed)
@@ -164,10 +185,8 @@ impl StudyGap {
         let runs = runs_a_start(options);
         let experiment = study.experiment_with(index / runs, &ParameterSet::new())?;
         let noise = usable_noise(options.noise, &mut Vec::new())?;
-        row_of(
-            index,
-            &one(&experiment, noise, options.seed, (index % runs) as u64)?,
-        )
+        let draws = (noise, options.seed, (index % runs) as u64);
+        row_of(index, &one(study, &experiment, draws)?)
     }
 }
 
@@ -180,9 +199,17 @@ fn runs_a_start(options: &GapOptions) -> usize {
 }
 
 /// Run number `number` of a start.
-fn one(experiment: &Experiment, noise: Option<Noise>, seed: u64, number: u64) -> Result<Run> {
+fn one(
+    study: &Study,
+    experiment: &Experiment,
+    (noise, seed, number): (Option<Noise>, u64, u64),
+) -> Result<Run> {
     match (number.checked_sub(1), &noise) {
-        (Some(repeat), Some(noise)) => ensemble::repeat(experiment, noise, seed, repeat),
+        (Some(repeat), Some(noise)) => {
+            let uncertain = UncertainParameters::of_draws(&study.definition().draws);
+            let own = uncertain.apply(experiment, seed, repeat)?;
+            ensemble::repeat(&own, noise, seed, repeat)
+        }
         _ => realgap_engine::run(experiment),
     }
 }
@@ -197,6 +224,8 @@ fn study_gap(
     ensemble::must_repeat(options.repeats)?;
     let mut warnings = study.warnings().to_vec();
     let noise = usable_noise(options.noise, &mut warnings)?;
+    let uncertain = UncertainParameters::of_draws(&definition.draws);
+    warnings.extend(noise.and_then(|_| uncertain.warning()));
     let repeats = noise.map_or(0, |_| options.repeats);
     let total = study.cases().len() * (repeats + 1);
     let Simulated {
@@ -236,7 +265,7 @@ fn study_gap(
     warnings.extend(found.warnings);
     warnings.sort();
     warnings.dedup();
-    Ok(StudyGap {
+    let found = StudyGap {
         study: definition.name.clone(),
         morphology: definition.morphology.name().to_owned(),
         parameters: definition
@@ -254,11 +283,13 @@ fn study_gap(
         displacement: Fitness::new(&real, &cases)?,
         over_time: OverTime::new(&real, &cases),
         confidence: Confidence::new(&real, &cases, body_length_m)?,
+        claims: Vec::new(),
         noise,
         engine: study.cases()[0].experiment.engine().version(),
         version: env!("CARGO_PKG_VERSION"),
         warnings,
-    })
+    };
+    Ok(found.with_claims())
 }
 
 /// The runs that a study was asked for, as far as they were begun.
@@ -301,7 +332,7 @@ fn simulated(
                 }
                 let simulated = match recall(index * (repeats + 1) + number as usize)? {
                     Some(run) => run,
-                    None => one(&experiment, noise, options.seed, number)?,
+                    None => one(study, &experiment, (noise, options.seed, number))?,
                 };
                 run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, total, None);
                 completed(simulated, number).map(Some)

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::file::{Seal, read_limited};
 use realgap_core::random::Numbered;
+use realgap_core::warning::{Code, Warning};
+use realgap_engine::Experiment;
 use realgap_engine::parameter::{Assignment, ParameterSet, by_name};
 use realgap_store::FolderLock;
 
@@ -28,15 +30,15 @@ pub struct UncertainRange {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct UncertainParameters {
     ranges: Vec<UncertainRange>,
-    points: Vec<ParameterSet>,
+    groups: Vec<Vec<ParameterSet>>,
 }
 
 impl UncertainParameters {
-    /// Ranges, drawn evenly, and points of which every repeat gets one. Ranges overrule points.
+    /// Ranges, drawn evenly, and groups of points, of each of which every repeat gets one. Ranges overrule points.
     ///
     /// # Errors
     /// Unknown parameters, ends out of bounds or in the wrong order.
-    pub fn new(ranges: Vec<UncertainRange>, points: Vec<ParameterSet>) -> Result<Self> {
+    pub fn new(ranges: Vec<UncertainRange>, groups: Vec<Vec<ParameterSet>>) -> Result<Self> {
         for (index, range) in ranges.iter().enumerate() {
             let at = |error: Error| error.field(format!("parameters[{index}]"));
             let parameter = by_name(&range.name).map_err(at)?;
@@ -48,12 +50,43 @@ impl UncertainParameters {
                     .allowed("low not above high")));
             }
         }
-        Ok(Self { ranges, points })
+        let groups = groups.into_iter().filter(|group| !group.is_empty());
+        Ok(Self {
+            ranges,
+            groups: groups.collect(),
+        })
+    }
+
+    /// Groups of points alone.
+    pub fn of_draws(groups: &[Vec<ParameterSet>]) -> Self {
+        let groups = groups.iter().filter(|group| !group.is_empty());
+        Self {
+            ranges: Vec::new(),
+            groups: groups.cloned().collect(),
+        }
+    }
+
+    /// The experiment of one repeat before its noise.
+    ///
+    /// # Errors
+    /// As [`UncertainParameters::draw`].
+    pub fn apply(&self, experiment: &Experiment, seed: u64, repeat: u64) -> Result<Experiment> {
+        Ok(self.draw(seed, repeat)?.apply(experiment))
+    }
+
+    /// Says so where repeats differ in parameters.
+    pub fn warning(&self) -> Option<Warning> {
+        (!self.is_empty()).then(|| {
+            Warning::new(
+                Code::UncertainParameters,
+                "repeats differ in the parameters that tuning left open, too; the run without noise has the fixed values",
+            )
+        })
     }
 
     /// True where every repeat has the same values.
     pub fn is_empty(&self) -> bool {
-        self.ranges.is_empty() && self.points.is_empty()
+        self.ranges.is_empty() && self.groups.is_empty()
     }
 
     /// Values of one repeat: depends on seed and repeat alone.
@@ -62,10 +95,10 @@ impl UncertainParameters {
     /// None for what [`UncertainParameters::new`] has checked.
     pub fn draw(&self, seed: u64, repeat: u64) -> Result<ParameterSet> {
         let mut rng = Numbered::UncertainParameter.generator(seed, repeat);
-        let mut set = match self.points.len() {
-            0 => ParameterSet::new(),
-            count => self.points[rng.random_range(0..count)].clone(),
-        };
+        let mut set = ParameterSet::new();
+        for group in &self.groups {
+            set = set.with_all(&group[rng.random_range(0..group.len())]);
+        }
         for range in &self.ranges {
             let share: f64 = rng.random();
             let value = range.low * (1.0 - share) + range.high * share;

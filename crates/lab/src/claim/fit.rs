@@ -1,0 +1,76 @@
+//! Does the model explain the recordings, where is it nearest, and what is as near?
+
+use super::{About, Claim, Says};
+use crate::calibration::{Best, Fit, HowSure};
+use realgap_core::unit::{Unit, counted, number, quantity};
+
+/// Whether any parameters explain the recordings.
+pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
+    let alike = fit.p_value.map_or_else(String::new, |p| {
+        format!("; drawn alike? p = {} (energy test)", number(p))
+    });
+    let (says, word, rest) = match fit.explains {
+        true => (Says::Holds, "explained", ""),
+        false => (
+            Says::Fails,
+            "NOT explained",
+            ": NO PARAMETERS OF THIS MODEL EXPLAIN THESE RECORDINGS; intervals are widened by what is left",
+        ),
+    };
+    let floors = number(fit.noise_floors);
+    let text = format!("the best is {floors} noise floors away{alike}{rest}");
+    let numbers = [
+        ("noise_floors", fit.noise_floors),
+        ("p_value", fit.p_value.unwrap_or(f64::NAN)),
+        ("discrepancy", fit.discrepancy),
+    ];
+    Claim::new(About::Model, says, word, text).resting_on(recordings, &numbers)
+}
+
+/// Where the simulation is nearest to `reality`.
+pub(crate) fn nearest(
+    best: &Best,
+    (metric, unit): (&str, Unit),
+    (reality, recordings): (&str, usize),
+) -> Claim {
+    let values = best.parameters.iter();
+    let values: Vec<String> = values
+        .map(|(name, value)| format!("{name} = {}", number(*value)))
+        .collect();
+    let over = match best.settings {
+        0 | 1 => " in one run each, numerical luck included".to_owned(),
+        settings => format!(" on average over {settings} equally valid numerical settings"),
+    };
+    let score = quantity(best.score, unit);
+    let text = format!(
+        "The simulation comes nearest to {reality} at {}: {metric} {score}{over}.",
+        values.join(", ")
+    );
+    let numbers = [("score", best.score), ("settings", best.settings as f64)];
+    Claim::new(About::Best, Says::Holds, score, text)
+        .of(metric)
+        .resting_on(recordings, &numbers)
+}
+
+/// What cannot be told from the best.
+pub(crate) fn set(sure: &HowSure, recordings: usize) -> Claim {
+    let HowSure {
+        indistinguishable,
+        points,
+        ..
+    } = *sure;
+    let text = format!(
+        "{indistinguishable} of {} cannot be told apart from the best at {:.0} % ({})",
+        counted(points, "simulated point"),
+        100.0 * sure.level,
+        sure.source.label()
+    );
+    let word = format!("{indistinguishable} of {points}");
+    let numbers = [
+        ("indistinguishable", indistinguishable as f64),
+        ("points", points as f64),
+    ];
+    Claim::new(About::Set, Says::Holds, word, text)
+        .resting_on(recordings, &numbers)
+        .at_level(sure.level)
+}

@@ -1,0 +1,31 @@
+//! What flights say about a robot's parameter.
+
+use super::{About, Claim, Says};
+use crate::calibration::identification::{Interval, JointVerdict};
+
+impl JointVerdict {
+    /// Whether flights determine it.
+    pub fn claim(&self) -> Claim {
+        let Interval { value, low, high } = self.estimate;
+        let name = self.parameter;
+        let (says, word, text) = match self.is_determined {
+            true => (
+                Says::Holds,
+                "determined",
+                format!("flights say {name} = {value:.5} ({low:.5} to {high:.5})"),
+            ),
+            false => (
+                Says::Open,
+                "not determined: as stated",
+                format!(
+                    "{name} is not determined by flights: {} as stated",
+                    self.stated
+                ),
+            ),
+        };
+        Claim::new(About::Parameter, says, word, text)
+            .of(name)
+            .resting_on(0, &[("value", value), ("low", low), ("high", high)])
+            .at_level(0.95)
+    }
+}

@@ -1,0 +1,142 @@
+//! Every sentence that states something about reality, made in this room, with what it rests on; all others only show it.
+//!
+//! A report holds its claims: terminal, pages, JSON and Python show their texts, tables their words. So no two places can say
+//! different things, and no sentence is stronger than the numbers beside it (crates/page/src/report/contradiction.rs looks for
+//! both).
+
+mod ensemble;
+mod fit;
+mod flight;
+mod forecast;
+mod gap;
+mod parameter;
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::Serialize;
+
+pub(crate) use ensemble::{recorded, region};
+pub(crate) use fit::{model, nearest, set};
+pub(crate) use forecast::{reach, success};
+pub(crate) use gap::{called, distance, floor, likeness, over_time};
+pub(crate) use parameter::{Found, least_squares, parameter, summary};
+
+/// Below this probability two samples are said not to be drawn alike.
+pub(crate) const SIGNIFICANT: f64 = 0.05;
+
+/// What a claim is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum About {
+    /// Whether any parameters of the model explain the recordings.
+    Model,
+    /// Where the simulation is nearest to reality.
+    Best,
+    /// Which points cannot be told from the best.
+    Set,
+    /// One parameter.
+    Parameter,
+    /// All parameters, in short.
+    Parameters,
+    /// Whether simulated repeats are drawn as recordings are.
+    Likeness,
+    /// How many noise floors the simulation is away.
+    Distance,
+    /// How long recordings stay where repeats are.
+    OverTime,
+    /// How far repeats of a recorded run are apart.
+    Floor,
+    /// One region of an ensemble.
+    Region,
+    /// All regions of an ensemble, and the energy test.
+    Ensemble,
+    /// How far the robot gets, and by which behaviour.
+    Reach,
+    /// How likely it gets far enough.
+    Success,
+}
+
+/// What a claim says of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Says {
+    /// It is so, or nothing speaks against it.
+    Holds,
+    /// The evidence speaks against it.
+    Fails,
+    /// The evidence does not tell.
+    Open,
+}
+
+/// A statement about reality, with what it rests on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Claim {
+    /// What it is about.
+    pub about: About,
+    /// Which of several, e.g. a parameter or a level; empty where there is only one.
+    pub name: String,
+    /// What it says of it.
+    pub says: Says,
+    /// The same for the cell of a table.
+    pub word: String,
+    /// The same as a sentence.
+    pub text: String,
+    /// Numbers that it rests on, by name; those that are not finite are left out.
+    pub numbers: BTreeMap<String, f64>,
+    /// Confidence level of its interval or region; `None` where it has none.
+    pub level: Option<f64>,
+    /// Recordings that it rests on, or simulated runs where it is about these.
+    pub count: usize,
+}
+
+impl fmt::Display for Claim {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl Claim {
+    fn new(about: About, says: Says, word: impl Into<String>, text: String) -> Self {
+        Self {
+            about,
+            name: String::new(),
+            says,
+            word: word.into(),
+            text,
+            numbers: BTreeMap::new(),
+            level: None,
+            count: 0,
+        }
+    }
+
+    fn of(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    fn resting_on(mut self, count: usize, numbers: &[(&str, f64)]) -> Self {
+        self.count = count;
+        let finite = numbers.iter().filter(|(_, value)| value.is_finite());
+        self.numbers
+            .extend(finite.map(|(name, value)| ((*name).to_owned(), *value)));
+        self
+    }
+
+    fn at_level(mut self, level: f64) -> Self {
+        self.level = Some(level);
+        self
+    }
+}
+
+/// `a`, `a and b`, `a, b and c`.
+fn listed(all: &[String]) -> String {
+    match all {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}

@@ -1,0 +1,358 @@
+//! What recordings say about a parameter.
+
+use std::fmt;
+
+use super::{About, Claim, Says};
+use crate::calibration::Estimated;
+use realgap_core::unit::{counted, number};
+use realgap_optimize::Range;
+
+/// What was found about one parameter.
+#[derive(Debug, Clone)]
+pub(crate) struct Found {
+    pub best: f64,
+    /// What cannot be told from the best reaches from here to there.
+    pub low: f64,
+    pub high: f64,
+    /// The parts of the interval, at its level.
+    pub intervals: Vec<(f64, f64)>,
+    pub level: f64,
+    /// False where other numerics change the score more than the parameter does over its whole range.
+    pub is_resolved: bool,
+    /// What changes the score more than the values that fit do.
+    pub shaken_by: Option<String>,
+    /// Recordings that were fitted.
+    pub recordings: usize,
+}
+
+/// A set that comes this near to an end of the searched range, as a share of it, reaches it.
+const AT_THE_END: f64 = 0.05;
+
+/// Values of a parameter as people read them.
+struct Shown {
+    name: &'static str,
+    unit: &'static str,
+    digits: usize,
+}
+
+impl Shown {
+    fn new(range: &Range) -> Self {
+        let step = (0.02 * (range.to - range.from)).log10().floor();
+        Self {
+            name: range.parameter.name,
+            unit: range.parameter.unit.symbol(),
+            digits: (1.0 - step).clamp(0.0, 9.0) as usize,
+        }
+    }
+
+    fn value(&self, value: f64) -> String {
+        let digits = self.digits;
+        let text = format!("{value:.digits$} {}", self.unit);
+        text.trim_end().to_owned()
+    }
+
+    fn span(&self, (low, high): (f64, f64)) -> String {
+        let digits = self.digits;
+        format!("{low:.digits$} to {}", self.value(high))
+    }
+}
+
+/// What the recordings say about a parameter.
+pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
+    let shown = Shown::new(range);
+    let (name, best) = (shown.name, shown.value(found.best));
+    let low_end = range.coordinate(found.low) <= AT_THE_END;
+    let high_end = range.coordinate(found.high) >= 1.0 - AT_THE_END;
+    // At a bound of the parameter itself (restitution 0) there is nothing to widen.
+    let (lowest, highest) = range.parameter.bounds;
+    let widen = (low_end && range.from > lowest) || (high_end && range.to < highest);
+    let (fits_from, fits_to) = (shown.value(found.low), shown.value(found.high));
+    let level = format!("{:.0} %", 100.0 * found.level);
+    let spans = found.intervals.iter().map(|span| shown.span(*span));
+    let interval = spans.collect::<Vec<_>>().join(" or ");
+    let fit = match found.intervals.len() {
+        0 | 1 => "fit as well",
+        _ => "fit as well, except for a part between the intervals",
+    };
+    let holds_best = |(low, high): &(f64, f64)| (*low..=*high).contains(&found.best);
+    // A best point beside its own interval is luck, and no value to be named.
+    let is_beside = !interval.is_empty() && !found.intervals.iter().any(holds_best);
+    let is = match (interval.as_str(), is_beside) {
+        ("", _) => format!("{name} = {best}"),
+        (_, false) => format!("{name} = {best} ({level} interval {interval})"),
+        (_, true) => format!(
+            "{name} lies in {interval} ({level}); the best point, {best}, lies beside that by luck"
+        ),
+    };
+    let within = match interval.as_str() {
+        "" => format!("narrowed down to {fits_from} to {fits_to}"),
+        _ => format!("narrowed down to {interval} ({level})"),
+    };
+    let bound = |side: &str, value: &str| {
+        let sure = match (interval.as_str(), is_beside) {
+            ("", _) => String::new(),
+            (_, false) => format!(" ({level} interval {interval})"),
+            (_, true) => format!(" (beside the {level} interval {interval}, by luck)"),
+        };
+        (
+            format!("{side} {value}"),
+            format!("{name} is {side} {value}; best {best}{sure}"),
+        )
+    };
+    let mut says = Says::Holds;
+    let (word, text) = if !found.is_resolved {
+        says = Says::Open;
+        (
+            "not determined: other numerical settings change the score more".to_owned(),
+            format!(
+                "{name} is not determined: other numerical settings change the score more than its whole range does; \
+                 use finer settings, another metric, or recordings of a motion that {name} changes more"
+            ),
+        )
+    } else if low_end && high_end {
+        says = Says::Open;
+        (
+            "not determined".to_owned(),
+            format!(
+                "{name} is not determined by these recordings: values from {fits_from} to {fits_to} {fit}; the best is {best}"
+            ),
+        )
+    } else if widen {
+        let edge = "up to the edge of the searched range";
+        let widen = "widen it before you believe it";
+        (
+            format!("{within}, {edge}: {widen}"),
+            format!("{is}, but values {edge} {fit} ({fits_from} to {fits_to}): {widen}"),
+        )
+    } else if low_end {
+        bound("at most", &fits_to)
+    } else if high_end {
+        bound("at least", &fits_from)
+    } else if let (Some(shaken_by), false) = (&found.shaken_by, interval.is_empty()) {
+        let where_best = if is_beside {
+            "beside it, by luck: "
+        } else {
+            ""
+        };
+        (
+            format!("{within}, no nearer: numerics change more"),
+            format!(
+                "{name} lies in {interval} ({level}; best {where_best}{best}), no nearer: {shaken_by}, more than these values do; \
+                 finer settings, another metric or gait would tell more"
+            ),
+        )
+    } else {
+        (
+            within,
+            format!("{is}; values from {fits_from} to {fits_to} {fit}"),
+        )
+    };
+    let mut claim = Claim::new(About::Parameter, says, word, text).of(name);
+    for (index, (low, high)) in found.intervals.iter().enumerate() {
+        let part = index + 1;
+        let ends = [
+            (format!("interval_{part}_low"), *low),
+            (format!("interval_{part}_high"), *high),
+        ];
+        claim.numbers.extend(ends);
+    }
+    let numbers = [
+        ("best", found.best),
+        ("fits_from", found.low),
+        ("fits_to", found.high),
+    ];
+    claim
+        .resting_on(found.recordings, &numbers)
+        .at_level(found.level)
+}
+
+/// What least squares know of a parameter: the ends of the interval stand for what fits as well.
+pub(crate) fn least_squares(known: &Estimated, recordings: usize) -> Claim {
+    let (low, high) = (number(known.low), number(known.high));
+    let (says, word) = match known.is_told {
+        true => (
+            Says::Holds,
+            format!("narrowed down to {low} to {high} (90 %)"),
+        ),
+        false => (Says::Open, "not determined".to_owned()),
+    };
+    let numbers = [
+        ("best", known.value),
+        ("interval_1_low", known.low),
+        ("interval_1_high", known.high),
+    ];
+    Claim::new(About::Parameter, says, word, known.to_string())
+        .of(known.parameter)
+        .resting_on(recordings, &numbers)
+        .at_level(0.9)
+}
+
+impl fmt::Display for Estimated {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (name, value) = (self.parameter, number(self.value));
+        let (low, high) = (number(self.low), number(self.high));
+        write!(f, "{name} = {value}, 90 % {low} to {high}")?;
+        if !self.is_told {
+            write!(f, ": not determined by these recordings")?;
+        }
+        match self.partner {
+            Some((other, correlation)) if correlation.abs() > 0.9 => {
+                write!(f, "; exchanged with {other} ({correlation:.2})")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// All parameters in one sentence, caveats kept; `None` for none.
+pub(crate) fn summary(parameters: &[Claim]) -> Option<Claim> {
+    let first = parameters.first()?;
+    let said = parameters
+        .iter()
+        .map(|claim| format!("{} is {}", claim.name, claim.word));
+    let said = said.collect::<Vec<_>>().join("; ");
+    let known = parameters
+        .iter()
+        .filter(|claim| claim.says == Says::Holds)
+        .count();
+    let says = match known {
+        0 => Says::Open,
+        _ => Says::Holds,
+    };
+    let word = format!("{known} of {} determined", parameters.len());
+    let text = format!("From {}: {said}.", counted(first.count, "recording"));
+    let numbers = [
+        ("determined", known as f64),
+        ("parameters", parameters.len() as f64),
+    ];
+    Some(Claim::new(About::Parameters, says, word, text).resting_on(first.count, &numbers))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use realgap_engine::parameter::by_name;
+
+    fn friction() -> Range {
+        Range::new(by_name("floor.friction").unwrap(), 0.05, 1.05, 21).unwrap()
+    }
+
+    fn found(best: f64, low: f64, high: f64) -> Found {
+        Found {
+            best,
+            low,
+            high,
+            intervals: vec![(low, high)],
+            level: 0.9,
+            is_resolved: true,
+            shaken_by: None,
+            recordings: 3,
+        }
+    }
+
+    #[test]
+    fn a_parameter_whose_both_ends_fit_as_well_is_not_determined() {
+        let verdict = parameter(&friction(), &found(0.4, 0.05, 1.05));
+        assert!(verdict.says == Says::Open);
+        assert!(verdict.text.contains("not determined"), "{}", verdict.text);
+    }
+
+    #[test]
+    fn a_set_that_reaches_the_edge_of_the_search_asks_for_a_wider_one() {
+        let text = parameter(&friction(), &found(0.1, 0.05, 0.2)).text;
+        assert!(text.contains("widen"), "{text}");
+    }
+
+    #[test]
+    fn at_a_bound_of_the_parameter_there_is_nothing_to_widen() {
+        let restitution = Range::new(by_name("floor.restitution").unwrap(), 0.0, 0.9, 10).unwrap();
+        let text = parameter(&restitution, &found(0.1, 0.0, 0.3)).text;
+        assert!(
+            text.starts_with("floor.restitution is at most 0.30"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn how_far_somebody_searched_does_not_decide_what_is_determined() {
+        let wide = Range::new(by_name("floor.friction").unwrap(), 0.05, 2.05, 41).unwrap();
+        let narrow = Range::new(by_name("floor.friction").unwrap(), 0.05, 1.05, 21).unwrap();
+        for range in [wide, narrow] {
+            assert!(parameter(&range, &found(0.4, 0.15, 0.85)).says == Says::Holds);
+        }
+    }
+
+    #[test]
+    fn where_numerics_matter_more_than_the_parameter_nothing_is_claimed() {
+        let unresolved = Found {
+            is_resolved: false,
+            ..found(0.45, 0.4, 0.5)
+        };
+        let verdict = parameter(&friction(), &unresolved);
+        assert!(
+            verdict.says == Says::Open && !verdict.text.contains('='),
+            "{}",
+            verdict.text
+        );
+    }
+
+    #[test]
+    fn no_single_value_is_named_where_numerics_change_more_than_the_values_that_fit() {
+        let shaken = Found {
+            shaken_by: Some("6 substeps instead of 3 changes the score by 2 cm".to_owned()),
+            ..found(0.45, 0.4, 0.5)
+        };
+        let text = parameter(&friction(), &shaken).text;
+        assert!(
+            text.starts_with(
+                "floor.friction lies in 0.400 to 0.500 (90 %; best 0.450), no nearer: 6 substeps"
+            ),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn a_determined_parameter_gets_its_interval() {
+        let verdict = parameter(&friction(), &found(0.45, 0.4, 0.5));
+        assert!(verdict.says == Says::Holds);
+        assert_eq!(
+            verdict.text,
+            "floor.friction = 0.450 (90 % interval 0.400 to 0.500); values from 0.400 to 0.500 fit as well"
+        );
+    }
+
+    #[test]
+    fn no_interval_bridges_a_part_that_is_rejected() {
+        let parted = Found {
+            intervals: vec![(0.2, 0.3), (0.6, 0.7)],
+            ..found(0.25, 0.2, 0.7)
+        };
+        let verdict = parameter(&friction(), &parted);
+        let parts = "90 % interval 0.200 to 0.300 or 0.600 to 0.700";
+        assert!(verdict.text.contains(parts), "{}", verdict.text);
+    }
+
+    #[test]
+    fn no_value_is_named_that_lies_beside_its_own_interval() {
+        let beside = Found {
+            intervals: vec![(0.5, 0.6)],
+            ..found(0.4, 0.4, 0.6)
+        };
+        let text = parameter(&friction(), &beside).text;
+        let said =
+            "floor.friction lies in 0.500 to 0.600 (90 %); the best point, 0.400, lies beside that";
+        assert!(text.starts_with(said), "{text}");
+    }
+
+    #[test]
+    fn the_short_form_keeps_every_caveat() {
+        let edge = parameter(&friction(), &found(0.1, 0.05, 0.2));
+        let open = parameter(&friction(), &found(0.4, 0.05, 1.05));
+        let text = summary(&[edge, open]).unwrap().text;
+        assert_eq!(
+            text,
+            "From 3 recordings: floor.friction is narrowed down to 0.050 to 0.200 (90 %), up to the edge of the searched range: \
+             widen it before you believe it; floor.friction is not determined."
+        );
+    }
+}

@@ -1,0 +1,307 @@
+//! Do two places ever say different things, or a sentence more than its table? Studies whose numbers are drawn, not simulated.
+
+mod drawn;
+mod heard;
+
+use serde_json::Value;
+
+use super::value::*;
+use super::{ensemble, gap, prediction, study};
+use crate::results::best::description;
+use drawn::{Draw, Repeated, Swept};
+use heard::{Told, plain, polarity, spans, whole_line};
+use realgap_core::unit::quantity;
+
+/// Studies of each kind.
+const STUDIES: u64 = 120;
+
+/// Contradictions that were found, and how often there was something to contradict.
+#[derive(Debug, Default)]
+struct Tally {
+    contradictions: Vec<String>,
+    seen: std::collections::BTreeMap<&'static str, usize>,
+}
+
+impl Tally {
+    fn see(&mut self, what: &'static str, is_so: bool) {
+        *self.seen.entry(what).or_default() += usize::from(is_so);
+    }
+
+    fn hold(&mut self, study: &Told, is_so: bool, what: impl FnOnce() -> String) {
+        if !is_so {
+            self.contradictions
+                .push(format!("{}: {}", study.name, what()));
+        }
+    }
+
+    /// Nothing was contradicted, and every kind of answer came often enough to be.
+    fn close(self) {
+        let (count, first) = (
+            self.contradictions.len(),
+            self.contradictions.iter().take(8),
+        );
+        let first: Vec<&String> = first.collect();
+        assert!(count == 0, "{count} contradictions: {first:#?}");
+        for (what, times) in self.seen {
+            assert!(times >= 8, "{what}: only {times} of {STUDIES} studies");
+        }
+    }
+}
+
+/// Every place says of every parameter what the table says.
+fn parameters(found: &mut Tally, told: &Told, drawn: &Swept) {
+    for verdict in told.json.list("verdicts") {
+        let name = verdict.text("parameter");
+        let is_known = verdict.is("identified") == Some(true);
+        let parts = match verdict.list("intervals") {
+            [] => vec![ends(verdict.at("interval"))],
+            many => many.iter().map(ends).collect(),
+        };
+        let axis = drawn.names().position(|known| known == name).unwrap();
+        let is_widened = told
+            .text
+            .lines()
+            .any(|line| line.trim().starts_with(name) && line.contains("widen"));
+        found.see("determined", is_known);
+        found.see("not determined", !is_known);
+        found.see("to be widened", is_widened);
+        found.see("several intervals", parts.len() > 1);
+        for (place, text) in told.places() {
+            let said = polarity(text, name);
+            found.hold(told, said == [is_known].into(), || {
+                format!("{place} says {said:?} of {name}, the table {is_known}: {text}")
+            });
+            let mentions = whole_line(text, name).any(|line| line.contains("widen"));
+            found.hold(told, mentions == is_widened, || {
+                format!("{place} drops or adds a caveat of {name}: {text}")
+            });
+            for spans in whole_line(text, name).filter_map(spans) {
+                let alike = spans.len() == parts.len()
+                    && spans.iter().zip(&parts).all(|(said, part)| said.is(part));
+                found.hold(told, alike, || {
+                    format!("{place}: {spans:?} of {name}, not {parts:?}")
+                });
+            }
+        }
+        // What cannot be told from the best is not outside of what fits as well.
+        let (low, high) = (
+            verdict.float("low").unwrap(),
+            verdict.float("high").unwrap(),
+        );
+        for value in drawn.values_in_set(axis) {
+            found.hold(told, (low..=high).contains(&value), || {
+                format!("{value} is in the set of {name}, but {low} to {high} fit as well")
+            });
+        }
+        let bridged = |line: &str| line.contains("fit as well") && !line.contains("except");
+        let lines = || whole_line(&told.text, name);
+        found.hold(told, parts.len() < 2 || !lines().any(bridged), || {
+            format!(
+                "what fits as well bridges a rejected part of {name}: {}",
+                told.text
+            )
+        });
+        let best = verdict.float("best").unwrap();
+        let is_beside = !parts.iter().any(|part| part[0] <= best && best <= part[1]);
+        let named = format!("{name} = ");
+        let names = |line: &str| line.trim().starts_with(&named) && line.contains("interval");
+        found.see("best beside its interval", is_beside && is_known);
+        found.hold(told, !is_beside || !lines().any(names), || {
+            format!("{best} is named beside its interval: {}", told.text)
+        });
+    }
+}
+
+#[test]
+fn a_sweep_says_one_thing_in_every_place() {
+    let mut found = Tally::default();
+    for seed in 0..STUDIES {
+        let drawn = Swept::new(&mut Draw::new(seed));
+        let folder = tempfile::tempdir().unwrap();
+        drawn.write(folder.path());
+        let report = &drawn.report;
+        let json = serde_json::to_value(report).unwrap();
+        let story = study::story(folder.path(), &json, None).unwrap();
+        let told = Told {
+            name: format!("sweep {seed}"),
+            text: report.to_string(),
+            answer: story.answer.clone(),
+            page: plain(&story.page(None)),
+            more: description(report, report.best.as_ref().unwrap(), 20),
+            json,
+        };
+        parameters(&mut found, &told, &drawn);
+        let is_rejected = told.json.is("fit.explains") == Some(false);
+        found.see("model rejected", is_rejected);
+        found.see("model explains", told.json.is("fit.explains") == Some(true));
+        for (place, text) in told.places() {
+            let says = text.contains("NO PARAMETERS OF THIS MODEL");
+            found.hold(&told, says == is_rejected, || {
+                format!("{place} of the model: {text}")
+            });
+        }
+        let is_first = |text: &str| text.find("NO PARAMETERS") < text.find("comes nearest");
+        found.hold(&told, !is_rejected || is_first(&told.answer), || {
+            told.answer.clone()
+        });
+        let (inside, points) = drawn.counted();
+        let count = format!("{inside} of {points} simulated points cannot be told apart");
+        let score = quantity(told.json.float("best.score").unwrap(), report.unit);
+        for (place, text) in [("terminal", &told.text), ("page", &told.page)] {
+            found.hold(&told, text.contains(&count), || {
+                format!("{place} does not say {count}: {text}")
+            });
+            found.hold(&told, text.contains(&score), || {
+                format!("{place} does not say {score}")
+            });
+        }
+        told.only_claims(&mut found.contradictions);
+    }
+    found.close();
+}
+
+/// What an ensemble says of its regions is what their shares say, in every place.
+fn regions(found: &mut Tally, told: &Told) {
+    let mut is_any = false;
+    for level in told.json.list("reality.coverage") {
+        let promised = level.float("level").unwrap();
+        let shares = [level.at("at_end"), level.at("whole_path")];
+        let shares = shares.into_iter().filter(|share| share.is_object());
+        let ends: Vec<(f64, f64)> = shares
+            .map(|share| (share.float("low").unwrap(), share.float("high").unwrap()))
+            .collect();
+        let narrow = ends.iter().any(|(_, high)| *high < promised);
+        let wide = ends.iter().any(|(low, _)| *low > promised);
+        is_any |= narrow || wide;
+        found.see("too narrow", narrow);
+        found.see("too wide", wide);
+        let is_honest = level.is("is_honest") == Some(true);
+        found.hold(told, is_honest != (narrow || wide), || {
+            format!("JSON of {promised}: {ends:?}")
+        });
+        let name = format!("{:.0} %", 100.0 * promised);
+        for (place, text) in [("terminal", &told.text), ("page", &told.page)] {
+            let mut rows = text.lines().filter(|line| line.trim().starts_with(&name));
+            let says = |row: &str| {
+                let contradicts = row.contains("NO:");
+                contradicts == (narrow || wide)
+                    && row.contains("too narrow") == narrow
+                    && row.contains("too wide") == wide
+            };
+            found.hold(told, rows.any(says), || {
+                format!("{place} of {name}, {ends:?}: {text}")
+            });
+        }
+    }
+    let p = told.json.float("reality.alike.p_value");
+    let is_other = p.is_some_and(|p| p < 0.05);
+    found.see("not contradicted", !(is_any || is_other));
+    for (place, text) in [("terminal", &told.text), ("page", &told.answer)] {
+        let says = text.contains("CONTRADICTED");
+        found.hold(told, says == (is_any || is_other), || {
+            format!("{place}, p = {p:?}: {text}")
+        });
+        found.hold(told, says != text.contains("Nothing contradicts"), || {
+            text.clone()
+        });
+    }
+}
+
+#[test]
+fn repeats_of_a_study_say_one_thing_in_every_place() {
+    let mut found = Tally::default();
+    for seed in 0..STUDIES {
+        let drawn = Repeated::new(&mut Draw::new(1000 + seed));
+        let folder = tempfile::tempdir().unwrap();
+        let of_gap = told(&drawn.gap, format!("gap {seed}"), |json| {
+            gap::gap(folder.path(), json)
+        });
+        let of_ensemble = told(&drawn.ensemble, format!("ensemble {seed}"), |json| {
+            ensemble::ensemble(folder.path(), json)
+        });
+        let of_card = told(&drawn.card, format!("card {seed}"), |json| {
+            prediction::prediction(folder.path(), json)
+        });
+        regions(&mut found, &of_ensemble);
+        likeness(&mut found, &of_gap, &of_ensemble);
+        let success = of_card.json.at("success.probability").percent("share");
+        for text in [&of_card.text, &of_card.answer] {
+            found.hold(&of_card, text.contains(&success), || {
+                format!("{success}: {text}")
+            });
+        }
+        for told in [&of_gap, &of_ensemble, &of_card] {
+            told.only_claims(&mut found.contradictions);
+        }
+    }
+    found.close();
+}
+
+/// Gap and ensemble of one study agree with each other and with the energy test.
+fn likeness(found: &mut Tally, of_gap: &Told, of_ensemble: &Told) {
+    let rows = of_gap.json.list("metrics").iter();
+    let mut rms = rows.filter(|row| row.text("metric") == "rms");
+    let p = rms.next().unwrap().float("alike.p_value").unwrap();
+    found.see("drawn alike", p >= 0.05);
+    found.see("not drawn alike", p < 0.05);
+    let same = of_ensemble.json.float("reality.alike.p_value") == Some(p);
+    found.hold(of_gap, same, || {
+        format!("p = {p} is not that of the ensemble")
+    });
+    let text = of_gap.text.as_str();
+    for (place, text) in [("terminal", text), ("page", &of_gap.answer)] {
+        let other = text.contains("NOT drawn like");
+        found.hold(of_gap, other == (p < 0.05), || {
+            format!("{place}, p = {p}: {text}")
+        });
+        found.hold(of_gap, other != text.contains("Nothing tells"), || {
+            text.to_owned()
+        });
+        let surely = of_gap
+            .json
+            .float("confidence.surely_below_half_s")
+            .is_some();
+        let below = of_gap.json.float("confidence.below_half_s").is_some();
+        found.hold(
+            of_gap,
+            text.contains("may be chance") == (below && !surely),
+            || text.to_owned(),
+        );
+    }
+    let contradicts = of_ensemble.answer.contains("CONTRADICTED");
+    found.hold(of_gap, p >= 0.05 || contradicts, || {
+        format!("p = {p}, and the ensemble says: {}", of_ensemble.answer)
+    });
+    let first = &of_gap.json.list("metrics")[0];
+    let ratio = realgap_core::unit::number(first.float("repeats.ratio.value").unwrap());
+    for text in [text, &of_gap.answer] {
+        let said = format!("{ratio} noise floors away");
+        found.hold(of_gap, text.contains(&said), || {
+            format!("not {said}: {text}")
+        });
+    }
+}
+
+/// A report in all of its places.
+fn told<T: serde::Serialize + std::fmt::Display>(
+    report: &T,
+    name: String,
+    story: impl FnOnce(&Value) -> realgap_core::Result<super::story::Story>,
+) -> Told {
+    let json = serde_json::to_value(report).unwrap();
+    let story = story(&json).unwrap();
+    Told {
+        name,
+        text: report.to_string(),
+        answer: story.answer.clone(),
+        page: plain(&story.page(None)),
+        more: String::new(),
+        json,
+    }
+}
+
+/// The ends of an interval in JSON.
+fn ends(part: &Value) -> Vec<f64> {
+    let ends = part.as_array().into_iter().flatten();
+    ends.filter_map(Value::as_f64).collect()
+}

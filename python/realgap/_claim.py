@@ -1,0 +1,38 @@
+"""What an answer states about reality, with what it rests on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, Mapping, Optional
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A statement about reality: `text` is the sentence, `word` the same for a table, `numbers` and `count` recordings its evidence.
+
+    >>> [claim.says for claim in answer.summary.claims if claim.about == "best"]
+    ['holds']
+    """
+
+    about: Literal[
+        "model",
+        "best",
+        "set",
+        "parameter",
+        "parameters",
+        "likeness",
+        "distance",
+        "over_time",
+        "floor",
+        "region",
+        "ensemble",
+        "reach",
+        "success",
+    ]
+    name: str
+    says: Literal["holds", "fails", "open"]
+    word: str
+    text: str
+    numbers: Mapping[str, float]
+    level: Optional[float]
+    count: int
