@@ -10,6 +10,7 @@ mod base64;
 mod block;
 mod chart;
 mod ensemble;
+mod fleet;
 mod folder;
 mod foxglove;
 mod gap;
