@@ -2,6 +2,8 @@
 //! recorded is said to.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use std::path::Path;
+
 use realgap_core::file::Source;
 use realgap_engine::run;
 use realgap_lab::calibration::{
@@ -267,6 +269,74 @@ fn a_robot_may_vary_something_of_its_own_beside_what_all_share() {
     assert!(error.contains("no robot of this name"), "{error}");
     assert!(error.contains("random_0005, random_0022"), "{error}");
     assert!(of_fleet(&mass.replace("mass_scale", "mas_scale"), "").is_err());
+}
+
+/// A hall in which a wall stands beside the robot, and a controller that holds every leg still where its sensor sees that wall.
+fn hall(folder: &Path) {
+    let arena = "Arena(name: \"hall\", size_m: (4.0, 4.0), boundary: Open, \
+        boxes: [(centre_m: (2.24, 2.0), half_m: (0.05, 0.8))], start: (x_m: 2.0, y_m: 2.0))";
+    std::fs::write(folder.join("hall.ron"), arena).unwrap();
+    let legs = ["leg_a", "leg_b", "leg_c"].map(|leg| format!("(actuator: {leg:?}, hold: 0.0)"));
+    for (name, below_m) in [("sees", 0.2), ("blind", 0.01)] {
+        let text = format!(
+            "Controller(arena: \"hall.ron\", rate_hz: 20, \
+             sensors: [(name: \"front\", on: \"core\", at_m: (0, 0, 0.03), model: \"ultrasonic\")], \
+             rules: [(when: (sensor: \"front\", below_m: {below_m:?}), then: [{}])])",
+            legs.join(", ")
+        );
+        std::fs::write(folder.join(format!("{name}.ron")), text).unwrap();
+    }
+}
+
+#[test]
+fn what_is_swept_is_simulated_with_the_controller_that_the_study_names() {
+    let folder = tempfile::tempdir().unwrap();
+    hall(folder.path());
+    let study = |robots: &str| {
+        let text = study_text(robots, 2.0, "Single");
+        let text = text.replace("\"../", &format!("\"{}/", project().display()));
+        let source = Source::new(folder.path().join("steered.ron"), text);
+        Study::parse(&source, &Overrides::default())
+    };
+    let swept = |robots: &str| {
+        let study = study(robots).unwrap();
+        (
+            study.sweep(&RunOptions::default()).unwrap(),
+            study.fingerprint(),
+        )
+    };
+    let way_m = |answer: &Answer| answer.scores.points[0].path_xy_m[181][0];
+    let (without, plain) = swept(&robot("00", ""));
+    let (sees, seeing) = swept(&robot("00", "controller: \"sees.ron\","));
+    let (blind, _) = swept(&robot("00", "controller: \"blind.ron\","));
+    // A wall that is not touched, and a rule that never holds, change nothing.
+    assert_eq!(scores(&blind), scores(&without));
+    let (stood_m, walked_m) = (way_m(&sees), way_m(&without));
+    assert!(
+        stood_m < 0.3 * walked_m,
+        "ignored: {stood_m} of {walked_m} m"
+    );
+    assert_ne!(plain, seeing, "two studies with one fingerprint");
+
+    // Of many each may have its own, or else has that of the study.
+    let pair =
+        |shared: &str, second: &str| scores(&swept(&format!("{} {shared}", two("", second))).0);
+    let many = pair("", "controller: \"sees.ron\",");
+    let nobody = pair("", "");
+    let all = pair("controller: \"sees.ron\",", "controller: \"blind.ron\",");
+    for ((many, nobody), all) in many.iter().zip(&nobody).zip(&all) {
+        assert_eq!(many[0], nobody[0]);
+        assert_ne!(many[1..], nobody[1..]);
+        assert_ne!(all[0], nobody[0]);
+        assert_eq!(all[1..], nobody[1..]);
+    }
+
+    let text = study_text(&robot("00", "controller: \"sees.ron\","), 2.0, "Single");
+    let text = text.replace("start: Settled", "start: FromRecording");
+    let text = text.replace("\"../", &format!("\"{}/", project().display()));
+    let source = Source::new(folder.path().join("steered.ron"), text);
+    let error = Study::parse(&source, &Overrides::default()).unwrap_err();
+    assert!(error.to_string().contains("start: Settled"), "{error}");
 }
 
 #[test]

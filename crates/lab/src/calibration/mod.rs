@@ -65,6 +65,7 @@ mod setting;
 mod sieve;
 mod split;
 mod stand_in;
+mod steering;
 mod study;
 mod study_file;
 mod sweep;
@@ -107,6 +108,7 @@ pub use score::{PointScore, Scores};
 pub use sensitivity::{Effect, Sensitivity};
 pub use split::Split;
 pub use stand_in::{NoiseReport, RecordReport, StandIn};
+pub use steering::Steering;
 pub use study::Study;
 #[cfg(feature = "schema")]
 pub use study_file::StudyFile;
