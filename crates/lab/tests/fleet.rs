@@ -140,7 +140,7 @@ fn a_robot_is_said_to_do_what_was_recorded_where_its_recordings_were_made_so() {
             (&sized([1.0, 1.3]), ""),
             (&sized([1.1, 1.11]), ""),
             (&sized([1.0, 1.01]), "set: {\"gait.amplitude_scale\": 0.0}"),
-            (&[stood.clone()], ""),
+            (&[stood], ""),
         ],
         "Single",
     );
