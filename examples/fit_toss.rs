@@ -97,6 +97,7 @@ fn run() -> Result<()> {
             let file = BestFile {
                 study: None,
                 fitted_on: Vec::new(),
+                draws: std::collections::BTreeMap::new(),
                 description: format!(
                     "Fitted on the even-numbered recordings (--every {FOLDS} --offset 0, in order of their paths, counted from 0; {} of them): length scale from \
                      their flights, the rest (centre of mass along z included) by CMA-ES on the pose metric from flight starts. Held-out errors on the odd-numbered (--every {FOLDS} --offset 1): {}.",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, Mapping, Optional, Tuple
 
 from ._claim import Claim
-from ._statistic import Interval
+from ._statistic import Interval, Proportion
 from ._warning import Warning
 
 
@@ -229,6 +229,7 @@ class RobotMisfit:
     shared: float
     held_out: float
     without_it: Tuple[float, ...]
+    refitted_among: int
     own: float
     closed: float
 
@@ -247,7 +248,60 @@ class Transfer:
     own_misfit: float
     closed: float
     closable: float
+    own_parameters: Literal["none", "refitted", "as_they_came"]
     robots: Tuple[RobotMisfit, ...]
+
+
+@dataclass(frozen=True)
+class MetricFloors:
+    """How many robots are within their noise floor by one metric, of those that have one.
+
+    >>> [of.metric for of in answer.summary.reproduction.metrics] if answer.summary.reproduction else []
+    []
+    """
+
+    metric: str
+    within_floor: Proportion
+    median_noise_floors: Optional[float]
+
+
+@dataclass(frozen=True)
+class RobotReproduction:
+    """What the shared answer makes of one robot of a study of many: distances of paths by `rms`, and net displacements.
+
+    >>> [robot.likeness for robot in answer.summary.reproduction.robots] if answer.summary.reproduction else []
+    []
+    """
+
+    robot: str
+    likeness: Literal["within_floor", "alike", "goes_nowhere", "other_path"]
+    distance_m: float
+    floor_m: Optional[float]
+    alike_m: float
+    recorded_m: float
+    recorded_sd_m: float
+    simulated_m: float
+    simulated_sd_m: float
+    held: bool
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """In how many robots of a study of many the shared answer does what was recorded, with 95 % Wilson intervals.
+
+    >>> answer.summary.reproduction is None
+    True
+    """
+
+    runs: int
+    within_floor: Proportion
+    alike: Proportion
+    goes_nowhere: Proportion
+    other_path: Proportion
+    metrics: Tuple[MetricFloors, ...]
+    displacement_held: Optional[Proportion]
+    displacement_promise: float
+    robots: Tuple[RobotReproduction, ...]
 
 
 @dataclass(frozen=True)
@@ -281,6 +335,7 @@ class SweepSummary:
     audit: Optional[Audit]
     validation: Optional[Validation]
     transfer: Optional[Transfer]
+    reproduction: Optional[Reproduction]
     components: Optional[Tuple[float, ...]]
     pose: Optional[PoseErrors]
     provenance: Mapping[str, str]

@@ -110,6 +110,20 @@ fn a_sweep_of_many_robots_in_shards_leaves_the_bytes_of_one_machine() {
     let summary = folder.path().join("sweep_plan/results/summary.json");
     let summary = std::fs::read_to_string(summary).unwrap();
     assert!(summary.contains("\"transfer\""), "{summary}");
+
+    // The page shows the counts of the summary, and no others.
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let page = folder.path().join("sweep_plan/results/report.html");
+    let page = std::fs::read_to_string(page).unwrap();
+    let (_, table) = page.rsplit_once("In how many robots").unwrap();
+    let (table, _) = table.split_once("</table>").unwrap();
+    let rows: Vec<&str> = table.split("<tr>").skip(2).collect();
+    let kinds = ["within_floor", "alike", "goes_nowhere", "other_path"];
+    assert_eq!(rows.len(), kinds.len(), "{table}");
+    for (kind, row) in kinds.iter().zip(rows) {
+        let count = &summary["reproduction"][kind]["count"];
+        assert!(row.contains(&format!("{count} of 3<")), "{kind}: {row}");
+    }
 }
 
 #[test]

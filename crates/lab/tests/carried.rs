@@ -58,7 +58,7 @@ fn ensemble(low: f64, high: f64) -> EnsembleReport {
 #[test]
 fn the_less_is_known_the_wider_an_ensemble_spreads() {
     let spread_m = |report: &EnsembleReport| {
-        let far = report.cases[0].forecast.displacement_m.clone().unwrap();
+        let far = report.cases[0].forecast.displacement_m.unwrap();
         far.q95 - far.q05
     };
     let (point, wide) = (ensemble(0.5, 0.5), ensemble(0.1, 0.9));

@@ -1,9 +1,16 @@
-//! Studies of many robots: the score of all is that of each, the weights count, and leaving one out leaves it out.
+//! Studies of many robots: the score of all is that of each, the weights count, leaving one out leaves it out, and who does what was
+//! recorded is said to.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use std::path::Path;
+
 use realgap_core::file::Source;
-use realgap_lab::calibration::{Answer, Overrides, Study};
-use realgap_optimize::RunOptions;
+use realgap_engine::run;
+use realgap_lab::calibration::{
+    Answer, Likeness, Overrides, OwnParameters, PointScore, Study, TuneOptions,
+};
+use realgap_optimize::{RunOptions, optimizer_by_name};
+use realgap_path::trajectory::{self, Trajectory};
 
 use crate::common::project;
 
@@ -85,6 +92,106 @@ fn weights_count_and_each_robot_has_what_is_fixed_for_it() {
     }
 }
 
+/// What the tripod does in six seconds on a floor of friction 0.5.
+fn walk(fixed: &str) -> Trajectory {
+    let study = format!("{} set: {{{fixed}}},", robot("00", ""));
+    let text = study_text(&study, 6.0, "Single");
+    let source = Source::new(project().join("sweeps/walk.ron"), text);
+    let study = Study::parse(&source, &Overrides::default()).unwrap();
+    let experiment = study.experiment(0, &[0.5]).unwrap();
+    run(&experiment).unwrap().outcome.completed().unwrap()
+}
+
+fn study_text(robots: &str, duration_s: f64, score: &str) -> String {
+    format!(
+        "Study({robots} start: Settled, duration_s: {duration_s:?}, metric: \"rms\", score: {score},
+        parameters: [(name: \"floor.friction\", from: 0.5, to: 0.9, points: 2)])"
+    )
+}
+
+/// The answer of a study of tripods: each with recordings of its own, and what is said of it besides. The first decides.
+fn recorded(robots: &[(&[Trajectory], &str)], score: &str) -> Answer {
+    let folder = tempfile::tempdir().unwrap();
+    let mut members = String::new();
+    for (number, (motions, more)) in robots.iter().enumerate() {
+        for (index, motion) in motions.iter().enumerate() {
+            let name = format!("robot_{number}_{index}.csv");
+            trajectory::write(folder.path().join(name), motion).unwrap();
+        }
+        let tripod = project().join("morphologies/tripod.ron");
+        let weight = if number == 0 { 1000.0 } else { 1.0 };
+        members += &format!(
+            "(morphology: {tripod:?}, recordings: [\"robot_{number}_*.csv\"], weight: {weight:?}, {more}),"
+        );
+    }
+    let text = study_text(&format!("robots: [{members}],"), 6.0, score);
+    let source = Source::new(folder.path().join("many.ron"), text);
+    let study = Study::parse(&source, &Overrides::default()).unwrap();
+    study.sweep(&RunOptions::default()).unwrap()
+}
+
+#[test]
+fn a_robot_is_said_to_do_what_was_recorded_where_its_recordings_were_made_so() {
+    let walked = walk("");
+    let stood = walk("\"gait.amplitude_scale\": 0.0");
+    let sized = |sizes: [f64; 2]| sizes.map(|size| walked.scaled(size).unwrap());
+    let answer = recorded(
+        &[
+            (&sized([1.0, 1.3]), ""),
+            (&sized([1.1, 1.11]), ""),
+            (&sized([1.0, 1.01]), "set: {\"gait.amplitude_scale\": 0.0}"),
+            (&[stood], ""),
+        ],
+        "Single",
+    );
+    let text = answer.to_string();
+    let found = answer.report.reproduction.unwrap();
+    let likeness: Vec<Likeness> = found.robots.iter().map(|robot| robot.likeness).collect();
+    use Likeness::*;
+    assert_eq!(likeness, [WithinFloor, Alike, GoesNowhere, OtherPath]);
+    for share in [found.within_floor, found.alike, found.goes_nowhere] {
+        assert_eq!((share.count, share.trials), (1, 4));
+        // Wilson's interval of one in four.
+        assert!((share.low - 0.0456).abs() < 1e-4 && (share.high - 0.6994).abs() < 1e-4);
+    }
+    assert_eq!(found.other_path.count, 1);
+    assert!(text.contains("1 of 4 (25 %, 95 %: 5 to 70)"), "{text}");
+
+    // The run is the first recording, and as far from the second as that is from the first.
+    let first = &found.robots[0];
+    let floor_m = first.floor_m.unwrap();
+    assert!((first.distance_m / floor_m - 0.5).abs() < 1e-3, "{first:?}");
+    let way_m = first.simulated_m;
+    assert!((first.recorded_m / way_m - 1.15).abs() < 1e-3 && first.simulated_sd_m == 0.0);
+    // A quarter of the way, or half of a cube of 6 cm.
+    assert!((first.alike_m - (0.25 * first.recorded_m).max(0.03)).abs() < 2e-3);
+    assert_eq!(found.robots[3].floor_m, None);
+    // Who has one recording has no floor, and is missing where floors are counted.
+    for of in &found.metrics {
+        assert_eq!(of.within_floor.trials, 3, "{}", of.metric);
+    }
+    let names: Vec<&str> = found.metrics.iter().map(|of| of.metric).collect();
+    for name in ["displacement", "hausdorff", "frechet", "dtw", "pca-cluster"] {
+        assert!(names.contains(&name), "{names:?}");
+    }
+    assert!(found.displacement_held.is_none());
+}
+
+#[test]
+fn a_recorded_displacement_is_held_against_those_of_equally_valid_runs() {
+    let walked = walk("");
+    let around = [0.999, 1.001].map(|size| walked.scaled(size).unwrap());
+    let far = [1.9, 2.1].map(|size| walked.scaled(size).unwrap());
+    let found = recorded(&[(&around, ""), (&far, "")], "Valid").report;
+    let found = found.reproduction.unwrap();
+    let held = found.displacement_held.unwrap();
+    let of_robots: Vec<bool> = found.robots.iter().map(|robot| robot.held).collect();
+    assert_eq!(of_robots, [true, false], "{found:?}");
+    assert_eq!((found.runs, held.count, held.trials), (16, 1, 2));
+    assert!((found.displacement_promise - 15.0 / 17.0).abs() < 1e-12);
+    assert!(found.robots[0].simulated_sd_m > 0.0);
+}
+
 /// A study of two robots of the shipped fleet that share a floor, with what varies besides and what is fixed for the second.
 fn of_fleet(varied: &str, second: &str) -> realgap_core::Result<Study> {
     let robot = |name: &str, more: &str| {
@@ -105,6 +212,7 @@ fn a_robot_may_vary_something_of_its_own_beside_what_all_share() {
     let swept = |study: Study| study.sweep(&RunOptions::default()).unwrap();
     let mass = "(name: \"robot.random_0022.body.mass_scale\", from: 0.5, to: 1.5, points: 3)";
     let own = swept(of_fleet(mass, "").unwrap());
+    let own_text = own.to_string();
     let values: Vec<_> = own.scores.points.iter().map(|p| p.values.clone()).collect();
     assert_eq!(values.len(), 9, "{values:?}");
     let grid = &own.scores.points;
@@ -129,11 +237,106 @@ fn a_robot_may_vary_something_of_its_own_beside_what_all_share() {
     let transfer = own.report.transfer.unwrap();
     assert!((transfer.untuned[0] - 0.5).abs() < 1e-9 && (transfer.untuned[1] - 1.0).abs() < 0.05);
 
+    // Left out, it gets the floor that suits the other best, and the mass that suits itself best there.
+    let lowest = |robot: usize, of: &dyn Fn(&PointScore) -> bool| {
+        let chosen = grid.iter().filter(|point| of(point));
+        let scores = chosen.map(|point| (point.recordings[robot], point.values.clone()));
+        scores.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+    };
+    let floor = lowest(0, &|_| true).1[0];
+    let (held_out, values) = lowest(1, &|point| point.values[0] == floor);
+    assert_eq!(transfer.robots[1].held_out, held_out);
+    assert_eq!(transfer.robots[1].without_it, values);
+    let among = transfer.robots.iter().map(|robot| robot.refitted_among);
+    assert_eq!(among.collect::<Vec<_>>(), [1, 3]);
+    assert_eq!(transfer.own_parameters, OwnParameters::Refitted);
+
+    // Points that no two of which share a floor leave nothing to fit again, and whoever reads the number is told.
+    let options = TuneOptions {
+        optimizer: optimizer_by_name("random").unwrap(),
+        budget: 12,
+        ..TuneOptions::default()
+    };
+    let scattered = of_fleet(mass, "").unwrap();
+    let scattered = scattered.tune(&options, &RunOptions::default()).unwrap();
+    assert!(scattered.to_string().contains("NOT fitted again"));
+    assert!(!own_text.contains("NOT fitted again") && own_text.contains("fitted again"));
+    let transfer = scattered.report.transfer.unwrap();
+    assert_eq!(transfer.own_parameters, OwnParameters::AsTheyCame);
+
     let nobody = mass.replace("0022", "0023");
     let error = of_fleet(&nobody, "").unwrap_err().to_string();
     assert!(error.contains("no robot of this name"), "{error}");
     assert!(error.contains("random_0005, random_0022"), "{error}");
     assert!(of_fleet(&mass.replace("mass_scale", "mas_scale"), "").is_err());
+}
+
+/// A hall in which a wall stands beside the robot, and a controller that holds every leg still where its sensor sees that wall.
+fn hall(folder: &Path) {
+    let arena = "Arena(name: \"hall\", size_m: (4.0, 4.0), boundary: Open, \
+        boxes: [(centre_m: (2.24, 2.0), half_m: (0.05, 0.8))], start: (x_m: 2.0, y_m: 2.0))";
+    std::fs::write(folder.join("hall.ron"), arena).unwrap();
+    let legs = ["leg_a", "leg_b", "leg_c"].map(|leg| format!("(actuator: {leg:?}, hold: 0.0)"));
+    for (name, below_m) in [("sees", 0.2), ("blind", 0.01)] {
+        let text = format!(
+            "Controller(arena: \"hall.ron\", rate_hz: 20, \
+             sensors: [(name: \"front\", on: \"core\", at_m: (0, 0, 0.03), model: \"ultrasonic\")], \
+             rules: [(when: (sensor: \"front\", below_m: {below_m:?}), then: [{}])])",
+            legs.join(", ")
+        );
+        std::fs::write(folder.join(format!("{name}.ron")), text).unwrap();
+    }
+}
+
+#[test]
+fn what_is_swept_is_simulated_with_the_controller_that_the_study_names() {
+    let folder = tempfile::tempdir().unwrap();
+    hall(folder.path());
+    let study = |robots: &str| {
+        let text = study_text(robots, 2.0, "Single");
+        let text = text.replace("\"../", &format!("\"{}/", project().display()));
+        let source = Source::new(folder.path().join("steered.ron"), text);
+        Study::parse(&source, &Overrides::default())
+    };
+    let swept = |robots: &str| {
+        let study = study(robots).unwrap();
+        (
+            study.sweep(&RunOptions::default()).unwrap(),
+            study.fingerprint(),
+        )
+    };
+    let way_m = |answer: &Answer| answer.scores.points[0].path_xy_m[181][0];
+    let (without, plain) = swept(&robot("00", ""));
+    let (sees, seeing) = swept(&robot("00", "controller: \"sees.ron\","));
+    let (blind, _) = swept(&robot("00", "controller: \"blind.ron\","));
+    // A wall that is not touched, and a rule that never holds, change nothing.
+    assert_eq!(scores(&blind), scores(&without));
+    let (stood_m, walked_m) = (way_m(&sees), way_m(&without));
+    assert!(
+        stood_m < 0.3 * walked_m,
+        "ignored: {stood_m} of {walked_m} m"
+    );
+    assert_ne!(plain, seeing, "two studies with one fingerprint");
+
+    // Of many each may have its own, or else has that of the study.
+    let pair =
+        |shared: &str, second: &str| scores(&swept(&format!("{} {shared}", two("", second))).0);
+    let many = pair("", "controller: \"sees.ron\",");
+    let nobody = pair("", "");
+    let all = pair("controller: \"sees.ron\",", "controller: \"blind.ron\",");
+    for ((many, nobody), all) in many.iter().zip(&nobody).zip(&all) {
+        assert_eq!(many[0], nobody[0]);
+        assert_ne!(many[1..], nobody[1..]);
+        assert_ne!(all[0], nobody[0]);
+        assert_eq!(all[1..], nobody[1..]);
+    }
+
+    let text = study_text(&robot("00", "controller: \"sees.ron\","), 2.0, "Single");
+    let text = text.replace("start: Settled", "start: FromRecording");
+    let text = text.replace("\"../", &format!("\"{}/", project().display()));
+    let source = Source::new(folder.path().join("steered.ron"), text);
+    let error = Study::parse(&source, &Overrides::default()).unwrap_err();
+    assert!(error.to_string().contains("start: Settled"), "{error}");
 }
 
 #[test]

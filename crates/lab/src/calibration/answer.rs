@@ -12,6 +12,7 @@ use super::method::Method;
 use super::posterior::BestDraws;
 use super::profile::Profile;
 use super::report::{Evidence, Report};
+use super::reproduction::Reproduction;
 use super::score::{PointScore, Scores};
 use super::study::Study;
 use super::uncertainty::Uncertainty;
@@ -96,6 +97,10 @@ impl Answer {
             // Whoever interrupts does not want to wait for more simulations.
             Ending::Interrupted => None,
         };
+        let reproduction = match ending {
+            Ending::Complete => Reproduction::new(study, &scores)?,
+            Ending::Interrupted => None,
+        };
         let evidence = Evidence {
             method: &method,
             ending,
@@ -105,6 +110,7 @@ impl Answer {
             audit,
             fit,
             validation: Validation::new(study, &scores, refits)?,
+            reproduction,
         };
         let report = Report::new(study, &evidence)?;
         Ok(Self {

@@ -11,6 +11,7 @@ use super::command_file::Commands;
 use super::fleet::Member;
 use super::horizon::Horizon;
 use super::split::Split;
+use super::steering::Steering;
 use crate::calibration::identification::StartState;
 use realgap_core::error::Error;
 use realgap_core::file::sha256;
@@ -83,6 +84,8 @@ pub struct Definition {
     pub start_state: StartState,
     /// Whether recordings that end while moving are left out.
     pub only_at_rest: bool,
+    /// What the robot reads, and does about it.
+    pub steering: Option<Steering>,
     /// Other bodies beside the robot.
     pub scene: Vec<SceneBody>,
     /// What the recordings say of the servos.
@@ -171,6 +174,7 @@ impl Definition {
             start: StartRule::Settled,
             start_state: StartState::default(),
             only_at_rest: false,
+            steering: None,
             scene: Vec::new(),
             commands: None,
             left_out: Vec::new(),
@@ -235,6 +239,9 @@ impl Definition {
         if let Some(vehicle) = &self.vehicle {
             base.drive = vehicle.drive;
             base.vehicle = Some(Arc::clone(vehicle));
+        }
+        if let Some(steering) = &self.steering {
+            steering.give_to(&mut base);
         }
         self.set.apply(&base)
     }

@@ -54,6 +54,9 @@ impl Study {
         if let Some(commands) = &definition.commands {
             print = print.with("commands", format!("{commands:?}"));
         }
+        if let Some(steering) = &definition.steering {
+            print = print.with("controller sha256", steering.sha256());
+        }
         if let Some(horizon) = definition.horizon {
             print = print.with("horizon", format!("{horizon:?}"));
         }

@@ -8,6 +8,7 @@ use serde::Deserialize;
 
 use super::case::{Case, cases};
 use super::definition::{Definition, StartRule};
+use super::steering::Steering;
 use super::study_file::{assignments, morphology_source};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, unique_keys};
@@ -33,6 +34,8 @@ pub struct Member {
     pub set: ParameterSet,
     /// Where its runs start.
     pub start: StartRule,
+    /// What it reads, and does about it; that of the study, unless it has its own.
+    pub steering: Option<Steering>,
     /// How many times each of its recordings counts.
     pub weight: f64,
 }
@@ -49,6 +52,7 @@ impl Definition {
                 .unwrap_or_default(),
             set: self.set.clone().with_all(&member.set),
             start: member.start,
+            steering: member.steering.clone(),
             robots: Vec::new(),
             ..self.clone()
         }
@@ -93,6 +97,10 @@ impl Definition {
             .iter()
             .enumerate()
             .fold(print, |print, (index, member)| {
+                let controller = member.steering.as_ref().map(Steering::sha256);
+                let print = controller.into_iter().fold(print, |print, sha256| {
+                    print.with(format!("robot {index} controller sha256"), sha256)
+                });
                 print.with(
                     format!("robot {index} {}", member.morphology.name()),
                     format!(
@@ -162,6 +170,8 @@ pub(super) struct RobotFile {
     set: BTreeMap<String, f64>,
     /// Where its runs start, if not where those of the study do.
     start: Option<StartRule>,
+    /// Its controller's file, relative to the study's, if not the study's own.
+    pub(super) controller: Option<PathBuf>,
     /// How many times each of its recordings counts.
     #[serde(default = "default_weight")]
     weight: f64,
@@ -178,6 +188,7 @@ impl RobotFile {
             recordings: 0..0,
             set: assignments(&self.set).map_err(|e| e.field("set"))?,
             start: self.start.unwrap_or(start),
+            steering: None,
             weight: self.weight,
         })
     }

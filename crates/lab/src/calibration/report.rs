@@ -10,6 +10,7 @@ use super::fit::Fit;
 use super::method::{Method, Tuned};
 use super::posterior::BestDraws;
 use super::recording::few_recordings;
+use super::reproduction::Reproduction;
 use super::score::Scores;
 use super::study::Study;
 use super::transfer::Transfer;
@@ -69,6 +70,8 @@ pub struct Report {
     pub validation: Option<Validation>,
     /// Of a study of many robots: each one's misfit, and what the others' answer does for it.
     pub transfer: Option<Transfer>,
+    /// Of a study of many robots: in how many of them the shared answer does what was recorded.
+    pub reproduction: Option<Reproduction>,
     /// Principal components kept and the share of the variance each explains, where the metric uses them.
     pub components: Option<Vec<f64>>,
     /// Pose errors of the best point, where the recordings have orientations.
@@ -147,6 +150,7 @@ pub(super) struct Evidence<'a> {
     pub audit: Option<Audit>,
     pub fit: Option<Fit>,
     pub validation: Option<Validation>,
+    pub reproduction: Option<Reproduction>,
 }
 
 impl Evidence<'_> {
@@ -214,10 +218,8 @@ impl fmt::Display for Report {
             counted(self.recordings, "recording"),
         )?;
         let say = |f: &mut fmt::Formatter<'_>, about: About| {
-            let claims = self.claims.iter().filter(|claim| claim.about == about);
-            claims
-                .map(|claim| write!(f, "\n  {claim}"))
-                .collect::<fmt::Result>()
+            let mut claims = self.claims.iter().filter(|claim| claim.about == about);
+            claims.try_for_each(|claim| write!(f, "\n  {claim}"))
         };
         say(f, About::Model)?;
         if let Some(best) = &self.best {
@@ -265,14 +267,18 @@ impl fmt::Display for Report {
         if let Some(transfer) = &self.transfer {
             write!(
                 f,
-                "\n  {} robots: {} untuned, {} with what the others say ({:.0} % closed), {} each at its own best ({:.0} %)",
+                "\n  {} robots: {} untuned, {} with what the others say ({:.0} % closed), {} each at its own best ({:.0} %){}",
                 transfer.robots.len(),
                 quantity(transfer.untuned_misfit, self.unit),
                 quantity(transfer.held_out_misfit, self.unit),
                 100.0 * transfer.closed,
                 quantity(transfer.own_misfit, self.unit),
                 100.0 * transfer.closable,
+                transfer.own_parameters.remark(),
             )?;
+        }
+        if let Some(reproduction) = &self.reproduction {
+            write!(f, "\n  {reproduction}")?;
         }
         say(f, About::Set)?;
         say(f, About::Parameter)?;
@@ -358,6 +364,7 @@ impl Report {
                 Ending::Complete => Transfer::new(study, scores),
                 Ending::Interrupted => None,
             },
+            reproduction: evidence.reproduction.clone(),
             components: scores.basis.as_ref().map(|b| {
                 b.explained_variance_ratio()
                     .iter()

@@ -60,6 +60,8 @@ pub struct StudyFile {
     scene: Vec<BodyFile>,
     /// Walls around the robot: of a settled start, where the arena says that robots start; else in the recording's coordinates.
     arena: Option<PathBuf>,
+    /// A controller's file, relative to this one: what is simulated reads its sensors and follows its rules, in its arena.
+    controller: Option<PathBuf>,
     /// Recorded commands that the servos follow in place of their gaits.
     commands: Option<Commands>,
     /// Joints of the robot that no column gives, and columns that no joint takes, which else are an error; `*` for any letters.
@@ -359,7 +361,10 @@ impl Definition {
             let both = format!("{}\n{}", definition.morphology_sha256, plan.text());
             definition.morphology_sha256 = sha256(both.as_bytes());
         }
-        Ok(definition)
+        let own = file.robots.iter().map(|robot| robot.controller.as_deref());
+        definition
+            .steer(source, file.controller.as_deref(), &own.collect::<Vec<_>>())
+            .map(|()| definition)
     }
 }
 

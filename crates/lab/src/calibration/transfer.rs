@@ -1,5 +1,7 @@
 //! Does what is tuned on some robots hold for another? The question of a study of many.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::fleet::Member;
@@ -23,8 +25,36 @@ pub struct Transfer {
     pub closed: f64,
     /// Share of the untuned misfit that each robot's own best point closes: no floor can close more.
     pub closable: f64,
+    /// What became of robots' own parameters where the others' point was taken.
+    pub own_parameters: OwnParameters,
     /// The robots, in the order of the study.
     pub robots: Vec<RobotMisfit>,
+}
+
+/// What becomes of parameters that are about one robot alone (`robot.NAME.PARAMETER`) where that robot is left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum OwnParameters {
+    /// There are none.
+    None,
+    /// They are fitted to the robot's own recordings again, among the points that have the others' shared values.
+    Refitted,
+    /// They are what they happen to be at the others' point: no two points that were evaluated differ in them alone.
+    AsTheyCame,
+}
+
+impl OwnParameters {
+    /// For people, behind the number that it is about; nothing where there are none.
+    pub fn remark(self) -> &'static str {
+        match self {
+            Self::None => "",
+            Self::Refitted => "; with the others' floor, robots' own parameters are fitted again",
+            Self::AsTheyCame => {
+                "; robots' own parameters were NOT fitted again with the others' floor: no two points differ in them alone"
+            }
+        }
+    }
 }
 
 /// How far one robot of a study is from its recordings.
@@ -39,10 +69,12 @@ pub struct RobotMisfit {
     pub untuned: f64,
     /// Misfit at the shared answer, which has seen it.
     pub shared: f64,
-    /// Misfit at the best point of all the others.
+    /// Misfit at the best point of all the others, its own parameters fitted again where the points allow it.
     pub held_out: f64,
     /// Values of the parameters at that point.
     pub without_it: Vec<f64>,
+    /// Points among which its own parameters were fitted again; 1 where they were not.
+    pub refitted_among: usize,
     /// Misfit at its own best point.
     pub own: f64,
     /// Share of the untuned misfit that the others' point closes.
@@ -74,12 +106,10 @@ impl Transfer {
                 let others = all.filter(|(index, _)| !member.recordings.contains(index));
                 mean(&others.map(|(_, score)| *score).collect::<Vec<f64>>())
             };
-            let lowest = |of: &dyn Fn(&PointScore) -> f64| {
-                let all = points.iter().copied();
-                all.min_by(|a, b| of(a).total_cmp(&of(b)))
-            };
-            let without_it = lowest(&of_others)?;
-            let own = lowest(&|point| misfit(point, member))?;
+            let own_misfit = |point: &PointScore| misfit(point, member);
+            let family = best_family(families(study, &points, member), &of_others)?;
+            let without_it = lowest_of(&family, &own_misfit)?;
+            let own = lowest_of(&points, &own_misfit)?;
             let (before, after) = (misfit(untuned, member), misfit(without_it, member));
             robots.push(RobotMisfit {
                 robot: member.morphology.name().to_owned(),
@@ -88,6 +118,7 @@ impl Transfer {
                 shared: misfit(shared, member),
                 held_out: after,
                 without_it: without_it.values.clone(),
+                refitted_among: family.len(),
                 own: misfit(own, member),
                 closed: 1.0 - after / before,
             });
@@ -101,8 +132,80 @@ impl Transfer {
             own_misfit: own,
             closed: 1.0 - after / before,
             closable: 1.0 - own / before,
+            own_parameters: own_parameters(study, &robots),
             robots,
         })
+    }
+}
+
+/// Whether a parameter of the study is about this robot alone, in the order of the parameters.
+fn is_own(study: &Study, member: &Member) -> Vec<bool> {
+    let parameters = study.definition().parameters.iter();
+    let name = member.morphology.name();
+    parameters
+        .map(|parameter| parameter.robot() == Some(name))
+        .collect()
+}
+
+/// Points that differ in nothing but a robot's own parameters, together. Where there are such, a point without a choice is none of
+/// them: waves lie between the points of a grid, each with other values of everything.
+fn families<'a>(
+    study: &Study,
+    points: &[&'a PointScore],
+    member: &Member,
+) -> Vec<Vec<&'a PointScore>> {
+    let is_own = is_own(study, member);
+    let mut numbers = BTreeMap::new();
+    let mut families: Vec<Vec<&PointScore>> = Vec::new();
+    for point in points.iter().copied() {
+        let shared = point.values.iter().zip(&is_own).filter(|(_, own)| !**own);
+        let shared: Vec<u64> = shared.map(|(value, _)| value.to_bits()).collect();
+        let number = *numbers.entry(shared).or_insert(families.len());
+        match families.get_mut(number) {
+            Some(family) => family.push(point),
+            None => families.push(vec![point]),
+        }
+    }
+    if families.iter().any(|family| family.len() > 1) {
+        families.retain(|family| family.len() > 1);
+    }
+    families
+}
+
+/// The points with the shared values that suit the others best: on average, since the robot's own parameters are nothing to them.
+fn best_family<'a>(
+    families: Vec<Vec<&'a PointScore>>,
+    of_others: &dyn Fn(&PointScore) -> f64,
+) -> Option<Vec<&'a PointScore>> {
+    let suits = |family: &Vec<&PointScore>| {
+        let all = family.iter().map(|point| of_others(point));
+        mean(&all.collect::<Vec<f64>>())
+    };
+    let families = families.into_iter().map(|family| (suits(&family), family));
+    families
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, family)| family)
+}
+
+fn lowest_of<'a>(
+    points: &[&'a PointScore],
+    of: &dyn Fn(&PointScore) -> f64,
+) -> Option<&'a PointScore> {
+    let points = points.iter().copied();
+    points.min_by(|a, b| of(a).total_cmp(&of(b)))
+}
+
+/// Refitted where every robot with parameters of its own was.
+fn own_parameters(study: &Study, robots: &[RobotMisfit]) -> OwnParameters {
+    let members = study.definition().robots.iter().zip(robots);
+    let with_own = members.filter(|(member, _)| is_own(study, member).contains(&true));
+    let refitted: Vec<bool> = with_own
+        .map(|(_, robot)| robot.refitted_among > 1)
+        .collect();
+    match refitted.as_slice() {
+        [] => OwnParameters::None,
+        all if all.iter().all(|refitted| *refitted) => OwnParameters::Refitted,
+        _ => OwnParameters::AsTheyCame,
     }
 }
 

@@ -13,6 +13,7 @@ mod claim;
 #[cfg(test)]
 mod contradiction;
 mod ensemble;
+mod fleet;
 mod folder;
 mod foxglove;
 mod gap;

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use super::block::Block;
 use super::chart::{Chart, steps};
 use super::claim::{sentences, word};
+use super::fleet;
 use super::joint::joints;
 use super::kept::Kept;
 use super::page::{html, script_json};
@@ -21,7 +22,7 @@ use realgap_core::error::Result;
 use realgap_core::unit::number;
 
 /// Fewer numbers than this of a report stand in the section of numbers, because others tell them.
-const SAID: [&str; 10] = [
+const SAID: [&str; 11] = [
     "study",
     "fit",
     "best",
@@ -29,6 +30,7 @@ const SAID: [&str; 10] = [
     "audit",
     "validation",
     "transfer",
+    "reproduction",
     "uncertainty",
     "tuning",
     "pose",
@@ -88,7 +90,12 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
         Section::new(
             "robots",
             "Does it hold for a robot that it has not seen?",
-            transfer(report),
+            fleet::transfer(report),
+        ),
+        Section::new(
+            "reproduced",
+            "In how many robots does the shared answer do what was recorded?",
+            fleet::reproduction(report),
         ),
         Section::new("audit", audit_title, audit(report)),
         pictures(folder, "pictures", "More pictures", |stem| !is_drawn(stem))?,
@@ -281,33 +288,6 @@ fn validation(report: &Value) -> String {
         Some(vec![name.replace('_', " "), shown])
     });
     table(&["", "value"], rows)
-}
-
-/// Of a study of many robots: the misfit of each, and what the others' answer does for it.
-fn transfer(report: &Value) -> String {
-    let unit = report.text("unit");
-    let transfer = report.at("transfer");
-    let row = |of: &Value, name: String, keys: [&str; 4]| {
-        let mut row = vec![name];
-        row.extend(keys.map(|key| match key {
-            "" => String::new(),
-            key => of.measured(key, unit),
-        }));
-        row.push(of.percent("closed"));
-        row
-    };
-    let keys = ["untuned", "shared", "held_out", "own"];
-    let all = ["untuned_misfit", "", "held_out_misfit", "own_misfit"];
-    let robots = transfer.list("robots").iter();
-    let rows = robots.map(|robot| row(robot, robot.owned("robot"), keys));
-    let mean = transfer
-        .is_object()
-        .then(|| row(transfer, "mean".to_owned(), all));
-    noted(
-        "robot | untuned | shared answer | best of the others | its own best | closed by the others",
-        rows.chain(mean),
-        "The best of the others has not seen the robot. Its own best is the lowest of many points, and partly luck.",
-    )
 }
 
 fn audit(report: &Value) -> String {
