@@ -5,7 +5,7 @@ use crate::common;
 
 use common::project;
 use nalgebra::{UnitQuaternion, Vector3};
-use realgap_engine::parameter::ParameterSet;
+use realgap_engine::parameter::{Assignment, ParameterSet};
 use realgap_engine::{Distribution, Experiment, Noise, Start, run};
 use realgap_lab::calibration::Study;
 use realgap_lab::calibration::identification::StartState;
@@ -132,4 +132,39 @@ fn odds_without_runs_are_refused() {
         .unwrap_err()
         .to_string();
     assert!(error.contains("runs"), "{error}");
+}
+
+#[test]
+fn what_a_fit_left_open_takes_odds_from_what_seemed_certain() {
+    let odds_of = |drawn: &[f64]| {
+        let bounce = |value: &f64| Assignment::new("floor.restitution", *value).unwrap();
+        let drawn = drawn
+            .iter()
+            .map(|value| ParameterSet::new().with(bounce(value)));
+        let known = ParameterSet::new().with(bounce(&0.1));
+        let study = study(4, &Noise::default());
+        let study = study.at(&known, vec![drawn.collect()], &[]).unwrap();
+        let options = OddsOptions {
+            noise: Noise::default(),
+            runs: 24,
+            seed: 1,
+        };
+        Odds::new(
+            &study,
+            &ParameterSet::new(),
+            &options,
+            &RunOptions::default(),
+        )
+        .unwrap()
+    };
+    let poses =
+        |odds: &Odds| -> usize { odds.rows.iter().map(|row| row.probabilities.len()).sum() };
+    let (point, wide) = (odds_of(&[0.1]), odds_of(&[0.0, 0.3, 0.6, 0.8, 0.9]));
+    assert!(poses(&wide) > poses(&point), "{point}\n{wide}");
+    let carried = |odds: &Odds| {
+        odds.warnings
+            .iter()
+            .any(|w| w.code.name() == "uncertain-parameters")
+    };
+    assert!(carried(&wide));
 }

@@ -75,6 +75,11 @@ impl Answer {
             let chosen = scores.points.iter().position(|p| p.values == fitted);
             scores.best = chosen.or(scores.best);
         }
+        let emulator = match study.fitted_recordings() {
+            // What might have been recorded is what the best point's runs show, which is known now.
+            1 => emulator.map(|known| known.again(&scored_runs(study, &scores))),
+            _ => emulator,
+        };
         let fit = Fit::new(study, &scores)?;
         let definition = study.definition();
         let doubt = Doubt {

@@ -136,10 +136,19 @@ impl Emulator {
         let runs = thinned(runs, KNOWN);
         let values = runs.iter().map(|run| scale.of(run.score()));
         let values = DVector::from_iterator(runs.len(), values);
-        let parts = DMatrix::from_fn(runs.len(), runs[0].recordings.len(), |run, recording| {
-            let score = runs[run].score();
-            scale.slope(score) * (runs[run].recordings[recording] - score)
-        });
+        let might_be = runs[0].might_be.len();
+        let parts = match might_be {
+            0 => DMatrix::from_fn(runs.len(), runs[0].recordings.len(), |run, recording| {
+                let score = runs[run].score();
+                scale.slope(score) * (runs[run].recordings[recording] - score)
+            }),
+            // What might have been is as far from what was as from each other, so that no slope holds for all of it.
+            _ => DMatrix::from_fn(runs.len(), might_be, |run, recording| {
+                let scores = runs[run].might_be.iter().map(|score| scale.of(*score));
+                let scores: Vec<f64> = scores.collect();
+                scores[recording] - mean(&scores)
+            }),
+        };
         let members = kernels.iter().filter_map(|kernel| {
             let factor = kernel.factor(&runs)?;
             let shares = mean_weights(&factor);

@@ -8,6 +8,8 @@ const POOLED: f64 = 4.0;
 /// Variance of a single recording in those of a run: a kernel that is smooth everywhere understates what a deviation moves at the
 /// bottom of a valley, and with 4 the intervals of the worlds of `world.rs` hold what they promise.
 const ALONE: f64 = 4.0;
+/// The same in those of what might have been recorded in its place: nothing says that reality repeats as well as a simulation.
+const AS_MUCH_AGAIN: f64 = 2.0;
 
 /// What keeps scores apart beside the emulator and numerics.
 #[derive(Debug, Clone, Copy)]
@@ -43,18 +45,22 @@ impl Variance {
         };
         let one = (&field.alike * (POOLED * pooled) + own) / (POOLED + more);
         // Distances do not tell whether a recording or a simulation deviates, so that reality's own setting, which nobody knows,
-        // moves the score as one recording more would, only as much as settings part runs where recordings part them.
-        let setting = match recordings > 1 {
+        // moves the score as one recording more would, only as much as settings part runs where recordings part them. What might
+        // have been recorded in place of a single recording has settings of its own.
+        let setting = match doubt.recordings > 1 {
             true => field.setting / field.recording.max(1e-12),
             false => 0.0,
         };
-        let one_over = 1.0 / doubt.recordings.max(1) as f64;
+        let one_over = match (doubt.recordings, recordings) {
+            (..=1, 2..) => AS_MUCH_AGAIN,
+            (fitted, _) => 1.0 / fitted.max(1) as f64,
+        };
         let recordings = one * (one_over + setting + doubt.discrepancy);
         Self {
             all: &field.emulator + &field.numerics + &recordings,
             recordings,
             // Along a single valley the pooled variance is made of the same few recordings.
-            freedom: if more > 0.0 { more } else { POOLED },
+            freedom: if doubt.recordings > 1 { more } else { POOLED },
         }
     }
 

@@ -22,6 +22,9 @@ pub(super) struct ScoredRun {
     pub setting: Setting,
     /// One score a fitted recording.
     pub recordings: Vec<f64>,
+    /// Where a single recording is fitted, scores against runs of the best point in its place: other recordings that might have
+    /// been, each with a setting of its own. Empty where nothing says what they would be.
+    pub might_be: Vec<f64>,
 }
 
 impl ScoredRun {

@@ -6,11 +6,13 @@ use super::emulator::Emulator;
 use super::implausibility::Doubt;
 use super::inference::Inference;
 use super::kernel::ScoredRun;
-use super::score::Scores;
+use super::score::{PointScore, Scores};
 use super::setting::Setting;
 use super::study::Study;
+use crate::prediction::ensemble::rms_m;
 use realgap_core::error::Result;
 use realgap_core::random::Numbered;
+use realgap_path::trajectory::Prepared;
 
 /// Waves after the first runs; every wave knows what the one before has found.
 pub(super) const WAVES: usize = 3;
@@ -53,13 +55,48 @@ impl Study {
 pub(super) fn scored_runs(study: &Study, scores: &Scores) -> Vec<ScoredRun> {
     let (settings, grid) = (study.settings(), &study.definition().grid);
     let scored = scores.runs.iter().filter(|run| run.score.is_some());
+    let might_be = might_be(study, scores);
     scored
         .map(|run| ScoredRun {
             at: grid.place_of(&run.values),
             setting: settings.of_trial(run.index),
             recordings: study.part_of(&run.recordings, false),
+            might_be: might_be
+                .iter()
+                .map(|real| apart(study, scores, real, run))
+                .collect(),
         })
         .collect()
+}
+
+/// Fewer runs of the best point than this do not tell how recordings might differ.
+const TELLING: usize = 8;
+
+/// Paths that a single recording might have had; none where there are more, or where a metric needs more than paths.
+fn might_be(study: &Study, scores: &Scores) -> Vec<Prepared> {
+    let is_of_paths = scores.basis.is_some() || study.definition().metric.name() == "rms";
+    let best = scores
+        .best
+        .filter(|_| is_of_paths && study.fitted_recordings() == 1);
+    let best = best.filter(|_| study.cases().len() == 1);
+    let runs = best.map(|best| scores.runs_at(&scores.points[best].values));
+    let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone()).ok();
+    let paths: Option<Vec<Prepared>> = runs.and_then(|runs| runs.map(path).collect());
+    paths
+        .filter(|paths| paths.len() >= TELLING)
+        .unwrap_or_default()
+}
+
+/// How far a run is from such a path, by the study's metric.
+fn apart(study: &Study, scores: &Scores, real: &Prepared, run: &PointScore) -> f64 {
+    let Ok(path) = Prepared::from_xy_m(run.path_xy_m.clone()) else {
+        return 0.0;
+    };
+    let scale = study.recording_length_scale(&run.values);
+    match &scores.basis {
+        Some(basis) => basis.discrepancy_m(real, &path) / scale,
+        None => rms_m(real, &path) / scale,
+    }
 }
 
 /// Coordinates of the best points, and their positions.

@@ -111,6 +111,7 @@ fn study(world: &World, points: usize, recordings: usize, seed: u64) -> Found {
             at,
             setting: Setting::new(setting),
             recordings: real.iter().map(distance).collect(),
+            might_be: Vec::new(),
         });
     };
     for index in 0..grid.len() {
