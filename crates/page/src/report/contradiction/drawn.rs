@@ -307,6 +307,7 @@ fn empty(scores: &Scores, recordings: usize) -> Report {
         audit: None,
         validation: None,
         transfer: None,
+        reproduction: None,
         components: None,
         pose: None,
         provenance: BTreeMap::new(),
