@@ -3,8 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::distribution::{Distribution, Use};
-use super::noise::normal;
+use super::distribution::{Distribution, Use, normal};
 use realgap_core::error::{Error, Result};
 use realgap_core::random::Numbered;
 use realgap_path::trajectory::{Interpolator, Trajectory};

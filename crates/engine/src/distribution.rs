@@ -1,8 +1,10 @@
 //! How an error of a repeat is distributed.
 
+use rand_distr::{Distribution as _, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use realgap_core::error::{Error, Result};
+use realgap_core::random::Generator;
 
 /// Distribution of an error. Every one is a monotonic function of a standard normal number, so that a field
 /// draws the same amount of randomness whatever its distribution, and the same seed the same quantile.
@@ -17,6 +19,11 @@ pub enum Distribution {
     HalfNormal(f64),
     /// A factor exp(Normal(sd)): median 1, never negative. For relative fields only.
     LogNormal(f64),
+}
+
+/// One standard normal number of a stream.
+pub(super) fn normal(rng: &mut Generator) -> f64 {
+    StandardNormal.sample(rng)
 }
 
 /// What a drawn value is used for, which decides what is allowed.

@@ -3,14 +3,13 @@
 use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector3};
-use rand_distr::{Distribution as _, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use super::camera::{Camera, fault_of};
-use super::distribution::{Distribution, Use};
+use super::distribution::{Distribution, Use, normal};
 use super::experiment::{Experiment, Perturbation};
 use realgap_core::error::{Error, Result};
-use realgap_core::random::{Generator, Numbered};
+use realgap_core::random::Numbered;
 use realgap_path::trajectory::Trajectory;
 
 /// Distributions of the errors that a repeat draws, all independent. A field that is not named is no error.
@@ -260,8 +259,4 @@ impl Noise {
             draw: experiment.vehicle.as_ref().map(|_| (seed, repeat)),
         }
     }
-}
-
-pub(super) fn normal(rng: &mut Generator) -> f64 {
-    StandardNormal.sample(rng)
 }

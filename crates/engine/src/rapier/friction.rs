@@ -8,7 +8,7 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector3};
 
-use super::hook::Driven;
+use super::driven::Driven;
 use super::precision::Real;
 use super::precision::dynamics::{MultibodyJointSet, RigidBodyHandle, RigidBodySet};
 use super::precision::math::Vector;

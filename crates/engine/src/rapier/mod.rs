@@ -1,6 +1,7 @@
 //! Rapier, the first engine and the reference of every answer: rigid bodies, multibodies and contacts of its own.
 
 mod axle;
+mod driven;
 mod friction;
 mod hook;
 mod integration;
