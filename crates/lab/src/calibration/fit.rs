@@ -27,6 +27,9 @@ pub struct Fit {
     /// Variance of the model's discrepancy in those of a recording, which widens the intervals; 0 where the model explains the
     /// recordings.
     pub discrepancy: f64,
+    /// Where runs are of two engines, the one whose runs these are: it explains the recordings better.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub engine: Option<&'static str>,
 }
 
 /// Fewer recordings than this cannot be told from anything.
@@ -38,16 +41,32 @@ impl Fit {
     /// # Errors
     /// Paths that cannot be compared.
     pub(super) fn new(study: &Study, scores: &Scores) -> Result<Option<Self>> {
-        let real = study.part_of(&study.real_paths(), false);
-        let Some(best) = scores.best.map(|best| &scores.points[best]) else {
+        let Some(best) = scores.best else {
             return Ok(None);
         };
+        let settings = study.settings();
+        let mut fits = Vec::new();
+        // Reality is none of two engines: where one explains the recordings, the model does.
+        for runs in scores.runs_by_engine(&settings, best) {
+            let engine = runs.first().map(|run| settings.engine_of_trial(run.index));
+            let engine = engine.and_then(|engine| study.engine_named(engine));
+            let fit = Self::of_runs(study, &runs)?;
+            fits.extend(fit.map(|fit| Self { engine, ..fit }));
+        }
+        let order = |a: &Self, b: &Self| {
+            let by_distance = a.noise_floors.total_cmp(&b.noise_floors);
+            b.explains.cmp(&a.explains).then(by_distance)
+        };
+        Ok(fits.into_iter().min_by(order))
+    }
+
+    fn of_runs(study: &Study, runs: &[&PointScore]) -> Result<Option<Self>> {
+        let real = study.part_of(&study.real_paths(), false);
         if study.cases().len() != 1 || real.len() < 2 {
             return Ok(None);
         }
-        let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone());
-        let runs = scores.runs_at(&best.values).map(path);
-        let runs = runs.collect::<Result<Vec<_>>>()?;
+        let path = |run: &&PointScore| Prepared::from_xy_m(run.path_xy_m.clone());
+        let runs = runs.iter().map(path).collect::<Result<Vec<_>>>()?;
         let all: Vec<&Prepared> = real.iter().copied().chain(&runs).collect();
         let pairs = || (0..all.len()).flat_map(|i| (i + 1..all.len()).map(move |j| (i, j)));
         let distances: Vec<f64> = pairs().map(|(i, j)| rms_m(all[i], all[j])).collect();
@@ -83,6 +102,7 @@ impl Fit {
                 true => 0.0,
                 false => (excess / spreads[0].0).max(0.0),
             },
+            engine: None,
         }))
     }
 

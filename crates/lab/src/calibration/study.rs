@@ -208,6 +208,8 @@ impl Study {
             noise,
             count,
             seed: definition.seed,
+            // A single run is one of the study's own engine.
+            second: self.second_engine().filter(|_| count > 1),
         }
     }
 

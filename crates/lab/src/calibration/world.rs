@@ -110,6 +110,7 @@ fn study(world: &World, points: usize, recordings: usize, seed: u64) -> Found {
         runs.push(ScoredRun {
             at,
             setting: Setting::new(setting),
+            engine: 0.0,
             recordings: real.iter().map(distance).collect(),
             might_be: Vec::new(),
         });
