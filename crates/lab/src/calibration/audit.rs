@@ -57,8 +57,12 @@ impl Audit {
         // What the other engine changes is said of engines, not of steps.
         let settings = study.settings();
         let runs = scores.runs_at(&point.values);
-        let runs: Vec<(usize, f64)> = runs.filter_map(|run| Some((run.index, run.score?))).collect();
-        let best = settings.second.and_then(|_| settings.engine_means(&runs)[0]);
+        let runs: Vec<(usize, f64)> = runs
+            .filter_map(|run| Some((run.index, run.score?)))
+            .collect();
+        let best = settings
+            .second
+            .and_then(|_| settings.engine_means(&runs)[0]);
         let best = best.or(point.score);
         let solver = study.experiment(0, &point.values)?.solver;
         let mut rows = Vec::new();

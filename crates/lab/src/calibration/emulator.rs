@@ -193,9 +193,10 @@ impl Emulator {
     }
 
     fn standardised_in(&self, place: &[f64], engine: f64) -> f64 {
-        let means = self.members.iter().map(|member| {
-            member.mean + self.across(member, place, engine).dot(&member.weights)
-        });
+        let means = self
+            .members
+            .iter()
+            .map(|member| member.mean + self.across(member, place, engine).dot(&member.weights));
         means.sum::<f64>() / self.members.len() as f64
     }
 
@@ -297,7 +298,12 @@ impl Emulator {
 
     /// Covariance of what either engine deviates from their mean, as its square is expected: nobody knows which of them is right.
     /// `across` are covariances of runs with the mean at the places, `between` those of the places.
-    fn apart(&self, member: &Member, across: &DMatrix<f64>, between: &DMatrix<f64>) -> DMatrix<f64> {
+    fn apart(
+        &self,
+        member: &Member,
+        across: &DMatrix<f64>,
+        between: &DMatrix<f64>,
+    ) -> DMatrix<f64> {
         let share = member.kernel.between_engines;
         let across = DMatrix::from_fn(across.nrows(), across.ncols(), |run, place| {
             share * self.engines[run] * across[(run, place)]

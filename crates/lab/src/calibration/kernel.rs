@@ -242,7 +242,10 @@ impl Fitted<'_> {
     pub fn kernels(&self) -> Result<Vec<Kernel>> {
         let (sizes, dimensions) = (self.sizes(), self.runs[0].at.len());
         let Some(likeliest) = self.likeliest()? else {
-            return Ok(vec![Kernel::new(&vec![0.5; sizes], &vec![true; dimensions])]);
+            return Ok(vec![Kernel::new(
+                &vec![0.5; sizes],
+                &vec![true; dimensions],
+            )]);
         };
         let Likeliest {
             active,

@@ -6,8 +6,8 @@ use std::fmt;
 use serde::Serialize;
 
 use super::audit::Audit;
-use super::fit::Fit;
 use super::engines::EngineWish;
+use super::fit::Fit;
 use super::method::{Method, Tuned};
 use super::posterior::BestDraws;
 use super::recording::few_recordings;

@@ -153,7 +153,9 @@ fn mean_of(runs: &[&PointScore], settings: &Settings) -> PointScore {
         return runs[0].clone();
     };
     let over = |value: &dyn Fn(&PointScore) -> Option<f64>| -> Option<f64> {
-        let values = scored.iter().filter_map(|run| Some((run.index, value(run)?)));
+        let values = scored
+            .iter()
+            .filter_map(|run| Some((run.index, value(run)?)));
         let values: Vec<(usize, f64)> = values.collect();
         (!values.is_empty()).then(|| settings.mean(&values))
     };

@@ -113,7 +113,9 @@ impl Study {
     pub(super) fn second_engine(&self) -> Option<EngineChoice> {
         let definition = self.definition();
         let ranges = definition.grid.ranges();
-        let is_searched = ranges.iter().any(|range| range.parameter.name == "solver.engine");
+        let is_searched = ranges
+            .iter()
+            .any(|range| range.parameter.name == "solver.engine");
         let is_fixed = definition.set.value("solver.engine").is_some();
         if is_searched || is_fixed || definition.metric.needs().joints {
             return None;

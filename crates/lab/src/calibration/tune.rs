@@ -406,6 +406,7 @@ impl<'a> Tuning<'a> {
         let scored = scores.runs.iter();
         self.seen
             .extend(scored.filter_map(|run| Some((run.index, run.score?))));
+        let (settings, shifts) = (self.study.settings(), self.engine_shifts());
         let grid = &self.study.definition().grid;
         for ((point, scored), trial) in candidates.iter().zip(&scores.runs).zip(&trials) {
             // An optimizer of somebody else may ask for other points when it is asked again.
@@ -417,7 +418,8 @@ impl<'a> Tuning<'a> {
                 .hint("the same history must give the same proposal")
                 .advise(Advice::Restart));
             }
-            let score = scored.score.map(|score| score - self.engine_shift(trial.index));
+            let engine = usize::from(settings.engine_of_trial(trial.index) < 0.0);
+            let score = scored.score.map(|score| score - shifts[engine]);
             self.notice(score);
             self.told.push(Told {
                 point: point.clone(),
@@ -434,23 +436,19 @@ impl<'a> Tuning<'a> {
         Ok(())
     }
 
-    /// What the engine of a trial adds to its score as far as scores so far tell, so that points are compared and not engines: half of
-    /// what parts the medians of the two. The emulator, which knows places, judges without it.
-    fn engine_shift(&self, trial: usize) -> f64 {
+    /// What engines add to scores as far as scores so far tell, the study's own and the second, so that points are compared and not
+    /// engines: half of what parts their medians. The emulator, which knows places, judges without it.
+    fn engine_shifts(&self) -> [f64; 2] {
         let settings = self.study.settings();
-        let engine = settings.engine_of_trial(trial);
         let median_of = |engine: f64| {
             let scores = self.seen.iter();
             let own = scores.filter(|(index, _)| settings.engine_of_trial(*index) == engine);
             let own: Vec<f64> = own.map(|(_, score)| *score).collect();
             (!own.is_empty()).then(|| median(&own))
         };
-        match engine {
-            0.0 => 0.0,
-            _ => median_of(engine)
-                .zip(median_of(-engine))
-                .map_or(0.0, |(own, other)| 0.5 * (own - other)),
-        }
+        let both = median_of(1.0).zip(median_of(-1.0));
+        let half = both.map_or(0.0, |(own, second)| 0.5 * (own - second));
+        [half, -half]
     }
 
     fn notice(&mut self, score: Option<f64>) {

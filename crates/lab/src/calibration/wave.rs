@@ -77,7 +77,13 @@ fn might_be(study: &Study, scores: &Scores) -> Vec<Prepared> {
     let best = best.filter(|_| study.cases().len() == 1);
     // Reality repeats in one engine: that which shows more repeats.
     let engines = best.map(|best| scores.runs_by_engine(&study.settings(), best));
-    let runs = engines.map(|[own, second]| if own.len() < second.len() { second } else { own });
+    let runs = engines.map(|[own, second]| {
+        if own.len() < second.len() {
+            second
+        } else {
+            own
+        }
+    });
     let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone()).ok();
     let paths: Option<Vec<Prepared>> = runs.and_then(|runs| runs.into_iter().map(path).collect());
     paths

@@ -18,7 +18,9 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
         ),
     };
     let floors = number(fit.noise_floors);
-    let of = fit.engine.map_or_else(String::new, |engine| format!(" (runs of {engine})"));
+    let of = fit
+        .engine
+        .map_or_else(String::new, |engine| format!(" (runs of {engine})"));
     let text = format!("the best is {floors} noise floors away{of}{alike}{rest}");
     let numbers = [
         ("noise_floors", fit.noise_floors),
@@ -72,7 +74,10 @@ pub(crate) fn engines(
         let values = values.map(|(name, value)| format!("{name} = {}", number(*value)));
         let values = values.collect::<Vec<_>>().join(", ");
         let expected = quantity(wish.expected, unit);
-        format!("{} by itself wants {values} ({expected} expected)", wish.engine)
+        format!(
+            "{} by itself wants {values} ({expected} expected)",
+            wish.engine
+        )
     };
     let against = wishes.iter().filter(|wish| !wish.allows());
     let against: Vec<String> = against.map(wants).collect();
@@ -102,7 +107,9 @@ pub(crate) fn engines(
         let finite = numbers.into_iter().filter(|(_, value)| value.is_finite());
         claim.numbers.extend(finite);
         let own = wish.parameters.iter();
-        claim.numbers.extend(own.map(|(name, value)| (of(name), *value)));
+        claim
+            .numbers
+            .extend(own.map(|(name, value)| (of(name), *value)));
     }
     Some(claim.of(metric).resting_on(recordings, &[]))
 }
