@@ -204,6 +204,6 @@ pub mod guide {
         fidelity: verification contact settings joints tosses energy hardware servo engines stand_ins tuning
             intervals sensitivity ensembles gap genomes search sensing radio vision;
         /// Defects of the engine, each with what a program shows of it.
-        upstream: contact_stiffness friction_direction multibody_root multibody_swing restitution small_inertia;
+        upstream: contact_stiffness friction_direction multibody_cost multibody_root multibody_swing restitution small_inertia;
     }
 }

@@ -34,7 +34,7 @@ pub struct StudyOptions {
     /// compared, or `recordings` for what the recordings alone do
     #[arg(long, value_name = "FILE|recordings")]
     basis: Option<String>,
-    /// What a score is the mean over, in place of the study's own: valid (16 equally valid timesteps, substeps and starts),
+    /// What a score is the mean over, in place of the study's own: valid (16 equally valid timesteps, substeps, starts and engines),
     /// ensemble or ensemble:N (N of them with the study's noise; 16), single (one run, luck included)
     #[arg(long, value_name = "RULE", value_parser = parse_score)]
     score: Option<ScoreRule>,

@@ -306,7 +306,7 @@ fn study(path: &Path) -> Result<Contents> {
             let study = realgap::calibration::Study::new(whole)?;
             let runs = study.sweep_runs().checked_mul(study.cases().len());
             let one = study.cpu_s_per_point()?;
-            let cost_s = one * study.run_cost() * study.sweep_runs() as f64;
+            let cost_s = one * study.sweep_runs() as f64;
             recordings = Some(given);
             let given = counted(given, "recording");
             if let Some(runs) = runs {

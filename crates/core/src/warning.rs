@@ -72,6 +72,7 @@ codes! {
     EmptyHeadings "empty-headings" "A log never looked into some directions." "log another walk that looks into all directions";
     EnergyOpen "energy-open" "A balance of energy does not close." "use a shorter timestep; do not rely on energies of this run";
     EngineFallback "engine-fallback" "The chosen engine cannot simulate this experiment, and Rapier did." "choose the engine rapier, or leave out what the sentence names";
+    EnginesDiffer "engines-differ" "Two equally valid engines want different values." "do not rely on what only one engine wants; measure the parameter by itself, or record a motion on which both agree";
     EstimatedNoise "estimated-noise" "Nobody stated the noise; an estimate is used." "state the noise in the study, or in a file of its own";
     EstimatedVelocity "estimated-velocity" "Velocities are differences of positions." "record velocities, or more samples a second";
     ExclusionNotExported "exclusion-not-exported" "A format cannot say which parts never touch." "exclude these contacts by hand in the other simulator";

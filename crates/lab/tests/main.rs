@@ -8,6 +8,7 @@ mod common;
 mod confidence;
 mod coverage;
 mod elbow;
+mod engines;
 mod ensemble;
 mod fleet;
 mod gap;

@@ -86,7 +86,7 @@ impl Answer {
             recordings: study.fitted_recordings(),
             discrepancy: fit.as_ref().map_or(0.0, |fit| fit.discrepancy),
         };
-        let (positions, visited) = leading(study, &scores, VISITED);
+        let (positions, visited) = leading(study, &scores, emulator.as_ref(), VISITED);
         let grid = &definition.grid;
         let inference = emulator.as_ref().map(|emulator| {
             Inference::new(emulator, grid, &visited, doubt, PLACES, definition.seed)
@@ -96,6 +96,12 @@ impl Answer {
             Uncertainty::new(study, &scores, best, (inference, &positions))
         });
         let draws = judged.map(|(inference, _)| inference.draws(grid, definition.seed));
+        let engines = match (judged, emulator.as_ref()) {
+            (Some((inference, best)), Some(emulator)) => {
+                study.wishes(&scores, best, emulator, (doubt, inference.limit))
+            }
+            _ => Vec::new(),
+        };
         let profiles = profiles(study, &scores, emulator.as_ref(), uncertainty.as_ref());
         let audit = match ending {
             Ending::Complete => Audit::new(study, &scores, &profiles)?,
@@ -112,6 +118,7 @@ impl Answer {
             scores: &scores,
             uncertainty: uncertainty.as_ref(),
             draws: draws.as_ref(),
+            engines,
             audit,
             fit,
             validation: Validation::new(study, &scores, refits)?,

@@ -17,9 +17,9 @@ pub struct AuditRow {
     pub setting: String,
     /// True for a setting that is coarser than the study's: it says how much there is to lose, not how sure the answer is.
     pub coarser: bool,
-    /// The score then; `None` where it diverged.
+    /// The score then, in the study's own engine; `None` where it diverged.
     pub score: Option<f64>,
-    /// `score` minus the best score.
+    /// `score` minus the best score, of the same engine's settings where there are two.
     pub change: Option<f64>,
 }
 
@@ -54,6 +54,16 @@ impl Audit {
             return Ok(None);
         };
         let point = &scores.points[best];
+        // What the other engine changes is said of engines, not of steps.
+        let settings = study.settings();
+        let runs = scores.runs_at(&point.values);
+        let runs: Vec<(usize, f64)> = runs
+            .filter_map(|run| Some((run.index, run.score?)))
+            .collect();
+        let best = settings
+            .second
+            .and_then(|_| settings.engine_means(&runs)[0]);
+        let best = best.or(point.score);
         let solver = study.experiment(0, &point.values)?.solver;
         let mut rows = Vec::new();
         for (setting, coarser, change) in changes(&solver) {
@@ -63,7 +73,7 @@ impl Audit {
                 setting,
                 coarser,
                 score,
-                change: score.zip(point.score).map(|(now, best)| now - best),
+                change: score.zip(best).map(|(now, best)| now - best),
             });
         }
         let largest = |coarser: bool| {

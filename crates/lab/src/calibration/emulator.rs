@@ -1,10 +1,11 @@
 //! What runs at some points say about the score at every point, those that nobody visited included.
 //!
 //! The score of a run is, on a logarithmic scale, a smooth function of the parameters, plus a smooth deviation of the
-//! [setting](super::setting) that the run has, plus what is left: the ruggedness of a single run. The first two are Gaussian
-//! processes with one kernel shape (Matérn 5/2, a length scale a parameter; Rasmussen & Williams 2006, sums of processes: section
-//! 4.2.4). The sizes of all three are not known either: several [kernels](super::kernel) are drawn, and what they say
-//! differently is doubt, too.
+//! [setting](super::setting) that the run has, plus what is left: the ruggedness of a single run. Where settings are of two
+//! engines, their half difference is one more smooth function, added in one and subtracted in the other, so that the first is the
+//! mean of both, whichever ran where. All but the last are Gaussian processes with one kernel shape (Matérn 5/2, a length scale a
+//! parameter; Rasmussen & Williams 2006, sums of processes: section 4.2.4). Their sizes are not known either: several
+//! [kernels](super::kernel) are drawn, and what they say differently is doubt, too.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -89,6 +90,8 @@ pub(super) struct Emulator {
     scale: Scale,
     /// Coordinates of the runs.
     at: Vec<Vec<f64>>,
+    /// Engines of the runs, as [`ScoredRun::engine`].
+    engines: Vec<f64>,
     /// What each recording's score has beyond the mean over the recordings, standardised; one row a run.
     parts: DMatrix<f64>,
     members: Vec<Member>,
@@ -99,7 +102,7 @@ pub(super) struct Field {
     pub means: DVector<f64>,
     /// Covariance of what the runs leave open.
     pub emulator: DMatrix<f64>,
-    /// Covariance of what one more equally valid setting changes.
+    /// Covariance of what one more equally valid setting changes; where engines are averaged, with what either changes.
     pub numerics: DMatrix<f64>,
     /// What each recording deviates, one row a place.
     pub parts: DMatrix<f64>,
@@ -167,22 +170,44 @@ impl Emulator {
             scale,
             members: members.collect(),
             at: runs.iter().map(|run| run.at.clone()).collect(),
+            engines: runs.iter().map(|run| run.engine).collect(),
             parts,
         }
     }
 
-    fn across(&self, member: &Member, place: &[f64]) -> DVector<f64> {
-        let covariances = self.at.iter().map(|at| member.kernel.covariance(at, place));
+    /// Covariance of a run with the score at a place: in an engine, or, for 0, on average over both.
+    fn covariance(&self, kernel: &Kernel, run: usize, place: &[f64], engine: f64) -> f64 {
+        let alike = 1.0 + kernel.between_engines * engine * self.engines[run];
+        alike * kernel.covariance(&self.at[run], place)
+    }
+
+    fn across(&self, member: &Member, place: &[f64], engine: f64) -> DVector<f64> {
+        let runs = 0..self.at.len();
+        let covariances = runs.map(|run| self.covariance(&member.kernel, run, place, engine));
         DVector::from_iterator(self.at.len(), covariances)
     }
 
     /// Expected score at a place, standardised.
     pub fn standardised(&self, place: &[f64]) -> f64 {
+        self.standardised_in(place, 0.0)
+    }
+
+    fn standardised_in(&self, place: &[f64], engine: f64) -> f64 {
         let means = self
             .members
             .iter()
-            .map(|member| member.mean + self.across(member, place).dot(&member.weights));
+            .map(|member| member.mean + self.across(member, place, engine).dot(&member.weights));
         means.sum::<f64>() / self.members.len() as f64
+    }
+
+    /// Expected score at a place in one engine.
+    pub fn mean_in(&self, place: &[f64], engine: f64) -> f64 {
+        self.scale.back(self.standardised_in(place, engine))
+    }
+
+    /// Whether the runs are of two engines.
+    pub fn has_two_engines(&self) -> bool {
+        self.engines.iter().any(|engine| *engine != 0.0)
     }
 
     /// Expected score at a place.
@@ -211,8 +236,13 @@ impl Emulator {
             .collect()
     }
 
-    /// Everything about some places.
+    /// Everything about some places, on average over the engines.
     pub fn field(&self, places: &[Vec<f64>]) -> Field {
+        self.field_in(places, 0.0)
+    }
+
+    /// Everything about some places: in an engine, or, for 0, on average over both.
+    pub fn field_in(&self, places: &[Vec<f64>], engine: f64) -> Field {
         let (runs, n, recordings) = (self.at.len(), places.len(), self.parts.ncols());
         let square = || DMatrix::zeros(n, n);
         let mut field = Field {
@@ -230,7 +260,7 @@ impl Emulator {
         for member in &self.members {
             let kernel = &member.kernel;
             let across = DMatrix::from_fn(runs, n, |run, place| {
-                kernel.covariance(&self.at[run], &places[place])
+                self.covariance(kernel, run, &places[place], engine)
             });
             let mut between = square();
             for column in 0..n {
@@ -243,12 +273,16 @@ impl Emulator {
             // What the runs nearby do not explain of a place comes from the mean, and has its doubt.
             let unexplained = DVector::from_fn(n, |place, _| 1.0 - known.column(place).sum());
             let here = (across.tr_mul(&member.weights)).add_scalar(member.mean);
-            let doubt = &between - known.tr_mul(&across)
+            let own = 1.0 + kernel.between_engines * engine * engine;
+            let doubt = &between * own - known.tr_mul(&across)
                 + &unexplained * unexplained.transpose() * member.mean_variance;
             let weights = known.transpose() + &unexplained * member.shares.transpose();
             field.parts += weights * &self.parts * share;
             field.emulator += doubt * share;
             field.numerics += &between * (kernel.between_settings * share);
+            if engine == 0.0 && self.has_two_engines() {
+                field.numerics += self.apart(member, &across, &between) * share;
+            }
             field.alike += between * (share / kernel.variance);
             field.noise += kernel.noise * share;
             field.setting += kernel.between_settings * kernel.variance * share;
@@ -261,11 +295,33 @@ impl Emulator {
         }
         field
     }
+
+    /// Covariance of what either engine deviates from their mean, as its square is expected: nobody knows which of them is right.
+    /// `across` are covariances of runs with the mean at the places, `between` those of the places.
+    fn apart(
+        &self,
+        member: &Member,
+        across: &DMatrix<f64>,
+        between: &DMatrix<f64>,
+    ) -> DMatrix<f64> {
+        let share = member.kernel.between_engines;
+        let across = DMatrix::from_fn(across.nrows(), across.ncols(), |run, place| {
+            share * self.engines[run] * across[(run, place)]
+        });
+        let half = across.tr_mul(&member.weights);
+        let doubt = between * share - across.tr_mul(&member.factor.solve(&across));
+        &half * half.transpose() + doubt
+    }
 }
 
-/// At most `most` of the runs: the better half, the others spread evenly over the rest.
+/// At most `most` of the runs, of each engine its share: the better half, the others spread evenly over the rest.
 fn thinned(runs: &[ScoredRun], most: usize) -> Vec<&ScoredRun> {
-    let scored = runs.iter().map(|run| (run, run.score()));
-    let kept = thin(scored.collect(), most).into_iter();
+    let of = |is_second: bool| {
+        let own = runs.iter().filter(|run| (run.engine < 0.0) == is_second);
+        let scored: Vec<(&ScoredRun, f64)> = own.map(|run| (run, run.score())).collect();
+        let share = (most * scored.len()).div_ceil(runs.len());
+        thin(scored, share)
+    };
+    let kept = of(false).into_iter().chain(of(true));
     kept.map(|(run, _)| run).collect()
 }

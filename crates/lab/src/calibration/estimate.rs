@@ -18,16 +18,28 @@ const FINE_STEPS: f64 = 800.0;
 const SUBSTEPS: usize = 8;
 
 impl Study {
-    /// CPU seconds of one point in the middle of the grid, settling included, from a slice of it that is run now.
+    /// CPU seconds of one run in the middle of the grid, on average over the settings, settling included, from a slice in each engine
+    /// that is run now.
     ///
     /// # Errors
     /// Settings that cannot be simulated.
     pub fn cpu_s_per_point(&self) -> Result<f64> {
         let grid = &self.definition().grid;
-        let whole = self.experiment(0, &grid.values(grid.len() / 2))?;
-        let mut step_s = slice(&whole, COARSE_STEP_S)?;
+        let mut whole = self.experiment(0, &grid.values(grid.len() / 2))?;
+        let settings = self.settings();
+        let [own, other] = settings.mean_costs(&self.cases()[0].experiment);
+        let mut cpu_s = own * self.cpu_s_of(&whole)?;
+        if let Some(second) = settings.second {
+            whole.solver.engine = second;
+            cpu_s += other * self.cpu_s_of(&whole)?;
+        }
+        Ok(cpu_s)
+    }
+
+    fn cpu_s_of(&self, whole: &Experiment) -> Result<f64> {
+        let mut step_s = slice(whole, COARSE_STEP_S)?;
         if step_s.cpu_s * FINE_STEPS < FINE_CPU_S {
-            step_s = slice(&whole, FINE_STEP_S)?;
+            step_s = slice(whole, FINE_STEP_S)?;
         }
         let cases = match self.definition().start {
             StartRule::Settled => 1,

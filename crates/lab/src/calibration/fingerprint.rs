@@ -36,6 +36,9 @@ impl Study {
                 "unit of the recordings",
                 format!("{:?}", definition.reading.length.unwrap_or_default()),
             );
+        if let Some(second) = self.settings().second {
+            print = print.with("second engine", second.get().version());
+        }
         // How the recordings are read, a `meta.ron` beside them included.
         let read_as = definition.recordings.iter().map(|r| r.reading.to_string());
         let read_as: BTreeSet<String> = read_as.filter(|how| !how.is_empty()).collect();

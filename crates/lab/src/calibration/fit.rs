@@ -27,6 +27,9 @@ pub struct Fit {
     /// Variance of the model's discrepancy in those of a recording, which widens the intervals; 0 where the model explains the
     /// recordings.
     pub discrepancy: f64,
+    /// Where runs are of two engines, the one whose runs these are: it explains the recordings better.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub engine: Option<&'static str>,
 }
 
 /// Fewer recordings than this cannot be told from anything.
@@ -38,17 +41,38 @@ impl Fit {
     /// # Errors
     /// Paths that cannot be compared.
     pub(super) fn new(study: &Study, scores: &Scores) -> Result<Option<Self>> {
-        let real = study.part_of(&study.real_paths(), false);
-        let Some(best) = scores.best.map(|best| &scores.points[best]) else {
+        let Some(best) = scores.best else {
             return Ok(None);
         };
+        let settings = study.settings();
+        let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone());
+        let mut engines = Vec::new();
+        for runs in scores.runs_by_engine(&settings, best) {
+            let paths = runs.iter().map(|run| path(run));
+            let engine = runs.first().map(|run| settings.engine_of_trial(run.index));
+            engines.push((paths.collect::<Result<Vec<_>>>()?, engine));
+        }
+        let spread = Spread::within(engines.iter().map(|(paths, _)| paths.as_slice()));
+        let mut fits = Vec::new();
+        // Reality is none of two engines: where one explains the recordings, the model does.
+        for (runs, engine) in &engines {
+            let engine = engine.and_then(|engine| study.engine_named(engine));
+            let fit = Self::of_runs(study, runs, spread)?;
+            fits.extend(fit.map(|fit| Self { engine, ..fit }));
+        }
+        let order = |a: &Self, b: &Self| {
+            let by_distance = a.noise_floors.total_cmp(&b.noise_floors);
+            b.explains.cmp(&a.explains).then(by_distance)
+        };
+        Ok(fits.into_iter().min_by(order))
+    }
+
+    fn of_runs(study: &Study, runs: &[Prepared], spread: Spread) -> Result<Option<Self>> {
+        let real = study.part_of(&study.real_paths(), false);
         if study.cases().len() != 1 || real.len() < 2 {
             return Ok(None);
         }
-        let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone());
-        let runs = scores.runs_at(&best.values).map(path);
-        let runs = runs.collect::<Result<Vec<_>>>()?;
-        let all: Vec<&Prepared> = real.iter().copied().chain(&runs).collect();
+        let all: Vec<&Prepared> = real.iter().copied().chain(runs).collect();
         let pairs = || (0..all.len()).flat_map(|i| (i + 1..all.len()).map(move |j| (i, j)));
         let distances: Vec<f64> = pairs().map(|(i, j)| rms_m(all[i], all[j])).collect();
         // Within the recordings, across, within the runs.
@@ -74,7 +98,7 @@ impl Fit {
         let excess = over(1, 2) - spreads[0].0 - spreads[1].0;
         let explains = noise_floors <= 1.0
             || p_value.is_none_or(|p| p >= SIGNIFICANT)
-            || chance_parts(excess, spreads);
+            || chance_parts(excess, spreads, spread);
         Ok(Some(Self {
             noise_floors,
             p_value,
@@ -83,6 +107,7 @@ impl Fit {
                 true => 0.0,
                 false => (excess / spreads[0].0).max(0.0),
             },
+            engine: None,
         }))
     }
 
@@ -93,19 +118,43 @@ impl Fit {
     }
 }
 
+/// How far settings part runs of one engine: the variance, over both where there are two, and its degrees of freedom.
+#[derive(Debug, Clone, Copy)]
+struct Spread {
+    variance: f64,
+    freedom: f64,
+}
+
+impl Spread {
+    /// Within these groups of runs.
+    fn within<'a>(groups: impl Iterator<Item = &'a [Prepared]>) -> Self {
+        let (mut squares, mut freedom) = (0.0, 0.0);
+        for runs in groups.filter(|runs| runs.len() > 1) {
+            let pairs = (0..runs.len()).flat_map(|i| (i + 1..runs.len()).map(move |j| (i, j)));
+            let distances = pairs.map(|(i, j)| rms_m(&runs[i], &runs[j]).powi(2));
+            // The sum over all pairs is as many times that of deviations from their mean.
+            squares += distances.sum::<f64>() / runs.len() as f64;
+            freedom += runs.len() as f64 - 1.0;
+        }
+        Self {
+            variance: squares / freedom.max(1.0),
+            freedom,
+        }
+    }
+}
+
 /// Whether chance parts the mean paths as far as they are: Welch's t test (1947), with distances for differences. `excess` is what
 /// parts a recording from a run, squared, beyond the variance of either, and the spreads are those variances with how many
-/// paths showed them. The energy test alone also rejects recordings that merely spread more than runs. Reality has one setting
-/// of its own, which moves all of its recordings, so that their mean varies as a single run does, too. All variance is taken to
-/// lie in one direction, where chance goes farthest.
-fn chance_parts(excess: f64, [recordings, runs]: [(f64, usize); 2]) -> bool {
-    let freedom = |(_, count): (f64, usize)| count as f64 - 1.0;
+/// paths showed them; `settings` is what runs of either engine say about that of runs. The energy test alone also rejects
+/// recordings that merely spread more than runs. Reality has one setting of its own, which moves all of its recordings, so that
+/// their mean varies as a single run does, too. All variance is taken to lie in one direction, where chance goes farthest.
+fn chance_parts(excess: f64, [recordings, runs]: [(f64, usize); 2], settings: Spread) -> bool {
     let of_mean = |(variance, count): (f64, usize)| variance / count as f64;
     let apart = (excess + of_mean(recordings) + of_mean(runs)).max(0.0);
-    let own_setting = runs.0 + of_mean(runs);
+    let own_setting = settings.variance + of_mean((settings.variance, runs.1));
     let variance = of_mean(recordings) + own_setting;
-    let doubt =
-        of_mean(recordings).powi(2) / freedom(recordings) + own_setting.powi(2) / freedom(runs);
+    let doubt = of_mean(recordings).powi(2) / (recordings.1 as f64 - 1.0)
+        + own_setting.powi(2) / settings.freedom;
     let limit = student_quantile(1.0 - 0.5 * SIGNIFICANT, variance * variance / doubt);
     apart <= limit * limit * variance
 }
@@ -139,7 +188,11 @@ mod tests {
             let half = |paths: &[Vec<f64>]| 0.5 * mean_square(paths, paths);
             let spreads = [(half(&real), real.len()), (half(&runs), runs.len())];
             let excess = mean_square(&real, &runs) - spreads[0].0 - spreads[1].0;
-            !chance_parts(excess, spreads)
+            let settings = Spread {
+                variance: spreads[1].0,
+                freedom: runs.len() as f64 - 1.0,
+            };
+            !chance_parts(excess, spreads, settings)
         };
         (0..400).filter(alarm).count()
     }

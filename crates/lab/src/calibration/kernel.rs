@@ -20,6 +20,8 @@ pub(super) struct ScoredRun {
     pub at: Vec<f64>,
     /// The setting that it had.
     pub setting: Setting,
+    /// Which engine it ran in, as [`Settings::engine_of_trial`](super::setting::Settings::engine_of_trial) tells it.
+    pub engine: f64,
     /// One score a fitted recording.
     pub recordings: Vec<f64>,
     /// Where a single recording is fitted, scores against runs of the best point in its place: other recordings that might have
@@ -34,7 +36,7 @@ impl ScoredRun {
     }
 }
 
-/// Sizes of the three parts.
+/// Sizes of the parts.
 #[derive(Debug, Clone)]
 pub(super) struct Kernel {
     pub lengths: Vec<f64>,
@@ -42,6 +44,8 @@ pub(super) struct Kernel {
     pub variance: f64,
     /// Variance of what a setting changes, as a share of it.
     pub between_settings: f64,
+    /// Variance of what an engine deviates from the mean of two, as a share of the first; 0 where there is one engine only.
+    pub between_engines: f64,
     /// Variance of a single run about that.
     pub noise: f64,
 }
@@ -51,12 +55,17 @@ const LENGTH: (f64, f64) = (0.05, 5.0);
 const VARIANCE: (f64, f64) = (0.1, 30.0);
 const BETWEEN: (f64, f64) = (1e-6, 1.0);
 const NOISE: (f64, f64) = (1e-6, 1.0);
+/// The same of engines, which may part more than all values of the parameters do.
+const ENGINES: (f64, f64) = (1e-6, 10.0);
 /// What sizes are likely before any run is seen, as median and standard deviation of the logarithm: wide enough that fifty runs
 /// overrule them, narrow enough that ten do not invent a score that changes from point to point.
 const LIKELY_LENGTH: (f64, f64) = (0.4, 0.8);
 const LIKELY_VARIANCE: (f64, f64) = (1.5, 1.0);
 const LIKELY_BETWEEN: (f64, f64) = (0.05, 1.5);
 const LIKELY_NOISE: (f64, f64) = (0.03, 1.5);
+const LIKELY_ENGINES: (f64, f64) = (0.05, 1.5);
+/// Sizes beside the lengths and that of engines.
+const SIZES: usize = 3;
 /// Kernels tried per number of a kernel to find the likeliest, kernels drawn, and steps of the chain from one to the next.
 const TRIES: usize = 40;
 const KERNELS: usize = 5;
@@ -75,7 +84,8 @@ impl Kernel {
         let within = |coordinate: f64, (low, high): (f64, f64)| {
             libm::exp(libm::log(low) + coordinate * (libm::log(high) - libm::log(low)))
         };
-        let n = coordinates.len() - 3;
+        let n = active.len();
+        let engines = coordinates.get(n + SIZES);
         Self {
             lengths: coordinates[..n]
                 .iter()
@@ -88,6 +98,7 @@ impl Kernel {
             variance: within(coordinates[n], VARIANCE),
             between_settings: within(coordinates[n + 1], BETWEEN),
             noise: within(coordinates[n + 2], NOISE),
+            between_engines: engines.map_or(0.0, |engines| within(*engines, ENGINES)),
         }
     }
 
@@ -106,7 +117,8 @@ impl Kernel {
             for row in column..n {
                 let (a, b) = (runs[row], runs[column]);
                 let same = f64::from(u8::from(a.setting == b.setting));
-                let alike = 1.0 + self.between_settings * same;
+                let engines = self.between_engines * a.engine * b.engine;
+                let alike = 1.0 + self.between_settings * same + engines;
                 matrix[(row, column)] = alike * self.covariance(&a.at, &b.at);
             }
             matrix[(column, column)] += self.noise;
@@ -123,6 +135,10 @@ impl Kernel {
             + of(self.variance, LIKELY_VARIANCE)
             + of(self.between_settings, LIKELY_BETWEEN)
             + of(self.noise, LIKELY_NOISE)
+            + match self.between_engines {
+                0.0 => 0.0,
+                engines => of(engines, LIKELY_ENGINES),
+            }
     }
 
     /// Minus twice the log likelihood of the values, without its constant; their mean is the likeliest.
@@ -154,10 +170,15 @@ impl Fitted<'_> {
         Kernel::new(at, active).misfit(&self.runs, &self.values)
     }
 
+    /// Numbers of a kernel.
+    fn sizes(&self) -> usize {
+        let are_two = self.runs.iter().any(|run| run.engine != 0.0);
+        self.runs[0].at.len() + SIZES + usize::from(are_two)
+    }
+
     /// With all parameters: by the optimizer that tunes simulations.
     fn likeliest(&self) -> Result<Option<Likeliest>> {
-        let dimensions = self.runs[0].at.len();
-        let (sizes, active) = (dimensions + 3, vec![true; dimensions]);
+        let (sizes, active) = (self.sizes(), vec![true; self.runs[0].at.len()]);
         let brief = Brief {
             points: vec![2; sizes],
             budget: TRIES * sizes,
@@ -219,9 +240,12 @@ impl Fitted<'_> {
 
     /// Kernels as likely as the values make them: a chain from the likeliest.
     pub fn kernels(&self) -> Result<Vec<Kernel>> {
-        let sizes = self.runs[0].at.len() + 3;
+        let (sizes, dimensions) = (self.sizes(), self.runs[0].at.len());
         let Some(likeliest) = self.likeliest()? else {
-            return Ok(vec![Kernel::new(&vec![0.5; sizes], &vec![true; sizes])]);
+            return Ok(vec![Kernel::new(
+                &vec![0.5; sizes],
+                &vec![true; dimensions],
+            )]);
         };
         let Likeliest {
             active,

@@ -6,6 +6,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::audit::Audit;
+use super::engines::EngineWish;
 use super::fit::Fit;
 use super::method::{Method, Tuned};
 use super::posterior::BestDraws;
@@ -18,7 +19,7 @@ use super::uncertainty::{Uncertainty, UncertaintySource, own_score};
 use super::validation::Validation;
 use super::values::by_name;
 use super::verdict::{Tables, Verdict};
-use crate::claim::{self, About, Claim};
+use crate::claim::{self, About, Claim, Says};
 use realgap_core::error::Result;
 use realgap_core::unit::{Unit, counted, quantity};
 use realgap_core::warning::{Code, Warning};
@@ -64,6 +65,9 @@ pub struct Report {
     pub claims: Vec<Claim>,
     /// How the best values of two parameters move together when reality is sampled again.
     pub correlations: Vec<Correlation>,
+    /// What each of two engines says to the answer, which is one of the claims; empty where there is one only.
+    #[serde(skip)]
+    pub engines: Vec<EngineWish>,
     /// What the numerical settings change.
     pub audit: Option<Audit>,
     /// How the fit does on recordings that it has not seen.
@@ -147,6 +151,7 @@ pub(super) struct Evidence<'a> {
     pub scores: &'a Scores,
     pub uncertainty: Option<&'a Uncertainty>,
     pub draws: Option<&'a BestDraws>,
+    pub engines: Vec<EngineWish>,
     pub audit: Option<Audit>,
     pub fit: Option<Fit>,
     pub validation: Option<Validation>,
@@ -192,6 +197,10 @@ impl Evidence<'_> {
             ));
         }
         let fitted = study.fitted_recordings();
+        let metric = study.definition().metric;
+        let engines = claim::engines(&self.engines, (metric.name(), metric.unit()), fitted);
+        let differ = engines.filter(|claim| claim.says == Says::Fails);
+        warnings.extend(differ.map(|claim| Warning::new(Code::EnginesDiffer, claim.text)));
         warnings.extend(self.fit.and_then(|fit| fit.warning(fitted)));
         let validation = self.validation.as_ref();
         warnings.extend(validation.and_then(Validation::warning));
@@ -246,6 +255,7 @@ impl fmt::Display for Report {
                 )?;
             }
         }
+        say(f, About::Engines)?;
         if let Some(pose) = &self.pose {
             write!(
                 f,
@@ -358,6 +368,7 @@ impl Report {
             },
             claims: Vec::new(),
             correlations: correlations(study, evidence.draws),
+            engines: evidence.engines.clone(),
             audit: evidence.audit.clone(),
             validation: evidence.validation.clone(),
             transfer: match evidence.ending {
@@ -390,7 +401,9 @@ impl Report {
         let each: Vec<Claim> = self.verdicts.iter().map(|v| v.claim.clone()).collect();
         let sure = self.uncertainty.as_ref();
         let set = sure.map(|sure| claim::set(sure, recordings));
-        let first = model.into_iter().chain(best).chain(claim::summary(&each));
+        let engines = claim::engines(&self.engines, of_metric, recordings);
+        let first = model.into_iter().chain(best).chain(engines);
+        let first = first.chain(claim::summary(&each));
         self.claims = first.chain(set).chain(each).collect();
         self
     }

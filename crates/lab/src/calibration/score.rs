@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::setting::Settings;
 use super::study::Study;
 use realgap_core::error::Result;
 use realgap_core::statistics::mean;
@@ -10,7 +11,7 @@ use realgap_path::comparison::Basis;
 use realgap_path::trajectory::Prepared;
 use realgap_store::{CaseResult, CaseRow, Trial};
 
-/// Score of one run of a study, or the mean score of all runs at one point.
+/// Score of one run of a study, or the mean score of all runs at one point: the mean of both engines' means where both ran there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointScore {
     /// Index of the run, or of the first run at the point.
@@ -70,7 +71,7 @@ impl Scores {
             .iter()
             .map(|trial| score(study, &real, basis.as_ref(), trial))
             .collect::<Result<Vec<_>>>()?;
-        Ok(Self::of_runs(runs, metric.unit(), basis))
+        Ok(Self::of_runs(runs, metric.unit(), basis, &study.settings()))
     }
 
     /// These scores and those of more trials.
@@ -80,11 +81,17 @@ impl Scores {
     pub(super) fn with_more(&self, study: &Study, trials: &[Trial]) -> Result<Self> {
         let more = Self::with_basis(study, trials, self.basis.clone())?;
         let runs = self.runs.iter().cloned().chain(more.runs).collect();
-        Ok(Self::of_runs(runs, self.unit, self.basis.clone()))
+        let (basis, settings) = (self.basis.clone(), study.settings());
+        Ok(Self::of_runs(runs, self.unit, basis, &settings))
     }
 
-    fn of_runs(runs: Vec<PointScore>, unit: Unit, basis: Option<Basis>) -> Self {
-        let points = points(&runs);
+    fn of_runs(
+        runs: Vec<PointScore>,
+        unit: Unit,
+        basis: Option<Basis>,
+        settings: &Settings,
+    ) -> Self {
+        let points = points(&runs, settings);
         let mut scores = Self {
             runs,
             points,
@@ -106,6 +113,17 @@ impl Scores {
         ranked.into_iter().map(|(position, _)| position).collect()
     }
 
+    /// The runs of the point at this position that have a score: of the study's own engine, and of the second.
+    pub(super) fn runs_by_engine(
+        &self,
+        settings: &Settings,
+        position: usize,
+    ) -> [Vec<&PointScore>; 2] {
+        let runs = self.runs_at(&self.points[position].values);
+        let (own, second) = runs.partition(|run| settings.engine_of_trial(run.index) >= 0.0);
+        [own, second]
+    }
+
     /// The runs at a point that have a score.
     pub(super) fn runs_at(&self, values: &[f64]) -> impl Iterator<Item = &PointScore> {
         let here = self.runs.iter().filter(move |run| run.values == values);
@@ -114,7 +132,7 @@ impl Scores {
 }
 
 /// Every point once, with the mean over its runs that did not diverge.
-fn points(runs: &[PointScore]) -> Vec<PointScore> {
+fn points(runs: &[PointScore], settings: &Settings) -> Vec<PointScore> {
     let mut positions: HashMap<Vec<u64>, usize> = HashMap::new();
     let mut members: Vec<Vec<&PointScore>> = Vec::new();
     for run in runs {
@@ -125,17 +143,21 @@ fn points(runs: &[PointScore]) -> Vec<PointScore> {
             None => members.push(vec![run]),
         }
     }
-    members.iter().map(|runs| mean_of(runs)).collect()
+    let means = members.iter().map(|runs| mean_of(runs, settings));
+    means.collect()
 }
 
-fn mean_of(runs: &[&PointScore]) -> PointScore {
+fn mean_of(runs: &[&PointScore], settings: &Settings) -> PointScore {
     let scored: Vec<&&PointScore> = runs.iter().filter(|run| run.score.is_some()).collect();
     let Some(first) = scored.first() else {
         return runs[0].clone();
     };
     let over = |value: &dyn Fn(&PointScore) -> Option<f64>| -> Option<f64> {
-        let values: Vec<f64> = scored.iter().filter_map(|run| value(run)).collect();
-        (!values.is_empty()).then(|| mean(&values))
+        let values = scored
+            .iter()
+            .filter_map(|run| Some((run.index, value(run)?)));
+        let values: Vec<(usize, f64)> = values.collect();
+        (!values.is_empty()).then(|| settings.mean(&values))
     };
     let recordings = 0..first.recordings.len();
     PointScore {

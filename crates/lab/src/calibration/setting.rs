@@ -1,9 +1,16 @@
 //! Equally valid settings: numerics and starts that nobody can choose between by reason.
 //!
-//! A step that is half as long, twice the substeps, or a start a millimetre off is as good a choice as the study's own, and
-//! for a robot that walks it changes the score. What all of them say on average is an answer; what one of them says is luck.
+//! A step that is half as long, twice the substeps, a start a millimetre off, or the second engine where it can run the robot, is
+//! as good a choice as the study's own, and for a robot that walks it changes the score. What all of them say on average is an
+//! answer; what one of them says is luck. Engines weigh the same, however many settings each has.
 
-use realgap_engine::{Experiment, Noise};
+use super::study::Study;
+use realgap_core::statistics::mean;
+use realgap_engine::{EngineChoice, Experiment, Noise};
+
+/// With two engines one setting in so many runs in the study's own, which is the dear one: six of sixteen. A mean over both is as
+/// sure then as it would be with fifteen settings shared evenly.
+const OWN_EVERY: usize = 3;
 
 /// One of the equally valid settings, by number; 0 is the study's own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -18,6 +25,8 @@ pub(super) struct Settings {
     pub count: usize,
     /// Seed of the noise.
     pub seed: u64,
+    /// The engine that is as valid as the study's own; `None` where there is none.
+    pub second: Option<EngineChoice>,
 }
 
 impl Setting {
@@ -36,13 +45,49 @@ impl Settings {
         Setting::new(index % self.count)
     }
 
-    /// What a run costs on average over the settings, in runs with the study's own.
-    pub fn mean_cost(&self, own: &Experiment) -> f64 {
+    /// Which engine trial number `index` is simulated by: 1 for the study's own, −1 for the second, 0 where there is one only. What
+    /// engines deviate from their mean is this times one and the same number.
+    pub fn engine_of_trial(&self, index: usize) -> f64 {
+        match (self.second, index % self.count % OWN_EVERY) {
+            (None, _) => 0.0,
+            (_, 0) => 1.0,
+            _ => -1.0,
+        }
+    }
+
+    /// The mean of runs, each told by the number of its trial: of the engines' means where both have some.
+    pub fn mean(&self, runs: &[(usize, f64)]) -> f64 {
+        let [own, second] = self.engine_means(runs);
+        match (own, second) {
+            (Some(own), Some(second)) => 0.5 * (own + second),
+            (one, other) => one.or(other).unwrap_or(f64::NAN),
+        }
+    }
+
+    /// The mean of each engine's runs: the study's own, and the second.
+    pub fn engine_means(&self, runs: &[(usize, f64)]) -> [Option<f64>; 2] {
+        let of = |is_own: bool| {
+            let here = |index: usize| (self.engine_of_trial(index) >= 0.0) == is_own;
+            let values: Vec<f64> = (runs.iter())
+                .filter_map(|(index, value)| here(*index).then_some(*value))
+                .collect();
+            (!values.is_empty()).then(|| mean(&values))
+        };
+        [of(true), of(false)]
+    }
+
+    /// What runs of the study's own engine, and of the second, cost on average over all settings, in runs of each with the study's own
+    /// steps; substeps count like steps.
+    pub fn mean_costs(&self, own: &Experiment) -> [f64; 2] {
         let steps = |experiment: &Experiment| {
             experiment.solver.substeps as f64 / experiment.solver.timestep_s
         };
-        let all = (0..self.count).map(|number| steps(&self.apply(Setting::new(number), own)));
-        all.sum::<f64>() / self.count as f64 / steps(own)
+        let cost = |number: usize| steps(&self.apply(Setting::new(number), own)) / steps(own);
+        let of = |is_own: bool| {
+            let here = |number: &usize| (self.engine_of_trial(*number) >= 0.0) == is_own;
+            (0..self.count).filter(here).map(cost).sum::<f64>() / self.count as f64
+        };
+        [of(true), of(false)]
     }
 
     /// The experiment as this setting has it.
@@ -51,7 +96,45 @@ impl Settings {
             return experiment.clone();
         }
         let perturbed = self.noise.perturb(experiment, self.seed, setting.0);
-        perturbed.with_numerics(setting.0)
+        let mut changed = perturbed.with_numerics(setting.0);
+        if let Some(second) = self.second
+            && self.engine_of_trial(setting.0 as usize) < 0.0
+        {
+            changed.solver.engine = second;
+        }
+        changed
+    }
+}
+
+impl Study {
+    /// The engine that is as valid for this study as its own, Rapier: the one beside it, where that can run all of its robots at all
+    /// values that are searched. None for a study that fixes `solver.engine`, or anything that means something in Rapier only, and
+    /// for errors of joints, of whose runs least squares take differences.
+    pub(super) fn second_engine(&self) -> Option<EngineChoice> {
+        let definition = self.definition();
+        let ranges = definition.grid.ranges();
+        let is_searched = ranges
+            .iter()
+            .any(|range| range.parameter.name == "solver.engine");
+        let is_fixed = definition.set.value("solver.engine").is_some();
+        if is_searched || is_fixed || definition.metric.needs().joints {
+            return None;
+        }
+        let ends: [Vec<f64>; 2] = [
+            ranges.iter().map(|range| range.from).collect(),
+            ranges.iter().map(|range| range.to).collect(),
+        ];
+        let experiments = self.cases().iter().map(|case| &case.experiment);
+        let mut engines = experiments.flat_map(|experiment| {
+            let is_reference = experiment.solver.engine == EngineChoice::default();
+            let of = move |values: &Vec<f64>| {
+                let there = self.parameter_set(values).apply(experiment);
+                there.second_engine().filter(|_| is_reference)
+            };
+            ends.each_ref().map(of)
+        });
+        let first = engines.next()?;
+        first.filter(|_| engines.all(|engine| engine == first))
     }
 }
 
@@ -70,6 +153,15 @@ mod tests {
             noise: Noise::careful_start(),
             count: 16,
             seed: 1,
+            second: None,
+        }
+    }
+
+    #[cfg(feature = "f64")]
+    fn of_both() -> Settings {
+        Settings {
+            second: experiment().second_engine(),
+            ..settings()
         }
     }
 
@@ -90,6 +182,37 @@ mod tests {
             assert!((1.0..=2.0).contains(&finer), "{number}: {finer}");
             assert!((1.0..=2.0).contains(&more), "{number}: {more}");
             assert!(finer * more > 1.0, "{number} changes nothing");
+        }
+    }
+
+    #[test]
+    #[cfg(feature = "f64")]
+    fn engines_weigh_the_same_however_many_settings_each_has() {
+        let both = of_both();
+        let own = |number: &usize| both.engine_of_trial(*number) > 0.0;
+        let numbers: Vec<usize> = (0..16).filter(own).collect();
+        assert_eq!(numbers, [0, 3, 6, 9, 12, 15]);
+        // What one engine says alone moves the mean by half of it, from two settings on.
+        for count in 2..20 {
+            let some = Settings { count, ..both };
+            let runs = (0..count).map(|n| (n, if own(&n) { 10.0 } else { 4.0 }));
+            let runs: Vec<(usize, f64)> = runs.collect();
+            assert_eq!(some.mean(&runs), 7.0, "{count}");
+            assert_eq!(some.mean(&runs[1..2]), 4.0);
+        }
+    }
+
+    #[test]
+    #[cfg(feature = "f64")]
+    fn the_second_engine_changes_the_engine_and_nothing_else() {
+        let own = experiment();
+        for number in 0..16 {
+            let alone = settings().apply(Setting::new(number), &own);
+            let mut with = of_both().apply(Setting::new(number), &own);
+            let is_own = with.solver.engine == own.solver.engine;
+            assert_eq!(is_own, of_both().engine_of_trial(number) > 0.0);
+            with.solver.engine = own.solver.engine;
+            assert_eq!(alone, with, "{number}");
         }
     }
 }

@@ -16,7 +16,7 @@ use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
 use realgap_core::warning::Warning;
 use realgap_engine::parameter::{Assignment, ParameterSet};
-use realgap_engine::{Experiment, Noise};
+use realgap_engine::{EngineChoice, Experiment, Noise};
 use realgap_path::comparison::{Basis, Context, Pair, Spread};
 use realgap_path::trajectory::{Prepared, prepare};
 use realgap_store::{CaseOutcome, CaseResult, CaseRow, Trial};
@@ -39,6 +39,8 @@ pub struct Study {
     weights: Vec<f64>,
     /// Of the recordings that are fitted, in recorded lengths, where the metric asks for it.
     spread: Option<Spread>,
+    /// The engine that is as valid for it as its own.
+    second: Option<EngineChoice>,
 }
 
 impl Study {
@@ -104,7 +106,9 @@ impl Study {
             held_out,
             weights,
             spread: None,
+            second: None,
         };
+        study.second = study.second_engine();
         if study.definition.metric.needs().spread {
             let fitted = study.part_of(&study.real_paths(), false);
             let spread = Spread::of(&fitted).map_err(|e| study.definition.at_file(e))?;
@@ -208,6 +212,8 @@ impl Study {
             noise,
             count,
             seed: definition.seed,
+            // A single run is one of the study's own engine.
+            second: self.second.filter(|_| count > 1),
         }
     }
 

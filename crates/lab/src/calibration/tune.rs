@@ -9,6 +9,7 @@ use super::study::Study;
 use super::sweep::WEIGHING;
 use super::wave::widened;
 use realgap_core::error::{Advice, Error, Result};
+use realgap_core::statistics::median;
 use realgap_optimize::{
     Batch, Brief, Ending, History, Optimizer, Proposal, RunOptions, Told, UnitPoint,
     default_optimizer, drive, space_filling,
@@ -276,6 +277,8 @@ struct Tuning<'a> {
     design: Vec<UnitPoint>,
     basis: Option<Basis>,
     told: Vec<Told>,
+    /// Scores so far, by trial.
+    seen: Vec<(usize, f64)>,
     best: Option<f64>,
     since_best: usize,
     /// Trials of the same study by an earlier tuning, by index.
@@ -319,6 +322,7 @@ impl<'a> Tuning<'a> {
             keeping,
             basis: None,
             told: Vec::new(),
+            seen: Vec::new(),
             best: None,
             since_best: 0,
             known: &[],
@@ -399,6 +403,10 @@ impl<'a> Tuning<'a> {
             .rows()
             .rows_within(offset..offset + candidates.len())?;
         let scores = Scores::with_basis(self.study, &trials, self.basis.clone())?;
+        let scored = scores.runs.iter();
+        self.seen
+            .extend(scored.filter_map(|run| Some((run.index, run.score?))));
+        let (settings, shifts) = (self.study.settings(), self.engine_shifts());
         let grid = &self.study.definition().grid;
         for ((point, scored), trial) in candidates.iter().zip(&scores.runs).zip(&trials) {
             // An optimizer of somebody else may ask for other points when it is asked again.
@@ -410,10 +418,12 @@ impl<'a> Tuning<'a> {
                 .hint("the same history must give the same proposal")
                 .advise(Advice::Restart));
             }
-            self.notice(scored);
+            let engine = usize::from(settings.engine_of_trial(trial.index) < 0.0);
+            let score = scored.score.map(|score| score - shifts[engine]);
+            self.notice(score);
             self.told.push(Told {
                 point: point.clone(),
-                score: scored.score,
+                score,
                 errors: match self.options.optimizer.needs_errors() {
                     true => self.study.errors_of(trial).unwrap_or_default(),
                     false => Vec::new(),
@@ -426,8 +436,23 @@ impl<'a> Tuning<'a> {
         Ok(())
     }
 
-    fn notice(&mut self, scored: &PointScore) {
-        match scored.score {
+    /// What engines add to scores as far as scores so far tell, the study's own and the second, so that points are compared and not
+    /// engines: half of what parts their medians. The emulator, which knows places, judges without it.
+    fn engine_shifts(&self) -> [f64; 2] {
+        let settings = self.study.settings();
+        let median_of = |engine: f64| {
+            let scores = self.seen.iter();
+            let own = scores.filter(|(index, _)| settings.engine_of_trial(*index) == engine);
+            let own: Vec<f64> = own.map(|(_, score)| *score).collect();
+            (!own.is_empty()).then(|| median(&own))
+        };
+        let both = median_of(1.0).zip(median_of(-1.0));
+        let half = both.map_or(0.0, |(own, second)| 0.5 * (own - second));
+        [half, -half]
+    }
+
+    fn notice(&mut self, score: Option<f64>) {
+        match score {
             Some(score) if self.best.is_none_or(|best| score < best) => {
                 self.best = Some(score);
                 self.since_best = 0;

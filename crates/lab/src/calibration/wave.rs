@@ -44,11 +44,6 @@ impl Study {
         let again = WAVES * runs_a_wave(self, grid) + self.settings().count - 1;
         grid.saturating_add(again)
     }
-
-    /// What one of them costs on average, in runs with the study's own settings; substeps count like steps.
-    pub fn run_cost(&self) -> f64 {
-        self.settings().mean_cost(&self.cases()[0].experiment)
-    }
 }
 
 /// The runs with a score, as an emulator wants them.
@@ -60,6 +55,7 @@ pub(super) fn scored_runs(study: &Study, scores: &Scores) -> Vec<ScoredRun> {
         .map(|run| ScoredRun {
             at: grid.place_of(&run.values),
             setting: settings.of_trial(run.index),
+            engine: settings.engine_of_trial(run.index),
             recordings: study.part_of(&run.recordings, false),
             might_be: might_be
                 .iter()
@@ -79,9 +75,17 @@ fn might_be(study: &Study, scores: &Scores) -> Vec<Prepared> {
         .best
         .filter(|_| is_of_paths && study.fitted_recordings() == 1);
     let best = best.filter(|_| study.cases().len() == 1);
-    let runs = best.map(|best| scores.runs_at(&scores.points[best].values));
+    // Reality repeats in one engine: that which shows more repeats.
+    let engines = best.map(|best| scores.runs_by_engine(&study.settings(), best));
+    let runs = engines.map(|[own, second]| {
+        if own.len() < second.len() {
+            second
+        } else {
+            own
+        }
+    });
     let path = |run: &PointScore| Prepared::from_xy_m(run.path_xy_m.clone()).ok();
-    let paths: Option<Vec<Prepared>> = runs.and_then(|runs| runs.map(path).collect());
+    let paths: Option<Vec<Prepared>> = runs.and_then(|runs| runs.into_iter().map(path).collect());
     paths
         .filter(|paths| paths.len() >= TELLING)
         .unwrap_or_default()
@@ -100,10 +104,24 @@ fn apart(study: &Study, scores: &Scores, real: &Prepared, run: &PointScore) -> f
 }
 
 /// Coordinates of the best points, and their positions.
-pub(super) fn leading(study: &Study, scores: &Scores, most: usize) -> (Vec<usize>, Vec<Vec<f64>>) {
+pub(super) fn leading(
+    study: &Study,
+    scores: &Scores,
+    emulator: Option<&Emulator>,
+    most: usize,
+) -> (Vec<usize>, Vec<Vec<f64>>) {
     let mut positions = scores.ranked();
-    positions.truncate(most);
     let grid = &study.definition().grid;
+    if let Some(emulator) = emulator.filter(|emulator| emulator.has_two_engines()) {
+        // A single run says more about its engine than about its point.
+        let expected = |position: &usize| {
+            emulator.standardised(&grid.place_of(&scores.points[*position].values))
+        };
+        let mut all: Vec<(f64, usize)> = positions.iter().map(|p| (expected(p), *p)).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        positions = all.into_iter().map(|(_, position)| position).collect();
+    }
+    positions.truncate(most);
     let place = |position: &usize| grid.place_of(&scores.points[*position].values);
     let places = positions.iter().map(place).collect();
     (positions, places)
@@ -127,7 +145,7 @@ pub(super) fn next_wave(
         recordings: study.fitted_recordings(),
         discrepancy: 0.0,
     };
-    let (_, visited) = leading(study, scores, VISITED);
+    let (_, visited) = leading(study, scores, Some(&emulator), VISITED);
     let places = PLACES.max(2 * count);
     let seed = definition.seed.wrapping_add(from as u64);
     let grid = &definition.grid;

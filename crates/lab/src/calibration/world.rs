@@ -26,6 +26,8 @@ struct World {
     setting: f64,
     run: f64,
     recording: f64,
+    /// The same of what parts either of two engines from their mean, reality being like one of them; 0 where there is one engine.
+    engine: f64,
     /// Whether the path is straight in the first parameter, so that the distance to reality has a kink.
     straight: bool,
 }
@@ -52,17 +54,26 @@ impl World {
         })
     }
 
-    /// A deviation that a setting has, which changes smoothly with the parameters.
-    fn setting(&self, number: u64, at: &[f64]) -> Path {
-        let mut rng = Generator::seed_from_u64(number);
-        let (a, b) = (noise(&mut rng, self.setting), noise(&mut rng, self.setting));
-        std::array::from_fn(|k| a[k] + b[k] * libm::sin(2.0 * at[0]))
+    /// A run with a setting and in an engine, 1 or −1, of these numbers.
+    fn run(
+        &self,
+        at: &[f64],
+        (setting, engines, engine): (u64, u64, f64),
+        rng: &mut Generator,
+        size: f64,
+    ) -> Path {
+        let (path, rest) = (self.path(at), noise(rng, size));
+        let own = deviation(setting, at, self.setting);
+        let apart = deviation(engines, at, self.engine);
+        std::array::from_fn(|k| path[k] + own[k] + rest[k] + engine * apart[k])
     }
+}
 
-    fn run(&self, at: &[f64], setting: u64, rng: &mut Generator, size: f64) -> Path {
-        let (path, own, rest) = (self.path(at), self.setting(setting, at), noise(rng, size));
-        std::array::from_fn(|k| path[k] + own[k] + rest[k])
-    }
+/// What a setting or an engine of this number deviates, which changes smoothly with the parameters.
+fn deviation(number: u64, at: &[f64], size: f64) -> Path {
+    let mut rng = Generator::seed_from_u64(number);
+    let (a, b) = (noise(&mut rng, size), noise(&mut rng, size));
+    std::array::from_fn(|k| a[k] + b[k] * libm::sin(2.0 * at[0]))
 }
 
 fn grid(points: usize) -> Grid {
@@ -89,9 +100,16 @@ fn study(world: &World, points: usize, recordings: usize, seed: u64) -> Found {
     ];
     // Its own sixteen: with the same ones in every study, all would hold too much or too little together.
     let own_settings = 100 * (seed + 1);
-    let hidden = 1_000_000 + seed;
+    let (hidden, engines) = (1_000_000 + seed, 2_000_000 + seed);
+    // Every third run is the first engine's, every second reality is like it.
+    let engine_of = |setting: usize| match setting % 3 {
+        _ if world.engine == 0.0 => 0.0,
+        0 => 1.0,
+        _ => -1.0,
+    };
+    let like = [1.0, -1.0][seed as usize % 2];
     let real: Vec<Path> = (0..recordings)
-        .map(|_| world.run(&truth, hidden, &mut rng, world.recording))
+        .map(|_| world.run(&truth, (hidden, engines, like), &mut rng, world.recording))
         .collect();
     let mut runs: Vec<ScoredRun> = Vec::new();
     let simulate = |runs: &mut Vec<ScoredRun>, at: Vec<f64>, rng: &mut Generator| {
@@ -102,7 +120,9 @@ fn study(world: &World, points: usize, recordings: usize, seed: u64) -> Found {
         } else {
             world.run
         };
-        let path = world.run(&at, own_settings + setting as u64, rng, own);
+        let engine = engine_of(setting);
+        let numbers = (own_settings + setting as u64, engines, engine);
+        let path = world.run(&at, numbers, rng, own);
         let distance = |real: &Path| {
             let squares = real.iter().zip(&path).map(|(a, b)| (a - b).powi(2));
             squares.sum::<f64>().sqrt()
@@ -110,6 +130,7 @@ fn study(world: &World, points: usize, recordings: usize, seed: u64) -> Found {
         runs.push(ScoredRun {
             at,
             setting: Setting::new(setting),
+            engine,
             recordings: real.iter().map(distance).collect(),
             might_be: Vec::new(),
         });
@@ -195,9 +216,26 @@ fn intervals_hold_and_what_does_nothing_stays_open() {
         setting: 0.02,
         run: 0.005,
         recording: 0.05,
+        engine: 0.0,
         straight: false,
     };
     let [first, _, set, open] = row("inert", &world, 7, 3, 20);
+    assert!(first >= 70.0 && set >= 85.0, "{first} {set}");
+    assert!(open >= 75.0, "{open}");
+}
+
+/// The same where engines part paths as much as values of the parameter do, and reality is like one of them.
+#[test]
+fn intervals_hold_whichever_engine_reality_is_like() {
+    let world = World {
+        second: 0.0,
+        setting: 0.02,
+        run: 0.005,
+        recording: 0.05,
+        engine: 0.1,
+        straight: false,
+    };
+    let [first, _, set, open] = row("engines", &world, 7, 3, 20);
     assert!(first >= 70.0 && set >= 85.0, "{first} {set}");
     assert!(open >= 75.0, "{open}");
 }
@@ -211,6 +249,7 @@ fn the_table_of_worlds() {
         setting: 0.02,
         run: 0.005,
         recording: 0.05,
+        engine: 0.0,
         straight: false,
     };
     let both = World {
@@ -222,6 +261,7 @@ fn the_table_of_worlds() {
         setting: 0.1,
         run: 0.2,
         recording: 0.2,
+        engine: 0.0,
         straight: false,
     };
     // A cube that slides down a slope: nearly no noise, and a kink where it is right.
@@ -230,11 +270,16 @@ fn the_table_of_worlds() {
         setting: 0.004,
         run: 0.0002,
         recording: 0.004,
+        engine: 0.0,
         straight: true,
     };
     let moved = World {
         setting: 0.15,
         recording: 0.02,
+        ..quiet
+    };
+    let engines = World {
+        engine: 0.1,
         ..quiet
     };
     let only = std::env::var("REALGAP_ROWS").unwrap_or_default();
@@ -244,6 +289,7 @@ fn the_table_of_worlds() {
         ("inert", &quiet),
         ("both", &both),
         ("loud", &loud),
+        ("engines", &engines),
     ];
     for recordings in [3, 1, 5, 10] {
         for points in [7, 10] {

@@ -1,7 +1,7 @@
 //! Does the model explain the recordings, where is it nearest, and what is as near?
 
-use super::{About, Claim, Says};
-use crate::calibration::{Best, Fit, HowSure};
+use super::{About, Claim, Says, listed};
+use crate::calibration::{Best, EngineWish, Fit, HowSure};
 use realgap_core::unit::{Unit, counted, number, quantity};
 
 /// Whether any parameters explain the recordings.
@@ -18,7 +18,10 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
         ),
     };
     let floors = number(fit.noise_floors);
-    let text = format!("the best is {floors} noise floors away{alike}{rest}");
+    let of = fit
+        .engine
+        .map_or_else(String::new, |engine| format!(" (runs of {engine})"));
+    let text = format!("the best is {floors} noise floors away{of}{alike}{rest}");
     let numbers = [
         ("noise_floors", fit.noise_floors),
         ("p_value", fit.p_value.unwrap_or(f64::NAN)),
@@ -50,6 +53,65 @@ pub(crate) fn nearest(
     Claim::new(About::Best, Says::Holds, score, text)
         .of(metric)
         .resting_on(recordings, &numbers)
+}
+
+/// Whether the best point of two engines is one that each of them allows; `None` for one engine.
+pub(crate) fn engines(
+    wishes: &[EngineWish],
+    (metric, unit): (&str, Unit),
+    recordings: usize,
+) -> Option<Claim> {
+    if wishes.is_empty() {
+        return None;
+    }
+    let there = wishes.iter().map(|wish| {
+        let score = quantity(wish.score, unit);
+        format!("{score} in {} (mean of {})", wish.engine, wish.settings)
+    });
+    let there = listed(&there.collect::<Vec<_>>());
+    let wants = |wish: &EngineWish| {
+        let values = wish.parameters.iter();
+        let values = values.map(|(name, value)| format!("{name} = {}", number(*value)));
+        let values = values.collect::<Vec<_>>().join(", ");
+        let expected = quantity(wish.expected, unit);
+        format!(
+            "{} by itself wants {values} ({expected} expected)",
+            wish.engine
+        )
+    };
+    let against = wishes.iter().filter(|wish| !wish.allows());
+    let against: Vec<String> = against.map(wants).collect();
+    let (says, word, text) = match against.is_empty() {
+        true => (
+            Says::Holds,
+            "holds in both engines",
+            format!("both engines allow this point: {metric} {there}"),
+        ),
+        false => (
+            Says::Fails,
+            "the engines differ",
+            format!(
+                "THE ENGINES DIFFER by more than what is unknown: {metric} {there}; {}",
+                listed(&against)
+            ),
+        ),
+    };
+    let mut claim = Claim::new(About::Engines, says, word, text);
+    for wish in wishes {
+        let of = |what: &str| format!("{}_{what}", wish.engine);
+        let numbers = [
+            (of("score"), wish.score),
+            (of("implausibility"), wish.implausibility),
+            (of("expected_at_its_best"), wish.expected),
+        ];
+        let finite = numbers.into_iter().filter(|(_, value)| value.is_finite());
+        claim.numbers.extend(finite);
+        let own = wish.parameters.iter();
+        claim
+            .numbers
+            .extend(own.map(|(name, value)| (of(name), *value)));
+    }
+    Some(claim.of(metric).resting_on(recordings, &[]))
 }
 
 /// What cannot be told from the best.

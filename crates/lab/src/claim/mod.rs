@@ -17,7 +17,7 @@ use std::fmt;
 use serde::Serialize;
 
 pub(crate) use ensemble::{recorded, region};
-pub(crate) use fit::{model, nearest, set};
+pub(crate) use fit::{engines, model, nearest, set};
 pub(crate) use forecast::{reach, success};
 pub(crate) use gap::{called, distance, floor, likeness, over_time};
 pub(crate) use parameter::{Found, least_squares, parameter, summary};
@@ -34,6 +34,8 @@ pub enum About {
     Model,
     /// Where the simulation is nearest to reality.
     Best,
+    /// Whether both engines allow that.
+    Engines,
     /// Which points cannot be told from the best.
     Set,
     /// One parameter.

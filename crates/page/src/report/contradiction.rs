@@ -140,6 +140,14 @@ fn a_sweep_says_one_thing_in_every_place() {
                 format!("{place} of the model: {text}")
             });
         }
+        let differ = report.engines.iter().any(|wish| !wish.allows());
+        found.see("engines differ", differ);
+        for (place, text) in told.places() {
+            let says = text.contains("THE ENGINES DIFFER");
+            found.hold(&told, says == differ, || {
+                format!("{place} of engines: {text}")
+            });
+        }
         let is_first = |text: &str| text.find("NO PARAMETERS") < text.find("comes nearest");
         found.hold(&told, !is_rejected || is_first(&told.answer), || {
             told.answer.clone()

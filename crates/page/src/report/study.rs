@@ -132,7 +132,7 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
 
 /// Whether the model explains the recordings, where it is nearest, and what they say about its parameters.
 fn answer(report: &Value) -> String {
-    let mut text = sentences(report, &["model", "best", "parameters"]);
+    let mut text = sentences(report, &["model", "best", "engines", "parameters"]);
     if text.is_empty() {
         return "No point has a score: nothing is said.".to_owned();
     }

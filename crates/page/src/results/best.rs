@@ -37,7 +37,12 @@ pub(super) fn write(folder: &Path, study: &Study, answer: &Answer) -> Result<()>
 
 /// What the values are, the best of so many points, with what is claimed of the model and of each parameter.
 pub(crate) fn description(report: &Report, best: &Best, points: usize) -> String {
-    let is_said = |claim: &&Claim| matches!(claim.about, About::Model | About::Parameter);
+    let is_said = |claim: &&Claim| {
+        matches!(
+            claim.about,
+            About::Model | About::Engines | About::Parameter
+        )
+    };
     let said = report.claims.iter().filter(is_said);
     let said: Vec<&str> = said.map(|claim| claim.text.as_str()).collect();
     format!(

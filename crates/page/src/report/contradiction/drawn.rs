@@ -10,7 +10,7 @@ use realgap_core::unit::Unit;
 use realgap_engine::parameter::by_name;
 use realgap_engine::{Noise, Outcome, Perturbation};
 use realgap_lab::calibration::{
-    Audit, AuditRow, Best, BestDraws, Fit, HowSure, PointScore, Report, Scores, Tables,
+    Audit, AuditRow, Best, BestDraws, EngineWish, Fit, HowSure, PointScore, Report, Scores, Tables,
     Uncertainty, UncertaintySource, Unvisited, Verdict,
 };
 use realgap_lab::prediction::ensemble::{Ensemble, Forecast, Motion, Reality, Repeat};
@@ -144,6 +144,7 @@ impl Swept {
             p_value: (recordings > 2).then(|| draw.share()),
             explains: draw.is(0.7),
             discrepancy: draw.share(),
+            engine: draw.is(0.5).then_some("rapier"),
         });
         let mut report = empty(&scores, recordings);
         report.uncertainty = Some(HowSure {
@@ -160,6 +161,7 @@ impl Swept {
             points: scores.points.len(),
         });
         (report.fit, report.verdicts, report.audit) = (fit, verdicts, Some(audit));
+        report.engines = engines(draw);
         let names = ranges.iter().map(|range| range.parameter.name.to_owned());
         report.best = Some(Best {
             parameters: names.zip(near).collect(),
@@ -263,6 +265,20 @@ fn draws(draw: &mut Draw, ranges: &[Range], best: &[f64]) -> BestDraws {
     BestDraws::new(rows, gaps)
 }
 
+fn engines(draw: &mut Draw) -> Vec<EngineWish> {
+    let both = draw.is(0.7).then_some(["rapier", "tree"]);
+    let mut wish = |engine| EngineWish {
+        engine,
+        score: draw.within(0.01, 0.2),
+        settings: 8,
+        parameters: [("floor.friction".to_owned(), draw.share())].into(),
+        expected: draw.within(0.01, 0.2),
+        implausibility: draw.within(0.0, 4.0),
+        limit: 2.45,
+    };
+    both.into_iter().flatten().map(&mut wish).collect()
+}
+
 fn audit(draw: &mut Draw) -> Audit {
     let mut some = |probability: f64| -> Vec<String> {
         let all = ["floor.friction", "floor.restitution"].into_iter();
@@ -304,6 +320,7 @@ fn empty(scores: &Scores, recordings: usize) -> Report {
         verdicts: Vec::new(),
         claims: Vec::new(),
         correlations: Vec::new(),
+        engines: Vec::new(),
         audit: None,
         validation: None,
         transfer: None,

@@ -1,0 +1,114 @@
+//! Two engines in one answer: where they part, the answer says which of them wants what.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use crate::common;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use realgap_engine::parameter::by_name;
+use realgap_engine::{Experiment, Start, engine_by_name, run};
+use realgap_lab::calibration::identification::StartState;
+use realgap_lab::calibration::{Answer, Study, StudyBuilder};
+use realgap_optimize::RunOptions;
+use realgap_path::comparison;
+use realgap_path::trajectory::State;
+use realgap_robot::morphology::Morphology;
+
+const FRICTION: f64 = 0.3;
+
+/// A study of a cube that comes down flat at an angle, recorded in one engine.
+fn study(restitution: f64, recorded_in: &str) -> StudyBuilder {
+    let robot = Morphology::read(common::project().join("morphologies/cube.ron")).unwrap();
+    let mut reality = Experiment::new(robot.assemble());
+    reality.duration_s = 0.5;
+    reality.floor.friction = FRICTION;
+    reality.floor.restitution = restitution;
+    reality.solver.engine = engine_by_name(recorded_in).unwrap();
+    let half_m = 0.5 * reality.assembly.body_length_m;
+    let runs = [1.5, 2.0, 2.5].map(|along_m_s| {
+        reality.start = Start::State(State {
+            position_world_m: Vector3::new(0.0, 0.0, half_m + 0.1),
+            orientation_world_from_body: UnitQuaternion::identity(),
+            velocity_world_m_s: Vector3::new(along_m_s, 0.0, 0.0),
+            angular_velocity_body_rad_s: Vector3::zeros(),
+        });
+        run(&reality).unwrap().outcome.completed().unwrap()
+    });
+    let study = Study::builder("oblique", robot)
+        .duration_s(0.5)
+        .start_from_recordings(StartState::FirstSample)
+        .set("floor.restitution", restitution)
+        .vary("floor.friction", 0.1, 0.5, 33)
+        .metric(comparison::by_name("rms").unwrap());
+    let numbered = runs.into_iter().enumerate();
+    numbered.fold(study, |study, (index, motion)| {
+        study.trajectory(format!("run_{index}"), motion)
+    })
+}
+
+fn answered(study: StudyBuilder) -> Answer {
+    let study = study.build().unwrap();
+    study.sweep(&RunOptions::default()).unwrap()
+}
+
+/// The warnings that the engines differ.
+fn differ(answer: &Answer) -> Vec<&str> {
+    let warnings = answer.report.warnings.iter();
+    let named = warnings.filter(|w| w.code.name() == "engines-differ");
+    named.map(|w| w.message.as_str()).collect()
+}
+
+#[test]
+fn an_engine_that_wants_another_friction_is_named() {
+    // Rapier's friction does not feel restitution, so it takes more of it to lose as much speed.
+    let answer = answered(study(0.5, "tree"));
+    let [rapier, tree] = answer.report.engines.as_slice() else {
+        panic!("{:?}", answer.report.engines);
+    };
+    assert_eq!((rapier.engine, tree.engine), ("rapier", "tree"));
+    assert_eq!((rapier.settings, tree.settings), (6, 10));
+    let [of_rapier, of_tree] = [rapier, tree].map(|wish| wish.parameters["floor.friction"]);
+    assert!((of_tree - FRICTION).abs() <= 0.026, "{tree:?}");
+    assert!(of_rapier > of_tree + 0.04, "{rapier:?}");
+    let said = differ(&answer);
+    let [said] = said.as_slice() else {
+        panic!("{:?}", answer.report.engines);
+    };
+    assert!(said.contains("floor.friction"), "{said}");
+    // One sentence, in the report and in the warning.
+    assert!(answer.to_string().contains(said), "{answer}");
+    // Half of the score is each engine's.
+    let best = answer.report.best.unwrap().score;
+    let halves = 0.5 * (rapier.score + tree.score);
+    assert!((best - halves).abs() < 1e-12, "{best} {halves}");
+}
+
+#[test]
+fn engines_that_agree_are_not_said_to_differ() {
+    let answer = answered(study(0.0, "rapier"));
+    let engines = &answer.report.engines;
+    assert_eq!(engines.len(), 2);
+    for wish in engines {
+        let off = wish.parameters["floor.friction"] - FRICTION;
+        assert!(off.abs() <= 0.026, "{wish:?}");
+    }
+    assert!(differ(&answer).is_empty(), "{engines:?}");
+    assert!(
+        answer.to_string().contains("both engines allow"),
+        "{answer}"
+    );
+}
+
+#[test]
+fn a_study_that_fixes_its_engine_has_one() {
+    let engine = by_name("solver.engine").unwrap().name;
+    for (number, name) in [(0.0, "rapier"), (1.0, "tree")] {
+        let answer = answered(study(0.0, "rapier").set(engine, number));
+        assert!(answer.report.engines.is_empty(), "{name}");
+        let provenance = &answer.report.provenance;
+        assert!(provenance["engine"].contains(name), "{provenance:?}");
+        assert!(!provenance.contains_key("second engine"));
+    }
+    let free = study(0.0, "rapier").build().unwrap().fingerprint();
+    let fixed = study(0.0, "rapier").set(engine, 0.0).build().unwrap();
+    assert!(free.entries().len() > fixed.fingerprint().entries().len());
+}
