@@ -126,6 +126,13 @@ fn driven() -> Experiment {
     experiment
 }
 
+/// The same in a run that begins later than others.
+fn late() -> Experiment {
+    let mut experiment = driven();
+    (experiment.drive.late_share, experiment.drive.late_s) = (1.0, 0.3);
+    experiment
+}
+
 /// The same with a sensor of another form.
 fn seen_with(mean: (&str, Vec<f64>), spread: (&str, Vec<f64>)) -> Experiment {
     let mut experiment = driven();
@@ -216,6 +223,8 @@ fn case(parameter: &Parameter) -> (Vec<Make>, f64, f64) {
         "vehicle.tag_ahead_m" | "vehicle.tag_left_m" => (vec![driven], 0.0, 0.02),
         "vehicle.sensor_ahead_m" => (vec![driven], 0.08, 0.02),
         "vehicle.stale_s" => (vec![driven], 0.0, 0.3),
+        "vehicle.late_share" => (vec![late], 0.0, 1.0),
+        "vehicle.late_s" => (vec![late], 0.0, 0.3),
         "vehicle.speed_m_s" => (vec![driven], 0.2, 0.3),
         "vehicle.threshold_m" => (vec![driven], 0.1, 0.15),
         "vehicle.turn_rate_rad_s" => (vec![driven], 4.0, 3.0),

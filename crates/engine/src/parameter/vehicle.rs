@@ -40,8 +40,11 @@ drive! {
     "vehicle.filter_readings" filter_readings One (0.0, 1000.0) Nudge::Absolute(1.0), true, "Readings of one belief of the Bayes filter; 0 decides by single readings.";
     "vehicle.start_s" start_s Second (-10.0, 10.0) Nudge::Absolute(0.02), false, "When it begins to move, on the recording's clock.";
     "vehicle.start_sd_s" start_sd_s Second (0.0, 10.0) Nudge::Absolute(0.02), false, "Standard deviation of when it begins to move.";
+    "vehicle.late_share" late_share One (0.0, 1.0) Nudge::Absolute(0.5), false, "Share of the runs that begin later, as by another clock.";
+    "vehicle.late_s" late_s Second (-10.0, 10.0) Nudge::Absolute(0.1), false, "How much later these begin to move.";
     "vehicle.stale_s" stale_s Second (0.0, 10.0) Nudge::Absolute(0.09), false, "Until when the recording shows it where it started.";
     "vehicle.frame_rate_hz" frame_rate_hz Hertz (0.1, 10000.0) Nudge::Share(0.1), false, "Pictures a second of the recording; straight lines between them.";
+    "vehicle.frame_sd_s" frame_sd_s Second (0.0, 10.0) Nudge::Absolute(0.02), false, "Standard deviation of when the pictures of a run are taken.";
     "vehicle.tag_ahead_m" tag_ahead_m Metre (-10.0, 10.0) Nudge::Absolute(0.005), false, "The tracked point ahead of the middle of the axle.";
     "vehicle.tag_left_m" tag_left_m Metre (-10.0, 10.0) Nudge::Absolute(0.005), false, "The tracked point to the left of the middle of the axle.";
     "vehicle.sensor_ahead_m" sensor_ahead_m Metre (-10.0, 10.0) Nudge::Absolute(0.005), false, "The sensor ahead of the middle of the axle.";

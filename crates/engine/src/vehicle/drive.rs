@@ -42,10 +42,16 @@ pub struct Drive {
     pub start_s: f64,
     /// Standard deviation of that.
     pub start_sd_s: f64,
+    /// In which share of the runs it begins later: two clocks.
+    pub late_share: f64,
+    /// By how much, seconds.
+    pub late_s: f64,
     /// Until when the recording shows it where it started, seconds.
     pub stale_s: f64,
     /// Pictures a second of the recording.
     pub frame_rate_hz: f64,
+    /// Standard deviation of when the pictures of a run are taken, seconds.
+    pub frame_sd_s: f64,
     /// The tracked point ahead of the axle's middle, metres.
     pub tag_ahead_m: f64,
     /// The tracked point to the left of it, metres.
@@ -84,8 +90,11 @@ impl Default for Drive {
             filter_readings: 0.0,
             start_s: 0.0,
             start_sd_s: 0.0,
+            late_share: 0.0,
+            late_s: 0.0,
             stale_s: 0.0,
             frame_rate_hz: 11.6,
+            frame_sd_s: 0.0,
             tag_ahead_m: 0.0,
             tag_left_m: 0.0,
             sensor_ahead_m: 0.0795,

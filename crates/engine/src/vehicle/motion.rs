@@ -43,6 +43,13 @@ pub(crate) fn run(experiment: &Experiment, vehicle: &Vehicle) -> Result<Run> {
     };
     vehicle.arena.check_place(start.place_m, 0.0)?;
     let start_s = drive.start_s + dice.normal_of(drive.start_sd_s);
+    // Without them, the draws that follow stay what they were.
+    let is_late = drive.late_share > 0.0 && dice.happens(drive.late_share);
+    let start_s = start_s + if is_late { drive.late_s } else { 0.0 };
+    let taken_s = match drive.frame_sd_s > 0.0 {
+        true => dice.normal_of(drive.frame_sd_s),
+        false => 0.0,
+    };
     let mut robots = vec![Robot::new(vehicle, &drive, start, dice, eye)];
     for (index, [x, y, heading_rad]) in (1_u64..).zip(&vehicle.others) {
         // Streams of their own, so that the first draws what it draws alone.
@@ -64,7 +71,7 @@ pub(crate) fn run(experiment: &Experiment, vehicle: &Vehicle) -> Result<Run> {
         .ceil()
         .max(0.0) as usize;
     let path = drive_along(epochs, vehicle, &drive, robots);
-    let motion = recorded(experiment, &drive, start_s, &path)?;
+    let motion = recorded(experiment, &drive, (start_s, taken_s), &path)?;
     Ok(Run {
         outcome: Outcome::Completed(motion),
         steps: epochs as u64,
@@ -96,15 +103,16 @@ fn drive_along(
     robots.swap_remove(0).path
 }
 
-/// What the pictures show, at the times that are asked for: straight lines between pictures.
+/// What the pictures show, at the times that are asked for: straight lines between pictures, which are all taken a little earlier
+/// or later.
 fn recorded(
     experiment: &Experiment,
     drive: &Drive,
-    start_s: f64,
+    (start_s, taken_s): (f64, f64),
     path: &[Pose],
 ) -> Result<Trajectory> {
     let seen_at = |time_s: f64| -> ([f64; 2], f64) {
-        let moving_s = if time_s < drive.stale_s {
+        let moving_s = if time_s - taken_s < drive.stale_s {
             0.0
         } else {
             (time_s - start_s).max(0.0)
@@ -125,10 +133,10 @@ fn recorded(
     let mut positions = Vec::with_capacity(times_s.len());
     let mut orientations = Vec::with_capacity(times_s.len());
     for time_s in &times_s {
-        let frame = (time_s / frame_s).floor();
-        let share = time_s / frame_s - frame;
-        let ((a, turn_a), (b, turn_b)) =
-            (seen_at(frame * frame_s), seen_at((frame + 1.0) * frame_s));
+        let place = (time_s - taken_s) / frame_s;
+        let (frame, share) = (place.floor(), place - place.floor());
+        let picture = |number: f64| seen_at(taken_s + number * frame_s);
+        let ((a, turn_a), (b, turn_b)) = (picture(frame), picture(frame + 1.0));
         let mix = |a: f64, b: f64| a + share * (b - a);
         positions.push(Vector3::new(mix(a[0], b[0]), mix(a[1], b[1]), 0.0));
         orientations.push(UnitQuaternion::from_axis_angle(

@@ -60,6 +60,12 @@ impl Dice {
             .map_or(0.0, |rng| sd * rng.sample::<f64, _>(StandardNormal))
     }
 
+    /// Whether something happens in this run that happens in such a share of them; without draws, what most of them do.
+    pub fn happens(&mut self, share: f64) -> bool {
+        let chance = self.rng.as_mut().map_or(0.5, |rng| rng.random::<f64>());
+        chance < share
+    }
+
     /// What follows a straight command.
     fn coast(&mut self, drive: &Drive) -> Doing {
         Doing::Coasting {
