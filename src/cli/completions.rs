@@ -1,7 +1,9 @@
 //! `realgap completions`: shell completions on standard output.
 
-use clap::{Args, CommandFactory};
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Command, CommandFactory};
 use realgap::Result;
+use realgap::simulation::parameter;
 
 /// Print completions for a shell
 #[derive(Debug, Args)]
@@ -16,8 +18,22 @@ pub struct Completions {
 impl Completions {
     pub fn run(self) -> Result<()> {
         let mut text = Vec::new();
-        clap_complete::generate(self.shell, &mut super::Cli::command(), "realgap", &mut text);
+        let mut command = with_names(super::Cli::command());
+        clap_complete::generate(self.shell, &mut command, "realgap", &mut text);
         super::terminal::print(String::from_utf8_lossy(&text).trim_end());
         Ok(())
     }
+}
+
+/// A command and all below it, whose `--set` offers the names of parameters.
+fn with_names(command: Command) -> Command {
+    let offer = |arg: clap::Arg| match arg.get_long() {
+        Some("set") => {
+            // A shell that has the name goes on with its value.
+            let begun = parameter::all().map(|p| &*format!("{}=", p.name).leak());
+            arg.value_parser(PossibleValuesParser::new(begun))
+        }
+        _ => arg,
+    };
+    command.mut_args(offer).mut_subcommands(with_names)
 }

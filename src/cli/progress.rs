@@ -44,6 +44,8 @@ pub fn follow(bar: &ProgressBar) -> impl Fn(Progress) + Sync + '_ {
                 bar.set_style(style);
             }
             bar.set_message(what);
+            // What follows has no steps: a count of what is over would stand still, and time left would grow.
+            bar.unset_length();
             return;
         }
         bar.set_length(progress.total as u64);
@@ -96,22 +98,25 @@ fn tell_by_the_minute(bar: &ProgressBar) {
     std::thread::spawn(move || {
         let (mut next, mut first) = (MINUTE, None);
         while let Some(bar) = watched.upgrade().filter(|bar| !bar.is_finished()) {
-            let (done, total) = (bar.position(), bar.length().unwrap_or(0));
+            let done = bar.position();
             // What an earlier run did was not done in this time.
             let first = *first.get_or_insert(done);
             let taken = begun.elapsed();
             if taken >= next {
                 next += MINUTE;
+                let (message, time_taken) = (bar.message(), time(taken.as_secs_f64()));
+                let Some(total) = bar.length() else {
+                    terminal::note(format!("{message}, after {time_taken}"));
+                    continue;
+                };
                 let pace_s = taken.as_secs_f64() / done.saturating_sub(first).max(1) as f64;
                 let left_s = pace_s * total.saturating_sub(done) as f64;
                 let left = match done > first && total > done {
                     true => format!(", about {} left", time(left_s)),
                     false => String::new(),
                 };
-                let message = bar.message();
                 terminal::note(format!(
-                    "{message}: {done} of {total} after {}{left}",
-                    time(taken.as_secs_f64())
+                    "{message}: {done} of {total} after {time_taken}{left}"
                 ));
             }
             drop(bar);

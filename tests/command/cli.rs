@@ -231,12 +231,12 @@ fn no_colour_codes_reach_a_pipe() {
 }
 
 #[test]
-fn completions_name_every_command() {
+fn completions_name_every_command_and_parameter() {
     for shell in ["bash", "zsh", "fish"] {
         let out = realgap().args(["completions", shell]).assert().success();
         let script = text(&out.get_output().stdout);
         assert!(
-            ["sweep", "compare", "record"]
+            ["sweep", "compare", "record", "floor.friction="]
                 .iter()
                 .all(|command| script.contains(command)),
             "{shell}"

@@ -24,6 +24,15 @@ const FAULTS: &str = r#"(() => {
       for (const [other, its] of texts.slice(k + 1)) if (inner(box, its)) faults.push(text + " on " + other);
     });
   }
+  // A narrow column does not break the word above it.
+  for (const head of document.querySelectorAll("th[scope=col]")) {
+    const text = head.firstChild, range = document.createRange();
+    for (const word of text ? text.data.matchAll(/[\p{L}\d]+/gu) : []) {
+      range.setStart(text, word.index);
+      range.setEnd(text, word.index + word[0].length);
+      if (new Set([...range.getClientRects()].map(box => box.top)).size > 1) faults.push("broken: " + word[0]);
+    }
+  }
   if (isPage && document.documentElement.scrollWidth > innerWidth) faults.push("the page is wider than the window");
   // How it was made is said exactly.
   const said = isPage ? [...document.querySelectorAll("header, section:not(#provenance)")] : [document.documentElement];

@@ -1,5 +1,6 @@
 //! Does the model explain the recordings, where is it nearest, and what is as near?
 
+use super::parameter::NAMED;
 use super::{About, Claim, Says, listed};
 use crate::calibration::{Best, EngineWish, Fit, HowSure};
 use realgap_core::unit::{Unit, counted, number, quantity};
@@ -45,10 +46,12 @@ pub(crate) fn nearest(
         settings => format!(" on average over {settings} equally valid numerical settings"),
     };
     let score = quantity(best.score, unit);
-    let text = format!(
-        "The simulation comes nearest to {reality} at {}: {metric} {score}{over}.",
-        values.join(", ")
-    );
+    let place = match values.len() {
+        ..=NAMED => values.join(", "),
+        many => format!("the best values of its {many} parameters"),
+    };
+    let text =
+        format!("The simulation comes nearest to {reality} at {place}: {metric} {score}{over}.");
     let numbers = [("score", best.score), ("settings", best.settings as f64)];
     Claim::new(About::Best, Says::Holds, score, text)
         .of(metric)

@@ -204,13 +204,16 @@ impl fmt::Display for Estimated {
     }
 }
 
-/// All parameters in one sentence, caveats kept; `None` for none.
+/// So many parameters are named in a sentence; more are counted, since nobody reads a page of them.
+pub(super) const NAMED: usize = 6;
+
+/// All parameters in one sentence, caveats kept where they are named; `None` for none.
 pub(crate) fn summary(parameters: &[Claim]) -> Option<Claim> {
     let first = parameters.first()?;
     let said = parameters
         .iter()
         .map(|claim| format!("{} is {}", claim.name, claim.word));
-    let said = said.collect::<Vec<_>>().join("; ");
+    let mut said = said.collect::<Vec<_>>().join("; ");
     let known = parameters
         .iter()
         .filter(|claim| claim.says == Says::Holds)
@@ -220,6 +223,10 @@ pub(crate) fn summary(parameters: &[Claim]) -> Option<Claim> {
         _ => Says::Holds,
     };
     let word = format!("{known} of {} determined", parameters.len());
+    if parameters.len() > NAMED {
+        let count = parameters.len();
+        said = format!("{known} of {count} parameters are determined, each with its own verdict");
+    }
     let text = format!("From {}: {said}.", counted(first.count, "recording"));
     let numbers = [
         ("determined", known as f64),

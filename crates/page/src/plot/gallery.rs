@@ -14,7 +14,7 @@ const TITLE: f64 = 36.0;
 const TITLE_SIZE: f64 = 23.0;
 const NOTE_SIZE: f64 = 19.0;
 const NOTE_LINE: f64 = 25.0;
-const NOTE_LINES_AT_MOST: usize = 3;
+const NOTE_LINES_AT_MOST: usize = 4;
 const KEY: f64 = 92.0;
 /// Height of the room for a robot as a share of its width.
 const SHAPE: std::ops::RangeInclusive<f64> = 0.4..=1.05;

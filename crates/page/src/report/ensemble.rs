@@ -129,7 +129,7 @@ pub(super) fn charts(name: &str, summary: &Value) -> String {
     };
     let mut all = vec![map.figure(
         "Typical paths",
-        "One path of each behaviour, from the origin, net displacement to the right. Rings: where half and nine of ten repeats end.",
+        "One path of each behaviour, from the origin, net displacement to the right. Dashed: where half and nine of ten repeats end.",
     )];
     if !times.is_empty() {
         let along = over_time(0, "x [m]");

@@ -1,5 +1,6 @@
 //! A heat map as SVG inside of a page: a cell a point, its values on hover, a frame around what cannot be told from the best.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::chart::{LABEL, set_width};
@@ -40,6 +41,8 @@ fn values(points: &[Point], parameter: usize) -> Vec<f64> {
 /// Points that are a grid of two parameters.
 struct Grid<'a> {
     points: &'a [Point],
+    /// Points between those of the grid.
+    between: &'a [Point],
     names: [String; 2],
     /// What the score is, and its unit.
     score: [&'a str; 2],
@@ -51,13 +54,15 @@ struct Grid<'a> {
     left: f64,
 }
 
-/// The map of the first two parameters; `None` where the points are no grid of two parameters. `best` may lie between them.
+/// The map of the first two parameters; `None` where the first `count` points are no grid of two. The others, and `best`, may lie between them.
 pub(super) fn heat_map(
     points: &[Point],
+    count: usize,
     best: Option<&[f64]>,
     names: &[String],
     score: [&str; 2],
 ) -> Option<String> {
+    let (points, between) = points.split_at(count.min(points.len()));
     if names.len() != 2 || points.is_empty() {
         return None;
     }
@@ -69,6 +74,7 @@ pub(super) fn heat_map(
     let scores = || points.iter().filter_map(|point| point.score);
     let grid = Grid {
         points,
+        between,
         names: [html(&names[0]), html(&names[1])],
         score,
         left: LABEL + widest(y_values.iter().map(|value| number(*value))),
@@ -129,6 +135,14 @@ impl Grid<'_> {
                 "<rect class=\"frame {class}\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{wide:.1}\" height=\"{tall:.1}\"/>"
             )
         };
+        // A cell that holds a point that fits as well is framed, like in the picture.
+        let cell_of = |point: &Point| {
+            let [x, y] = [(&self.x_values, 0), (&self.y_values, 1)]
+                .map(|(all, axis)| place(all, point.values[axis]).round());
+            (x as usize, y as usize)
+        };
+        let all = self.points.iter().chain(self.between);
+        let alike: BTreeSet<_> = all.filter(|point| point.is_in).map(cell_of).collect();
         let (mut cells, mut frames) = (String::new(), String::new());
         for (index, point) in self.points.iter().enumerate() {
             let (x, y) = corner(&point.values);
@@ -140,9 +154,11 @@ impl Grid<'_> {
                 }
                 None => ("cell lost", "#888888".to_owned(), "diverged".to_owned()),
             };
-            let alike = match point.is_in {
-                true => ", cannot be told from the best",
-                false => "",
+            let is_framed = alike.contains(&cell_of(point));
+            let alike = match (is_framed, point.is_in) {
+                (_, true) => ", cannot be told from the best",
+                (true, _) => "; beside it are points that cannot be told from the best",
+                _ => "",
             };
             let [x_name, y_name] = &self.names;
             let [x_value, y_value] = [0, 1].map(|axis| number(point.values[axis]));
@@ -150,7 +166,7 @@ impl Grid<'_> {
                 cells,
                 "<rect class=\"{class}\" data-point=\"{index}\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{wide:.1}\" height=\"{tall:.1}\" fill=\"{fill}\"><title>{x_name} = {x_value}, {y_name} = {y_value}: {shown}{alike}</title></rect>",
             );
-            if point.is_in {
+            if is_framed {
                 frames += &frame(&point.values, "in");
             }
         }
@@ -235,7 +251,7 @@ mod tests {
 
     #[test]
     fn every_point_has_a_cell_and_the_best_a_frame() {
-        let points: Vec<Point> = (0..6)
+        let mut points: Vec<Point> = (0..6)
             .map(|k| Point {
                 values: vec![f64::from(k % 3), f64::from(k / 3)],
                 score: (k != 4).then_some(f64::from(k) + 1.0),
@@ -243,7 +259,14 @@ mod tests {
             })
             .collect();
         let names = ["a<b".to_owned(), "c".to_owned()];
-        let svg = heat_map(&points, Some(&[0.5, 1.0]), &names, ["pca", "m"]).unwrap();
+        // One that lies in the cell of the last, which is not as good itself.
+        points.push(Point {
+            values: vec![1.8, 0.9],
+            score: Some(1.5),
+            is_in: true,
+        });
+        let svg = heat_map(&points, 6, Some(&[0.5, 1.0]), &names, ["pca", "m"]).unwrap();
+        assert_eq!(svg.matches("frame in").count(), 3);
         assert_eq!(svg.matches("data-point=").count(), 6);
         assert_eq!(svg.matches("frame best").count(), 1);
         assert_eq!(svg.matches("cell lost").count(), 1);
@@ -254,7 +277,7 @@ mod tests {
             assert!(svg.contains(said), "{said}");
         }
         assert!(
-            heat_map(&points[1..], None, &names, ["pca", "m"]).is_none(),
+            heat_map(&points[1..], 5, None, &names, ["pca", "m"]).is_none(),
             "no grid"
         );
     }

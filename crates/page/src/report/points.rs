@@ -67,12 +67,11 @@ impl Points {
     /// The map of scores over two parameters: those of the grid, which come first; of an optimizer's points none.
     pub fn map(&self, report: &Value) -> Option<String> {
         let grid = report.count("points").unwrap_or(0) as usize;
-        let points = &self.points[..grid.min(self.points.len())];
         let best = self
             .best(report)
             .map(|best| self.points[best].values.as_slice());
         let score = [report.text("metric"), report.text("unit")];
-        heat_map(points, best, &self.names, score)
+        heat_map(&self.points, grid, best, &self.names, score)
     }
 
     /// The point that the report calls the best, else that of the lowest score.

@@ -130,7 +130,11 @@ pub(super) fn span(low: Option<f64>, high: Option<f64>, unit: &str) -> String {
 
 /// A share as whole percent, or a dash.
 pub(super) fn percent(share: Option<f64>) -> String {
-    share.map_or_else(|| "–".to_owned(), |share| format!("{:.0} %", 100.0 * share))
+    // A zero of rounding has no sign.
+    share.map_or_else(
+        || "–".to_owned(),
+        |share| format!("{:.0} %", (100.0 * share).round() + 0.0),
+    )
 }
 
 /// A value without parts, for people; `None` for what has parts or is nothing.
@@ -247,6 +251,7 @@ mod tests {
         assert_eq!(span(Some(0.01), None, "m"), "1.00 cm to –");
         assert!(report.floats("n")[1].is_nan());
         assert_eq!(percent(Some(0.123)), "12 %");
+        assert_eq!(percent(Some(-0.004)), "0 %");
         let odds = serde_json::json!({ "p": { "share": 0.5, "low": 0.25, "high": 0.75 } });
         assert_eq!(odds.likely("p"), "50 % (95 %: 25 % to 75 %)");
     }

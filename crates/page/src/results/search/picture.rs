@@ -117,7 +117,7 @@ fn fitness(search: &Search, results: &SearchResults) -> Option<LinePlot> {
             ),
         ),
         axis,
-        (&objective.label(), objective.measure.unit()),
+        ("fitness", objective.measure.unit()),
         series.collect(),
     ))
 }
@@ -182,6 +182,7 @@ fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Resul
         best: best.map(|(cell, _)| cell),
         larger_is_better: true,
         caption: Caption::new(
+            // What fitness is does not fit beside the bar: it would be cut, and its unit lost.
             format!("{}: the best robot of every kind", search.name()),
             format!(
                 "{} in {} of {} cells, {} simulated, seed {}",
@@ -196,7 +197,7 @@ fn archive(search: &Search, results: &SearchResults, archive: &Archive) -> Resul
             Caption::default(),
             [(spec(x)?, centres(x)), (spec(y)?, centres(y))],
             scores,
-            (&objective.label(), objective.measure.unit()),
+            ("fitness", objective.measure.unit()),
         )
     }))
 }

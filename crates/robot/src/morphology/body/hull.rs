@@ -23,14 +23,19 @@ fn directions(count: usize) -> impl Iterator<Item = Vector3<f64>> {
     })
 }
 
-/// The point that lies farthest along a direction.
-fn farthest<'a>(
-    points: &'a [Vector3<f64>],
-    direction: &Vector3<f64>,
-) -> Option<(usize, &'a Vector3<f64>)> {
-    let along = |point: &Vector3<f64>| point.dot(direction);
-    let all = points.iter().enumerate();
-    all.max_by(|(_, a), (_, b)| along(a).total_cmp(&along(b)))
+/// The point that lies farthest along each direction, and how far. One pass over the points: a mesh of a million triangles is larger
+/// than what a processor keeps at hand.
+fn farthest(points: &[Vector3<f64>], directions: &[Vector3<f64>]) -> Vec<(usize, f64)> {
+    let mut found = vec![(0, f64::NEG_INFINITY); directions.len()];
+    for (index, point) in points.iter().enumerate() {
+        for (direction, far) in directions.iter().zip(&mut found) {
+            let along = point.dot(direction);
+            if along.total_cmp(&far.1).is_ge() {
+                *far = (index, along);
+            }
+        }
+    }
+    found
 }
 
 /// Points whose hull is nearly that of all points, at most [`MOST_CORNERS`] of them, and how far the whole hull reaches beyond
@@ -43,25 +48,18 @@ pub fn simplified(points: &[Vector3<f64>]) -> (Vec<Vector3<f64>>, f64) {
     // The box around the result is the box around all points.
     let axes = axes.into_iter().flat_map(|axis| [axis, -axis]);
     let mut kept: Vec<usize> = Vec::new();
-    for direction in axes.chain(directions(DIRECTIONS)) {
-        if let Some((index, _)) = farthest(points, &direction)
-            && !kept.contains(&index)
-        {
+    let looked: Vec<_> = axes.chain(directions(DIRECTIONS)).collect();
+    for (index, _) in farthest(points, &looked) {
+        if !kept.contains(&index) {
             kept.push(index);
         }
     }
     kept.truncate(MOST_CORNERS);
     let corners: Vec<Vector3<f64>> = kept.iter().map(|&index| points[index]).collect();
-    let beyond_m = directions(CHECKS)
-        .filter_map(|direction| {
-            let (whole, own) = (
-                farthest(points, &direction)?.1,
-                farthest(&corners, &direction)?.1,
-            );
-            Some((whole - own).dot(&direction))
-        })
-        .fold(0.0, f64::max);
-    (corners, beyond_m)
+    let checks: Vec<_> = directions(CHECKS).collect();
+    let (whole, own) = (farthest(points, &checks), farthest(&corners, &checks));
+    let beyond_m = whole.iter().zip(&own).map(|(whole, own)| whole.1 - own.1);
+    (corners, beyond_m.fold(0.0, f64::max))
 }
 
 /// A shape somewhere, as Parry has it; `None` for what has no surface, or is a hull of nothing.
