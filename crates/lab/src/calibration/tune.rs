@@ -138,7 +138,9 @@ fn tune(
     tuning.keeping.end(ending)?;
     let evaluated = tuning.told.len();
     let history = tuning.history();
-    let known = options.optimizer.quadratic(&tuning.brief, &history);
+    let known = options
+        .optimizer
+        .quadratic(&tuning.brief, &history, &tuning.logs);
     let warning = options.optimizer.warning(&tuning.brief, &history);
     let method = Method::Tune(Tuned {
         optimizer: options.optimizer.name(),
@@ -276,6 +278,8 @@ struct Tuning<'a> {
     design: Vec<UnitPoint>,
     basis: Option<Basis>,
     told: Vec<Told>,
+    /// How many of the errors each log has.
+    logs: Vec<usize>,
     best: Option<f64>,
     since_best: usize,
     /// Trials of the same study by an earlier tuning, by index.
@@ -319,6 +323,7 @@ impl<'a> Tuning<'a> {
             keeping,
             basis: None,
             told: Vec::new(),
+            logs: Vec::new(),
             best: None,
             since_best: 0,
             known: &[],
@@ -411,13 +416,16 @@ impl<'a> Tuning<'a> {
                 .advise(Advice::Restart));
             }
             self.notice(scored);
+            let mut errors = Vec::new();
+            if self.options.optimizer.needs_errors()
+                && let Some((own, logs)) = self.study.errors_of(trial)
+            {
+                (errors, self.logs) = (own, logs);
+            }
             self.told.push(Told {
                 point: point.clone(),
                 score: scored.score,
-                errors: match self.options.optimizer.needs_errors() {
-                    true => self.study.errors_of(trial).unwrap_or_default(),
-                    false => Vec::new(),
-                },
+                errors,
             });
         }
         self.keeping.score(&scores.runs)?;
