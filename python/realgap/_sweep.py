@@ -169,7 +169,7 @@ class Partner:
 
 @dataclass(frozen=True)
 class Estimated:
-    """What least squares know of a parameter where they ended: the noise of the errors alone, as a 90 % interval.
+    """What least squares know of a parameter where they ended, as a 90 % interval: by leaving out logs, or by noise with fewer than three.
 
     `is_told` says whether the spread is less than half of what was known beforehand.
 

@@ -62,6 +62,11 @@ impl Horizon {
         };
         starts.into_iter().map(window).collect()
     }
+
+    /// The log that a window of this name was cut from.
+    pub(super) fn log_of(window: &str) -> &str {
+        window.rsplit_once('@').map_or(window, |(log, _)| log)
+    }
 }
 
 /// The joint of a window with a speed at its start that noise hardly touches.

@@ -63,7 +63,7 @@ pub struct Tuned {
     pub least_squares: Vec<Estimated>,
 }
 
-/// What least squares know of a parameter: the noise of the errors alone, whatever else is wrong with the model.
+/// What least squares know of a parameter: by what the fit is without each log, or with fewer than three by noise alone.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Estimated {

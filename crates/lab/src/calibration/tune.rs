@@ -139,7 +139,9 @@ fn tune(
     tuning.keeping.end(ending)?;
     let evaluated = tuning.told.len();
     let history = tuning.history();
-    let known = options.optimizer.quadratic(&tuning.brief, &history);
+    let known = options
+        .optimizer
+        .quadratic(&tuning.brief, &history, &tuning.logs);
     let warning = options.optimizer.warning(&tuning.brief, &history);
     let method = Method::Tune(Tuned {
         optimizer: options.optimizer.name(),
@@ -279,6 +281,8 @@ struct Tuning<'a> {
     told: Vec<Told>,
     /// Scores so far, by trial.
     seen: Vec<(usize, f64)>,
+    /// How many of the errors each log has.
+    logs: Vec<usize>,
     best: Option<f64>,
     since_best: usize,
     /// Trials of the same study by an earlier tuning, by index.
@@ -323,6 +327,7 @@ impl<'a> Tuning<'a> {
             basis: None,
             told: Vec::new(),
             seen: Vec::new(),
+            logs: Vec::new(),
             best: None,
             since_best: 0,
             known: &[],
@@ -421,13 +426,16 @@ impl<'a> Tuning<'a> {
             let engine = usize::from(settings.engine_of_trial(trial.index) < 0.0);
             let score = scored.score.map(|score| score - shifts[engine]);
             self.notice(score);
+            let mut errors = Vec::new();
+            if self.options.optimizer.needs_errors()
+                && let Some((own, logs)) = self.study.errors_of(trial)
+            {
+                (errors, self.logs) = (own, logs);
+            }
             self.told.push(Told {
                 point: point.clone(),
                 score,
-                errors: match self.options.optimizer.needs_errors() {
-                    true => self.study.errors_of(trial).unwrap_or_default(),
-                    false => Vec::new(),
-                },
+                errors,
             });
         }
         self.keeping.score(&scores.runs)?;

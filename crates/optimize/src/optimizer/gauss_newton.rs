@@ -1,5 +1,6 @@
 //! Damped least squares on single errors, with finite differences.
 
+mod log;
 mod problem;
 
 use nalgebra::{DMatrix, DVector};
@@ -66,6 +67,7 @@ fn descend(
     replay: &Replay<'_>,
     brief: &Brief,
     start: (UnitPoint, &[f64]),
+    logs: &[usize],
     best: &mut Option<Quadratic>,
 ) -> std::result::Result<End, Unknown> {
     let (mut point, mut errors) = (start.0, start.1.to_vec());
@@ -82,7 +84,7 @@ fn descend(
         let problem = Problem::new(&point, &errors, brief, &moved, &shifted);
         let here = problem.loss(&point, &errors);
         if best.as_ref().is_none_or(|known| here < known.loss) {
-            *best = Some(problem.quadratic(here));
+            *best = Some(problem.quadratic(here, logs));
         }
         let mut promised = 0.0_f64;
         let mut reached: Option<(f64, UnitPoint, &[f64])> = None;
@@ -132,7 +134,7 @@ fn descend(
 }
 
 /// Goes on until a point is asked for that nobody has evaluated.
-fn search(brief: &Brief, history: &History<'_>, course: &mut Course) -> Unknown {
+fn search(brief: &Brief, history: &History<'_>, logs: &[usize], course: &mut Course) -> Unknown {
     let replay = Replay::new(history.told);
     let dimensions = brief.dimensions();
     let mut begun = 0;
@@ -149,7 +151,7 @@ fn search(brief: &Brief, history: &History<'_>, course: &mut Course) -> Unknown 
         };
         let end = match known {
             None => Ok(End::Nowhere),
-            Some(errors) => descend(&replay, brief, (start, errors), &mut course.best),
+            Some(errors) => descend(&replay, brief, (start, errors), logs, &mut course.best),
         };
         match end {
             Ok(end) => course.ends.push(end),
@@ -158,12 +160,12 @@ fn search(brief: &Brief, history: &History<'_>, course: &mut Course) -> Unknown 
     }
 }
 
-fn course(brief: &Brief, history: &History<'_>) -> (Course, Unknown) {
+fn course(brief: &Brief, history: &History<'_>, logs: &[usize]) -> (Course, Unknown) {
     let mut course = Course {
         ends: Vec::new(),
         best: None,
     };
-    let unknown = search(brief, history, &mut course);
+    let unknown = search(brief, history, logs, &mut course);
     (course, unknown)
 }
 
@@ -189,11 +191,11 @@ impl Optimizer for GaussNewton {
     }
 
     fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal> {
-        Ok(Proposal::Evaluate(course(brief, history).1.0))
+        Ok(Proposal::Evaluate(course(brief, history, &[]).1.0))
     }
 
     fn warning(&self, brief: &Brief, history: &History<'_>) -> Option<Warning> {
-        let ends = course(brief, history).0.ends;
+        let ends = course(brief, history, &[]).0.ends;
         let rough = ends.iter().filter(|end| **end == End::Rough).count();
         (rough > 0).then(|| {
             Warning::new(
@@ -206,8 +208,8 @@ impl Optimizer for GaussNewton {
         })
     }
 
-    fn quadratic(&self, brief: &Brief, history: &History<'_>) -> Option<Quadratic> {
-        course(brief, history).0.best
+    fn quadratic(&self, brief: &Brief, history: &History<'_>, logs: &[usize]) -> Option<Quadratic> {
+        course(brief, history, logs).0.best
     }
 }
 

@@ -139,9 +139,10 @@ pub trait Optimizer: Sync {
         None
     }
 
-    /// The loss near its minimum, of an optimizer that knows it.
-    fn quadratic(&self, brief: &Brief, history: &History<'_>) -> Option<Quadratic> {
-        let _ = (brief, history);
+    /// The loss near its minimum, of an optimizer that knows it; `logs` says how many of the errors belong to each log, in their
+    /// order, and is empty where all belong to one.
+    fn quadratic(&self, brief: &Brief, history: &History<'_>, logs: &[usize]) -> Option<Quadratic> {
+        let _ = (brief, history, logs);
         None
     }
 

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::super::{Brief, UnitPoint};
+use super::log::Lean;
 use super::solve;
 
 /// The loss near a point, in coordinates from 0 to 1: what errors and prior knowledge say together.
@@ -15,7 +16,8 @@ pub struct Quadratic {
     pub loss: f64,
     /// Where the loss is least by all that is known around it.
     pub point: UnitPoint,
-    /// Covariance of the point, row by row: of the errors' noise alone, whatever else is wrong with the model.
+    /// Covariance of the point, row by row: from three logs on of what the fit would be without each of them, so wide that 1.645 of
+    /// its roots hold 90 %; with fewer of the errors' noise alone, whatever else is wrong with the model.
     pub covariance: Vec<Vec<f64>>,
     /// Variance of the point by prior knowledge alone; `None` where there is none but the range.
     pub prior: Vec<Option<f64>>,
@@ -184,8 +186,9 @@ impl Problem {
         -slope.dot(&step) - 0.5 * step.dot(&(curvature * &step))
     }
 
-    /// What is known here: variances of robust estimates (Huber 1981, section 7.6), errors in a row counted once.
-    pub fn quadratic(&self, loss: f64) -> Quadratic {
+    /// What is known here: variances of robust estimates (Huber 1981, section 7.6), errors in a row counted once, or from three
+    /// logs on how far they disagree.
+    pub fn quadratic(&self, loss: f64, logs: &[usize]) -> Quadratic {
         let count = self.errors.len() as f64;
         let dimensions = self.at.len();
         let squares = self.errors.zip_map(&self.weights, |e, w| (w * e).powi(2));
@@ -194,16 +197,27 @@ impl Problem {
         let free = (count - dimensions as f64).max(1.0);
         let few = 1.0 + dimensions as f64 / count * slopes.variance() / slope.powi(2);
         let noise = squares.sum() / free * (few / slope).powi(2) * self.correlation;
-        let mut information = self.jacobian.tr_mul(&self.jacobian) / noise.max(f64::MIN_POSITIVE);
-        for (axis, prior) in self.prior.iter().enumerate() {
-            // Without any, what the range says: evenly spread from 0 to 1.
-            let variance = prior.map_or(1.0 / 12.0, |(_, variance)| variance);
-            information[(axis, axis)] += 1.0 / variance;
-        }
+        let noise = noise.max(f64::MIN_POSITIVE);
+        let mut information = self.jacobian.tr_mul(&self.jacobian) / noise;
+        let priors = self.prior.iter();
+        // Without any, what the range says: evenly spread from 0 to 1.
+        let prior = priors.map(|prior| prior.map_or(12.0, |(_, variance)| 1.0 / variance));
+        let prior = DVector::from_iterator(dimensions, prior);
+        information += DMatrix::from_diagonal(&prior);
         let covariance = match information.cholesky() {
             Some(cholesky) => cholesky.inverse(),
             None => DMatrix::identity(dimensions, dimensions) / 12.0,
         };
+        let weighted = self.weights.iter().zip(self.errors.iter());
+        let lean = Lean {
+            jacobian: &self.jacobian,
+            loss: weighted
+                .map(|(w, e)| (w.powi(3) / slope, w * e / slope))
+                .collect(),
+            prior: &prior,
+            logs,
+        };
+        let covariance = lean.widened(covariance, noise);
         let rows = covariance.row_iter();
         Quadratic {
             at: self.at.clone(),
