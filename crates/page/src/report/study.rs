@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::block::Block;
 use super::chart::{Chart, steps};
-use super::claim::{sentences, word};
+use super::claim::sentences;
 use super::fleet;
 use super::joint::joints;
 use super::kept::Kept;

@@ -103,7 +103,7 @@ fn fitness(search: &Search, results: &SearchResults) -> Option<LinePlot> {
     let series =
         series.map(|(label, points, kind, colour)| Series::new(label, kind, points).colour(colour));
     let batch = strategy.batch_name();
-    let axis = AxisSpec::new(if one_batch { "robot" } else { batch }, Unit::One);
+    let axis = AxisSpec::new(if one_batch { "robot" } else { batch }, Unit::One).whole();
     let objective = search.objective();
     Some(LinePlot::new(
         Caption::new(
