@@ -1,13 +1,17 @@
 #!/usr/bin/env python3
-"""How far do two engines part? Random robots in realgap and in MuJoCo, the same floor and the same noise.
+"""What does another engine do to how far a robot gets? Random robots in both engines of realgap and in MuJoCo, on the same floor
+under the same noise.
 
     python3 -m pip install -r tools/requirements.txt
-    python3 tools/engine_spread.py --realgap target/release/realgap -o results/engine_spread
+    python3 tools/engine_spread.py results/engines --seeds 1001 1062
 
-Robots are drawn (`realgap genome random`), and those that develop, stand and go somewhere in realgap are kept: at least
---least of a body length. One row a robot: mean net displacement of the repeats in MuJoCo and in both engines of realgap, the length
-of realgap's path, and the difference of the displacements as a share of it, which is what `predict` adds as the error between
-engines (crates/lab/src/prediction/model.rs). None of the shipped stand-ins takes part. `--first-seed` draws other robots.
+writes results/engines/engines.csv, one row a robot: docs/fidelity/ensembles.md says which seeds crates/lab/src/prediction/engines.csv holds,
+from which `predict` says what another engine may do, and which ones judge it. What the folder holds already is not run again.
+
+Robots are drawn one seed after the other (`realgap robot genome random`, as drawn), on a floor whose friction is drawn with the same
+seed from 0.3 to 0.7. One is kept that develops, has a hinge, stands as it is put down and gets at least `--least` of a body length
+far in Rapier's run without noise; what MuJoCo does decides nothing. MuJoCo runs with what `realgap robot export --format mjcf` writes:
+steps of 1/8000 s, implicitfast, elliptic cone, solref 0.002 1, solimp 0.95 0.99 0.001; controls are set every fourth step.
 """
 
 import argparse
@@ -15,9 +19,11 @@ import csv
 import json
 import pathlib
 import subprocess
-import sys
 
 import numpy as np
+
+import record_standin
+from standin import Robot
 
 NOISE = """(
     start_position_m: Normal(0.001), start_height_m: Normal(0.001),
@@ -25,83 +31,106 @@ NOISE = """(
     servo_zero_rad: Normal(0.00436),
 )
 """
+FIELDS = ["seed", "modules", "friction", "body_length_m", "rapier_m", "rapier_sd_m", "tree_m", "sensitivity_m", "mujoco_m"]
+BODY_LENGTH_M = 0.058
+# Body lengths, as crates/lab/src/prediction/model.rs has it.
+NOWHERE = 0.1
 
 
 def arguments():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--realgap", default="target/release/realgap")
-    p.add_argument("-o", "--output", type=pathlib.Path, required=True)
-    p.add_argument("--robots", type=int, default=19, help="robots to keep (default 19)")
-    p.add_argument("--repeats", type=int, default=6, help="repeats in each engine (default 6)")
-    p.add_argument("--first-seed", type=int, default=1)
+    p.add_argument("output", type=pathlib.Path, help="folder: one below it for every robot")
+    p.add_argument("--realgap", default="target/release/realgap", help="the program (default target/release/realgap)")
+    p.add_argument("--seeds", type=int, nargs=2, required=True, help="first and last")
     p.add_argument("--modules", type=int, nargs=2, default=[2, 5], help="fewest and most modules (default 2 5)")
-    p.add_argument("--friction", type=float, default=0.5)
-    p.add_argument("--duration", type=float, default=10.0)
-    p.add_argument("--least", type=float, default=1.0, help="body lengths (default 1)")
+    p.add_argument("--repeats", type=int, default=2, help="repeats in MuJoCo (default 2)")
+    p.add_argument("--ours", type=int, default=6, help="repeats in each engine of realgap (default 6)")
+    p.add_argument("--duration", type=float, default=8.0, help="seconds (default 8)")
+    p.add_argument("--least", type=float, default=0.1, help="body lengths (default 0.1)")
     return p.parse_args()
 
 
-def run(*command):
-    return subprocess.run([str(c) for c in command], capture_output=True, text=True, check=False)
+def said(a, *words):
+    """What the program answers as JSON, or nothing where it refuses."""
+    made = subprocess.run([a.realgap, *map(str, words), "--format", "json"], capture_output=True, text=True)
+    return json.loads(made.stdout) if made.returncode == 0 else None
 
 
-def net_displacement(file):
-    with open(file, newline="") as opened:
-        rows = list(csv.DictReader(opened))
-    first, last = rows[0], rows[-1]
-    return np.hypot(*(float(last[c]) - float(first[c]) for c in ("x_m", "y_m")))
+def known(file, make):
+    """The JSON of this file, made where it is not there."""
+    if not file.exists():
+        file.write_text(json.dumps(make()))
+    return json.loads(file.read_text())
 
 
-def mean_and_path_in_realgap(a, robot, noise, *more):
-    found = run(a.realgap, "predict", robot, "--set", f"floor.friction={a.friction}", "--noise", noise,
-                "--repeats", a.repeats, "--duration", a.duration, "--jobs", 1, "--format", "json", *a.off, *more)
-    if found.returncode != 0:
+def drawn(a, seed, folder):
+    """What there is to know of a seed's robot before it is kept; nothing where it cannot be."""
+    genome, robot = folder / "genome.ron", folder / "robot.ron"
+    fewest, most = a.modules
+    modules = fewest + seed % (most - fewest + 1)
+    friction = round(float(np.random.default_rng(seed).uniform(0.3, 0.7)), 2)
+    said(a, "robot", "genome", "random", "--modules", modules, "--seed", seed, "-o", genome, "--force")
+    built = said(a, "robot", "develop", genome, "-o", robot, "--force")
+    if not (built and built["at_rest"] and not built["toppled"] and built["hinges"]):
         return None
-    prediction = json.loads(found.stdout)["prediction"]
-    far = prediction["displacement_m"]["mean"]
-    path = prediction["path_length_m"]["mean"]
-    return (far, path) if far >= a.least * prediction["body_length_m"] else None
+    run = said(a, "simulate", robot, "--set", f"floor.friction={friction}", "--duration", a.duration)
+    return run and {"far_m": run["net_displacement_m"] or 0.0, "modules": modules, "friction": friction}
 
 
-def mean_in_mujoco(a, robot, folder):
+def predicted(a, folder, found, engine, *more):
+    """Net displacements of repeats in an engine of realgap: their mean and spread."""
+    return said(a, "predict", folder / "robot.ron", "--set", f"floor.friction={found['friction']}", "--duration", a.duration,
+                "--jobs", 1, "--engine", engine, "--model-error", "off", *more)["prediction"]["displacement_m"]
+
+
+def in_mujoco(a, folder, found):
+    """Net displacement of each repeat, metres."""
     mjcf = folder / "robot.mjcf"
-    run(a.realgap, "export", robot, "--format", "mjcf", "-o", mjcf)
-    runs = folder / "mujoco"
-    tool = pathlib.Path(__file__).parent / "record_standin.py"
-    made = run(sys.executable, tool, mjcf, "-o", runs, "--friction", a.friction, "--repeats", a.repeats,
-               "--duration", a.duration, "--camera-noise", 0, "--camera-angle-noise", 0)
-    if made.returncode != 0:
-        sys.exit(made.stderr)
-    return np.mean([net_displacement(file) for file in sorted(runs.glob("run_*.csv"))])
+    export = [a.realgap, "robot", "export", folder / "robot.ron", "--format", "mjcf", "-o", mjcf, "--force"]
+    subprocess.run(export, check=True, capture_output=True)
+    robot = Robot(mjcf)
+    robot.set_friction(found["friction"])
+    robot.hold = 4
+    how = record_standin.arguments([str(mjcf), "-o", str(folder), "--duration", str(a.duration), "--rate", "10",
+                                    "--camera-noise", "0", "--camera-angle-noise", "0"])
+    paths = [record_standin.record(robot, how, repeat)[1] for repeat in range(a.repeats)]
+    return [float(np.linalg.norm(path[-1, :2] - path[0, :2])) for path in paths]
+
+
+def row(a, seed):
+    """A robot's row of the table; nothing where it is not kept."""
+    folder = a.output / f"{seed:05}"
+    folder.mkdir(parents=True, exist_ok=True)
+    found = known(folder / "drawn.json", lambda: drawn(a, seed, folder))
+    if not found or found["far_m"] < a.least * BODY_LENGTH_M:
+        return None
+    noise = a.output / "noise.ron"
+    noise.write_text(NOISE)
+    stated = ["--noise", noise, "--repeats", a.ours]
+    rapier = known(folder / "rapier.json", lambda: predicted(a, folder, found, "rapier", *stated))
+    # Of a robot that goes nowhere under noise the program says nothing.
+    if rapier["mean"] < NOWHERE * BODY_LENGTH_M:
+        return None
+    tree = known(folder / "tree.json", lambda: predicted(a, folder, found, "tree", *stated))
+    # Under the noise of a robot that nobody has measured, as many repeats as crates/lab/src/prediction/model.rs has.
+    felt = known(folder / "felt.json", lambda: predicted(a, folder, found, "tree", "--repeats", 8))
+    theirs_m = known(folder / "mujoco.json", lambda: in_mujoco(a, folder, found))[: a.repeats]
+    numbers = [rapier["mean"], rapier["standard_deviation"], tree["mean"], felt["standard_deviation"]]
+    runs = " ".join(f"{m:.4f}" for m in theirs_m)
+    return [seed, found["modules"], found["friction"], BODY_LENGTH_M, *(f"{m:.4f}" for m in numbers), runs]
 
 
 def main():
     a = arguments()
-    # Only the displacement under the usual settings is wanted.
-    a.off = ["--model-error", "off"] if "--model-error" in run(a.realgap, "predict", "--help").stdout else []
     a.output.mkdir(parents=True, exist_ok=True)
-    noise = a.output / "noise.ron"
-    noise.write_text(NOISE)
-    print("| seed | realgap, m | tree solver, m | path, m | MuJoCo, m | difference, share of the path |\n|---|---|---|---|---|---|")
-    shares, seed = [], a.first_seed - 1
-    while len(shares) < a.robots:
-        seed += 1
-        folder = a.output / f"robot_{seed:03}"
-        folder.mkdir(exist_ok=True)
-        genome, robot = folder / "genome.ron", folder / "robot.ron"
-        run(a.realgap, "genome", "random", "--modules", a.modules[0] + seed % (a.modules[1] - a.modules[0] + 1), "--seed", seed, "-o", genome)
-        if run(a.realgap, "develop", genome, "-o", robot).returncode != 0 or not robot.exists():
-            continue
-        ours = mean_and_path_in_realgap(a, robot, noise)
-        if ours is None:
-            continue
-        theirs = mean_in_mujoco(a, robot, folder)
-        tree = mean_and_path_in_realgap(a, robot, noise, "--set", "solver.engine=1")
-        tree = f"{tree[0]:.3f}" if tree else "-"
-        far, path = ours
-        shares.append((theirs - far) / path)
-        print(f"| {seed} | {far:.3f} | {tree} | {path:.3f} | {theirs:.3f} | {shares[-1]:+.3f} |", flush=True)
-    print("\nshares, sorted:", ", ".join(f"{s:+.3f}" for s in sorted(shares)))
+    table = []
+    for seed in range(a.seeds[0], a.seeds[1] + 1):
+        kept = row(a, seed)
+        if kept:
+            table.append(kept)
+            print(*kept, sep=",", flush=True)
+    with open(a.output / "engines.csv", "w", newline="") as opened:
+        csv.writer(opened, lineterminator="\n").writerows([FIELDS, *table])
 
 
 if __name__ == "__main__":

@@ -14,6 +14,8 @@ class Robot:
 
     def __init__(self, path):
         self.model = mujoco.MjModel.from_xml_path(str(path))
+        # Steps for which a control is held: one, unless Python is to be asked less often.
+        self.hold = 1
         m = self.model
         self.name = self.text("robot")
         # In MuJoCo's order of joints; joint 0 is the free one. Passive hinges have neither servo nor gait.
@@ -101,14 +103,14 @@ class Robot:
 
     def settle(self, data, servo_zero_rad=0.0, limit_s=3.0):
         """Holds the first command until nothing moves; True if the robot came to rest."""
-        dt = self.model.opt.timestep
+        dt = self.hold * self.model.opt.timestep
         target = self.command_rad(0.0) + servo_zero_rad
         window = max(1, math.ceil(0.1 / dt))
         before = (data.xpos.copy(), data.xquat.copy())
         for _ in range(math.ceil(limit_s / (window * dt))):
             for _ in range(window):
                 self.drive(data, target)
-                mujoco.mj_step(self.model, data)
+                mujoco.mj_step(self.model, data, self.hold)
             moved = np.linalg.norm(data.xpos - before[0], axis=1).max()
             cosine = np.abs((data.xquat * before[1]).sum(axis=1)).clip(max=1.0)
             if moved < 2e-4 and (2 * np.arccos(cosine)).max() < 4e-3:
@@ -125,12 +127,12 @@ class Robot:
 
     def walk(self, data, duration_s, rate_hz, servo_zero_rad=0.0):
         """Times, positions and quaternions at `rate_hz` from time 0 while the gait runs."""
-        m, dt = self.model, self.model.opt.timestep
+        m, dt = self.model, self.hold * self.model.opt.timestep
         times = np.arange(int(duration_s * rate_hz + 1e-9) + 1) / rate_hz
         last = [(0.0, *self.pose(data))]
         rows = [last[0]]
         steps = math.ceil(times[-1] / dt - 1e-9)
-        # The command of the middle of a step stands for all of it.
+        # The command of the middle of a hold stands for all of it.
         commands = self.command_rad((np.arange(steps) + 0.5) * dt) + servo_zero_rad
         following = 1
         for step in range(steps):
@@ -139,7 +141,7 @@ class Robot:
             if due:
                 before = self.pose(data)
             self.drive(data, commands[step])
-            mujoco.mj_step(m, data)
+            mujoco.mj_step(m, data, self.hold)
             if due:
                 share = min(max((times[following] - step * dt) / dt, 0.0), 1.0)
                 after = self.pose(data)

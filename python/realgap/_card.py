@@ -13,14 +13,14 @@ from ._warning import Warning
 
 @dataclass(frozen=True)
 class SuccessRange:
-    """A probability over equally valid models, and over what another engine would say.
+    """A probability over equally valid models, and in an engine that was not asked.
 
     >>> prediction.card.success.range.models.low >= 0.0
     True
     """
 
     models: Interval
-    other_engine: Interval
+    other_engine: float
 
 
 @dataclass(frozen=True)

@@ -151,7 +151,7 @@ class Model:
     """
 
     name: str
-    source: Literal["numerics", "joints", "indistinguishable"]
+    source: Literal["numerics", "joints", "engine", "indistinguishable"]
     ratio: Optional[float]
     behaviours: Tuple[float, ...]
 
@@ -171,6 +171,7 @@ class ModelError:
     behaviours: Tuple[Interval, ...]
     half_of_runs_m: Interval
     further_run_m: Interval
+    other_engine_adds_m: Interval
 
 
 @dataclass(frozen=True)

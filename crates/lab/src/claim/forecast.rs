@@ -62,11 +62,10 @@ pub(crate) fn success(success: &Success) -> Claim {
         .map_or_else(String::new, |range: &SuccessRange| {
             let (models, engine) = (range.models, range.other_engine);
             format!(
-                "; {} to {} over other models, {} to {} with another engine",
+                "; {} to {} over other models, {} with another engine",
                 whole(models.low),
                 whole(models.high),
-                whole(engine.low),
-                whole(engine.high)
+                whole(engine)
             )
         });
     let text = format!(

@@ -295,9 +295,9 @@ impl fmt::Display for Card {
         if let Some(range) = self.success.as_ref().and_then(|success| success.range) {
             write!(
                 f,
-                "\n    other models    {}; with another engine {} (90 %)",
+                "\n    other models    {}; with another engine {:.0} %",
                 model::percent(&range.models),
-                model::percent(&range.other_engine)
+                100.0 * range.other_engine
             )?;
         }
         f.write_str(&prediction.numbers())?;

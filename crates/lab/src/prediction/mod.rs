@@ -32,6 +32,7 @@ mod growth;
 mod kept;
 mod model;
 mod odds;
+mod other_engine;
 mod report;
 mod uncertain;
 
@@ -40,5 +41,6 @@ pub use economy::Economy;
 pub use growth::Growth;
 pub use model::{LEVEL, Model, ModelError, Range, Source, SuccessRange};
 pub use odds::{EndCoverage, Odds, OddsOptions, RecordingOdds, Scored};
+pub use other_engine::{Judged, OtherEngine, OwnEngines};
 pub use report::{EnsembleCase, EnsembleOptions, EnsembleReport};
 pub use uncertain::{UncertainParameters, UncertainRange, read_indistinguishable};

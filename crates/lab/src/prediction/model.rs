@@ -2,7 +2,8 @@
 //!
 //! Repeats under noise say how sure a prediction is if the model is right. Other models are as right: other steps, other
 //! joints, other values that fit the recordings as well. They are simulated with the same draws as the first repeats
-//! (common random numbers), and what they change is laid on all repeats.
+//! (common random numbers), and what they change is laid on all repeats. What an engine that was not asked may do is learned
+//! ([`super::other_engine`]) and holds all of that once.
 
 use std::fmt;
 
@@ -10,11 +11,12 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::ensemble::{self, Ensemble, Forecast, Motion, rms_m};
+use super::other_engine::{OtherEngine, OwnEngines};
 use realgap_core::error::Result;
-use realgap_core::statistics::{mean, quantile};
+use realgap_core::statistics::{mean, quantile, standard_deviation};
 use realgap_core::unit::{Unit, quantity};
 use realgap_engine::parameter::ParameterSet;
-use realgap_engine::{Experiment, Outcome};
+use realgap_engine::{EngineChoice, Experiment, Noise, Outcome};
 use realgap_optimize::RunOptions;
 use realgap_path::trajectory::{Prepared, prepare};
 
@@ -26,20 +28,14 @@ const POINTS: usize = 8;
 const REPEATS_A_REPEAT: usize = 25;
 /// A model has no fewer and no more repeats than this.
 const REPEATS: std::ops::RangeInclusive<usize> = 4..=40;
+/// Repeats that say how much a robot feels of what nobody can measure, as many as of those that were learned from.
+const SENSITIVITY_REPEATS: u64 = 8;
 /// A robot that gets less far than this share of its body length goes nowhere.
 const NOWHERE_BODY_LENGTHS: f64 = 0.1;
 /// Name of the model at the limit of rigid contact, with the experiment's own kind of joint.
 const LIMIT: &str = "limit of hard contact";
-/// So many displacements stand for those of all repeats.
-const FURTHER: usize = 200;
 /// Level of the ranges that another engine is part of.
 pub const LEVEL: f64 = 0.9;
-/// |Difference| of mean net displacements in MuJoCo and here, as a share of the path's length, of 19 random robots
-/// (tools/engine_spread.py; docs/fidelity/ensembles.md). None of the shipped stand-ins was among them.
-const ENGINE_SHARES: [f64; 19] = [
-    0.001, 0.002, 0.017, 0.017, 0.018, 0.023, 0.025, 0.028, 0.029, 0.031, 0.039, 0.042, 0.051,
-    0.100, 0.121, 0.147, 0.169, 0.171, 0.184,
-];
 
 /// What a model varies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -50,19 +46,27 @@ pub enum Source {
     Numerics,
     /// The kind of joint.
     Joints,
+    /// The engine: the second one of the program.
+    Engine,
     /// Parameter values that recordings cannot tell apart.
     Indistinguishable,
 }
 
 impl Source {
     /// In the order of the table.
-    const ALL: [Self; 3] = [Self::Numerics, Self::Joints, Self::Indistinguishable];
+    const ALL: [Self; 4] = [
+        Self::Numerics,
+        Self::Joints,
+        Self::Engine,
+        Self::Indistinguishable,
+    ];
 
     /// For people.
     pub fn label(self) -> &'static str {
         match self {
             Self::Numerics => "numerics",
             Self::Joints => "joint kind",
+            Self::Engine => "second engine",
             Self::Indistinguishable => "indistinguishable set",
         }
     }
@@ -105,14 +109,6 @@ impl Range {
         })
     }
 
-    fn central(values: &[f64], level: f64) -> Self {
-        let tail = 0.5 - 0.5 * level;
-        Self {
-            low: quantile(values, tail),
-            high: quantile(values, 1.0 - tail),
-        }
-    }
-
     /// Whether a value lies in it.
     pub fn contains(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
@@ -127,17 +123,23 @@ pub struct ModelError {
     pub models: Vec<Model>,
     /// Repeats of each.
     pub repeats: usize,
-    /// By which factors displacements differ: every combination of one model (or the one asked for) a source.
+    /// By which factors displacements differ: every combination of one model (or the one asked for) a source. The second engine
+    /// is none of them: it is part of what another engine may do, once.
     #[serde(skip)]
     factors: Vec<f64>,
+    /// Where runs in another engine end.
+    #[serde(skip)]
+    other_engine: OtherEngine,
     /// 5 %, 50 % and 95 % quantile of the net displacement over the models, metres.
     pub quantiles_m: [Range; 3],
     /// Probability of each behaviour over the models, in the forecast's order; a share of few repeats.
     pub behaviours: Vec<Range>,
-    /// Net displacement of half of the further runs, metres, the models and another engine included.
+    /// Net displacement of half of the further runs in another engine, metres, as learned from MuJoCo on random robots.
     pub half_of_runs_m: Range,
-    /// This is the range that holds 90 % of further runs, metres.
+    /// This is the range that holds 90 % of them, metres.
     pub further_run_m: Range,
+    /// By how much farther than the mean of the repeats these 90 % get, metres; below 0 less far.
+    pub other_engine_adds_m: Range,
 }
 
 /// A probability of success, and how far the models part over it.
@@ -146,8 +148,9 @@ pub struct ModelError {
 pub struct SuccessRange {
     /// This is the range over the models.
     pub models: Range,
-    /// 90 % of what another engine would say, the models included.
-    pub other_engine: Range,
+    /// Probability in an engine that was not asked: one number, for where repeats hardly differ an engine says 0 or 1, and a
+    /// range over engines would hold both.
+    pub other_engine: f64,
 }
 
 impl ModelError {
@@ -225,12 +228,32 @@ impl ModelError {
                 model.ratio = model.ratio.map(|ratio| ratio / limit);
             }
         }
-        Ok(Some(Self::of(ensemble, forecast, models, repeats)))
+        let Some(sensitivity_m) = sensitivity_m(experiment, ensemble.seed, run)? else {
+            return Ok(None);
+        };
+        let known = own_engines(ensemble, &models, sensitivity_m);
+        let other_engine = OtherEngine::new(&known);
+        Ok(Some(Self::of(
+            ensemble,
+            forecast,
+            models,
+            repeats,
+            other_engine,
+        )))
     }
 
-    fn of(ensemble: &Ensemble, forecast: &Forecast, models: Vec<Model>, repeats: usize) -> Self {
+    fn of(
+        ensemble: &Ensemble,
+        forecast: &Forecast,
+        models: Vec<Model>,
+        repeats: usize,
+        other_engine: OtherEngine,
+    ) -> Self {
         let mut factors = vec![1.0];
-        for source in Source::ALL {
+        for source in Source::ALL
+            .into_iter()
+            .filter(|source| *source != Source::Engine)
+        {
             let of_source = models.iter().filter(|model| model.source == source);
             let ratios: Vec<f64> = std::iter::once(1.0)
                 .chain(of_source.filter_map(|model| model.ratio))
@@ -256,13 +279,18 @@ impl ModelError {
             let shares = models.iter().map(|model| model.behaviours[index]);
             Range::of(shares.chain([behaviour.probability.share]))
         });
-        let further = further_m(&far_m, &factors, path_length_m(ensemble));
-        let central = |level: f64| Range::central(&further, level);
+        let further_run_m = other_engine.central(LEVEL);
+        let own_m = mean(&far_m);
         Self {
             behaviours: behaviours.collect(),
             quantiles_m,
-            half_of_runs_m: central(0.5),
-            further_run_m: central(LEVEL),
+            half_of_runs_m: other_engine.central(0.5),
+            further_run_m,
+            other_engine_adds_m: Range {
+                low: further_run_m.low - own_m,
+                high: further_run_m.high - own_m,
+            },
+            other_engine,
             factors,
             models,
             repeats,
@@ -274,68 +302,75 @@ impl ModelError {
         self.behaviours.iter().map(|r| (r.low, r.high)).collect()
     }
 
+    /// Said where the program's second engine did not run the robot.
+    fn without_second_engine(&self) -> &'static str {
+        let has_run = |model: &Model| model.source == Source::Engine && model.ratio.is_some();
+        match self.models.iter().any(has_run) {
+            true => "",
+            false => " (by this engine alone: the second one cannot run this)",
+        }
+    }
+
     /// How the models part over the probability to get at least `least_m` far.
     pub fn success(&self, ensemble: &Ensemble, least_m: f64) -> SuccessRange {
         let far_m = displacements_m(ensemble);
-        let share = |factor: f64, more_m: f64| {
-            let far = (far_m.iter()).filter(|far_m| factor * **far_m + more_m >= least_m);
+        let share = |factor: &f64| {
+            let far = far_m.iter().filter(|far_m| factor * **far_m >= least_m);
             far.count() as f64 / ensemble.repeats.len() as f64
         };
-        let models = Range::of(self.factors.iter().map(|factor| share(*factor, 0.0)));
-        let path_m = path_length_m(ensemble);
-        let all: Vec<f64> = (self.factors.iter())
-            .flat_map(|factor| engines(path_m).map(move |more_m| share(*factor, more_m)))
-            .collect();
+        let own = share(&1.0);
+        let models = Range::of(self.factors.iter().map(share));
+        let completed = far_m.len() as f64 / ensemble.repeats.len() as f64;
         SuccessRange {
             models: models.unwrap_or(Range {
-                low: share(1.0, 0.0),
-                high: share(1.0, 0.0),
+                low: own,
+                high: own,
             }),
-            other_engine: Range::central(&all, LEVEL),
+            other_engine: completed * self.other_engine.reaches(least_m),
         }
     }
 }
 
-/// By how much farther a robot with this path may get in another engine, metres, each as likely.
-fn engines(path_m: f64) -> impl Iterator<Item = f64> {
-    let both = move |share: f64| [-share * path_m, share * path_m];
-    ENGINE_SHARES.into_iter().flat_map(both)
-}
-
-/// Displacements of further runs, metres: those of the repeats in every model and engine. Many repeats are thinned to evenly
-/// spaced quantiles.
-fn further_m(far_m: &[f64], factors: &[f64], path_m: f64) -> Vec<f64> {
-    let thinned: Vec<f64> = (0..FURTHER)
-        .map(|k| quantile(far_m, (k as f64 + 0.5) / FURTHER as f64))
-        .collect();
-    let far_m = if far_m.len() > FURTHER {
-        &thinned
-    } else {
-        far_m
+/// What the repeats and the models say about the robot. Values that fit as well were open for no robot that was learned from, so
+/// that what they change adds to the spread.
+fn own_engines(ensemble: &Ensemble, models: &[Model], sensitivity_m: f64) -> OwnEngines {
+    let far_m = displacements_m(ensemble);
+    let own_m = mean(&far_m);
+    let ratios = |source: Source| {
+        let of_source = models.iter().filter(move |model| model.source == source);
+        of_source.filter_map(|model| model.ratio)
     };
-    let mut further = Vec::new();
-    for factor in factors {
-        for more_m in engines(path_m) {
-            further.extend(far_m.iter().map(|far_m| (factor * far_m + more_m).max(0.0)));
-        }
+    let of_points: Vec<f64> = ratios(Source::Indistinguishable).collect();
+    let of_points_m = own_m * standard_deviation(&of_points);
+    OwnEngines {
+        own_m,
+        second_m: ratios(Source::Engine).next().map(|ratio| ratio * own_m),
+        spread_m: standard_deviation(&far_m).hypot(of_points_m),
+        sensitivity_m,
+        body_length_m: ensemble.body_length_m,
     }
-    further
 }
 
-/// Length of the path of the run without noise, which no camera has roughened; of the repeats where that diverged.
-fn path_length_m(ensemble: &Ensemble) -> f64 {
-    let length_m = |motion: &Motion| motion.path.path_length_m();
-    ensemble.noise_free.get().map_or_else(
-        || {
-            mean(
-                &ensemble
-                    .motions()
-                    .map(|(_, m)| length_m(m))
-                    .collect::<Vec<_>>(),
-            )
-        },
-        length_m,
-    )
+/// How much the robot feels of what nobody can measure: the standard deviation of its net displacement under the noise of a robot
+/// that nobody has measured, metres, in the second engine, which is cheap, or else in its own. `None` where the run is stopped.
+fn sensitivity_m(experiment: &Experiment, seed: u64, run: &RunOptions<'_>) -> Result<Option<f64>> {
+    let mut own = experiment.clone();
+    own.solver.engine = experiment.second_engine().unwrap_or(own.solver.engine);
+    let noise = Noise::unmeasured_robot();
+    let far_m = |number: u64| -> Result<Option<f64>> {
+        if run.is_stopped() {
+            return Ok(None);
+        }
+        let run = ensemble::repeat(&own, &noise, seed, number)?;
+        let path = run.outcome.get().map(prepare).transpose()?;
+        Ok(path.map(|path| path.net_displacement_m()))
+    };
+    let all = run.install(|| {
+        let numbers = (0..SENSITIVITY_REPEATS).into_par_iter();
+        numbers.map(far_m).collect::<Result<Vec<Option<f64>>>>()
+    })??;
+    let far_m: Vec<f64> = all.into_iter().flatten().collect();
+    Ok((!run.is_stopped()).then(|| standard_deviation(&far_m)))
 }
 
 fn displacements_m(ensemble: &Ensemble) -> Vec<f64> {
@@ -368,6 +403,18 @@ fn models(experiment: &Experiment, points: &[ParameterSet]) -> Vec<(String, Sour
             Source::Joints,
             Box::new(move |own| own.at_limit(kind.other())),
         ));
+    }
+    if let Some(second) = experiment.second_engine() {
+        let other = match experiment.solver.engine == second {
+            true => EngineChoice::default(),
+            false => second,
+        };
+        let change: Change = Box::new(move |own| {
+            let mut own = own.clone();
+            own.solver.engine = other;
+            own
+        });
+        models.push((other.get().version().to_owned(), Source::Engine, change));
     }
     let taken = points.len().min(POINTS);
     for index in 0..taken {
@@ -449,9 +496,10 @@ impl fmt::Display for ModelError {
         }
         write!(
             f,
-            "\n    further runs    50 %: {}, 90 %: {} (another engine included)",
+            "\n    another engine  50 %: {}, 90 %: {}{}",
             metres(&self.half_of_runs_m),
-            metres(&self.further_run_m)
+            metres(&self.further_run_m),
+            self.without_second_engine()
         )
     }
 }

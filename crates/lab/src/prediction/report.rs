@@ -61,7 +61,7 @@ pub struct EnsembleCase {
     pub reality: Option<Reality>,
     /// How far models that are as valid part; `None` where nobody looked.
     pub model: Option<ModelError>,
-    /// Recordings whose net displacement lies where 90 % of further runs end, the models and another engine included.
+    /// Recordings whose net displacement lies where 90 % of further runs in another engine end.
     pub in_further_runs: Option<Proportion>,
 }
 

@@ -55,8 +55,9 @@ fn model(model: &Value) -> String {
     });
     let further = model.at("further_run_m");
     format!(
-        "{}<p class=\"note\">A further run, another engine included, goes {} with 90 %.</p>",
+        "{}<p class=\"note\">In an engine that was not asked, a run goes {} with 90 %: {} more than here (below 0: less).</p>",
         titled("other model | from | changes the displacement by", rows),
-        further.span(["low", "high"], "m")
+        further.span(["low", "high"], "m"),
+        model.at("other_engine_adds_m").span(["low", "high"], "m")
     )
 }
