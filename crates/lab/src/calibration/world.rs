@@ -224,22 +224,6 @@ fn intervals_hold_and_what_does_nothing_stays_open() {
     assert!(open >= 75.0, "{open}");
 }
 
-/// The same where engines part paths as much as values of the parameter do, and reality is like one of them.
-#[test]
-fn intervals_hold_whichever_engine_reality_is_like() {
-    let world = World {
-        second: 0.0,
-        setting: 0.02,
-        run: 0.005,
-        recording: 0.05,
-        engine: 0.1,
-        straight: false,
-    };
-    let [first, _, set, open] = row("engines", &world, 7, 3, 20);
-    assert!(first >= 70.0 && set >= 85.0, "{first} {set}");
-    assert!(open >= 75.0, "{open}");
-}
-
 #[test]
 #[ignore = "minutes: the table"]
 fn the_table_of_worlds() {
