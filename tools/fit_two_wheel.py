@@ -1,14 +1,14 @@
 """Fits what paper 000 leaves open of its two-wheel robot to half of the recorded runs of one condition.
 
-python3 tools/fit_two_wheel.py CONDITION RUNS.csv [EVALUATIONS [OFFSET [NAMES]]]     (needs numpy; REALGAP names the program)
+python3 tools/fit_two_wheel.py CONDITION RUNS.csv [EVALUATIONS [OFFSET]]     (needs numpy; REALGAP names the program)
 
 Makes the energy score (Gneiting & Raftery 2007) of 100 simulated repeats for every second run (from OFFSET, 0 or 1) small: it rewards repeats that lie where
 the runs lie and spread as they spread. CMA-ES without restarts; the other runs are not looked at. Prints the values for the study.
-NAMES: only these, with commas between; the others stay what the study says.
 """
 
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -16,30 +16,32 @@ import tempfile
 import numpy as np
 
 PROGRAM = os.environ.get("REALGAP", "target/release/realgap")
-# name, lowest, highest, where the search begins
+# name, lowest, highest; the search begins at what the study says
 PARAMETERS = [
-    ("speed_m_s", 0.18, 0.24, 0.207),
-    ("drift_rad_s", -0.3, 0.05, -0.14),
-    ("drift_offset_rad", -0.1, 0.1, 0.0),
-    ("drift_sd_rad", 0.0, 0.1, 0.03),
-    ("turn_rate_rad_s", 3.0, 6.0, 4.15),
-    ("turn_coast_rad", 0.0, 0.8, 0.34),
-    ("turn_sd_rad", 0.0, 0.2, 0.05),
-    ("threshold_m", 0.02, 0.2, 0.07),
-    ("reaction_s", 0.0, 0.3, 0.02),
-    ("sampling_s", 0.01, 0.3, 0.05),
-    ("start_s", -0.3, 0.2, -0.08),
-    ("start_sd_s", 0.0, 0.1, 0.03),
-    ("late_share", 0.0, 0.7, 0.2),
-    ("late_s", 0.15, 0.45, 0.3),
-    ("frame_sd_s", 0.0, 0.06, 0.025),
-    ("stale_s", 0.15, 0.45, 0.30),
-    ("tag_ahead_m", -0.06, 0.02, -0.024),
-    ("tag_left_m", -0.03, 0.03, -0.007),
+    ("speed_m_s", 0.18, 0.24),
+    ("drift_rad_s", -0.3, 0.05),
+    ("drift_offset_rad", -0.1, 0.1),
+    ("drift_sd_rad", 0.0, 0.1),
+    ("turn_rate_rad_s", 3.0, 6.0),
+    ("turn_coast_rad", 0.0, 0.8),
+    ("turn_sd_rad", 0.0, 0.3),
+    ("threshold_m", 0.02, 0.2),
+    ("reaction_s", 0.0, 0.3),
+    ("sampling_s", 0.01, 0.3),
+    ("start_s", -0.3, 0.2),
+    ("start_sd_s", 0.0, 0.1),
+    ("late_share", 0.0, 0.7),
+    ("late_s", 0.15, 0.45),
+    ("frame_sd_s", 0.0, 0.06),
+    ("stale_s", 0.25, 0.34),
+    ("tag_ahead_m", -0.06, 0.02),
+    ("tag_left_m", -0.03, 0.03),
 ]
-if len(sys.argv) > 5:
-    PARAMETERS = [p for p in PARAMETERS if p[0] in sys.argv[5].split(",")]
-LOW, HIGH, START = (np.array([p[i] for p in PARAMETERS]) for i in (1, 2, 3))
+with open(f"sweeps/two_wheel_{sys.argv[1]}.ron") as study:
+    SAID = {name: float(value) for name, value in re.findall(r'"vehicle\.(\w+)": ([-\d.]+)', study.read())}
+PARAMETERS = [p for p in PARAMETERS if p[0] in SAID]
+LOW, HIGH = (np.array([p[i] for p in PARAMETERS]) for i in (1, 2))
+START = np.array([SAID[p[0]] for p in PARAMETERS])
 
 
 def score(values, condition, runs, folder, repeats=100, offset=0):
@@ -58,7 +60,7 @@ def main():
     rng = np.random.default_rng(1)
     n, size = len(PARAMETERS), 12
     scale = HIGH - LOW
-    mean, sigma, shape = (START - LOW) / scale, 0.08, np.ones(n)
+    mean, sigma, shape = (START - LOW) / scale, 0.06, np.ones(n)
     best = (np.inf, START)
     with tempfile.TemporaryDirectory() as folder:
         for generation in range(evaluations // size):

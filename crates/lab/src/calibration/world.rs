@@ -13,7 +13,9 @@ use super::posterior::INTERVAL_LEVEL;
 use super::setting::Setting;
 use realgap_core::random::Generator;
 use realgap_engine::parameter::by_name;
-use realgap_optimize::{Grid, Range};
+use realgap_optimize::{
+    Brief, Grid, History, Proposal, Range, Told, UnitPoint, optimizer_by_name, space_filling,
+};
 
 /// Numbers that a path is made of.
 const PATH: usize = 12;
@@ -81,6 +83,49 @@ fn grid(points: usize) -> Grid {
     Grid::new(vec![range("floor.friction"), range("floor.restitution")]).unwrap()
 }
 
+/// Where the first runs are.
+#[derive(Clone, Copy)]
+enum First {
+    /// On a grid with so many values along each parameter.
+    Grid(usize),
+    /// Where this optimizer wants them, after a first design of its own.
+    Chosen(&'static str),
+}
+
+/// Runs that an optimizer makes, its first design included.
+const BUDGET: usize = 100;
+
+/// Shows an optimizer the scores of what it asks for, as tuning does.
+fn chosen(optimizer: &str, seed: u64, mut score: impl FnMut(&UnitPoint) -> f64) {
+    let optimizer = optimizer_by_name(optimizer).unwrap();
+    let first = space_filling(2, 0, optimizer.design(2), seed);
+    let brief = Brief {
+        points: vec![21; 2],
+        budget: BUDGET - first.len(),
+        seed,
+        priors: Vec::new(),
+    };
+    let mut tell = |point: UnitPoint| Told {
+        score: Some(score(&point)),
+        point,
+        errors: Vec::new(),
+    };
+    let design: Vec<Told> = first.into_iter().map(&mut tell).collect();
+    let mut told: Vec<Told> = Vec::new();
+    while told.len() < brief.budget {
+        let (design, history) = (&design, &told);
+        let history = History {
+            design,
+            told: history,
+        };
+        let Proposal::Evaluate(mut points) = optimizer.propose(&brief, &history).unwrap() else {
+            break;
+        };
+        points.truncate(brief.budget - told.len());
+        told.extend(points.into_iter().map(&mut tell));
+    }
+}
+
 struct Found {
     intervals: [bool; 2],
     set: [bool; 2],
@@ -90,9 +135,12 @@ struct Found {
     widths: [f64; 2],
 }
 
-/// A sweep of a world whose truth is hidden, with waves.
-fn study(world: &World, points: usize, recordings: usize, seed: u64) -> Found {
-    let grid = grid(points);
+/// A sweep or a tuning of a world whose truth is hidden, with waves.
+fn study(world: &World, first: First, recordings: usize, seed: u64) -> Found {
+    let grid = grid(match first {
+        First::Grid(points) => points,
+        First::Chosen(_) => 21,
+    });
     let mut rng = Generator::seed_from_u64(1_000 + seed);
     let truth = [
         0.1 + 0.8 * rng.random::<f64>(),
@@ -135,8 +183,16 @@ fn study(world: &World, points: usize, recordings: usize, seed: u64) -> Found {
             might_be: Vec::new(),
         });
     };
-    for index in 0..grid.len() {
-        simulate(&mut runs, grid.place_of(&grid.values(index)), &mut rng);
+    match first {
+        First::Grid(_) => {
+            for index in 0..grid.len() {
+                simulate(&mut runs, grid.place_of(&grid.values(index)), &mut rng);
+            }
+        }
+        First::Chosen(optimizer) => chosen(optimizer, seed, |at| {
+            simulate(&mut runs, at.clone(), &mut rng);
+            runs[runs.len() - 1].score()
+        }),
     }
     let doubt = Doubt {
         recordings,
@@ -181,9 +237,9 @@ fn study(world: &World, points: usize, recordings: usize, seed: u64) -> Found {
     }
 }
 
-fn row(what: &str, world: &World, points: usize, recordings: usize, studies: u64) -> [f64; 4] {
+fn row(what: &str, world: &World, first: First, recordings: usize, studies: u64) -> [f64; 4] {
     let all: Vec<Found> = (0..studies)
-        .map(|seed| study(world, points, recordings, seed))
+        .map(|seed| study(world, first, recordings, seed))
         .collect();
     let share = |of: &dyn Fn(&Found) -> bool| {
         100.0 * all.iter().filter(|found| of(found)).count() as f64 / studies as f64
@@ -200,7 +256,7 @@ fn row(what: &str, world: &World, points: usize, recordings: usize, studies: u64
         share(&|f| f.open[1]),
     ];
     println!(
-        "{what:<10} {points:>2} {recordings:>2} | {a:.0} {b:.0} | set {set:.0} | second open {open:.0}, acts {:.0} | widths {:.4} {:.3}",
+        "{what} | {a:.0} {b:.0} | set {set:.0} | second open {open:.0}, acts {:.0} | widths {:.4} {:.3}",
         share(&|f| f.active),
         width(0),
         width(1)
@@ -219,7 +275,7 @@ fn intervals_hold_and_what_does_nothing_stays_open() {
         engine: 0.0,
         straight: false,
     };
-    let [first, _, set, open] = row("inert", &world, 7, 3, 20);
+    let [first, _, set, open] = row("inert 7 3", &world, First::Grid(7), 3, 20);
     assert!(first >= 70.0 && set >= 85.0, "{first} {set}");
     assert!(open >= 75.0, "{open}");
 }
@@ -276,10 +332,13 @@ fn the_table_of_worlds() {
         ("engines", &engines),
     ];
     for recordings in [3, 1, 5, 10] {
-        for points in [7, 10] {
+        let chosen = ["cma-es", "nelder-mead", "bayesian"].map(|name| (name, First::Chosen(name)));
+        let grids = [("7", First::Grid(7)), ("10", First::Grid(10))];
+        for (search, first) in grids.into_iter().chain(chosen) {
             for (name, world) in worlds {
-                if format!("{name} {points} {recordings}").contains(&only) {
-                    row(name, world, points, recordings, studies);
+                let what = format!("{name} {search} {recordings}");
+                if what.contains(&only) {
+                    row(&what, world, first, recordings, studies);
                 }
             }
         }
