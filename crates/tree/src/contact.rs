@@ -75,6 +75,7 @@ pub(crate) struct Point {
     pub impulse: [f64; 3],
     pub memory: Memory,
     pub touch: usize,
+    pub is_impact: bool,
 }
 
 /// Contacts between the same two bodies, solved one after the other.
@@ -118,14 +119,15 @@ fn basis(normal: Vec3) -> [Vec3; 3] {
 }
 
 impl Point {
-    /// Rows without what bodies give; returns whether it is an impact.
+    /// Rows without what bodies give.
+    #[inline(always)]
     pub fn new(
         touch: &Touch,
         index: usize,
         forest: &Forest,
         nodes: &[Node],
         step: &Step,
-    ) -> (Self, bool) {
+    ) -> Self {
         let basis = basis(touch.normal_world);
         let node = &nodes[touch.a];
         let arm_a = touch.point_world_m - node.reference_world_m;
@@ -146,6 +148,7 @@ impl Point {
             impulse: basis.map(|axis| touch.impulse_world_n_s.dot(axis)),
             memory: touch.memory,
             touch: index,
+            is_impact: false,
         };
         point.impulse[0] = point.impulse[0].max(0.0);
         point.a.reads = basis.map(|axis| Spatial::at(arm_a, axis));
@@ -162,15 +165,15 @@ impl Point {
                 pull = 0.0;
             }
         }
-        let impact = point.bounce(touch, approach, pull, step);
+        point.is_impact = point.bounce(touch, approach, pull, step);
         // Over the step a point travels by its velocity and by half of what velocity products do to it.
         for (k, axis) in basis.iter().enumerate() {
-            let same_point = k > 0 || (matches!(touch.memory, Memory::Corner { .. }) && !impact);
+            let same_point = k > 0 || (matches!(touch.memory, Memory::Corner { .. }) && !point.is_impact);
             if same_point {
                 point.led[k] -= 0.5 * step.time_s * swing.dot(*axis);
             }
         }
-        (point, impact)
+        point
     }
 
     /// Restitution (Newton's), where the surfaces meet within the step faster than gravity makes them in four.

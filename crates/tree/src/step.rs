@@ -188,12 +188,12 @@ impl World {
         let mut impact = false;
         for (index, touch) in self.touches.iter_mut().enumerate() {
             touch.impulse_world_n_s *= ratio;
-            let (point, hits) = Point::new(touch, index, forest, &self.nodes, step);
-            impact |= hits;
-            rows.points.push(point);
+            rows.points
+                .push(Point::new(touch, index, forest, &self.nodes, step));
             let Some(point) = rows.points.last_mut() else {
                 continue;
             };
+            impact |= point.is_impact;
             let last = rows.groups.last();
             if !last.is_some_and(|group| group.a == touch.a && group.b == touch.b) {
                 rows.groups.push(Group {
