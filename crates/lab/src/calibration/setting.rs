@@ -6,11 +6,18 @@
 
 use super::study::Study;
 use realgap_core::statistics::mean;
-use realgap_engine::{EngineChoice, Experiment, Noise};
+use realgap_engine::{EngineChoice, Experiment, JointKind, Noise};
 
 /// With two engines one setting in so many runs in the study's own, which is the dear one: six of sixteen. A mean over both is as
 /// sure then as it would be with fifteen settings shared evenly.
 const OWN_EVERY: usize = 3;
+/// A map of so many points or more tells what parts the engines, a smooth function, from fewer runs of the dear one: on its points
+/// only one in so many of the settings above runs there.
+const LARGE_MAP: usize = 256;
+const OWN_OF_A_LARGE_MAP: usize = 2;
+/// Where Rapier takes multibody joints, and so is dear, the tree solver gets its substeps divided by this: paths of 8 s come out
+/// at most 3 mm farther from its limit, for three fifths of the time (docs/fidelity/settings.md has the table).
+const SECOND_SUBSTEPS: usize = 2;
 
 /// One of the equally valid settings, by number; 0 is the study's own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -27,6 +34,8 @@ pub(super) struct Settings {
     pub seed: u64,
     /// The engine that is as valid as the study's own; `None` where there is none.
     pub second: Option<EngineChoice>,
+    /// Trials below this number are the points of a large map; 0 where it is not large.
+    pub of_map: usize,
 }
 
 impl Setting {
@@ -40,15 +49,29 @@ impl Setting {
 }
 
 impl Settings {
-    /// The setting that trial number `index` is simulated with: all of them in turn, so that neighbours on a grid differ.
+    /// The setting that trial number `index` is simulated with: all of them in turn, so that neighbours on a grid differ. On a large
+    /// map most of the study's own engine give way to their neighbours of the second.
     pub fn of_trial(&self, index: usize) -> Setting {
-        Setting::new(index % self.count)
+        let (round, number) = (index / self.count, index % self.count);
+        let gives_way = index < self.of_map
+            && self.engine_of(number) > 0.0
+            && !(number / OWN_EVERY + round).is_multiple_of(OWN_OF_A_LARGE_MAP);
+        match (gives_way, number + 1 < self.count) {
+            (false, _) => Setting::new(number),
+            (true, true) => Setting::new(number + 1),
+            (true, false) => Setting::new(number - 1),
+        }
     }
 
     /// Which engine trial number `index` is simulated by: 1 for the study's own, −1 for the second, 0 where there is one only. What
     /// engines deviate from their mean is this times one and the same number.
     pub fn engine_of_trial(&self, index: usize) -> f64 {
-        match (self.second, index % self.count % OWN_EVERY) {
+        self.engine_of(self.of_trial(index).0 as usize)
+    }
+
+    /// The same of a setting.
+    fn engine_of(&self, number: usize) -> f64 {
+        match (self.second, number % OWN_EVERY) {
             (None, _) => 0.0,
             (_, 0) => 1.0,
             _ => -1.0,
@@ -82,10 +105,11 @@ impl Settings {
         let steps = |experiment: &Experiment| {
             experiment.solver.substeps as f64 / experiment.solver.timestep_s
         };
-        let cost = |number: usize| steps(&self.apply(Setting::new(number), own)) / steps(own);
+        let cost = |index: usize| steps(&self.apply(self.of_trial(index), own)) / steps(own);
+        let trials = OWN_OF_A_LARGE_MAP * self.count;
         let of = |is_own: bool| {
-            let here = |number: &usize| (self.engine_of_trial(*number) >= 0.0) == is_own;
-            (0..self.count).filter(here).map(cost).sum::<f64>() / self.count as f64
+            let here = |index: &usize| (self.engine_of_trial(*index) >= 0.0) == is_own;
+            (0..trials).filter(here).map(cost).sum::<f64>() / trials as f64
         };
         [of(true), of(false)]
     }
@@ -98,12 +122,20 @@ impl Settings {
         let perturbed = self.noise.perturb(experiment, self.seed, setting.0);
         let mut changed = perturbed.with_numerics(setting.0);
         if let Some(second) = self.second
-            && self.engine_of_trial(setting.0 as usize) < 0.0
+            && self.engine_of(setting.0 as usize) < 0.0
         {
             changed.solver.engine = second;
+            if changed.joint_kind() == JointKind::Multibody {
+                changed.solver.substeps = (changed.solver.substeps / SECOND_SUBSTEPS).max(1);
+            }
         }
         changed
     }
+}
+
+/// How many trials are the points of a large map, on a grid of so many.
+pub(super) fn trials_of_a_large_map(points: usize) -> usize {
+    if points < LARGE_MAP { 0 } else { points }
 }
 
 impl Study {
@@ -154,6 +186,7 @@ mod tests {
             count: 16,
             seed: 1,
             second: None,
+            of_map: 0,
         }
     }
 
@@ -204,14 +237,40 @@ mod tests {
 
     #[test]
     #[cfg(feature = "f64")]
-    fn the_second_engine_changes_the_engine_and_nothing_else() {
+    fn a_large_map_asks_the_dear_engine_half_as_often_and_every_setting_of_it_alike() {
+        let both = of_both();
+        let large = Settings {
+            of_map: trials_of_a_large_map(LARGE_MAP),
+            ..both
+        };
+        let mut of_own = [0; 16];
+        for index in 0..2 * 16 {
+            let setting = large.of_trial(index).0 as usize;
+            let is_own = large.engine_of_trial(index) > 0.0;
+            assert_eq!(is_own, setting.is_multiple_of(OWN_EVERY));
+            of_own[setting] += usize::from(is_own);
+        }
+        let expected: [usize; 16] = std::array::from_fn(|n| usize::from(n % OWN_EVERY == 0));
+        assert_eq!(of_own, expected);
+        // Behind the map, and on a smaller one, all settings come in turn.
+        for index in LARGE_MAP..2 * LARGE_MAP {
+            assert_eq!(large.of_trial(index), both.of_trial(index));
+        }
+        assert_eq!(trials_of_a_large_map(LARGE_MAP - 1), 0);
+    }
+
+    #[test]
+    #[cfg(feature = "f64")]
+    fn the_second_engine_changes_the_engine_and_its_substeps_and_nothing_else() {
         let own = experiment();
         for number in 0..16 {
             let alone = settings().apply(Setting::new(number), &own);
             let mut with = of_both().apply(Setting::new(number), &own);
             let is_own = with.solver.engine == own.solver.engine;
             assert_eq!(is_own, of_both().engine_of_trial(number) > 0.0);
-            with.solver.engine = own.solver.engine;
+            let of_second = (alone.solver.substeps / SECOND_SUBSTEPS).max(1);
+            assert!(is_own || with.solver.substeps == of_second);
+            with.solver = alone.solver;
             assert_eq!(alone, with, "{number}");
         }
     }

@@ -11,7 +11,7 @@ use super::fitted::in_sample;
 use super::fleet::check_owners;
 use super::horizon::Horizon;
 use super::overrides::Overrides;
-use super::setting::Settings;
+use super::setting::{self, Settings};
 use crate::calibration::identification::{StartState, refine_again};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
@@ -209,12 +209,15 @@ impl Study {
             ScoreRule::Ensemble { repeats } => (definition.noise.unwrap_or(start), repeats),
             ScoreRule::Single => (start, 1),
         };
+        // A single run is one of the study's own engine.
+        let second = self.second.filter(|_| count > 1);
+        let large_map = || setting::trials_of_a_large_map(definition.grid.len());
         Settings {
             noise,
             count,
             seed: definition.seed,
-            // A single run is one of the study's own engine.
-            second: self.second.filter(|_| count > 1),
+            second,
+            of_map: second.map_or(0, |_| large_map()),
         }
     }
 

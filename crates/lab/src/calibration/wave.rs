@@ -17,7 +17,7 @@ use realgap_path::trajectory::Prepared;
 /// Waves after the first runs; every wave knows what the one before has found.
 pub(super) const WAVES: usize = 3;
 /// Runs of one wave: a share of the first ones, within bounds.
-const SHARE: usize = 6;
+const SHARE: usize = 8;
 const LEAST: usize = 16;
 const MOST: usize = 500;
 /// Places and points that a wave is chosen from.
@@ -189,11 +189,13 @@ fn simulated(
         .collect()
 }
 
-/// A number behind those of all trials, whose setting is the study's own.
+/// A number behind those of all trials and of the map, whose setting is the study's own.
 fn next_trial(study: &Study, scores: &Scores) -> usize {
-    let count = study.settings().count;
+    let settings = study.settings();
     let last = scores.runs.iter().map(|run| run.index).max().unwrap_or(0);
-    (last / count + 1) * count
+    (last + 1)
+        .max(settings.of_map)
+        .next_multiple_of(settings.count)
 }
 
 /// The best point: the lowest mean over all its settings. Whichever point the emulator expects to be lower than the best so far
