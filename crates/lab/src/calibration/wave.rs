@@ -27,6 +27,8 @@ const VISITED: usize = 60;
 const SETTLED: f64 = 0.1;
 /// How often another point may turn out to be the best while settings are completed.
 const CHAMPIONS: usize = 5;
+/// A map of more points than these is not looked through for places where nobody was.
+const NODES: usize = 2000;
 
 /// Runs of one wave after so many first runs; none where there is one setting only.
 pub(super) fn runs_a_wave(study: &Study, first: usize) -> usize {
@@ -198,6 +200,14 @@ fn next_trial(study: &Study, scores: &Scores) -> usize {
         .next_multiple_of(settings.count)
 }
 
+/// Points of the map where nobody was: an optimizer, which settles in one valley, has the same candidates as a sweep then.
+fn unvisited(study: &Study, scores: &Scores) -> impl Iterator<Item = Vec<f64>> {
+    let grid = &study.definition().grid;
+    let nodes = if grid.len() > NODES { 0 } else { grid.len() };
+    let nodes = (0..nodes).map(|index| grid.values(index));
+    nodes.filter(|values| scores.points.iter().all(|point| point.values != *values))
+}
+
 /// The best point: the lowest mean over all its settings. Whichever point the emulator expects to be lower than the best so far
 /// is simulated with all of them.
 ///
@@ -221,17 +231,15 @@ pub(super) fn settled(
             scores.ranked().into_iter().partition(is_whole);
         let best = whole.first().copied();
         let lowest = best.and_then(|best| scores.points[best].score);
-        let expected = open.iter().map(|position| {
-            let place = grid.place_of(&scores.points[*position].values);
-            (*position, known.mean(&place))
-        });
-        let promising = expected.min_by(|a, b| a.1.total_cmp(&b.1));
-        let promising = promising.filter(|(_, score)| lowest.is_none_or(|lowest| *score < lowest));
+        let visited = open.iter().map(|at| scores.points[*at].values.clone());
+        let candidates = visited.chain(unvisited(study, &scores));
+        let expected = candidates.map(|values| (known.mean(&grid.place_of(&values)), values));
+        let promising = expected.min_by(|a, b| a.0.total_cmp(&b.0));
+        let promising = promising.filter(|(score, _)| lowest.is_none_or(|lowest| *score < lowest));
         scores.best = best.or(scores.best);
-        let Some((position, _)) = promising.filter(|_| champion < CHAMPIONS) else {
+        let Some((_, values)) = promising.filter(|_| champion < CHAMPIONS) else {
             break;
         };
-        let values = scores.points[position].values.clone();
         let runs = scores.runs.iter().filter(|run| run.values == values);
         let seen: Vec<Setting> = runs.map(|run| settings.of_trial(run.index)).collect();
         let from = next_trial(study, &scores);

@@ -147,7 +147,14 @@ pub(crate) fn parameter(range: &Range, found: &Found) -> Claim {
             format!("{is}; values from {fits_from} to {fits_to} {fit}"),
         )
     };
-    let mut claim = Claim::new(About::Parameter, says, word, text).of(name);
+    with_numbers(
+        Claim::new(About::Parameter, says, word, text).of(name),
+        found,
+    )
+}
+
+/// The claim with what it rests on.
+fn with_numbers(mut claim: Claim, found: &Found) -> Claim {
     for (index, (low, high)) in found.intervals.iter().enumerate() {
         let part = index + 1;
         let ends = [
