@@ -67,7 +67,7 @@ impl Forecast {
     ) -> String {
         let mut columns = vec![
             ("behaviour", Side::Left),
-            ("probability", Side::Right),
+            ("share", Side::Right),
             ("sampling, 95 %", Side::Right),
             ("net displacement", Side::Right),
             ("repeat", Side::Right),
@@ -84,7 +84,7 @@ impl Forecast {
             let mut row = vec![
                 behaviour.name.clone(),
                 format!("{:.1} %", 100.0 * p.share),
-                format!("{:.1} to {:.1} %", 100.0 * p.low, 100.0 * p.high),
+                format!("{:.0} to {:.0} %", 100.0 * p.low, 100.0 * p.high),
                 quantity(behaviour.mean_displacement_m, Unit::Metre),
                 behaviour
                     .representative
