@@ -31,7 +31,7 @@ fn no_table_of_a_command_is_wider_than_eighty_columns() {
         "evaluate sweeps/cube_toss_fit.ron --parameters sweeps/cube_toss_best.ron --limit-recordings 2".to_owned(),
         format!("gap sweeps/two_wheel_us1.ron --repeats 4 -o {}", results("gap")),
         "gap --recordings real_trajectories/tripod_mujoco/*.csv".to_owned(),
-        format!("predict morphologies/two_module.ron --repeats 4 -o {}", results("predict")),
+        format!("predict morphologies/two_module.ron --duration 1 --repeats 4 -o {}", results("predict")),
         format!("ensemble sweeps/two_wheel_us1.ron --repeats 20 -o {}", results("ensemble")),
         "study parameters".to_owned(),
         "study schema".to_owned(),

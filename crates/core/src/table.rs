@@ -143,13 +143,25 @@ impl TextTable {
         }
     }
 
-    /// Breaks each name of a column that is wider than what stands below it.
+    /// Breaks the names of columns that are wider than what stands below them, the names of most lines no more than they must.
     fn fold_header(&mut self) {
         let body = Self {
             columns: vec![Default::default(); self.columns.len()],
             rows: std::mem::take(&mut self.rows),
         };
-        for ((name, _), width) in self.columns.iter_mut().zip(body.widths()) {
+        let words = |name: &str| name.split(' ').map(width).max().unwrap_or(0);
+        let names = self.columns.iter().map(|(name, _)| words(name));
+        let mut widths: Vec<usize> = names.zip(body.widths()).map(|(a, b)| a.max(b)).collect();
+        let lines =
+            |index: usize, most: usize| folded(&self.columns[index].0, most).lines().count();
+        while across(&widths) < WIDEST {
+            let tallest = (0..widths.len()).max_by_key(|&index| lines(index, widths[index]));
+            match tallest.filter(|&index| lines(index, widths[index]) > 1) {
+                Some(index) => widths[index] += 1,
+                None => break,
+            }
+        }
+        for ((name, _), width) in self.columns.iter_mut().zip(widths) {
             *name = folded(name, width);
         }
         self.rows = body.rows;
@@ -215,7 +227,6 @@ fn across(widths: &[usize]) -> usize {
 
 /// The text in lines of at most so many characters, broken at blanks only.
 fn folded(text: &str, most: usize) -> String {
-    let most = text.split(' ').map(width).fold(most, usize::max);
     let mut lines = vec![String::new()];
     for word in text.split(' ') {
         match lines.last_mut() {

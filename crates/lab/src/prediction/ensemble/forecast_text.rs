@@ -121,7 +121,7 @@ impl fmt::Display for Reality {
             ("at the end", Side::Right),
             ("95 % interval", Side::Right),
             ("recordings say", Side::Left),
-            ("whole paths in their band", Side::Right),
+            ("whole paths in band", Side::Right),
         ]);
         for coverage in &self.coverage {
             let end = &coverage.at_end;
