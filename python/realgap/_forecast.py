@@ -160,7 +160,7 @@ class Model:
 class ModelError:
     """How far models part that are as valid: ranges of quantiles (5, 50, 95 %), behaviours and further runs.
 
-    >>> far_m = prediction.card.model.further_run_m
+    >>> far_m = prediction.card.model.further_run_m  # None of a vehicle, which no engine simulates
     >>> far_m.low <= far_m.high
     True
     """
@@ -169,9 +169,9 @@ class ModelError:
     repeats: int
     quantiles_m: Tuple[Interval, Interval, Interval]
     behaviours: Tuple[Interval, ...]
-    half_of_runs_m: Interval
-    further_run_m: Interval
-    other_engine_adds_m: Interval
+    half_of_runs_m: Optional[Interval]
+    further_run_m: Optional[Interval]
+    other_engine_adds_m: Optional[Interval]
 
 
 @dataclass(frozen=True)

@@ -69,6 +69,13 @@ impl Kind {
         }
     }
 
+    /// `a study`, `an arena`.
+    fn with_article(self) -> String {
+        let name = self.name();
+        let article = if name.starts_with('a') { "an" } else { "a" };
+        format!("{article} {name}")
+    }
+
     /// What can be done with a file of this kind.
     fn hint(self, path: &Path) -> String {
         let path = path.display();
@@ -80,7 +87,8 @@ impl Kind {
                 format!("`realgap robot develop {path} -o robot.ron` makes a robot of it")
             }
             Self::Study => format!(
-                "`realgap sweep {path}` runs a study; the robot is the file that its field `morphology` names"
+                "`realgap sweep {path}` finds the values that match its recordings, `realgap ensemble {path}` repeats it under noise; the \
+                 robot is the file that its field `morphology` names"
             ),
             Self::Search => format!("`realgap search {path}` searches for the best robot"),
             Self::Parameters => {
@@ -185,12 +193,15 @@ fn explain(path: &Path, wanted: Kind, error: Error) -> Error {
             .and_then(|source| Kind::of_ron(&source))
     };
     match found {
-        Some(found) if found != wanted => Error::invalid(format!("not a {}", wanted.name()))
-            .at_file(path)
-            .found(format!("a {}", found.name()))
-            .allowed(format!("a {}", wanted.name()))
-            .hint(found.hint(path))
-            .into_usage(),
+        Some(found) if found != wanted => {
+            let what = format!("{}, not {}", found.with_article(), wanted.with_article());
+            Error::invalid(what)
+                .at_file(path)
+                .found(found.with_article())
+                .allowed(wanted.with_article())
+                .hint(found.hint(path))
+                .into_usage()
+        }
         _ => error,
     }
 }

@@ -276,7 +276,7 @@ impl Shown<'_> {
     fn provenance(&self) -> Result<Vec<(String, String)>> {
         let mut all = vec![("realgap", env!("CARGO_PKG_VERSION").to_owned())];
         if let Some(experiment) = self.experiment {
-            all.push(("engine", experiment.engine().version().to_owned()));
+            all.push(("engine", experiment.engine_version().to_owned()));
             let solver = &experiment.solver;
             all.push(("timestep", format!("{} s", solver.timestep_s)));
             all.push(("substeps", solver.substeps.to_string()));

@@ -290,7 +290,7 @@ impl Simulate {
                 times_real_time: times_real,
                 timestep_s: experiment.solver.timestep_s,
                 substeps: experiment.solver.substeps,
-                engine: experiment.engine().version(),
+                engine: experiment.engine_version(),
                 version: env!("CARGO_PKG_VERSION"),
                 warnings: run.warnings.clone(),
                 output: self.output.clone(),

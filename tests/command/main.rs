@@ -11,3 +11,4 @@ mod kept;
 mod new;
 mod start;
 mod verify;
+mod width;

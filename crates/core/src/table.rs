@@ -8,6 +8,12 @@ use crate::text::shown;
 
 /// Most characters of a cell.
 const LONGEST: usize = 200;
+/// Most characters of a line, as far as its words allow: a terminal has no fewer.
+const WIDEST: usize = 80;
+/// Blanks between columns.
+const BETWEEN: usize = 2;
+/// Text at the end of a row is folded to no fewer characters than this.
+const NARROWEST_TEXT: usize = 24;
 
 /// On which side of its column a cell stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -22,7 +28,8 @@ pub enum Side {
 /// A column of a table of rows: its name, its side, and what its cell of a row says.
 pub type Column<'a, T> = (&'a str, Side, &'a dyn Fn(&T) -> String);
 
-/// A table as plain text: a header line, a row for each entry, columns two blanks apart.
+/// A table as plain text: a header line, a row for each entry, columns two blanks apart. One that is wider than 80 columns folds its
+/// header, then the text at the end of its rows; what is still too wide goes on below, beside the first column again.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TextTable {
     columns: Vec<(String, Side)>,
@@ -81,9 +88,102 @@ impl TextTable {
     /// );
     /// ```
     pub fn render(&self, bold_header: bool) -> String {
+        let parts = self.parts();
+        let parts: Vec<String> = parts.iter().map(|part| part.text(bold_header)).collect();
+        parts.join("\n")
+    }
+
+    /// Characters of each column.
+    fn widths(&self) -> Vec<usize> {
+        let names = self.columns.iter().map(|(name, _)| width(name));
+        let widths = names.enumerate().map(|(index, name)| {
+            let cells = self.rows.iter().filter_map(|row| row.get(index));
+            cells.map(|cell| width(cell)).fold(name, usize::max)
+        });
+        widths.collect()
+    }
+
+    /// This table, or as many as it takes for each to fit.
+    fn parts(&self) -> Vec<Self> {
+        if across(&self.widths()) <= WIDEST {
+            return vec![self.clone()];
+        }
+        let mut table = self.clone();
+        table.fold_header();
+        let whole = table.clone();
+        table.fold_text();
+        let widths = whole.widths();
+        if across(&table.widths()) <= WIDEST || widths.len() <= 2 {
+            return vec![table];
+        }
+        let mut parts: Vec<Vec<usize>> = Vec::new();
+        for index in 1..widths.len() {
+            let fits = |part: &&mut Vec<usize>| {
+                let columns = part.iter().chain([&index]).map(|&column| widths[column]);
+                across(&columns.collect::<Vec<_>>()) <= WIDEST
+            };
+            match parts.last_mut().filter(fits) {
+                Some(part) => part.push(index),
+                None => parts.push(vec![0, index]),
+            }
+        }
+        let parts = parts.iter().map(|part| self.with_columns(part));
+        parts.flat_map(|part| part.parts()).collect()
+    }
+
+    /// Some of the columns.
+    fn with_columns(&self, columns: &[usize]) -> Self {
+        let cells = |row: &Vec<String>| {
+            let cell = |&index: &usize| row.get(index).cloned().unwrap_or_default();
+            columns.iter().map(cell).collect()
+        };
+        Self {
+            columns: columns.iter().map(|&i| self.columns[i].clone()).collect(),
+            rows: self.rows.iter().map(cells).collect(),
+        }
+    }
+
+    /// Breaks the names of columns that are wider than what stands below them, the names of most lines no more than they must.
+    fn fold_header(&mut self) {
+        let body = Self {
+            columns: vec![Default::default(); self.columns.len()],
+            rows: std::mem::take(&mut self.rows),
+        };
+        let words = |name: &str| name.split(' ').map(width).max().unwrap_or(0);
+        let names = self.columns.iter().map(|(name, _)| words(name));
+        let mut widths: Vec<usize> = names.zip(body.widths()).map(|(a, b)| a.max(b)).collect();
+        let lines =
+            |index: usize, most: usize| folded(&self.columns[index].0, most).lines().count();
+        while across(&widths) < WIDEST {
+            let tallest = (0..widths.len()).max_by_key(|&index| lines(index, widths[index]));
+            match tallest.filter(|&index| lines(index, widths[index]) > 1) {
+                Some(index) => widths[index] += 1,
+                None => break,
+            }
+        }
+        for ((name, _), width) in self.columns.iter_mut().zip(widths) {
+            *name = folded(name, width);
+        }
+        self.rows = body.rows;
+    }
+
+    /// Breaks the text at the end of the rows, where the other columns leave enough for it.
+    fn fold_text(&mut self) {
+        let widths = self.widths();
+        let last = widths.len() - 1;
+        let rest = WIDEST.saturating_sub(across(&widths) - widths[last]);
+        if self.columns[last].1 == Side::Left && rest >= NARROWEST_TEXT {
+            for cell in self.rows.iter_mut().filter_map(|row| row.get_mut(last)) {
+                *cell = folded(cell, rest);
+            }
+        }
+    }
+
+    /// The text as wide as it is.
+    fn text(&self, bold_header: bool) -> String {
         let mut table = Table::new();
         table.load_style(presets::NOTHING);
-        // Never wrap: output that is piped must not depend on the width of a terminal.
+        // Never by the terminal: output that is piped must not depend on its width.
         table.set_content_arrangement(ContentArrangement::Disabled);
         table.set_header(self.columns.iter().map(|(name, _)| name));
         for row in &self.rows {
@@ -91,17 +191,19 @@ impl TextTable {
         }
         for (index, (_, side)) in self.columns.iter().enumerate() {
             if let Some(column) = table.column_mut(index) {
-                column.set_padding((0, 2));
+                column.set_padding((0, BETWEEN as u16));
                 column.set_cell_alignment(match side {
                     Side::Left => CellAlignment::Left,
                     Side::Right => CellAlignment::Right,
                 });
             }
         }
+        let names = self.columns.iter().map(|(name, _)| name.lines().count());
+        let header = names.max().unwrap_or(0);
         let mut text = String::new();
         for (index, line) in table.lines().enumerate() {
             let line = line.trim_end();
-            if index == 0 && bold_header {
+            if index < header && bold_header {
                 text.push_str(&format!("\u{1b}[1m{line}\u{1b}[0m\n"));
             } else {
                 text.push_str(line);
@@ -110,6 +212,30 @@ impl TextTable {
         }
         text
     }
+}
+
+/// Characters of the longest line.
+fn width(cell: &str) -> usize {
+    let lines = cell.lines().map(|line| line.chars().count());
+    lines.max().unwrap_or(0)
+}
+
+/// Characters of a line of columns that are so wide.
+fn across(widths: &[usize]) -> usize {
+    widths.iter().sum::<usize>() + BETWEEN * widths.len().saturating_sub(1)
+}
+
+/// The text in lines of at most so many characters, broken at blanks only.
+fn folded(text: &str, most: usize) -> String {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.is_empty() => line.push_str(word),
+            Some(line) if width(line) + 1 + width(word) <= most => *line += &format!(" {word}"),
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines.join("\n")
 }
 
 #[cfg(test)]
@@ -135,5 +261,34 @@ mod tests {
         );
         assert!(table.render(true).starts_with("\u{1b}[1mname"));
         assert_eq!(TextTable::default().render(false), "");
+    }
+
+    #[test]
+    fn no_line_is_wider_than_a_terminal() {
+        let names = ["metric", "a long name of it", "share", "what is said"];
+        let mut table = TextTable::new(names.map(|name| (name, Side::Left)));
+        table.push([
+            "rms",
+            "1.23 cm",
+            "12 %",
+            &"nothing of this is new ".repeat(4),
+        ]);
+        assert_eq!(
+            table.render(false),
+            "metric  a long   share  what is said\n\
+             \u{20}       name of\n\
+             \u{20}       it\n\
+             rms     1.23 cm  12 %   nothing of this is new nothing of this is new nothing of\n\
+             \u{20}                       this is new nothing of this is new\n"
+        );
+        assert_eq!(table.render(true).matches("\u{1b}[1m").count(), 3);
+        // Figures are never broken: what has no place goes on below.
+        let mut table = TextTable::new((0..30).map(|run| (format!("run_{run:02}"), Side::Right)));
+        table.push((0..30).map(|run| format!("{run}.25 cm")));
+        let text = table.render(false);
+        assert!(text.lines().all(|line| width(line) <= WIDEST), "{text}");
+        assert_eq!(text.matches("run_00").count(), 4);
+        assert!((0..30).all(|run| text.contains(&format!("{run}.25 cm"))));
+        assert!(text.lines().filter(|line| line.is_empty()).count() == 3);
     }
 }

@@ -349,6 +349,14 @@ impl Experiment {
         self.solver.engine.able(self).0
     }
 
+    /// What simulates this, and its version: a vehicle rolls by its own equations, in no engine.
+    pub fn engine_version(&self) -> &'static str {
+        match self.vehicle {
+            Some(_) => "two-wheel vehicle, no engine",
+            None => self.engine().version(),
+        }
+    }
+
     /// The engine that is as valid for this experiment as Rapier: the tree solver, unless it cannot simulate it, or the experiment
     /// asks for what means something in Rapier only (impulse joints, relaxations, simplified friction) or for a third engine.
     pub fn second_engine(&self) -> Option<EngineChoice> {

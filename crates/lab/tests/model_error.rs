@@ -73,9 +73,9 @@ fn models_get_the_draws_of_the_repeats_and_what_they_change_is_laid_on_all_of_th
     let width = |model: &ModelError| model.quantiles_m[1].high - model.quantiles_m[1].low;
     assert!(width(&other) > width(&plain), "{other:?}");
     // What another engine may do has a sign, and half of it is in the middle of most of it.
-    let (half, most) = (plain.half_of_runs_m, plain.further_run_m);
+    let (half, most) = (plain.half_of_runs_m.unwrap(), plain.further_run_m.unwrap());
     assert!(0.0 <= most.low && most.low < half.low && half.high < most.high);
-    let adds = plain.other_engine_adds_m;
+    let adds = plain.other_engine_adds_m.unwrap();
     assert!((most.high - spread.mean - adds.high).abs() < 1e-12 && adds.low < 0.0);
 }
 
@@ -141,7 +141,7 @@ fn a_robot_that_no_second_engine_runs_is_judged_by_its_own_and_the_reader_is_tol
     let model = model.unwrap();
     assert!(model.models.iter().all(|one| one.source != Source::Engine));
     assert!(model.to_string().contains("the second one cannot run this"));
-    assert!(model.further_run_m.low < model.half_of_runs_m.low);
+    assert!(model.further_run_m.unwrap().low < model.half_of_runs_m.unwrap().low);
 }
 
 #[test]

@@ -43,12 +43,17 @@ impl DisplayUnit {
 
     /// `value` (in the stored unit) with its symbol: `1.23 cm`.
     pub fn format(self, value: f64) -> String {
-        let number = number(value * self.factor);
+        let number = self.figure(value);
         match self.symbol {
             "" => number,
             "°" => format!("{number}°"),
             symbol => format!("{number} {symbol}"),
         }
+    }
+
+    /// As [`DisplayUnit::format`], without the symbol: for a range that stands beside its middle.
+    pub fn figure(self, value: f64) -> String {
+        number(value * self.factor)
     }
 
     /// `label`, followed by the unit in brackets where there is one: `discrepancy (cm)`.

@@ -15,7 +15,7 @@ impl Study {
         let experiment = &self.cases()[0].experiment;
         let mut print = Fingerprint::new()
             .with("realgap", env!("CARGO_PKG_VERSION"))
-            .with("engine", experiment.engine().version())
+            .with("engine", experiment.engine_version())
             .with("study", &definition.name)
             .with("morphology sha256", &definition.morphology_sha256)
             .with("metric", definition.metric.name())

@@ -141,7 +141,7 @@ impl StandIn {
                 });
             }
         }
-        trajectory::write_meta(folder, &self.meta(robot, experiment.engine().version()))?;
+        trajectory::write_meta(folder, &self.meta(robot, experiment.engine_version()))?;
         let values = self.values.iter();
         Ok(RecordReport {
             morphology: robot.name().to_owned(),
@@ -153,7 +153,7 @@ impl StandIn {
             seed: self.seed,
             parameters: values.map(|a| (a.parameter.name, a.value)).collect(),
             noise: self.noise,
-            engine: experiment.engine().version(),
+            engine: experiment.engine_version(),
             version: env!("CARGO_PKG_VERSION"),
             warnings,
         })

@@ -255,7 +255,7 @@ impl Card {
     #[must_use]
     pub fn with_model(mut self, ensemble: &Ensemble, model: Option<ModelError>) -> Self {
         if let (Some(success), Some(model)) = (&mut self.success, &model) {
-            success.range = Some(model.success(ensemble, success.least_displacement_m));
+            success.range = model.success(ensemble, success.least_displacement_m);
         }
         self.model = model;
         self.with_claims()

@@ -127,19 +127,20 @@ pub struct ModelError {
     /// is none of them: it is part of what another engine may do, once.
     #[serde(skip)]
     factors: Vec<f64>,
-    /// Where runs in another engine end.
+    /// Where runs in another engine end; `None` for a vehicle, which no engine simulates.
     #[serde(skip)]
-    other_engine: OtherEngine,
+    other_engine: Option<OtherEngine>,
     /// 5 %, 50 % and 95 % quantile of the net displacement over the models, metres.
     pub quantiles_m: [Range; 3],
     /// Probability of each behaviour over the models, in the forecast's order; a share of few repeats.
     pub behaviours: Vec<Range>,
-    /// Net displacement of half of the further runs in another engine, metres, as learned from MuJoCo on random robots.
-    pub half_of_runs_m: Range,
+    /// Net displacement of half of the further runs in another engine, metres, as learned from MuJoCo on random robots; `None`, as
+    /// the two below, where no engine simulates the robot.
+    pub half_of_runs_m: Option<Range>,
     /// This is the range that holds 90 % of them, metres.
-    pub further_run_m: Range,
+    pub further_run_m: Option<Range>,
     /// By how much farther than the mean of the repeats these 90 % get, metres; below 0 less far.
-    pub other_engine_adds_m: Range,
+    pub other_engine_adds_m: Option<Range>,
 }
 
 /// A probability of success, and how far the models part over it.
@@ -228,11 +229,15 @@ impl ModelError {
                 model.ratio = model.ratio.map(|ratio| ratio / limit);
             }
         }
-        let Some(sensitivity_m) = sensitivity_m(experiment, ensemble.seed, run)? else {
-            return Ok(None);
+        let other_engine = if experiment.vehicle.is_some() {
+            None
+        } else {
+            let Some(sensitivity_m) = sensitivity_m(experiment, ensemble.seed, run)? else {
+                return Ok(None);
+            };
+            let known = own_engines(ensemble, &models, sensitivity_m);
+            Some(OtherEngine::new(&known))
         };
-        let known = own_engines(ensemble, &models, sensitivity_m);
-        let other_engine = OtherEngine::new(&known);
         Ok(Some(Self::of(
             ensemble,
             forecast,
@@ -247,7 +252,7 @@ impl ModelError {
         forecast: &Forecast,
         models: Vec<Model>,
         repeats: usize,
-        other_engine: OtherEngine,
+        other_engine: Option<OtherEngine>,
     ) -> Self {
         let mut factors = vec![1.0];
         for source in Source::ALL
@@ -279,17 +284,18 @@ impl ModelError {
             let shares = models.iter().map(|model| model.behaviours[index]);
             Range::of(shares.chain([behaviour.probability.share]))
         });
-        let further_run_m = other_engine.central(LEVEL);
+        let of_runs_m = |level| other_engine.as_ref().map(|other| other.central(level));
+        let further_run_m = of_runs_m(LEVEL);
         let own_m = mean(&far_m);
         Self {
             behaviours: behaviours.collect(),
             quantiles_m,
-            half_of_runs_m: other_engine.central(0.5),
+            half_of_runs_m: of_runs_m(0.5),
             further_run_m,
-            other_engine_adds_m: Range {
-                low: further_run_m.low - own_m,
-                high: further_run_m.high - own_m,
-            },
+            other_engine_adds_m: further_run_m.map(|range| Range {
+                low: range.low - own_m,
+                high: range.high - own_m,
+            }),
             other_engine,
             factors,
             models,
@@ -311,8 +317,9 @@ impl ModelError {
         }
     }
 
-    /// How the models part over the probability to get at least `least_m` far.
-    pub fn success(&self, ensemble: &Ensemble, least_m: f64) -> SuccessRange {
+    /// How the models part over the probability to get at least `least_m` far; `None` where no engine simulates the robot.
+    pub fn success(&self, ensemble: &Ensemble, least_m: f64) -> Option<SuccessRange> {
+        let other_engine = self.other_engine.as_ref()?;
         let far_m = displacements_m(ensemble);
         let share = |factor: &f64| {
             let far = far_m.iter().filter(|far_m| factor * **far_m >= least_m);
@@ -321,13 +328,13 @@ impl ModelError {
         let own = share(&1.0);
         let models = Range::of(self.factors.iter().map(share));
         let completed = far_m.len() as f64 / ensemble.repeats.len() as f64;
-        SuccessRange {
+        Some(SuccessRange {
             models: models.unwrap_or(Range {
                 low: own,
                 high: own,
             }),
-            other_engine: completed * self.other_engine.reaches(least_m),
-        }
+            other_engine: completed * other_engine.reaches(least_m),
+        })
     }
 }
 
@@ -383,6 +390,25 @@ type Change = Box<dyn Fn(&Experiment) -> Experiment + Sync + Send>;
 
 /// The models of an experiment: name, what they vary, and how.
 fn models(experiment: &Experiment, points: &[ParameterSet]) -> Vec<(String, Source, Change)> {
+    let mut models = match experiment.vehicle {
+        Some(_) => Vec::new(),
+        None => other_physics(experiment),
+    };
+    let taken = points.len().min(POINTS);
+    for index in 0..taken {
+        // Spread over the set, both ends included.
+        let point = points[index * (points.len() - 1) / taken.saturating_sub(1).max(1)].clone();
+        models.push((
+            point.to_string(),
+            Source::Indistinguishable,
+            Box::new(move |own| point.apply(own)),
+        ));
+    }
+    models
+}
+
+/// Other numerics, joints and engines for the same values.
+fn other_physics(experiment: &Experiment) -> Vec<(String, Source, Change)> {
     let mut models: Vec<(String, Source, Change)> = Vec::new();
     for number in 1..=NUMERICS {
         let changed = experiment.with_numerics(number);
@@ -415,16 +441,6 @@ fn models(experiment: &Experiment, points: &[ParameterSet]) -> Vec<(String, Sour
             own
         });
         models.push((other.get().version().to_owned(), Source::Engine, change));
-    }
-    let taken = points.len().min(POINTS);
-    for index in 0..taken {
-        // Spread over the set, both ends included.
-        let point = points[index * (points.len() - 1) / taken.saturating_sub(1).max(1)].clone();
-        models.push((
-            point.to_string(),
-            Source::Indistinguishable,
-            Box::new(move |own| point.apply(own)),
-        ));
     }
     models
 }
@@ -494,11 +510,14 @@ impl fmt::Display for ModelError {
                 write!(f, "\n    diverged        {}", lost.join(", "))?;
             }
         }
+        let (Some(half), Some(most)) = (&self.half_of_runs_m, &self.further_run_m) else {
+            return Ok(());
+        };
         write!(
             f,
             "\n    another engine  50 %: {}, 90 %: {}{}",
-            metres(&self.half_of_runs_m),
-            metres(&self.further_run_m),
+            metres(half),
+            metres(most),
             self.without_second_engine()
         )
     }

@@ -133,7 +133,7 @@ impl EnsembleReport {
         let experiments: String = experiments.collect();
         let fingerprint = Fingerprint::new()
             .with("realgap", env!("CARGO_PKG_VERSION"))
-            .with("engine", study.cases[0].experiment.engine().version())
+            .with("engine", study.cases[0].experiment.engine_version())
             .with("study", &definition.name)
             .with("experiments sha256", sha256(experiments.as_bytes()))
             .with("noise", format!("{:?}", options.noise))
@@ -252,7 +252,7 @@ impl EnsembleReport {
             complete,
             parameters: by_name(&definition.set),
             noise_from: noise_from.to_owned(),
-            engine: study.cases[0].experiment.engine().version(),
+            engine: study.cases[0].experiment.engine_version(),
             version: env!("CARGO_PKG_VERSION"),
             source: definition.source(),
             reality: Reality::pooled(&parts),
@@ -322,8 +322,9 @@ impl EnsembleCase {
         };
         let (ensemble, forecast) = (&self.ensemble, &self.forecast);
         self.model = ModelError::new(&case.experiment, ensemble, forecast, points, &quiet)?;
-        if let (Some(model), false) = (&self.model, case.real.is_empty()) {
-            let inside = |path: &Prepared| model.further_run_m.contains(path.net_displacement_m());
+        let further_run_m = self.model.as_ref().and_then(|model| model.further_run_m);
+        if let (Some(range), false) = (further_run_m, case.real.is_empty()) {
+            let inside = |path: &Prepared| range.contains(path.net_displacement_m());
             let count = case.real.iter().filter(|(_, path)| inside(path)).count();
             self.in_further_runs = Some(Proportion::new(count, case.real.len(), INTERVAL));
         }

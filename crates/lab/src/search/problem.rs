@@ -148,7 +148,7 @@ impl Search {
 
     /// Engines with their versions: that which judges, and that which explores.
     pub fn engines(&self) -> String {
-        let judge = self.judge().engine().version();
+        let judge = self.judge().engine_version();
         match self.explorer() {
             Some(explorer) => format!("{judge}, explored in {}", explorer.get().version()),
             None => judge.to_owned(),

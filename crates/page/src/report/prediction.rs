@@ -53,10 +53,13 @@ fn model(model: &Value) -> String {
             percent(one.float("ratio").map(|ratio| ratio - 1.0)),
         ]
     });
+    let rows = titled("other model | from | changes the displacement by", rows);
     let further = model.at("further_run_m");
+    if further.is_null() {
+        return rows;
+    }
     format!(
-        "{}<p class=\"note\">In an engine that was not asked, a run goes {} with 90 %: {} more than here (below 0: less).</p>",
-        titled("other model | from | changes the displacement by", rows),
+        "{rows}<p class=\"note\">In an engine that was not asked, a run goes {} with 90 %: {} more than here (below 0: less).</p>",
         further.span(["low", "high"], "m"),
         model.at("other_engine_adds_m").span(["low", "high"], "m")
     )

@@ -38,13 +38,14 @@ pub(super) fn read(
             stem.to_string_lossy().into_owned()
         }
     };
-    let collides = children(root, "link").any(|link| child(link, "collision").is_some());
+    let has = |shape| children(root, "link").any(|link| child(link, shape).is_some());
+    let collides = has("collision");
     if !collides {
-        notes.assumed(
-            None,
-            "no link has collision shapes: the visual ones are taken",
-            "add <collision> elements",
-        );
+        let found = match has("visual") {
+            true => "no link has collision shapes: the visual ones are taken",
+            false => "no link has shapes, neither collision nor visual ones",
+        };
+        notes.assumed(None, found, "add <collision> elements");
     }
     let reader = Reader {
         place,

@@ -67,7 +67,7 @@ impl Forecast {
     ) -> String {
         let mut columns = vec![
             ("behaviour", Side::Left),
-            ("probability", Side::Right),
+            ("share", Side::Right),
             ("sampling, 95 %", Side::Right),
             ("net displacement", Side::Right),
             ("repeat", Side::Right),
@@ -84,7 +84,7 @@ impl Forecast {
             let mut row = vec![
                 behaviour.name.clone(),
                 format!("{:.1} %", 100.0 * p.share),
-                format!("{:.1} to {:.1} %", 100.0 * p.low, 100.0 * p.high),
+                format!("{:.0} to {:.0} %", 100.0 * p.low, 100.0 * p.high),
                 quantity(behaviour.mean_displacement_m, Unit::Metre),
                 behaviour
                     .representative
@@ -121,7 +121,7 @@ impl fmt::Display for Reality {
             ("at the end", Side::Right),
             ("95 % interval", Side::Right),
             ("recordings say", Side::Left),
-            ("whole paths in their band", Side::Right),
+            ("whole paths in band", Side::Right),
         ]);
         for coverage in &self.coverage {
             let end = &coverage.at_end;

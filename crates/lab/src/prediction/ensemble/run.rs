@@ -193,7 +193,7 @@ pub fn run_each(
         duration_s: experiment.duration_s,
         body_length_m: experiment.assembly.body_length_m,
         cpu,
-        engine: experiment.engine().version(),
+        engine: experiment.engine_version(),
         warnings: run_warnings,
     };
     let own = warnings(&ensemble);

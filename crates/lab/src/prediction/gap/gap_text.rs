@@ -7,38 +7,37 @@ use super::estimate::Estimate;
 use super::set::FloorReport;
 use super::study::StudyGap;
 use realgap_core::table::{Side, TextTable};
-use realgap_core::unit::{Unit, counted, number, quantity};
+use realgap_core::unit::{DisplayUnit, Unit, counted, number, quantity};
 
-/// `3.1 cm (2.0 to 4.4)`.
+/// `3.10 cm (2.02 to 4.41)`: one unit for all, so that the range is read at a glance.
 fn in_unit(estimate: &Estimate, unit: Unit) -> String {
-    let value = quantity(estimate.value, unit);
+    let shown = DisplayUnit::for_size(unit, estimate.value);
+    let value = shown.format(estimate.value);
     match (estimate.low, estimate.high) {
         (Some(low), Some(high)) => {
-            format!(
-                "{value} ({} to {})",
-                quantity(low, unit),
-                quantity(high, unit)
-            )
+            format!("{value} ({} to {})", shown.figure(low), shown.figure(high))
         }
         _ => value,
     }
 }
 
 impl fmt::Display for FloorReport {
-    /// A row a set, a column a metric.
+    /// A row a set and metric.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut columns = vec![("set", Side::Left), ("runs", Side::Right)];
-        columns.extend(self.metrics.iter().map(|(name, _)| (*name, Side::Right)));
-        let mut table = TextTable::new(columns);
+        let mut table = TextTable::new([
+            ("set", Side::Left),
+            ("runs", Side::Right),
+            ("metric", Side::Left),
+            ("noise floor", Side::Left),
+        ]);
         for set in &self.sets {
-            let mut row = vec![set.set.clone(), set.floor.recordings.to_string()];
-            for (index, (_, unit)) in self.metrics.iter().enumerate() {
-                row.push(match set.floor.metrics.get(index) {
-                    Some(floor) => in_unit(&floor.floor, *unit),
-                    None => "-".to_owned(),
-                });
+            let mut first = [set.set.clone(), set.floor.recordings.to_string()];
+            for (index, (metric, unit)) in self.metrics.iter().enumerate() {
+                let floor = set.floor.metrics.get(index);
+                let floor = floor.map_or("-".to_owned(), |floor| in_unit(&floor.floor, *unit));
+                let [set, runs] = std::mem::take(&mut first);
+                table.push([set, runs, (*metric).to_owned(), floor]);
             }
-            table.push(row);
         }
         write!(
             f,
@@ -55,27 +54,25 @@ impl fmt::Display for StudyGap {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut table = TextTable::new([
             ("metric", Side::Left),
-            ("noise floor", Side::Right),
-            ("simulation", Side::Left),
-            ("gap", Side::Right),
-            ("gap ratio", Side::Right),
+            ("distance", Side::Left),
+            ("gap ratio", Side::Left),
             ("energy ratio", Side::Right),
-            ("drawn alike? p", Side::Right),
+            ("alike? p", Side::Right),
         ]);
         let said = |value: Option<f64>| value.map_or("-".to_owned(), number);
         for row in &self.metrics {
-            let floor = row.floor.map_or("-".to_owned(), |f| in_unit(&f, row.unit));
-            let mut push = |first: [&str; 3], side: &Option<GapAndRatio>, alike: [String; 2]| {
-                let [name, floor, what] = first;
-                let [energy_ratio, p] = alike;
+            table.push([row.metric]);
+            if let Some(floor) = row.floor {
+                table.push(["  noise floor".to_owned(), in_unit(&floor, row.unit)]);
+            }
+            let mut push = |what: &str, side: &Option<GapAndRatio>, alike: [String; 2]| {
                 if let Some(side) = side {
+                    let ratio = side.ratio.map(|ratio| in_unit(&ratio, Unit::One));
+                    let [energy_ratio, p] = alike;
                     table.push([
-                        name.to_owned(),
-                        floor.to_owned(),
-                        what.to_owned(),
+                        format!("  {what}"),
                         in_unit(&side.gap, row.unit),
-                        side.ratio
-                            .map_or("-".to_owned(), |ratio| in_unit(&ratio, Unit::One)),
+                        ratio.unwrap_or("-".to_owned()),
                         energy_ratio,
                         p,
                     ]);
@@ -84,11 +81,9 @@ impl fmt::Display for StudyGap {
             let alike = [
                 row.alike.and_then(|a| a.ratio),
                 row.alike.map(|a| a.p_value),
-            ]
-            .map(said);
-            let none = [None, None].map(said);
-            push([row.metric, &floor, "without noise"], &row.ideal, none);
-            push(["", "", "repeats, mean"], &row.repeats, alike);
+            ];
+            push("without noise", &row.ideal, [None, None].map(said));
+            push("repeats", &row.repeats, alike.map(said));
         }
         write!(
             f,

@@ -285,7 +285,7 @@ fn study_gap(
         confidence: Confidence::new(&real, &cases, body_length_m)?,
         claims: Vec::new(),
         noise,
-        engine: study.cases()[0].experiment.engine().version(),
+        engine: study.cases()[0].experiment.engine_version(),
         version: env!("CARGO_PKG_VERSION"),
         warnings,
     };
