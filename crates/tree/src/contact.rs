@@ -121,13 +121,7 @@ fn basis(normal: Vec3) -> [Vec3; 3] {
 impl Point {
     /// Rows without what bodies give.
     #[inline(always)]
-    pub fn new(
-        touch: &Touch,
-        index: usize,
-        forest: &Forest,
-        nodes: &[Node],
-        step: &Step,
-    ) -> Self {
+    pub fn new(touch: &Touch, index: usize, forest: &Forest, nodes: &[Node], step: &Step) -> Self {
         let basis = basis(touch.normal_world);
         let node = &nodes[touch.a];
         let arm_a = touch.point_world_m - node.reference_world_m;
@@ -168,7 +162,8 @@ impl Point {
         point.is_impact = point.bounce(touch, approach, pull, step);
         // Over the step a point travels by its velocity and by half of what velocity products do to it.
         for (k, axis) in basis.iter().enumerate() {
-            let same_point = k > 0 || (matches!(touch.memory, Memory::Corner { .. }) && !point.is_impact);
+            let same_point =
+                k > 0 || (matches!(touch.memory, Memory::Corner { .. }) && !point.is_impact);
             if same_point {
                 point.led[k] -= 0.5 * step.time_s * swing.dot(*axis);
             }
