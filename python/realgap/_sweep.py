@@ -186,6 +186,22 @@ class Estimated:
 
 
 @dataclass(frozen=True)
+class MotionTells:
+    """What one recording tells that the others do not, in bits: of all parameters (one more halves their volume), and of each.
+
+    Of a recording that was not fitted it is what the fit would gain with it.
+
+    >>> tuned.summary.tuning.motions    # of gauss-newton only
+    ()
+    """
+
+    recording: str
+    is_fitted: bool
+    bits: float
+    parameters: Mapping[str, float]
+
+
+@dataclass(frozen=True)
 class Tuned:
     """How an optimizer chose the points: `design` of them fill the space first.
 
@@ -199,6 +215,8 @@ class Tuned:
     evaluated: int
     termination: Literal["budget", "exhausted", "no_improvement", "interrupted"]
     least_squares: Tuple[Estimated, ...] = ()
+    lowest_score: Optional[float] = None
+    motions: Tuple[MotionTells, ...] = ()
 
 
 @dataclass(frozen=True)

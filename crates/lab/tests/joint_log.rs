@@ -6,7 +6,7 @@ use std::sync::Arc;
 use realgap_core::file::Source;
 use realgap_engine::parameter::{Assignment, ParameterSet};
 use realgap_engine::{CommandTrack, Experiment, JointState, Quantity, Sampling, run};
-use realgap_lab::calibration::{Overrides, Study, TuneOptions};
+use realgap_lab::calibration::{Overrides, Split, Study, TuneOptions};
 use realgap_optimize::{RunOptions, optimizer_by_name};
 use realgap_robot::morphology::Morphology;
 
@@ -44,10 +44,33 @@ fn told(quantity: Quantity, joint: usize) -> Vec<f64> {
     times().into_iter().map(|t| size * wave(t)).collect()
 }
 
-/// Writes the robot and a log of it with these parameters; the folder's path.
+/// Writes the robot and a log of it with these parameters.
 fn recorded(folder: &Path, law: &str, quantity: Quantity, truth: &[(&str, f64)], header: &str) {
-    std::fs::write(folder.join("arm.ron"), robot(law)).unwrap();
-    let assembly = Morphology::parse(&Source::new("arm.ron", robot(law))).unwrap();
+    record(
+        folder,
+        "log.csv",
+        &robot(law),
+        (quantity, [1.0; 2]),
+        truth,
+        header,
+    );
+}
+
+/// The same of any robot and file, with what each joint is told times a size; a joint of size 0 is still.
+fn record(
+    folder: &Path,
+    file: &str,
+    robot: &str,
+    (quantity, sizes): (Quantity, [f64; 2]),
+    truth: &[(&str, f64)],
+    header: &str,
+) {
+    std::fs::write(folder.join("arm.ron"), robot).unwrap();
+    let assembly = Morphology::parse(&Source::new("arm.ron", robot)).unwrap();
+    let told = |joint: usize| -> Vec<f64> {
+        let told = told(quantity, joint).into_iter();
+        told.map(|command| sizes[joint] * command).collect()
+    };
     let mut experiment = Experiment::new(assembly.assemble());
     let names: Vec<String> = experiment
         .assembly
@@ -56,18 +79,16 @@ fn recorded(folder: &Path, law: &str, quantity: Quantity, truth: &[(&str, f64)],
         .map(|h| h.name.clone())
         .collect();
     for (joint, name) in names.iter().enumerate() {
-        let track = CommandTrack::new(times(), told(quantity, joint), None).unwrap();
+        let track = CommandTrack::new(times(), told(joint), None).unwrap();
         experiment
             .commands
             .insert(name.clone(), Arc::new(track.of(quantity)));
     }
-    experiment.start_joints = vec![
-        JointState {
-            angle_rad: 0.1,
-            speed_rad_s: 0.0
-        };
-        2
-    ];
+    let start = sizes.map(|size| JointState {
+        angle_rad: 0.1 * size,
+        speed_rad_s: 0.0,
+    });
+    experiment.start_joints = start.to_vec();
     experiment.sampling = Sampling::Times(times().into());
     experiment.duration_s = 3.98;
     experiment.solver.timestep_s = 0.005;
@@ -82,11 +103,11 @@ fn recorded(folder: &Path, law: &str, quantity: Quantity, truth: &[(&str, f64)],
         .unwrap();
     let mut text = format!("{header},pitch_rad_s,elbow_rad_s\n");
     for (k, t) in times().iter().enumerate() {
-        // A trembling encoder, the same in every run.
-        let tremble = |joint: usize| 1e-3 * ((k * 7919 + joint * 104_729) as f64).sin();
+        // A trembling encoder, the same in every run; not where it starts.
+        let tremble = |joint: usize| 1e-3 * ((k * (7919 + joint * 104_729)) as f64).sin();
         text.push_str(&t.to_string());
         for joint in 0..2 {
-            text.push_str(&format!(",{}", told(quantity, joint)[k]));
+            text.push_str(&format!(",{}", told(joint)[k]));
         }
         for joint in 0..2 {
             text.push_str(&format!(
@@ -101,7 +122,7 @@ fn recorded(folder: &Path, law: &str, quantity: Quantity, truth: &[(&str, f64)],
     }
     let motion = motion.joints();
     assert_eq!([&motion[0].name, &motion[1].name], [&names[0], &names[1]]);
-    std::fs::write(folder.join("log.csv"), text).unwrap();
+    std::fs::write(folder.join(file), text).unwrap();
 }
 
 fn study(folder: &Path, more: &str) -> PathBuf {
@@ -208,4 +229,80 @@ fn joints_and_columns_that_do_not_match_are_refused_with_both_lists() {
     read(r#"commands: Commands(), reading: (names: {"jaw_rad": "elbow_rad"})"#).unwrap();
     let error = read(r#"reading: (names: {"jaw_rad": "elbow_rad"})"#).unwrap_err();
     assert!(error.contains("add `commands: Commands()`"), "{error}");
+}
+
+#[test]
+fn a_motion_that_does_not_move_a_joint_tells_nothing_about_it() {
+    // Two arms that do not know of each other: side by side on one base, turning about upright axes.
+    let robot = robot(SPRING)
+        .replace(r#"parent: "upper""#, r#"parent: "base""#)
+        .replace("axis: (0, 1, 0)", "axis: (0, 0, 1)");
+    let truth = [
+        ("servo.pitch.stiffness_nm_rad", 9.0),
+        ("servo.elbow.stiffness_nm_rad", 6.0),
+        ("servo.pitch.damping_nm_s_rad", 0.5),
+        ("servo.elbow.damping_nm_s_rad", 0.5),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    for (file, sizes) in [
+        ("both.csv", [2.0, 2.0]),
+        ("pitch.csv", [1.0, 0.0]),
+        ("elbow.csv", [0.0, 1.0]),
+        ("neither.csv", [0.0, 0.0]),
+    ] {
+        let told = (Quantity::Position, sizes);
+        record(folder.path(), file, &robot, told, &truth, POSITIONS);
+    }
+    let path = study(
+        folder.path(),
+        r#"commands: Commands(), parameters: [
+            (name: "servo.pitch.stiffness_nm_rad", from: 4, to: 16),
+            (name: "servo.elbow.stiffness_nm_rad", from: 4, to: 16),
+            (name: "servo.pitch.damping_nm_s_rad", from: 0.1, to: 1),
+            (name: "servo.elbow.damping_nm_s_rad", from: 0.1, to: 1),
+        ]"#,
+    );
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("log.csv", "*.csv")).unwrap();
+    let options = TuneOptions {
+        optimizer: optimizer_by_name("gauss-newton").unwrap(),
+        budget: 30,
+        patience: None,
+    };
+    for split in [None, Some(Split::HoldOut(0.25))] {
+        let overrides = Overrides {
+            split,
+            ..Overrides::default()
+        };
+        let study = Study::read(&path, &overrides).unwrap();
+        let answer = study.tune(&options, &RunOptions::default()).unwrap();
+        let report = answer.to_string();
+        let motions = answer.report.tuning.unwrap().motions;
+        let kept = motions.iter().filter(|motion| !motion.is_fitted);
+        assert_eq!(kept.count(), usize::from(split.is_some()), "{motions:?}");
+        assert_eq!(motions[3].recording, "neither", "{motions:?}");
+        for motion in &motions {
+            let moves = |joint: &str| ["both", joint].contains(&motion.recording.as_str());
+            for (name, bits) in &motion.parameters {
+                let joint = if name.contains("pitch") {
+                    "pitch"
+                } else {
+                    "elbow"
+                };
+                let right = if moves(joint) {
+                    *bits > 0.1
+                } else {
+                    bits.abs() < 1e-9
+                };
+                assert!(right, "{} of {name}: {bits}", motion.recording);
+            }
+        }
+        let bits = |name: &str| motions.iter().find(|m| m.recording == name).unwrap().bits;
+        assert!(bits("neither").abs() < 1e-9, "{motions:?}");
+        if split.is_none() {
+            // Twice as far, in both.
+            assert!(bits("both") > bits("pitch") + bits("elbow"), "{motions:?}");
+            assert!(report.contains("the others do not:\n    both "), "{report}");
+        }
+    }
 }

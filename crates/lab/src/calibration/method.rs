@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::motion::MotionTells;
 use realgap_optimize::{Grid, Quadratic};
 
 /// How the points of an answer were chosen.
@@ -61,6 +62,13 @@ pub struct Tuned {
     /// What least squares know of each parameter where they ended; empty for other optimizers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub least_squares: Vec<Estimated>,
+    /// Lowest score of all points, where least squares chose a point with another: they count large errors less, and prior
+    /// knowledge, too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lowest_score: Option<f64>,
+    /// What each recording tells them that the others do not, the most first; empty for other optimizers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub motions: Vec<MotionTells>,
 }
 
 /// What least squares know of a parameter: by what the fit is without each log, or with fewer than three by noise alone.
@@ -69,7 +77,7 @@ pub struct Tuned {
 pub struct Estimated {
     /// Name of the parameter.
     pub parameter: &'static str,
-    /// The value of the simulated point whose robust loss is least: the answer's best.
+    /// The value of the simulated point whose robust loss is least of all: the answer's best.
     pub value: f64,
     /// Lower end of the 90 % interval.
     pub low: f64,

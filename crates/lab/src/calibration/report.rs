@@ -9,6 +9,7 @@ use super::audit::Audit;
 use super::engines::EngineWish;
 use super::fit::Fit;
 use super::method::{Method, Tuned};
+use super::motion;
 use super::posterior::BestDraws;
 use super::recording::few_recordings;
 use super::reproduction::Reproduction;
@@ -244,6 +245,14 @@ impl fmt::Display for Report {
                 self.metric,
                 quantity(best.score, self.unit)
             )?;
+            let lowest = self.tuning.as_ref().and_then(|tuning| tuning.lowest_score);
+            if let Some(lowest) = lowest {
+                write!(
+                    f,
+                    ", the least robust loss of all points; the lowest discrepancy is {}",
+                    quantity(lowest, self.unit)
+                )?;
+            }
             let spread = self.uncertainty.as_ref().map(|sure| sure.simulation_sd);
             if let (true, Some(own), Some(spread)) = (best.settings > 1, best.own_score, spread) {
                 write!(
@@ -292,6 +301,9 @@ impl fmt::Display for Report {
         }
         say(f, About::Set)?;
         say(f, About::Parameter)?;
+        if let Some(tuning) = &self.tuning {
+            motion::say(&tuning.motions, f)?;
+        }
         if let Some(audit) = &self.audit {
             write!(
                 f,

@@ -9,7 +9,6 @@ use super::case::{Case, cases};
 use super::definition::{Definition, ScoreRule, StartRule};
 use super::fitted::in_sample;
 use super::fleet::check_owners;
-use super::horizon::Horizon;
 use super::overrides::Overrides;
 use super::setting::{self, Settings};
 use crate::calibration::identification::{StartState, refine_again};
@@ -371,32 +370,6 @@ impl Study {
     /// Number of recordings that the fit sees.
     pub fn fitted_recordings(&self) -> usize {
         self.held_out.iter().filter(|held_out| !**held_out).count()
-    }
-
-    /// Single errors of the recordings that are fitted, in one row, and how many of them each log has, whose windows are not
-    /// independent; `None` where a case has none.
-    pub(super) fn errors_of(&self, trial: &Trial) -> Option<(Vec<f64>, Vec<usize>)> {
-        let mut errors = Vec::new();
-        let mut logs: Vec<((&Path, &str), usize)> = Vec::new();
-        for (case, row) in self.cases.iter().zip(&trial.cases) {
-            let own = row.completed()?.scores.get(case.targets.len()..)?;
-            let fitted = case.targets.iter().any(|t| !self.held_out[t.recording]);
-            if fitted {
-                errors.extend_from_slice(own);
-                let recording = &self.definition.recordings[case.targets[0].recording];
-                let log = match self.definition.horizon {
-                    Some(_) => Horizon::log_of(&recording.name),
-                    None => &recording.name,
-                };
-                let log = (recording.path.as_path(), log);
-                match logs.last_mut().filter(|(last, _)| *last == log) {
-                    Some((_, count)) => *count += own.len(),
-                    None => logs.push((log, own.len())),
-                }
-            }
-        }
-        let counts = logs.into_iter().map(|(_, count)| count);
-        (!errors.is_empty()).then(|| (errors, counts.collect()))
     }
 
     fn simulate_case(&self, case: usize, experiment: &Experiment) -> Result<CaseRow> {

@@ -3,6 +3,7 @@
 use super::answer::Answer;
 use super::keeping::{Keeping, KeptRun};
 use super::method::{Estimated, Method, Termination, Tuned};
+use super::motion::MotionTells;
 use super::score::{PointScore, Scores};
 use super::split::{Split, fold};
 use super::study::Study;
@@ -11,7 +12,7 @@ use super::wave::widened;
 use realgap_core::error::{Advice, Error, Result};
 use realgap_core::statistics::median;
 use realgap_optimize::{
-    Batch, Brief, Ending, History, Optimizer, Proposal, RunOptions, Told, UnitPoint,
+    Batch, Brief, Ending, History, Optimizer, Proposal, Quadratic, RunOptions, Told, UnitPoint,
     default_optimizer, drive, space_filling,
 };
 use realgap_path::comparison::Basis;
@@ -151,6 +152,15 @@ fn tune(
         termination,
         least_squares: match &known {
             Some(known) => Estimated::all(&study.definition().grid, known),
+            None => Vec::new(),
+        },
+        lowest_score: known.as_ref().and_then(|known| {
+            let chosen = study.definition().grid.values_at(&known.at);
+            let lowest = scores.best.map(|best| &scores.points[best])?;
+            lowest.score.filter(|_| lowest.values != chosen)
+        }),
+        motions: match &known {
+            Some(known) => tuning.motions(known)?,
             None => Vec::new(),
         },
     });
@@ -375,6 +385,18 @@ impl<'a> Tuning<'a> {
     fn history(&self) -> History<'_> {
         let (design, told) = self.told.split_at(self.design.len().min(self.told.len()));
         History { design, told }
+    }
+
+    /// What each recording tells, from the differences that least squares took.
+    fn motions(&self, known: &Quadratic) -> Result<Vec<MotionTells>> {
+        let first = self.design.len();
+        let (at, moved) = (first + known.told.0, first + known.told.1);
+        let rows = self.keeping.rows();
+        let mut trials = rows.rows_within(at..at + 1)?;
+        trials.extend(rows.rows_within(moved..moved + known.point.len())?);
+        let around = trials.iter();
+        let around = around.map(|trial| (&self.told[trial.index].point, trial));
+        Ok(self.study.motions(known, &around.collect::<Vec<_>>()))
     }
 
     /// Evaluates the candidates that follow what has been told; stored ones are not simulated again.

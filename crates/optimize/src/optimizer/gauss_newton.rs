@@ -43,10 +43,17 @@ enum End {
     Nowhere,
 }
 
-/// Where a search is: every descent that ended, and the best quadratic.
+/// Where a search is: every descent that ended, and the best point with differences around it.
 struct Course {
     ends: Vec<End>,
-    best: Option<Quadratic>,
+    best: Option<Linear>,
+}
+
+/// A problem that was made linear, and where in the history its points are.
+struct Linear {
+    problem: Problem,
+    /// The point itself, and the first of those moved along one coordinate each.
+    told: (usize, usize),
 }
 
 /// What is told of these points, in order; coordinates are within 0 to 1 already.
@@ -67,10 +74,10 @@ fn descend(
     replay: &Replay<'_>,
     brief: &Brief,
     start: (UnitPoint, &[f64]),
-    logs: &[usize],
-    best: &mut Option<Quadratic>,
+    best: &mut Option<Linear>,
 ) -> std::result::Result<End, Unknown> {
     let (mut point, mut errors) = (start.0, start.1.to_vec());
+    let mut at = replay.answered() - 1;
     let (mut step, mut damping) = (FIRST_STEP, FIRST_DAMPING);
     loop {
         let moved: Vec<UnitPoint> = (0..point.len())
@@ -80,14 +87,18 @@ fn descend(
                 moved
             })
             .collect();
+        let told = (at, replay.answered());
         let shifted = ask(replay, &moved)?;
         let problem = Problem::new(&point, &errors, brief, &moved, &shifted);
         let here = problem.loss(&point, &errors);
-        if best.as_ref().is_none_or(|known| here < known.loss) {
-            *best = Some(problem.quadratic(here, logs));
+        // By the known one's measure: the width of a loss is that of the errors where it was made.
+        let is_better = |known: &Linear| known.problem.loss(&point, &errors) < known.problem.here();
+        if best.as_ref().is_none_or(is_better) {
+            let problem = problem.clone();
+            *best = Some(Linear { problem, told });
         }
         let mut promised = 0.0_f64;
-        let mut reached: Option<(f64, UnitPoint, &[f64])> = None;
+        let mut reached: Option<(f64, UnitPoint, &[f64], usize)> = None;
         for _ in 0..TRIALS {
             let steps: Vec<(f64, UnitPoint)> = DAMPINGS
                 .iter()
@@ -98,13 +109,14 @@ fn descend(
                 .collect();
             promised = steps.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
             let targets: Vec<UnitPoint> = steps.iter().map(|(_, to)| to.clone()).collect();
+            let first = replay.answered();
             for (index, told) in ask(replay, &targets)?.into_iter().enumerate() {
                 let Some(told) = told.filter(|told| told.len() == errors.len()) else {
                     continue;
                 };
                 let loss = problem.loss(&targets[index], told);
                 if loss < here && reached.as_ref().is_none_or(|best| loss < best.0) {
-                    reached = Some((loss, targets[index].clone(), told));
+                    reached = Some((loss, targets[index].clone(), told, first + index));
                     damping = (damping * DAMPINGS[index]).max(1e-9);
                 }
             }
@@ -113,7 +125,7 @@ fn descend(
             }
             damping *= MORE_DAMPING;
         }
-        let Some((loss, to, told)) = reached else {
+        let Some((loss, to, told, index)) = reached else {
             if step > LEAST_STEP {
                 // Perhaps the differences were too long for where the minimum is narrow.
                 (step, damping) = (LEAST_STEP, FIRST_DAMPING);
@@ -125,7 +137,7 @@ fn descend(
         let far = |(a, b): (&f64, &f64)| (a - b).abs();
         let longest = point.iter().zip(&to).map(far).fold(0.0, f64::max);
         let is_arrived = here - loss < ARRIVED_LOSS * here && longest < ARRIVED_STEP;
-        (point, errors) = (to, told.to_vec());
+        (point, errors, at) = (to, told.to_vec(), index);
         if is_arrived {
             return Ok(End::Arrived);
         }
@@ -134,7 +146,7 @@ fn descend(
 }
 
 /// Goes on until a point is asked for that nobody has evaluated.
-fn search(brief: &Brief, history: &History<'_>, logs: &[usize], course: &mut Course) -> Unknown {
+fn search(brief: &Brief, history: &History<'_>, course: &mut Course) -> Unknown {
     let replay = Replay::new(history.told);
     let dimensions = brief.dimensions();
     let mut begun = 0;
@@ -151,7 +163,7 @@ fn search(brief: &Brief, history: &History<'_>, logs: &[usize], course: &mut Cou
         };
         let end = match known {
             None => Ok(End::Nowhere),
-            Some(errors) => descend(&replay, brief, (start, errors), logs, &mut course.best),
+            Some(errors) => descend(&replay, brief, (start, errors), &mut course.best),
         };
         match end {
             Ok(end) => course.ends.push(end),
@@ -160,12 +172,12 @@ fn search(brief: &Brief, history: &History<'_>, logs: &[usize], course: &mut Cou
     }
 }
 
-fn course(brief: &Brief, history: &History<'_>, logs: &[usize]) -> (Course, Unknown) {
+fn course(brief: &Brief, history: &History<'_>) -> (Course, Unknown) {
     let mut course = Course {
         ends: Vec::new(),
         best: None,
     };
-    let unknown = search(brief, history, logs, &mut course);
+    let unknown = search(brief, history, &mut course);
     (course, unknown)
 }
 
@@ -191,11 +203,11 @@ impl Optimizer for GaussNewton {
     }
 
     fn propose(&self, brief: &Brief, history: &History<'_>) -> Result<Proposal> {
-        Ok(Proposal::Evaluate(course(brief, history, &[]).1.0))
+        Ok(Proposal::Evaluate(course(brief, history).1.0))
     }
 
     fn warning(&self, brief: &Brief, history: &History<'_>) -> Option<Warning> {
-        let ends = course(brief, history, &[]).0.ends;
+        let ends = course(brief, history).0.ends;
         let rough = ends.iter().filter(|end| **end == End::Rough).count();
         (rough > 0).then(|| {
             Warning::new(
@@ -209,7 +221,14 @@ impl Optimizer for GaussNewton {
     }
 
     fn quadratic(&self, brief: &Brief, history: &History<'_>, logs: &[usize]) -> Option<Quadratic> {
-        course(brief, history, logs).0.best
+        let Linear { problem, told } = course(brief, history).0.best?;
+        // The budget may end before there are differences around the last step: everything that was simulated is compared,
+        // and by one measure.
+        let known = history.told.iter().filter(|told| told.score.is_some());
+        let known = known.filter(|told| told.errors.len() == problem.errors());
+        let losses = known.map(|told| (problem.loss(&told.point, &told.errors), &told.point));
+        let (loss, at) = losses.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(problem.quadratic((at.clone(), loss), told, logs))
     }
 }
 
@@ -219,5 +238,57 @@ fn solve(matrix: DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
     match matrix.cholesky() {
         Some(cholesky) => cholesky.solve(right),
         None => DVector::zeros(size),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Told;
+    use super::*;
+
+    #[test]
+    fn the_best_is_the_nearest_of_all_simulated_wherever_the_budget_ends() {
+        // One parameter whose errors all grow with its distance from the truth, so that there is one order of points.
+        let truth = 0.83;
+        let error = |point: &[f64]| point[0].powi(3) - f64::powi(truth, 3);
+        for budget in 5..=24 {
+            let brief = Brief {
+                points: vec![2],
+                budget,
+                seed: 1,
+                priors: Vec::new(),
+            };
+            let mut told: Vec<Told> = Vec::new();
+            while told.len() < budget {
+                let history = History {
+                    design: &[],
+                    told: &told,
+                };
+                let Proposal::Evaluate(points) = GaussNewton.propose(&brief, &history).unwrap()
+                else {
+                    panic!("nothing more to try");
+                };
+                told.extend(
+                    points
+                        .into_iter()
+                        .take(budget - told.len())
+                        .map(|point| Told {
+                            score: Some(error(&point).abs()),
+                            errors: (1..=8).map(|row| f64::from(row) * error(&point)).collect(),
+                            point,
+                        }),
+                );
+            }
+            let history = History {
+                design: &[],
+                told: &told,
+            };
+            let known = GaussNewton.quadratic(&brief, &history, &[]).unwrap();
+            let nearest = told.iter().map(|told| told.score.unwrap());
+            let nearest = nearest.fold(f64::INFINITY, f64::min);
+            assert_eq!(error(&known.at).abs(), nearest, "{budget}");
+            let (at, moved) = known.told;
+            assert_ne!(told[at].point, told[moved].point, "{budget}");
+        }
     }
 }

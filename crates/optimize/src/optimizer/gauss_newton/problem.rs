@@ -10,11 +10,15 @@ use super::solve;
 /// The loss near a point, in coordinates from 0 to 1: what errors and prior knowledge say together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Quadratic {
-    /// The point with the least robust loss of those that were simulated.
+    /// The point with the least robust loss of all that were simulated.
     pub at: UnitPoint,
     /// The robust loss there.
     pub loss: f64,
-    /// Where the loss is least by all that is known around it.
+    /// Where the best point with differences around it is in the history, and the first of the differences, one a coordinate.
+    pub told: (usize, usize),
+    /// Variance of an error there, as if all were independent.
+    pub noise: f64,
+    /// Where the loss is least by all that is known around that point.
     pub point: UnitPoint,
     /// Covariance of the point, row by row: from three logs on of what the fit would be without each of them, so wide that 1.645 of
     /// its roots hold 90 %; with fewer of the errors' noise alone, whatever else is wrong with the model.
@@ -28,6 +32,7 @@ pub struct Quadratic {
 }
 
 /// Errors, and how they change with every coordinate.
+#[derive(Clone)]
 pub(super) struct Problem {
     at: UnitPoint,
     /// Change of every error per coordinate.
@@ -127,6 +132,16 @@ impl Problem {
         errors + 0.5 * self.prior_share * prior
     }
 
+    /// The loss where the problem was made.
+    pub fn here(&self) -> f64 {
+        self.loss(&self.at, self.errors.as_slice())
+    }
+
+    /// How many errors there are.
+    pub fn errors(&self) -> usize {
+        self.errors.len()
+    }
+
     /// Curvature and slope of the loss, prior knowledge included.
     fn normal(&self) -> (DMatrix<f64>, DVector<f64>) {
         let mut weighted = self.jacobian.clone();
@@ -187,8 +202,13 @@ impl Problem {
     }
 
     /// What is known here: variances of robust estimates (Huber 1981, section 7.6), errors in a row counted once, or from three
-    /// logs on how far they disagree.
-    pub fn quadratic(&self, loss: f64, logs: &[usize]) -> Quadratic {
+    /// logs on how far they disagree. `least`: the point with the least loss that was simulated; `told`: as [`Quadratic::told`].
+    pub fn quadratic(
+        &self,
+        least: (UnitPoint, f64),
+        told: (usize, usize),
+        logs: &[usize],
+    ) -> Quadratic {
         let count = self.errors.len() as f64;
         let dimensions = self.at.len();
         let squares = self.errors.zip_map(&self.weights, |e, w| (w * e).powi(2));
@@ -220,9 +240,11 @@ impl Problem {
         let covariance = lean.widened(covariance, noise);
         let rows = covariance.row_iter();
         Quadratic {
-            at: self.at.clone(),
+            at: least.0,
+            loss: least.1,
+            told,
+            noise,
             point: self.step(&self.at, 0.0),
-            loss,
             covariance: rows.map(|row| row.iter().copied().collect()).collect(),
             prior: self.prior.iter().map(|p| p.map(|(_, v)| v)).collect(),
             correlation: self.correlation,

@@ -1,0 +1,178 @@
+//! What each motion tells of the parameters that the others do not: D-optimality (Atkinson & Donev 1992) from the differences that
+//! least squares took anyway.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use serde::Serialize;
+
+use super::horizon::Horizon;
+use super::study::Study;
+use realgap_optimize::{Quadratic, UnitPoint};
+use realgap_store::{CaseRow, Trial};
+
+/// What one motion adds to all that is fitted, as if errors were noise alone and straight in the parameters.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MotionTells {
+    /// Name of the recording.
+    pub recording: String,
+    /// Whether it was fitted: then this is what the fit would lack without it, else what the fit would gain with it.
+    pub is_fitted: bool,
+    /// Half the gain of the logarithm of the information matrix's determinant: with a bit more, the parameters lie in half the
+    /// volume.
+    pub bits: f64,
+    /// The same of each parameter by itself: with a bit more, its interval is half as long.
+    pub parameters: BTreeMap<&'static str, f64>,
+}
+
+/// The errors of one log at a point.
+struct LogErrors<'a> {
+    path: &'a Path,
+    name: &'a str,
+    is_fitted: bool,
+    errors: Vec<f64>,
+}
+
+impl Study {
+    /// Single errors, log by log, whose windows are not independent; `None` where a case has none.
+    fn logs_of(&self, trial: &Trial) -> Option<Vec<LogErrors<'_>>> {
+        let definition = self.definition();
+        let mut logs: Vec<LogErrors<'_>> = Vec::new();
+        for (case, row) in self.cases().iter().zip(&trial.cases) {
+            let own = CaseRow::completed(row)?.scores.get(case.targets.len()..)?;
+            let is_fitted = case.targets.iter().any(|t| !self.is_held_out(t.recording));
+            let recording = &definition.recordings[case.targets[0].recording];
+            let path = recording.path.as_path();
+            let name = match definition.horizon {
+                Some(_) => Horizon::log_of(&recording.name),
+                None => &recording.name,
+            };
+            let key = (path, name, is_fitted);
+            let known = logs.iter_mut().rev();
+            let mut known = known.filter(|log| (log.path, log.name, log.is_fitted) == key);
+            match known.next() {
+                Some(log) => log.errors.extend_from_slice(own),
+                None => logs.push(LogErrors {
+                    path,
+                    name,
+                    is_fitted,
+                    errors: own.to_vec(),
+                }),
+            }
+        }
+        Some(logs)
+    }
+
+    /// Single errors of the recordings that are fitted, in one row, and how many of them each log has; `None` where a case has
+    /// none.
+    pub(super) fn errors_of(&self, trial: &Trial) -> Option<(Vec<f64>, Vec<usize>)> {
+        let fitted = self.logs_of(trial)?.into_iter().filter(|log| log.is_fitted);
+        let fitted: Vec<Vec<f64>> = fitted.map(|log| log.errors).collect();
+        let errors = fitted.concat();
+        (!errors.is_empty()).then(|| (errors, fitted.iter().map(Vec::len).collect()))
+    }
+
+    /// What each log tells, the most first; `around`: where least squares are, and the points moved from there by one coordinate
+    /// each, as simulated.
+    pub(super) fn motions(
+        &self,
+        known: &Quadratic,
+        around: &[(&UnitPoint, &Trial)],
+    ) -> Vec<MotionTells> {
+        let Some(((at, trial), moved)) = around.split_first() else {
+            return Vec::new();
+        };
+        let Some(here) = self.logs_of(trial) else {
+            return Vec::new();
+        };
+        let there: Vec<_> = moved.iter().map(|(_, trial)| self.logs_of(trial)).collect();
+        let informations: Vec<DMatrix<f64>> = here
+            .iter()
+            .enumerate()
+            .map(|(number, log)| {
+                let mut jacobian = DMatrix::zeros(log.errors.len(), moved.len());
+                for (axis, (point, _)) in moved.iter().enumerate() {
+                    // As in the fit: what diverged tells nothing.
+                    let after = there[axis].as_ref().map(|logs| &logs[number].errors);
+                    let Some(after) = after.filter(|after| after.len() == log.errors.len()) else {
+                        continue;
+                    };
+                    let step = point[axis] - at[axis];
+                    for (row, (after, before)) in after.iter().zip(&log.errors).enumerate() {
+                        jacobian[(row, axis)] = (after - before) / step;
+                    }
+                }
+                jacobian.tr_mul(&jacobian) / known.noise
+            })
+            .collect();
+        let prior = known.prior.iter();
+        let prior = prior.map(|variance| variance.map_or(12.0, |variance| 1.0 / variance));
+        let prior = DMatrix::from_diagonal(&DVector::from_iterator(moved.len(), prior));
+        let ranges = self.definition().grid.ranges();
+        let mut motions: Vec<MotionTells> = (0..here.len())
+            .filter_map(|number| {
+                let others = (0..here.len()).filter(|o| *o != number && here[*o].is_fitted);
+                let others = others.fold(prior.clone(), |sum, other| sum + &informations[other]);
+                let with = (&others + &informations[number]).cholesky()?;
+                let (bits, each) = gained(&others.cholesky()?, &with);
+                let names = ranges.iter().map(|range| range.parameter.name);
+                Some(MotionTells {
+                    recording: here[number].name.to_owned(),
+                    is_fitted: here[number].is_fitted,
+                    bits,
+                    parameters: names.zip(each).collect(),
+                })
+            })
+            .collect();
+        motions.sort_by(|a, b| b.bits.total_cmp(&a.bits));
+        motions
+    }
+}
+
+/// How many of the motions that tell most are said.
+const SAID: usize = 5;
+
+/// A line for each of the motions that tell most, and for the one that tells least.
+pub(super) fn say(motions: &[MotionTells], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    if motions.len() < 2 {
+        return Ok(());
+    }
+    write!(f, "\n  what each recording tells that the others do not:")?;
+    for (place, motion) in motions.iter().enumerate() {
+        match place {
+            place if place < SAID || place + 1 == motions.len() => write!(f, "\n    {motion}")?,
+            SAID => write!(f, "\n    ...")?,
+            _ => (),
+        }
+    }
+    Ok(())
+}
+
+/// Bits by which the second information is more than the first, of all and of each coordinate.
+fn gained(without: &Cholesky<f64, Dyn>, with: &Cholesky<f64, Dyn>) -> (f64, Vec<f64>) {
+    let half = |of: &Cholesky<f64, Dyn>| -> f64 {
+        let diagonal = of.l_dirty().diagonal();
+        diagonal.iter().map(|d| libm::log2(*d)).sum()
+    };
+    let (before, after) = (without.inverse(), with.inverse());
+    let ratios = before.diagonal().component_div(&after.diagonal());
+    let each = ratios.iter().map(|ratio| 0.5 * libm::log2(*ratio));
+    (half(with) - half(without), each.collect())
+}
+
+impl fmt::Display for MotionTells {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {:.1} bits", self.recording, self.bits)?;
+        let most = self.parameters.iter().max_by(|a, b| a.1.total_cmp(b.1));
+        if let Some((name, bits)) = most {
+            write!(f, ", {bits:.1} of {name}")?;
+        }
+        match self.is_fitted {
+            true => Ok(()),
+            false => write!(f, " (not fitted)"),
+        }
+    }
+}
