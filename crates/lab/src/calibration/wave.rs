@@ -7,7 +7,7 @@ use super::implausibility::Doubt;
 use super::inference::Inference;
 use super::kernel::ScoredRun;
 use super::score::{PointScore, Scores};
-use super::setting::Setting;
+use super::setting::{Setting, trials_of_a_large_map};
 use super::study::Study;
 use crate::prediction::ensemble::rms_m;
 use realgap_core::error::Result;
@@ -16,8 +16,9 @@ use realgap_path::trajectory::Prepared;
 
 /// Waves after the first runs; every wave knows what the one before has found.
 pub(super) const WAVES: usize = 3;
-/// Runs of one wave: a share of the first ones, within bounds.
-const SHARE: usize = 8;
+/// Runs of one wave: a share of the first ones, less of a large map, within bounds.
+const SHARE: usize = 6;
+const SHARE_OF_A_LARGE_MAP: usize = 8;
 const LEAST: usize = 16;
 const MOST: usize = 500;
 /// Places and points that a wave is chosen from.
@@ -32,9 +33,13 @@ const NODES: usize = 2000;
 
 /// Runs of one wave after so many first runs; none where there is one setting only.
 pub(super) fn runs_a_wave(study: &Study, first: usize) -> usize {
+    let share = match trials_of_a_large_map(first) {
+        0 => SHARE,
+        _ => SHARE_OF_A_LARGE_MAP,
+    };
     match study.settings().count {
         1 => 0,
-        _ => (first / SHARE).clamp(LEAST.min(first), MOST),
+        _ => (first / share).clamp(LEAST.min(first), MOST),
     }
 }
 
