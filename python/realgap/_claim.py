@@ -17,6 +17,7 @@ class Claim:
     about: Literal[
         "model",
         "best",
+        "engines",
         "set",
         "parameter",
         "parameters",

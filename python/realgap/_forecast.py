@@ -146,7 +146,7 @@ class Reality:
 class Model:
     """A model that is as valid as the one that was asked for, and how far it parts from that.
 
-    >>> {model.source for model in prediction.card.model.models} <= {"numerics", "joints"}
+    >>> {model.source for model in prediction.card.model.models} <= {"numerics", "joints", "engine"}
     True
     """
 

@@ -231,6 +231,7 @@ class Fit:
     p_value: Optional[float]
     explains: bool
     discrepancy: float
+    engine: Optional[str]
 
 
 @dataclass(frozen=True)
