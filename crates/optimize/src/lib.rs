@@ -13,6 +13,6 @@ pub use grid::{Grid, MAX_POINTS, Range};
 pub use minimise::minimise;
 pub use optimizer::{
     Brief, History, OPTIMIZERS, Optimizer, Proposal, Quadratic, Told, UnitPoint, default_optimizer,
-    optimizer_by_name, space_filling, thin,
+    optimizer_by_name, slopes, space_filling, thin,
 };
 pub use options::{Progress, RunOptions, pool};

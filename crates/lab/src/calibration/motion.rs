@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{Cholesky, DMatrix, Dyn};
 use serde::Serialize;
 
 use super::horizon::Horizon;
 use super::study::Study;
-use realgap_optimize::{Quadratic, UnitPoint};
-use realgap_store::{CaseRow, Trial};
+use realgap_optimize::{Quadratic, UnitPoint, slopes};
+use realgap_store::Trial;
 
 /// What one motion adds to all that is fitted, as if errors were noise alone and straight in the parameters.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -42,7 +42,7 @@ impl Study {
         let definition = self.definition();
         let mut logs: Vec<LogErrors<'_>> = Vec::new();
         for (case, row) in self.cases().iter().zip(&trial.cases) {
-            let own = CaseRow::completed(row)?.scores.get(case.targets.len()..)?;
+            let own = row.completed()?.scores.get(case.targets.len()..)?;
             let is_fitted = case.targets.iter().any(|t| !self.is_held_out(t.recording));
             let recording = &definition.recordings[case.targets[0].recording];
             let path = recording.path.as_path();
@@ -93,24 +93,15 @@ impl Study {
             .iter()
             .enumerate()
             .map(|(number, log)| {
-                let mut jacobian = DMatrix::zeros(log.errors.len(), moved.len());
-                for (axis, (point, _)) in moved.iter().enumerate() {
-                    // As in the fit: what diverged tells nothing.
-                    let after = there[axis].as_ref().map(|logs| &logs[number].errors);
-                    let Some(after) = after.filter(|after| after.len() == log.errors.len()) else {
-                        continue;
-                    };
-                    let step = point[axis] - at[axis];
-                    for (row, (after, before)) in after.iter().zip(&log.errors).enumerate() {
-                        jacobian[(row, axis)] = (after - before) / step;
-                    }
-                }
+                let points = moved.iter().map(|(point, _)| *point);
+                let errors = there
+                    .iter()
+                    .map(|logs| Some(&*logs.as_ref()?[number].errors));
+                let jacobian = slopes(at, &log.errors, points.zip(errors));
                 jacobian.tr_mul(&jacobian) / known.noise
             })
             .collect();
-        let prior = known.prior.iter();
-        let prior = prior.map(|variance| variance.map_or(12.0, |variance| 1.0 / variance));
-        let prior = DMatrix::from_diagonal(&DVector::from_iterator(moved.len(), prior));
+        let prior = DMatrix::from_diagonal(&known.prior_information());
         let ranges = self.definition().grid.ranges();
         let mut motions: Vec<MotionTells> = (0..here.len())
             .filter_map(|number| {

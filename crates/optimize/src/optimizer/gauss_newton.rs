@@ -12,7 +12,7 @@ use problem::Problem;
 use realgap_core::error::Result;
 use realgap_core::warning::{Code, Warning};
 
-pub use problem::Quadratic;
+pub use problem::{Quadratic, slopes};
 
 /// Gauss–Newton with Marquardt's damping, restarted from the best points of the first design.
 pub(super) struct GaussNewton;

@@ -25,7 +25,7 @@ use particle_swarm::Swarm;
 use random::Random;
 
 pub use bayesian::thin;
-pub use gauss_newton::Quadratic;
+pub use gauss_newton::{Quadratic, slopes};
 pub use random::space_filling;
 
 use realgap_core::error::Result;

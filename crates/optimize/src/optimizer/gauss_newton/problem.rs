@@ -82,6 +82,39 @@ fn correlation(errors: &DVector<f64>) -> f64 {
     sum
 }
 
+/// How much prior knowledge of this variance tells of a coordinate; without any, what the range says: evenly spread from 0 to 1.
+fn precision(variance: Option<f64>) -> f64 {
+    variance.map_or(12.0, |variance| 1.0 / variance)
+}
+
+/// Change of every error per coordinate, a row an error: from errors at a point and at those moved from there by one coordinate
+/// each. A coordinate whose errors are not known, or not as many, tells nothing.
+pub fn slopes<'a>(
+    at: &UnitPoint,
+    errors: &[f64],
+    moved: impl Iterator<Item = (&'a UnitPoint, Option<&'a [f64]>)>,
+) -> DMatrix<f64> {
+    let mut jacobian = DMatrix::zeros(errors.len(), at.len());
+    for (axis, (point, after)) in moved.enumerate() {
+        let Some(after) = after.filter(|after| after.len() == errors.len()) else {
+            continue;
+        };
+        let step = point[axis] - at[axis];
+        for (row, (after, before)) in after.iter().zip(errors).enumerate() {
+            jacobian[(row, axis)] = (after - before) / step;
+        }
+    }
+    jacobian
+}
+
+impl Quadratic {
+    /// What prior knowledge tells of each coordinate by itself: its part of the information.
+    pub fn prior_information(&self) -> DVector<f64> {
+        let precisions = self.prior.iter().map(|variance| precision(*variance));
+        DVector::from_iterator(self.prior.len(), precisions)
+    }
+}
+
 impl Problem {
     /// The problem at a point; a coordinate whose shifted errors are not known stays where it is.
     pub fn new(
@@ -95,16 +128,7 @@ impl Problem {
         sizes.sort_by(f64::total_cmp);
         // The median size: between least squares and least sizes, whatever the unit.
         let width = sizes[sizes.len() / 2].max(1e-12);
-        let mut jacobian = DMatrix::zeros(errors.len(), at.len());
-        for (axis, shifted) in shifted.iter().enumerate() {
-            let Some(shifted) = shifted.filter(|shifted| shifted.len() == errors.len()) else {
-                continue;
-            };
-            let step = moved[axis][axis] - at[axis];
-            for (row, (after, before)) in shifted.iter().zip(errors).enumerate() {
-                jacobian[(row, axis)] = (after - before) / step;
-            }
-        }
+        let jacobian = slopes(at, errors, moved.iter().zip(shifted.iter().copied()));
         let errors = DVector::from_column_slice(errors);
         let correlation = correlation(&errors);
         let variance = errors.map(|e| weight(e, width) * e * e).mean();
@@ -220,13 +244,12 @@ impl Problem {
         let noise = noise.max(f64::MIN_POSITIVE);
         let mut information = self.jacobian.tr_mul(&self.jacobian) / noise;
         let priors = self.prior.iter();
-        // Without any, what the range says: evenly spread from 0 to 1.
-        let prior = priors.map(|prior| prior.map_or(12.0, |(_, variance)| 1.0 / variance));
-        let prior = DVector::from_iterator(dimensions, prior);
+        let priors = priors.map(|prior| precision(prior.map(|(_, variance)| variance)));
+        let prior = DVector::from_iterator(dimensions, priors);
         information += DMatrix::from_diagonal(&prior);
         let covariance = match information.cholesky() {
             Some(cholesky) => cholesky.inverse(),
-            None => DMatrix::identity(dimensions, dimensions) / 12.0,
+            None => DMatrix::identity(dimensions, dimensions) / precision(None),
         };
         let weighted = self.weights.iter().zip(self.errors.iter());
         let lean = Lean {
