@@ -12,11 +12,11 @@ use realgap_engine::{EngineChoice, Experiment, JointKind, Noise};
 /// sure then as it would be with fifteen settings shared evenly.
 const OWN_EVERY: usize = 3;
 /// A map of so many points or more tells what parts the engines, a smooth function, from fewer runs of the dear one: on its points
-/// only one in so many of the settings above runs there.
+/// one in so many of the settings above stays there.
 const LARGE_MAP: usize = 256;
 const OWN_OF_A_LARGE_MAP: usize = 2;
-/// On a large map, where Rapier takes multibody joints and so is dear, the tree solver gets its substeps divided by this: paths of 8 s come out
-/// at most 3 mm farther from its limit, for three fifths of the time (docs/fidelity/settings.md has the table).
+/// On a large map, where Rapier takes multibody joints and so is dear, the tree solver gets its substeps divided by this: paths of
+/// 8 s come out at most 3 mm farther from its limit, for three fifths of the time (docs/fidelity/settings.md has the table).
 const SECOND_SUBSTEPS: usize = 2;
 
 /// One of the equally valid settings, by number; 0 is the study's own.
@@ -50,17 +50,17 @@ impl Setting {
 
 impl Settings {
     /// The setting that trial number `index` is simulated with: all of them in turn, so that neighbours on a grid differ. On a large
-    /// map most of the study's own engine give way to their neighbours of the second.
+    /// map half of the study's own engine give way to their neighbours of the second.
     pub fn of_trial(&self, index: usize) -> Setting {
         let (round, number) = (index / self.count, index % self.count);
         let gives_way = index < self.of_map
             && self.engine_of(number) > 0.0
             && !(number / OWN_EVERY + round).is_multiple_of(OWN_OF_A_LARGE_MAP);
-        match (gives_way, number + 1 < self.count) {
-            (false, _) => Setting::new(number),
-            (true, true) => Setting::new(number + 1),
-            (true, false) => Setting::new(number - 1),
-        }
+        Setting::new(match gives_way {
+            false => number,
+            true if number + 1 < self.count => number + 1,
+            true => number - 1,
+        })
     }
 
     /// Which engine trial number `index` is simulated by: 1 for the study's own, −1 for the second, 0 where there is one only. What
@@ -133,9 +133,9 @@ impl Settings {
     }
 }
 
-/// How many trials are the points of a large map, on a grid of so many.
-pub(super) fn trials_of_a_large_map(points: usize) -> usize {
-    if points < LARGE_MAP { 0 } else { points }
+/// Whether a map of so many points is a large one.
+pub(super) fn is_large_map(points: usize) -> bool {
+    points >= LARGE_MAP
 }
 
 impl Study {
@@ -240,7 +240,7 @@ mod tests {
     fn a_large_map_asks_the_dear_engine_half_as_often_and_every_setting_of_it_alike() {
         let both = of_both();
         let large = Settings {
-            of_map: trials_of_a_large_map(LARGE_MAP),
+            of_map: LARGE_MAP,
             ..both
         };
         let mut of_own = [0; 16];
@@ -256,7 +256,7 @@ mod tests {
         for index in LARGE_MAP..2 * LARGE_MAP {
             assert_eq!(large.of_trial(index), both.of_trial(index));
         }
-        assert_eq!(trials_of_a_large_map(LARGE_MAP - 1), 0);
+        assert!(is_large_map(LARGE_MAP) && !is_large_map(LARGE_MAP - 1));
     }
 
     #[test]

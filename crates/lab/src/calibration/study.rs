@@ -10,7 +10,7 @@ use super::definition::{Definition, ScoreRule, StartRule};
 use super::fitted::in_sample;
 use super::fleet::check_owners;
 use super::overrides::Overrides;
-use super::setting::{self, Settings};
+use super::setting::{Settings, is_large_map};
 use crate::calibration::identification::{StartState, refine_again};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
@@ -210,13 +210,16 @@ impl Study {
         };
         // A single run is one of the study's own engine.
         let second = self.second.filter(|_| count > 1);
-        let large_map = || setting::trials_of_a_large_map(definition.grid.len());
+        let of_map = match (second, definition.grid.len()) {
+            (Some(_), points) if is_large_map(points) => points,
+            _ => 0,
+        };
         Settings {
             noise,
             count,
             seed: definition.seed,
             second,
-            of_map: second.map_or(0, |_| large_map()),
+            of_map,
         }
     }
 

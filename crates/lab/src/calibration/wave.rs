@@ -7,7 +7,7 @@ use super::implausibility::Doubt;
 use super::inference::Inference;
 use super::kernel::ScoredRun;
 use super::score::{PointScore, Scores};
-use super::setting::{Setting, trials_of_a_large_map};
+use super::setting::{Setting, is_large_map};
 use super::study::Study;
 use crate::prediction::ensemble::rms_m;
 use realgap_core::error::Result;
@@ -33,9 +33,9 @@ const NODES: usize = 2000;
 
 /// Runs of one wave after so many first runs; none where there is one setting only.
 pub(super) fn runs_a_wave(study: &Study, first: usize) -> usize {
-    let share = match trials_of_a_large_map(first) {
-        0 => SHARE,
-        _ => SHARE_OF_A_LARGE_MAP,
+    let share = match is_large_map(first) {
+        true => SHARE_OF_A_LARGE_MAP,
+        false => SHARE,
     };
     match study.settings().count {
         1 => 0,
