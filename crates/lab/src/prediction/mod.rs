@@ -24,6 +24,7 @@
 //! # Ok::<(), realgap_core::Error>(())
 //! ```
 
+mod alternative;
 mod card;
 mod economy;
 pub mod ensemble;

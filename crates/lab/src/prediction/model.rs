@@ -10,20 +10,17 @@ use std::fmt;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::alternative::{LIMIT, alternatives};
 use super::ensemble::{self, Ensemble, Forecast, Motion, rms_m};
 use super::other_engine::{OtherEngine, OwnEngines};
 use realgap_core::error::Result;
 use realgap_core::statistics::{mean, quantile, standard_deviation};
 use realgap_core::unit::{Unit, quantity};
 use realgap_engine::parameter::ParameterSet;
-use realgap_engine::{EngineChoice, Experiment, Noise, Outcome};
+use realgap_engine::{Experiment, Noise, Outcome};
 use realgap_optimize::RunOptions;
 use realgap_path::trajectory::{Prepared, prepare};
 
-/// Numbers of the equally valid numerics that are tried: twice the substeps, half the step, and less of either.
-const NUMERICS: u64 = 4;
-/// Points of the indistinguishable set that are tried, at most.
-const POINTS: usize = 8;
 /// One repeat of a model stands for so many of the ensemble.
 const REPEATS_A_REPEAT: usize = 25;
 /// A model has no fewer and no more repeats than this.
@@ -32,8 +29,6 @@ const REPEATS: std::ops::RangeInclusive<usize> = 4..=40;
 const SENSITIVITY_REPEATS: u64 = 8;
 /// A robot that gets less far than this share of its body length goes nowhere.
 const NOWHERE_BODY_LENGTHS: f64 = 0.1;
-/// Name of the model at the limit of rigid contact, with the experiment's own kind of joint.
-const LIMIT: &str = "limit of hard contact";
 /// Level of the ranges that another engine is part of.
 pub const LEVEL: f64 = 0.9;
 
@@ -177,7 +172,7 @@ impl ModelError {
         } else {
             &[]
         };
-        let tried = models(experiment, points);
+        let tried = alternatives(experiment, points);
         let own: Option<Vec<f64>> = (ensemble.repeats.iter().take(repeats))
             .map(|repeat| repeat.outcome.get().map(Motion::net_displacement_m))
             .collect();
@@ -383,66 +378,6 @@ fn sensitivity_m(experiment: &Experiment, seed: u64, run: &RunOptions<'_>) -> Re
 fn displacements_m(ensemble: &Ensemble) -> Vec<f64> {
     let motions = ensemble.motions();
     motions.map(|(_, m)| m.net_displacement_m()).collect()
-}
-
-/// What a model makes of an experiment.
-type Change = Box<dyn Fn(&Experiment) -> Experiment + Sync + Send>;
-
-/// The models of an experiment: name, what they vary, and how.
-fn models(experiment: &Experiment, points: &[ParameterSet]) -> Vec<(String, Source, Change)> {
-    let mut models = match experiment.vehicle {
-        Some(_) => Vec::new(),
-        None => other_physics(experiment),
-    };
-    let taken = points.len().min(POINTS);
-    for index in 0..taken {
-        // Spread over the set, both ends included.
-        let point = points[index * (points.len() - 1) / taken.saturating_sub(1).max(1)].clone();
-        models.push((
-            point.to_string(),
-            Source::Indistinguishable,
-            Box::new(move |own| point.apply(own)),
-        ));
-    }
-    models
-}
-
-/// Other numerics, joints and engines for the same values.
-fn other_physics(experiment: &Experiment) -> Vec<(String, Source, Change)> {
-    let mut models: Vec<(String, Source, Change)> = Vec::new();
-    for number in 1..=NUMERICS {
-        let changed = experiment.with_numerics(number);
-        let solver = &changed.solver;
-        let name = format!("{:.3e} s x {} substeps", solver.timestep_s, solver.substeps);
-        let change: Change = Box::new(move |own| own.with_numerics(number));
-        models.push((name, Source::Numerics, change));
-    }
-    let kind = experiment.joint_kind();
-    models.push((
-        LIMIT.to_owned(),
-        Source::Numerics,
-        Box::new(move |own| own.at_limit(kind)),
-    ));
-    if !experiment.assembly.hinges.is_empty() {
-        models.push((
-            format!("{:?} joints at their limit", kind.other()).to_lowercase(),
-            Source::Joints,
-            Box::new(move |own| own.at_limit(kind.other())),
-        ));
-    }
-    if let Some(second) = experiment.second_engine() {
-        let other = match experiment.solver.engine == second {
-            true => EngineChoice::default(),
-            false => second,
-        };
-        let change: Change = Box::new(move |own| {
-            let mut own = own.clone();
-            own.solver.engine = other;
-            own
-        });
-        models.push((other.get().version().to_owned(), Source::Engine, change));
-    }
-    models
 }
 
 /// Share of a model's repeats that are nearest to each behaviour's and no further off than behaviours are from each other.
