@@ -127,7 +127,7 @@ pub fn simulate(
             "energy": run.energy,
             "timestep_s": experiment.solver.timestep_s,
             "substeps": experiment.solver.substeps,
-            "engine": experiment.engine().version(),
+            "engine": experiment.engine_version(),
             "records_joints": experiment.records_joints,
             "warnings": warnings,
         });
