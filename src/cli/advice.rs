@@ -87,6 +87,9 @@ fn option(advice: &Advice) -> String {
             "a metric without a basis, e.g. --metric rms, needs no design of 64".to_owned()
         }
         Advice::LetOptimizerChoose => "let `realgap tune` choose the points".to_owned(),
+        Advice::HoldRoot => {
+            "a URDF or MJCF is held by: realgap robot import ROBOT --mounted -o held.ron".to_owned()
+        }
         Advice::ListParameters => "`realgap study parameters` lists all of them".to_owned(),
         other => other.to_string(),
     }

@@ -180,6 +180,8 @@ fn describe(
         Some(Kind::Vehicle) => sensing::vehicle(path),
         Some(Kind::Radio) => sensing::radio(&source),
         Some(Kind::Controller) => controller::describe(&source, robot),
+        Some(Kind::Scene) => sensing::scene(&source),
+        Some(Kind::Sensorgraph) => sensing::sensorgraph(path),
         _ => Err(Error::invalid("not a file of ours")
             .at_file(path)
             .allowed("a morphology (modules, glue), a genome (modules, genes), a study (morphology, parameters), a search (strategy), a parameter file (parameters) or a meta.ron (robot, source)")),

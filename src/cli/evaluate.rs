@@ -3,14 +3,15 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use realgap::Result;
 use realgap::calibration::identification::StartState;
 use realgap::calibration::{Average, Evaluation, JointEvaluation, Overrides};
 use realgap::comparison::{Joints, Pose};
 use realgap::plot::{Side, TextTable};
 use realgap::prediction::Odds;
 use realgap::simulation::parameter::ParameterSet;
+use realgap::trajectory::Recording;
 use realgap::unit::counted;
+use realgap::{Error, Result};
 use serde::Serialize;
 
 use super::kind::{read_definition, read_study};
@@ -78,6 +79,20 @@ impl Evaluate {
         let definition = read_definition(&self.study, &overrides)?;
         let mut recordings = definition.recordings.iter();
         let is_of_joints = recordings.all(|recording| recording.trajectory.is_of_joints());
+        let has_orientations =
+            |r: &Recording| r.trajectory.orientations_world_from_body().is_some();
+        if !is_of_joints
+            && let Some(without) = definition.recordings.iter().find(|r| !has_orientations(r))
+        {
+            let study = self.study.display();
+            return Err(Error::invalid(
+                "errors of poses need orientations, which these recordings lack",
+            )
+            .at_file(&without.path)
+            .hint(format!(
+                "paths alone are judged by: realgap gap {study}, realgap ensemble {study}"
+            )));
+        }
         // The report is of pose errors, or of joints where there is nothing else, whatever the study optimises.
         overrides.metric = Some(if is_of_joints { &Joints } else { &Pose });
         let study = read_study(&self.study, &overrides)?;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use realgap::file::{Source, read_limited};
-use realgap::import::{Note, Options};
+use realgap::import::{AssumedLaw, Note, Options};
 use realgap::robot::morphology::Morphology;
 use realgap::{Error, Result};
 use serde::Serialize;
@@ -13,7 +13,7 @@ use super::option::Format;
 use super::{output, terminal};
 
 /// Largest file of a robot, bytes.
-const MOST_BYTES: u64 = 16_000_000;
+pub(super) const MOST_BYTES: u64 = 16_000_000;
 /// How a file begins that this command wrote.
 const HEAD: &str = "// Imported by realgap from ";
 
@@ -41,12 +41,34 @@ pub struct Import {
     /// Leave joints without the servos whose limits a URDF states
     #[arg(long)]
     passive: bool,
+    /// What the servos are whose limits a URDF states
+    #[arg(long, value_enum, default_value_t, conflicts_with = "passive")]
+    law: Law,
     /// Most convex hulls that a mesh becomes, for what is hollow or bent: each costs time in every step
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
     hulls: u16,
     /// How to print what there is to say; json goes to standard output and needs -o
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+}
+
+/// [`AssumedLaw`] as a word.
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+enum Law {
+    /// Each turns to its command at 20 1/s times its error, whatever the load
+    #[default]
+    Velocity,
+    /// Each is a spring with damping, which gives way under load
+    Torque,
+}
+
+impl From<Law> for AssumedLaw {
+    fn from(law: Law) -> Self {
+        match law {
+            Law::Velocity => Self::Velocity,
+            Law::Torque => Self::Torque,
+        }
+    }
 }
 
 fn package(text: &str) -> std::result::Result<(String, PathBuf), String> {
@@ -89,8 +111,8 @@ impl Import {
             .hint("add -o robot.ron"));
         }
         let bytes = read_limited(&self.robot, MOST_BYTES, "robot")?;
-        let text = match String::from_utf8(bytes) {
-            Ok(text) => text,
+        let xml = match String::from_utf8(bytes) {
+            Ok(xml) => xml,
             Err(error) => {
                 let at = error.utf8_error().valid_up_to();
                 terminal::note(format!(
@@ -99,16 +121,16 @@ impl Import {
                 String::from_utf8_lossy(error.as_bytes()).into_owned()
             }
         };
-        let source = Source::new(&self.robot, text.trim_start_matches('\u{feff}'));
+        let source = Source::new(&self.robot, xml.trim_start_matches('\u{feff}'));
         let options = Options {
             packages: self.package.clone(),
             mounted: self.mounted,
             passive: self.passive,
+            law: self.law.into(),
             hulls: self.hulls.into(),
         };
         let (robot, notes) = Morphology::import(&source, &options)?;
-        let head = self.head(&notes);
-        let text = format!("{head}{}", robot.to_ron()?);
+        let text = text(&self.robot, &robot, &notes)?;
         if self.format == Format::Table {
             for note in &notes {
                 terminal::note(note.to_string());
@@ -122,17 +144,6 @@ impl Import {
             }
         }
         Ok(())
-    }
-
-    /// Comments that begin the file.
-    fn head(&self, notes: &[Note]) -> String {
-        let plain = |text: &str| -> String { text.chars().filter(|c| !c.is_control()).collect() };
-        let file = self.robot.file_name().unwrap_or_default().to_string_lossy();
-        let mut head = format!("{HEAD}{}\n", plain(&file));
-        for note in notes {
-            head.push_str(&format!("// {}\n", plain(&note.to_string())));
-        }
-        head
     }
 
     /// What there is to say at the end.
@@ -158,4 +169,18 @@ impl Import {
         ));
         Ok(())
     }
+}
+
+/// The robot's text, in whose first lines stands what there is to say of its import.
+///
+/// # Errors
+/// Numbers that RON cannot hold.
+pub(super) fn text(file: &Path, robot: &Morphology, notes: &[Note]) -> Result<String> {
+    let plain = |text: &str| -> String { text.chars().filter(|c| !c.is_control()).collect() };
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let mut head = format!("{HEAD}{}\n", plain(&name));
+    for note in notes {
+        head.push_str(&format!("// {}\n", plain(&note.to_string())));
+    }
+    Ok(format!("{head}{}", robot.to_ron()?))
 }

@@ -24,6 +24,8 @@ pub enum Kind {
     Vehicle,
     Radio,
     Controller,
+    Scene,
+    Sensorgraph,
 }
 
 impl Kind {
@@ -39,6 +41,8 @@ impl Kind {
             ("morphology", Self::Study),
             ("vehicle", Self::Study),
             ("robots", Self::Study),
+            ("room_m", Self::Scene),
+            ("segments_deg", Self::Sensorgraph),
             ("boundary", Self::Arena),
             ("propagation", Self::Radio),
             ("spread", Self::Sensor),
@@ -66,6 +70,8 @@ impl Kind {
             Self::Vehicle => "vehicle",
             Self::Radio => "radio model",
             Self::Controller => "controller",
+            Self::Scene => "scene",
+            Self::Sensorgraph => "sensorgraph",
         }
     }
 
@@ -110,6 +116,10 @@ impl Kind {
             ),
             Self::Controller => format!(
                 "`realgap simulate ROBOT --controller {path}` runs a robot with a controller"
+            ),
+            Self::Scene => format!("`realgap sense picture {path}` takes its pictures"),
+            Self::Sensorgraph => format!(
+                "`realgap sense graph evaluate SCANS.csv --parameters {path}` uses a sensorgraph"
             ),
             Self::Vehicle => format!("a study names {path}: vehicle: (file: ...)"),
             Self::Trajectory => {

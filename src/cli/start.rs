@@ -1,5 +1,8 @@
 //! `realgap start`: from somebody's files to a study, every guess said with its evidence.
 
+mod joint;
+mod path;
+
 use std::io::{BufRead as _, IsTerminal as _};
 use std::path::{Path, PathBuf};
 
@@ -49,6 +52,22 @@ pub struct Start {
     output: PathBuf,
 }
 
+/// What a study says beside its files; STUDY stands for the study's own.
+struct Draft {
+    /// Comments that begin it.
+    head: String,
+    /// Its fields before the parameters.
+    before: String,
+    /// A line a parameter.
+    parameters: String,
+    /// Its fields after them.
+    after: String,
+    /// What else was taken to be so, and what that was seen from.
+    clues: Vec<(&'static str, String)>,
+    /// The command that comes next.
+    next: String,
+}
+
 /// Files and what they are of.
 struct Subject {
     recordings: Vec<PathBuf>,
@@ -59,7 +78,7 @@ struct Subject {
 impl Start {
     pub fn run(self) -> Result<()> {
         output::check(&self.output)?;
-        let subject = self.subject()?;
+        let mut subject = self.subject()?;
         let size_m = subject.robot.summary().body_length_m;
         let mut known = self.reading.reading()?;
         let guess = loop {
@@ -73,15 +92,16 @@ impl Start {
         for path in &subject.recordings {
             recordings.extend(read_all(path, &guess.reading)?);
         }
-        let text = self.study(&subject, &guess, &recordings)?;
+        let draft = match recordings.iter().all(|r| r.trajectory.is_of_joints()) {
+            true => joint::draft(&mut subject, &recordings, &self.output)?,
+            false => path::draft(&subject, &recordings),
+        };
+        let text = self.text(&subject, &guess, &draft)?;
         let source = Source::new(&self.output, text.clone());
         let checked = Study::parse(&source, &Overrides::default())?;
         output::write_ron(&self.output, &text)?;
         terminal::print_warnings(checked.warnings());
-        let clues = guess
-            .clues
-            .iter()
-            .map(|c| format!("  {}: {}", c.what, c.because));
+        let clues = said(&guess, &draft).map(|(what, because)| format!("  {what}: {because}"));
         let mut lines = vec![format!(
             "{} of {}, read so:",
             counted(recordings.len(), "recording"),
@@ -90,9 +110,11 @@ impl Start {
         lines.extend(clues);
         lines.extend(alike(&recordings));
         lines.push(format!(
-            "written {}, which is sound; next: realgap sweep {}",
+            "written {}, which is sound; next: realgap {}",
             self.output.display(),
-            shell::path(&self.output)
+            draft
+                .next
+                .replace("STUDY", &shell::path(&self.output).to_string())
         ));
         terminal::print(lines.join("\n"));
         Ok(())
@@ -163,45 +185,15 @@ impl Start {
     }
 
     /// The study's text.
-    fn study(&self, subject: &Subject, guess: &Guess, recordings: &[Recording]) -> Result<String> {
-        let is_posed = recordings.iter().all(|recording| {
-            let motion = &recording.trajectory;
-            !motion.is_planar() && motion.orientations_world_from_body().is_some()
-        });
-        let has_velocities = recordings
-            .iter()
-            .all(|r| r.trajectory.velocities_world_m_s().is_some());
-        // What drives itself starts from rest; what is thrown goes on from where it was seen first.
-        let is_thrown = is_posed && subject.robot.summary().hinges == 0;
-        let (start, metric) = match (is_thrown, has_velocities) {
-            (true, true) => (
-                "    start: FromRecording, // nothing drives it: it goes on from the first sample\n",
-                "pose",
-            ),
-            (true, false) => (
-                "    start: FromRecording, // nothing drives it: it goes on from the first sample\n    start_state: HalfSampleCorrected, // no velocities are recorded: differences stand for them\n",
-                "pose",
-            ),
-            (false, _) => (
-                "    start: Settled, // it stands on the floor, then its commands begin\n",
-                "rms",
-            ),
-        };
-        let mut names = Vec::new();
+    fn text(&self, subject: &Subject, guess: &Guess, draft: &Draft) -> Result<String> {
+        let mut names = String::new();
         for path in &subject.recordings {
-            names.push(format!("        {},\n", self.named(path)?));
+            names += &format!("        {},\n", self.named(path)?);
         }
-        let clues: Vec<String> = guess
-            .clues
-            .iter()
-            .map(|clue| {
-                format!(
-                    "    // {}: {}\n",
-                    clue.what,
-                    clue.because.replace('\n', " ")
-                )
-            })
-            .collect();
+        let mut clues = String::new();
+        for (what, because) in said(guess, draft) {
+            clues += &format!("    // {what}: {}\n", because.replace('\n', " "));
+        }
         let reading = match guess.reading == Reading::default() {
             true => String::new(),
             false => format!(
@@ -212,17 +204,25 @@ impl Start {
             ),
         };
         Ok(format!(
-            "// Which friction and restitution make the simulated robot move like the recorded one?\n\
-             //   realgap check NAME     what is in this file, and is it sound?\n\
-             //   realgap sweep NAME     every combination; then: realgap report FOLDER\n\
-             //   realgap tune NAME      an optimizer chooses the points\n\
-             Study(\n    description: \"made by realgap start\",\n    morphology: {},\n    recordings: [\n{}    ],\n{}{reading}{start}    parameters: [ // `realgap study parameters` lists all that there are\n        (name: \"floor.friction\", from: 0.05, to: 1.0, points: 11),\n        (name: \"floor.restitution\", from: 0.0, to: 0.8, points: 11),\n    ],\n    metric: \"{metric}\",\n)\n",
+            "{}Study(\n    description: \"made by realgap start\",\n    morphology: {},\n    recordings: [\n{names}    ],\n{clues}{reading}{}    parameters: [ // `realgap study parameters` lists all that there are\n{}    ],\n{})\n",
+            draft.head,
             self.named(&subject.robot_file)?,
-            names.concat(),
-            clues.concat(),
+            draft.before,
+            draft.parameters,
+            draft.after,
         )
-        .replace("NAME", &self.output.display().to_string()))
+        .replace("STUDY", &self.output.display().to_string()))
     }
+}
+
+/// Every guess and what it was seen from.
+fn said<'a>(guess: &'a Guess, draft: &'a Draft) -> impl Iterator<Item = (&'a str, &'a str)> {
+    let of_files = guess.clues.iter().map(|clue| (&*clue.what, &*clue.because));
+    let of_robot = draft
+        .clues
+        .iter()
+        .map(|(what, because)| (*what, &**because));
+    of_files.chain(of_robot)
 }
 
 /// How far prepared paths lie from each other: whoever made the recordings knows whether they are repeats.

@@ -39,7 +39,7 @@ fn wrong_usage_exits_with_2_and_a_failure_with_1() {
 
 #[test]
 fn every_shipped_file_is_sound() {
-    let files: Vec<_> = ["morphologies", "sweeps"]
+    let files: Vec<_> = ["morphologies", "sweeps", "scenes"]
         .iter()
         .flat_map(|folder| std::fs::read_dir(project().join(folder)).unwrap())
         .map(|entry| entry.unwrap().path())

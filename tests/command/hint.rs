@@ -302,3 +302,13 @@ fn progress_does_not_stand_still_at_the_end() {
     assert!(counted.finishing.is_none() && counted.done > 0 && last.done == counted.done);
     assert!(last.finishing.is_some_and(|what| what.contains("audit")));
 }
+
+#[test]
+fn errors_of_poses_are_not_asked_of_paths_without_orientations() {
+    let study = project().join("sweeps/two_wheel_us1.ron");
+    let (error, code) = said(&["evaluate", study.to_str().unwrap()]);
+    assert_eq!(code, 1, "{error}");
+    for words in ["lack", "realgap gap ", "realgap ensemble "] {
+        assert!(error.contains(words), "`{words}` is missing\n{error}");
+    }
+}

@@ -211,6 +211,21 @@ fn what_a_newcomer_gets_wrong_is_asked_or_refused_with_what_to_do() {
 }
 
 #[test]
+fn of_several_bodies_in_one_file_the_first_is_the_robot_and_that_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("mine.ron");
+    let pushes = common::project().join("real_trajectories/cube_pushes");
+    let files: Vec<PathBuf> = ["push_01.csv", "push_02.csv"]
+        .map(|name| pushes.join(name))
+        .into();
+    let (code, said) = start(&["--cube", "0.075", "0.85"], &files, &study);
+    assert!(
+        code == 0 && said.contains("the robot is `cube`: first of the bodies cube, effector"),
+        "{code} {said}"
+    );
+}
+
+#[test]
 fn what_only_the_robot_can_tell_is_doubted() {
     let folder = tempfile::tempdir().unwrap();
     let study = folder.path().join("mine.ron");
@@ -254,4 +269,107 @@ fn what_only_the_robot_can_tell_is_doubted() {
     for word in ["unlikely", "off-floor", "same-run"] {
         assert!(!said.contains(word), "{said}");
     }
+}
+
+/// A forearm as a URDF states it: a free base, limits of its motor, not what its servo is.
+const FOREARM: &str = r#"<robot name="forearm">
+<link name="base"><inertial><mass value="0.2"/><inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="lower"><inertial><origin xyz="0.1 0 0"/><mass value="0.3"/><inertia ixx="1e-4" iyy="1e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="elbow_flex" type="revolute"><parent link="base"/><child link="lower"/><axis xyz="0 1 0"/>
+<limit lower="-2" upper="2" effort="3" velocity="6"/></joint>
+</robot>"#;
+
+#[test]
+fn joint_logs_and_a_urdf_become_a_fit_of_the_servos() {
+    let folder = tempfile::tempdir().unwrap();
+    let put = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let logs = common::project().join("real_trajectories/so101_arm");
+    let log = logs.join("random_waypoints.csv");
+    let urdf = put("arm.urdf", FOREARM);
+    let study = folder.path().join("mine.ron");
+    let (code, said) = start(&[], &[log.clone(), urdf.clone()], &study);
+    assert_eq!(code, 0, "{said}");
+    for words in [
+        "the root is held",
+        "left out: not both in the robot and in the recordings: shoulder_pan",
+        "tune",
+        "--optimizer gauss-newton --budget 50    # 5 parameters",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let written = std::fs::read_to_string(&study).unwrap();
+    for words in [
+        "commands: Commands()",
+        "servo.elbow_flex.stiffness_nm_rad\", from: 1.5, to: 60.0",
+        "timestep_s: 0.01,",
+    ] {
+        assert!(written.contains(words), "{words}: {written}");
+    }
+    let robot = common::read(folder.path(), "mine_robot.ron");
+    assert!(
+        robot.contains("Imported by realgap") && robot.contains("Torque("),
+        "{robot}"
+    );
+    // What it wrote is what the next command takes.
+    let out = folder.path().join("out");
+    let words = ["--optimizer", "gauss-newton", "--budget", "7", "-o"];
+    realgap()
+        .arg("tune")
+        .arg(&study)
+        .args(words)
+        .arg(&out)
+        .assert()
+        .success();
+    assert!(common::read(&out, "best.ron").contains("servo.elbow_flex.stiffness_nm_rad"));
+
+    // One servo, one column of goals: whose they are needs no name.
+    let rows: String = (0..100)
+        .map(|i| {
+            format!(
+                "{},{},{}\n",
+                f64::from(i) * 0.02,
+                (f64::from(i) * 0.02).sin(),
+                (f64::from(i) * 0.02).sin()
+            )
+        })
+        .collect();
+    let single = put(
+        "single.csv",
+        &format!("t_s,goal_rad,elbow_flex_rad\n{rows}"),
+    );
+    let (code, said) = start(&["--force"], &[single, urdf.clone()], &study);
+    let written = std::fs::read_to_string(&study).unwrap();
+    assert!(
+        code == 0 && written.contains("(hinge: \"elbow_flex\", column: \"goal\")"),
+        "{said}{written}"
+    );
+
+    // Nobody's joints, and a robot that a study alone cannot hold, are said with what to do.
+    let other = put(
+        "other.csv",
+        &format!("t_s,knee_command_rad,knee_rad\n{rows}"),
+    );
+    let (code, said) = start(&["--force"], &[other, urdf.clone()], &study);
+    assert!(
+        code == 2 && said.contains("knee") && said.contains("--reading FILE"),
+        "{said}"
+    );
+    let free = put(
+        "free.ron",
+        &format!(
+            "Study(morphology: {:?}, recordings: [{:?}], start: FromRecording, commands: Commands(), left_out: [\"shoulder_*\", \"wrist_*\", \"gripper*\"], parameters: [(name: \"servo.elbow_flex.gain_1_s\", from: 1, to: 9)], metric: \"joints\")",
+            urdf.display().to_string(),
+            log.display().to_string()
+        ),
+    );
+    let said = realgap().arg("check").arg(&free).output().unwrap();
+    assert!(
+        text(&said.stderr).contains("robot import ROBOT --mounted"),
+        "{}",
+        text(&said.stderr)
+    );
 }

@@ -127,6 +127,7 @@ advice! {
     CalibratedValues "Give values that a calibration has found." "give values, e.g. those of a sweep's best.ron";
     MetricWithoutBasis "Compare with a metric that needs no basis of principal components." "choose a metric without a basis, e.g. rms, which needs no first design";
     LetOptimizerChoose "Let an optimizer choose the points instead of evaluating a whole grid." "let an optimizer choose the points";
+    HoldRoot "Hold the root of an imported robot." "import the robot as mounted, and name what was written";
     ListParameters "Look up the names of all parameters." "look up the names in the registry of parameters";
 }
 

@@ -187,6 +187,30 @@ pub enum Contents {
         /// Base of the logarithm.
         log_base: &'static str,
     },
+    /// A room with lights and cameras.
+    Scene {
+        /// Its name.
+        name: String,
+        /// Sides of the room, metres.
+        room_m: [f64; 3],
+        /// Number of lights.
+        lights: usize,
+        /// Number of cameras.
+        cameras: usize,
+        /// Number of places where pictures are taken.
+        views: usize,
+    },
+    /// A sensorgraph.
+    Sensorgraph {
+        /// Number of segments.
+        segments: usize,
+        /// Number of polynomials.
+        polynomials: usize,
+        /// Number of their terms.
+        terms: usize,
+        /// Number of poses that a lookup keeps.
+        logged_poses: usize,
+    },
     /// A controller.
     Controller {
         /// Name of its arena.

@@ -5,8 +5,10 @@ use std::path::Path;
 use realgap::Result;
 use realgap::file::Source;
 use realgap::sensing::arena::{Arena, Boundary};
+use realgap::sensing::graph::Sensorgraph;
 use realgap::sensing::radio::RadioModel;
 use realgap::sensing::range::RangeModel;
+use realgap::sensing::vision::camera::Scene;
 use realgap::simulation::Vehicle;
 use realgap::text::shown;
 use realgap::unit::{counted, number};
@@ -123,6 +125,58 @@ pub(super) fn radio(source: &Source) -> Result<Contents> {
             propagation: model.propagation.name(),
             values: model.values,
             log_base: model.log_base.name(),
+        },
+        warnings: Vec::new(),
+    })
+}
+
+pub(super) fn scene(source: &Source) -> Result<Contents> {
+    let scene = Scene::parse(source)?;
+    let [x, y, z] = scene.room_m;
+    let counts = [
+        counted(scene.blocks.len(), "block"),
+        counted(scene.posters.len(), "poster"),
+        counted(scene.lights.len(), "light"),
+        counted(scene.cameras.len(), "camera"),
+        counted(scene.views.len(), "view"),
+    ];
+    Ok(Contents {
+        kind: Kind::Scene,
+        lines: vec![format!(
+            "  scene \"{}\": {x} x {y} x {z} m, {}",
+            shown(&scene.name, SHOWN),
+            counts.join(", ")
+        )],
+        details: report::Contents::Scene {
+            room_m: scene.room_m,
+            lights: scene.lights.len(),
+            cameras: scene.cameras.len(),
+            views: scene.views.len(),
+            name: scene.name,
+        },
+        warnings: Vec::new(),
+    })
+}
+
+pub(super) fn sensorgraph(path: &Path) -> Result<Contents> {
+    let graph = Sensorgraph::read(path)?;
+    let terms: usize = graph.polynomials.iter().map(|p| p.terms.len()).sum();
+    Ok(Contents {
+        kind: Kind::Sensorgraph,
+        lines: vec![format!(
+            "  sensorgraph in the {} frame: {} of {} deg, {} with {}, {}",
+            format!("{:?}", graph.frame).to_lowercase(),
+            counted(graph.segments_deg.len(), "segment"),
+            graph.width_deg,
+            counted(graph.polynomials.len(), "polynomial"),
+            counted(terms, "term"),
+            counted(graph.log.len(), "logged pose")
+        )],
+        details: report::Contents::Sensorgraph {
+            segments: graph.segments_deg.len(),
+            polynomials: graph.polynomials.len(),
+            terms,
+            logged_poses: graph.log.len(),
         },
         warnings: Vec::new(),
     })

@@ -246,6 +246,15 @@ fn target(
 /// The first recorded state; velocities not recorded are differences of the first two samples.
 fn first_state(recording: &Recording, warnings: &mut Vec<Warning>) -> Result<State> {
     let motion = &recording.trajectory;
+    if motion.is_of_joints() {
+        return Err(Error::invalid(
+            "a recording of joints alone does not say where a free robot is",
+        )
+        .at_file(&recording.path)
+        .found("a robot whose root is free")
+        .allowed("a robot that is held: `mount: ()` in one of bodies, `mount_m` in one of modules")
+        .advise(Advice::HoldRoot));
+    }
     let Some(orientations) = motion.orientations_world_from_body() else {
         return Err(
             Error::invalid("a run cannot start from a recording without orientations")

@@ -44,6 +44,16 @@ use note::Notes;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
 
+/// What a servo is taken to be of which only the limits are known.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum AssumedLaw {
+    /// It turns to its command at a rate that is proportional to its error, whatever the load.
+    #[default]
+    Velocity,
+    /// A spring with damping, as the position loops of most small servos are: it gives way under load.
+    Torque,
+}
+
 /// What a person says about a robot beside its file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Options {
@@ -53,6 +63,8 @@ pub struct Options {
     pub mounted: bool,
     /// Whether joints are left without the servos that URDF gives only the limits of.
     pub passive: bool,
+    /// What the servos are that URDF gives only the limits of.
+    pub law: AssumedLaw,
     /// Most convex hulls that a mesh becomes; with 0 or 1 it is its own hull.
     pub hulls: usize,
 }

@@ -5,11 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Isometry3;
 use roxmltree::Node;
 
-use super::Options;
 use super::element::{Place, child, children, words};
 use super::note::Notes;
-use super::urdf_joint::GAIN_1_S;
+use super::urdf_joint::{FULL_RAD, GAIN_1_S};
 use super::urdf_link::{DENSITY_KG_M3, Reader, ball};
+use super::{AssumedLaw, Options};
 use crate::morphology::body::{Body, Pose, Structure};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::Source;
@@ -144,10 +144,22 @@ impl Robot<'_> {
             );
         }
         if self.servos > 0 {
+            let law = match self.reader.options.law {
+                AssumedLaw::Velocity => {
+                    format!(
+                        "each turns to its command at {GAIN_1_S} 1/s times its error, as fast as it likes where no velocity above 0 is stated,"
+                    )
+                }
+                AssumedLaw::Torque => {
+                    format!(
+                        "each is a spring that exerts its effort at an error of {FULL_RAD}, damped to follow at {GAIN_1_S} 1/s,"
+                    )
+                }
+            };
             notes.assumed(
                 None,
                 format!(
-                    "the servos of {} joints: URDF has their limits only; each turns to its command at {GAIN_1_S} 1/s times its error, as fast as it likes where no velocity above 0 is stated, and holds 0 where nothing else is said",
+                    "the servos of {} joints: URDF has their limits only; {law} and holds 0 where nothing else is said",
                     self.servos
                 ),
                 "state laws and gaits in `actuators`, or import its joints passive",

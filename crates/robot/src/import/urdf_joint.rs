@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use roxmltree::Node;
 
+use super::AssumedLaw;
 use super::element::child;
 use super::note::Notes;
 use super::urdf::Robot;
@@ -14,6 +15,8 @@ use realgap_core::error::{Error, Result};
 
 /// How strongly the servo that stands in for the one URDF does not describe answers an error of its angle, 1/s.
 pub(super) const GAIN_1_S: f64 = 20.0;
+/// Error at which an assumed spring reaches the effort, radians: position loops of small servos saturate at about ten degrees.
+pub(super) const FULL_RAD: f64 = 0.2;
 /// Limits farther away than this are none, radians or metres.
 const FAR: f64 = 1e3;
 /// Largest torque and speed that a servo may have.
@@ -232,9 +235,17 @@ impl Robot<'_> {
                 "the two part where a load parts them",
             );
         }
+        let max_torque_nm = effort.min(MOST);
+        let law = match self.reader.options.law {
+            AssumedLaw::Velocity => ServoLaw::Velocity { gain_1_s: GAIN_1_S },
+            AssumedLaw::Torque => ServoLaw::Torque {
+                stiffness_nm_rad: max_torque_nm / FULL_RAD,
+                damping_nm_s_rad: max_torque_nm / FULL_RAD / GAIN_1_S,
+            },
+        };
         let servo = Servo {
-            law: ServoLaw::Velocity { gain_1_s: GAIN_1_S },
-            max_torque_nm: effort.min(MOST),
+            law,
+            max_torque_nm,
             max_speed_rad_s: if velocity > 0.0 {
                 velocity.min(MOST)
             } else {

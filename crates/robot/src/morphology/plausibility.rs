@@ -49,7 +49,8 @@ impl Morphology {
         self.modules().iter().filter_map(|module| {
             let volume_m3 = module.sides_m.product();
             let density_kg_m3 = module.mass_kg / volume_m3;
-            (!DENSITIES_KG_M3.contains(&density_kg_m3)).then(|| {
+            // A body without shapes has no density.
+            (volume_m3 > 0.0 && !DENSITIES_KG_M3.contains(&density_kg_m3)).then(|| {
                 Warning::new(
                     Code::UnlikelyMass,
                     format!(

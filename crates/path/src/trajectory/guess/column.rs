@@ -1,5 +1,6 @@
 //! Roles and units in the names of columns.
 
+use super::super::body_column;
 use super::super::column::{Columns, Measure, Role};
 use super::super::csv::Csv;
 use super::super::format::Format as _;
@@ -136,6 +137,9 @@ pub(super) fn name(text: &str, guess: &mut Guess) -> Result<()> {
     if Table::open(text, &guess.reading, &[]).is_ok() {
         return heading_in_degrees(text, guess);
     }
+    if several_bodies(text, guess) {
+        return Ok(());
+    }
     if guess.reading.skip_lines.is_none()
         && let Some(skipped @ 1..) = lines_before(text)
     {
@@ -203,6 +207,31 @@ pub(super) fn name(text: &str, guess: &mut Guess) -> Result<()> {
     guess.reading.columns = columns;
     guess.say(said.join(", "), "names of the columns");
     heading_in_degrees(text, guess)
+}
+
+/// Whether the file has a set of columns for each of several bodies, as they are read here: the first is the robot then.
+fn several_bodies(text: &str, guess: &mut Guess) -> bool {
+    let names = Csv.columns(text, &guess.reading);
+    let bodies = body_column::names(&names);
+    let Some(first) = bodies.first() else {
+        return false;
+    };
+    if !guess.reading.columns.is_empty()
+        || body_column::has_plain(&names)
+        || !names.contains(&"t_s")
+    {
+        return false;
+    }
+    let because = match bodies.as_slice() {
+        [_] => "columns are called after it".to_owned(),
+        [_, .., last] => format!(
+            "first of the bodies {} with columns of their own; were it another, name that one's, x from {last}_x_m and so on; the others touch it only where the study's `scene` says so",
+            bodies.join(", ")
+        ),
+        [] => String::new(),
+    };
+    guess.say(format!("the robot is `{first}`"), because);
+    true
 }
 
 /// The unit of headings, which no whole number of turns of radians explains where they go on to hundreds.
