@@ -343,10 +343,7 @@ fn short(name: &str, room: f64) -> String {
 /// Round numbers within the range, and how they are written.
 fn ticks([low, high]: [f64; 2]) -> Vec<(f64, String)> {
     let ticks = Scale::linear(low, high).ticks(5).into_iter();
-    // A hyphen is what screens read as a minus everywhere.
-    ticks
-        .map(|tick| (tick.value, tick.label.replace('−', "-")))
-        .collect()
+    ticks.map(|tick| (tick.value, tick.label)).collect()
 }
 
 #[cfg(test)]
@@ -358,7 +355,7 @@ mod tests {
         let (values, _): (Vec<f64>, Vec<String>) = ticks([0.0, 10.0]).into_iter().unzip();
         assert_eq!(values, [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
         let (_, texts): (Vec<f64>, Vec<String>) = ticks([-0.03, 0.07]).into_iter().unzip();
-        assert_eq!(texts, ["-0.02", "0.00", "0.02", "0.04", "0.06"]);
+        assert_eq!(texts, ["−0.02", "0.00", "0.02", "0.04", "0.06"]);
     }
 
     #[test]

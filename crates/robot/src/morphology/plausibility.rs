@@ -7,12 +7,16 @@ use nalgebra::Isometry3;
 use super::Morphology;
 use super::module::DriveAxis;
 use realgap_core::Warning;
+use realgap_core::unit::number;
 use realgap_core::warning::Code;
 
 /// Largest ratio of masses on the two sides of a joint that a solver holds together well.
 const MASS_RATIO: f64 = 1000.0;
 /// From air to more than the densest metal, kg/m³.
 const DENSITIES_KG_M3: std::ops::RangeInclusive<f64> = 1.2..=25_000.0;
+
+/// Share of a robot of bodies below which nobody doubts what a body weighs.
+const SHARE: f64 = 0.01;
 
 impl Morphology {
     /// What is allowed but probably not meant: a gait that asks for more speed than its servo has (`servo-too-slow`) or bends a
@@ -45,22 +49,30 @@ impl Morphology {
         warnings
     }
 
-    fn densities(&self) -> impl Iterator<Item = Warning> {
-        self.modules().iter().filter_map(|module| {
-            let volume_m3 = module.sides_m.product();
-            let density_kg_m3 = module.mass_kg / volume_m3;
+    fn densities(&self) -> Vec<Warning> {
+        let modules = self.modules();
+        // Links of other formats often stand for frames and sensors, without the mass or the size that counts.
+        let least_kg = match self.built.is_some() {
+            true => SHARE * modules.iter().map(|module| module.mass_kg).sum::<f64>(),
+            false => 0.0,
+        };
+        let doubts = modules.iter().filter_map(|module| {
+            let density_kg_m3 = module.mass_kg / module.sides_m.product();
             // A body without shapes has no density.
-            (volume_m3 > 0.0 && !DENSITIES_KG_M3.contains(&density_kg_m3)).then(|| {
+            let counts = density_kg_m3.is_finite() && module.mass_kg >= least_kg;
+            (counts && !DENSITIES_KG_M3.contains(&density_kg_m3)).then(|| {
+                let [x, y, z] = [0, 1, 2].map(|axis| number(module.sides_m[axis]));
                 Warning::new(
                     Code::UnlikelyMass,
                     format!(
-                        "`{}` of {} x {} x {} m weighs {} kg, which is {density_kg_m3:.3} kg/m³, where air has 1.2 and water 1000: \
+                        "`{}` of {x} x {y} x {z} m weighs {} kg, which is {density_kg_m3:.3} kg/m³, where air has 1.2 and water 1000: \
                          is the mass in kilograms, and are the lengths in metres?",
-                        module.name, module.sides_m.x, module.sides_m.y, module.sides_m.z, module.mass_kg
+                        module.name, module.mass_kg
                     ),
                 )
             })
-        })
+        });
+        doubts.collect()
     }
 
     fn beyond_limits(&self) -> Vec<Warning> {
