@@ -220,6 +220,23 @@ class Tuned:
 
 
 @dataclass(frozen=True)
+class Misfit:
+    """Where the nearest run parts from recordings that no parameters explain, and the one change that would bring it nearest.
+
+    >>> fit = answer.summary.fit
+    >>> fit is None or fit.misfit is None or fit.misfit.from_s < fit.misfit.to_s
+    True
+    """
+
+    from_s: float
+    to_s: float
+    deviations: float
+    change: Literal["mirrored", "lengths", "pace", "turning"]
+    size: float
+    share: float
+
+
+@dataclass(frozen=True)
 class Fit:
     """Whether the best point explains the recordings: how far its runs are in noise floors, and the energy test's p.
 
@@ -232,6 +249,7 @@ class Fit:
     explains: bool
     discrepancy: float
     engine: Optional[str]
+    misfit: Optional[Misfit]
 
 
 @dataclass(frozen=True)

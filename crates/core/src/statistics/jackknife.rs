@@ -1,6 +1,6 @@
 //! Intervals from leaving out one item after the other, for few items.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 
 /// What a number is computed from, which decides what the jackknife misses of its variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,6 +68,18 @@ pub fn student_quantile(level: f64, degrees: f64) -> f64 {
 /// Quantile of the χ² distribution; infinite without degrees of freedom.
 pub fn chi_squared_quantile(level: f64, degrees: f64) -> f64 {
     ChiSquared::new(degrees).map_or(f64::INFINITY, |chi| chi.inverse_cdf(level))
+}
+
+/// Probability of a larger value of Fisher's F distribution; 1 without degrees of freedom.
+///
+/// ```
+/// use realgap_core::statistics::fisher_tail;
+///
+/// // scipy.stats.f.sf(3.0, 4.0, 16.0)
+/// assert!((fisher_tail(3.0, 4.0, 16.0) - 0.050345).abs() < 1e-6);
+/// ```
+pub fn fisher_tail(value: f64, first: f64, second: f64) -> f64 {
+    FisherSnedecor::new(first, second).map_or(1.0, |f| f.sf(value.max(0.0)))
 }
 
 #[cfg(test)]

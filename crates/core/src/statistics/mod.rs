@@ -22,7 +22,9 @@ pub use describe::{mean, median, quantile, standard_deviation};
 pub use energy::{EnergyTest, PERMUTATIONS, energy_test};
 pub use forecast::{ReliabilityBin, brier, reliability};
 pub use jackknife::jackknife_variance;
-pub use jackknife::{Degree, chi_squared_quantile, jackknife_interval, student_quantile};
+pub use jackknife::{
+    Degree, chi_squared_quantile, fisher_tail, jackknife_interval, student_quantile,
+};
 pub use matern::matern_5_2;
 pub use normality::{LEAST_FOR_NORMALITY, anderson_darling};
 pub use paired::{PairedTest, wilcoxon_signed_rank};

@@ -2,12 +2,14 @@
 
 use serde::Serialize;
 
+use super::misfit::Misfit;
+use super::nearness::Nearest;
 use super::score::{PointScore, Scores};
 use super::study::Study;
 use crate::claim::{self, SIGNIFICANT};
 use crate::prediction::ensemble::rms_m;
 use realgap_core::error::Result;
-use realgap_core::statistics::{energy_test, mean, student_quantile};
+use realgap_core::statistics::{energy_test, mean};
 use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::Prepared;
 
@@ -21,8 +23,8 @@ pub struct Fit {
     /// How likely the runs are as unlike the recordings if both are drawn alike (energy test; Székely & Rizzo 2013); `None` for
     /// fewer than three recordings.
     pub p_value: Option<f64>,
-    /// False where the recordings are farther from the runs than from each other, and neither chance nor a setting that reality
-    /// has of its own explains it: no parameters of this model explain these recordings.
+    /// False where the energy test tells the recordings from the best point's runs, and no
+    /// run of any point comes as near them as one more recording would: no parameters of this model explain these recordings.
     pub explains: bool,
     /// Variance of the model's discrepancy in those of a recording, which widens the intervals; 0 where the model explains the
     /// recordings.
@@ -30,6 +32,9 @@ pub struct Fit {
     /// Where runs are of two engines, the one whose runs these are: it explains the recordings better.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub engine: Option<&'static str>,
+    /// Where it is worst, and what that looks like; `None` where the model explains the recordings.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub misfit: Option<Misfit>,
 }
 
 /// Fewer recordings than this cannot be told from anything.
@@ -52,22 +57,40 @@ impl Fit {
             let engine = runs.first().map(|run| settings.engine_of_trial(run.index));
             engines.push((paths.collect::<Result<Vec<_>>>()?, engine));
         }
-        let spread = Spread::within(engines.iter().map(|(paths, _)| paths.as_slice()));
         let mut fits = Vec::new();
         // Reality is none of two engines: where one explains the recordings, the model does.
         for (runs, engine) in &engines {
             let engine = engine.and_then(|engine| study.engine_named(engine));
-            let fit = Self::of_runs(study, runs, spread)?;
+            let fit = Self::of_runs(study, runs)?;
             fits.extend(fit.map(|fit| Self { engine, ..fit }));
         }
         let order = |a: &Self, b: &Self| {
             let by_distance = a.noise_floors.total_cmp(&b.noise_floors);
             b.explains.cmp(&a.explains).then(by_distance)
         };
-        Ok(fits.into_iter().min_by(order))
+        let fit = fits.into_iter().min_by(order);
+        let Some(fit) = fit.filter(|fit| !fit.explains) else {
+            return Ok(fit);
+        };
+        let runs = scores.runs.iter().filter(|run| run.score.is_some());
+        let runs = runs.map(path).collect::<Result<Vec<_>>>()?;
+        let real = study.part_of(&study.real_paths(), false);
+        let nearest = Nearest::new(&real, &runs);
+        let misfit = nearest.filter(|nearest| nearest.p_value < SIGNIFICANT);
+        let misfit = misfit.map(|nearest| {
+            let duration_s = study.cases()[0].experiment.duration_s;
+            Misfit::new(nearest, &runs[nearest.run], &real, duration_s)
+        });
+        Ok(Some(Self {
+            explains: misfit.is_none(),
+            discrepancy: misfit.map_or(0.0, |_| fit.discrepancy),
+            misfit,
+            ..fit
+        }))
     }
 
-    fn of_runs(study: &Study, runs: &[Prepared], spread: Spread) -> Result<Option<Self>> {
+    /// Of the best point's runs alone.
+    fn of_runs(study: &Study, runs: &[Prepared]) -> Result<Option<Self>> {
         let real = study.part_of(&study.real_paths(), false);
         if study.cases().len() != 1 || real.len() < 2 {
             return Ok(None);
@@ -91,23 +114,19 @@ impl Fit {
             true => Some(energy_test(&distances, real.len(), study.definition().seed)?.p_value),
             false => None,
         };
-        let spreads = [
-            (0.5 * over(0, 2), real.len()),
-            (0.5 * over(2, 2), runs.len()),
-        ];
-        let excess = over(1, 2) - spreads[0].0 - spreads[1].0;
-        let explains = noise_floors <= 1.0
-            || p_value.is_none_or(|p| p >= SIGNIFICANT)
-            || chance_parts(excess, spreads, spread);
+        let (recordings, simulated) = (0.5 * over(0, 2), 0.5 * over(2, 2));
+        let excess = over(1, 2) - recordings - simulated;
+        let explains = p_value.is_none_or(|p| p >= SIGNIFICANT);
         Ok(Some(Self {
             noise_floors,
             p_value,
             explains,
             discrepancy: match explains {
                 true => 0.0,
-                false => (excess / spreads[0].0).max(0.0),
+                false => (excess / recordings).max(0.0),
             },
             engine: None,
+            misfit: None,
         }))
     }
 
@@ -115,104 +134,5 @@ impl Fit {
     pub(super) fn warning(&self, recordings: usize) -> Option<Warning> {
         let said = claim::model(self, recordings).text;
         (!self.explains).then(|| Warning::new(Code::ModelContradicted, said))
-    }
-}
-
-/// How far settings part runs of one engine: the variance, over both where there are two, and its degrees of freedom.
-#[derive(Debug, Clone, Copy)]
-struct Spread {
-    variance: f64,
-    freedom: f64,
-}
-
-impl Spread {
-    /// Within these groups of runs.
-    fn within<'a>(groups: impl Iterator<Item = &'a [Prepared]>) -> Self {
-        let (mut squares, mut freedom) = (0.0, 0.0);
-        for runs in groups.filter(|runs| runs.len() > 1) {
-            let pairs = (0..runs.len()).flat_map(|i| (i + 1..runs.len()).map(move |j| (i, j)));
-            let distances = pairs.map(|(i, j)| rms_m(&runs[i], &runs[j]).powi(2));
-            // The sum over all pairs is as many times that of deviations from their mean.
-            squares += distances.sum::<f64>() / runs.len() as f64;
-            freedom += runs.len() as f64 - 1.0;
-        }
-        Self {
-            variance: squares / freedom.max(1.0),
-            freedom,
-        }
-    }
-}
-
-/// Whether chance parts the mean paths as far as they are: Welch's t test (1947), with distances for differences. `excess` is what
-/// parts a recording from a run, squared, beyond the variance of either, and the spreads are those variances with how many
-/// paths showed them; `settings` is what runs of either engine say about that of runs. The energy test alone also rejects
-/// recordings that merely spread more than runs. Reality has one setting of its own, which moves all of its recordings, so that
-/// their mean varies as a single run does, too. All variance is taken to lie in one direction, where chance goes farthest.
-fn chance_parts(excess: f64, [recordings, runs]: [(f64, usize); 2], settings: Spread) -> bool {
-    let of_mean = |(variance, count): (f64, usize)| variance / count as f64;
-    let apart = (excess + of_mean(recordings) + of_mean(runs)).max(0.0);
-    let own_setting = settings.variance + of_mean((settings.variance, runs.1));
-    let variance = of_mean(recordings) + own_setting;
-    let doubt = of_mean(recordings).powi(2) / (recordings.1 as f64 - 1.0)
-        + own_setting.powi(2) / settings.freedom;
-    let limit = student_quantile(1.0 - 0.5 * SIGNIFICANT, variance * variance / doubt);
-    apart <= limit * limit * variance
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use rand::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
-    use realgap_core::random::Generator;
-
-    /// How many of 400 realities chance does not explain: `spread` times as far apart as runs are, so many of these off.
-    fn unexplained(directions: usize, recordings: usize, spread: f64, off: f64) -> usize {
-        let mut rng = Generator::seed_from_u64(7);
-        let mut path = |centre: &[f64], size: f64| -> Vec<f64> {
-            let normal = |rng: &mut _| -> f64 { StandardNormal.sample(rng) };
-            centre.iter().map(|c| c + size * normal(&mut rng)).collect()
-        };
-        let mean_square = |a: &[Vec<f64>], b: &[Vec<f64>]| {
-            let pairs = a.iter().flat_map(|p| b.iter().map(move |q| (p, q)));
-            let squares = pairs.map(|(p, q)| p.iter().zip(q).map(|(p, q)| (p - q).powi(2)).sum());
-            let other = squares.filter(|square: &f64| *square > 0.0);
-            mean(&other.collect::<Vec<f64>>())
-        };
-        let alarm = |_: &usize| {
-            let mut origin = vec![0.0; directions];
-            let runs: Vec<Vec<f64>> = (0..16).map(|_| path(&origin, 1.0)).collect();
-            origin[0] = off;
-            let own = path(&origin, 1.0);
-            let real: Vec<Vec<f64>> = (0..recordings).map(|_| path(&own, spread)).collect();
-            let half = |paths: &[Vec<f64>]| 0.5 * mean_square(paths, paths);
-            let spreads = [(half(&real), real.len()), (half(&runs), runs.len())];
-            let excess = mean_square(&real, &runs) - spreads[0].0 - spreads[1].0;
-            let settings = Spread {
-                variance: spreads[1].0,
-                freedom: runs.len() as f64 - 1.0,
-            };
-            !chance_parts(excess, spreads, settings)
-        };
-        (0..400).filter(alarm).count()
-    }
-
-    /// At one false alarm in twenty more than 28 of 400 come in 3 % of cases.
-    #[test]
-    fn a_reality_that_is_one_of_the_settings_is_explained_however_much_its_recordings_differ() {
-        for (directions, recordings) in [(1, 3), (1, 10), (4, 3), (4, 10)] {
-            for spread in [0.3, 1.0, 3.0] {
-                let alarms = unexplained(directions, recordings, spread, 0.0);
-                assert!(alarms <= 28, "{directions} {recordings} {spread}: {alarms}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_reality_that_no_setting_comes_near_is_not_explained() {
-        for (recordings, spread) in [(3, 0.3), (5, 1.0), (10, 1.0)] {
-            let found = unexplained(1, recordings, spread, 5.0);
-            assert!(found >= 360, "{recordings} {spread}: {found}");
-        }
     }
 }

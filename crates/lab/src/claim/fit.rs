@@ -2,7 +2,7 @@
 
 use super::parameter::NAMED;
 use super::{About, Claim, Says, listed};
-use crate::calibration::{Best, EngineWish, Fit, HowSure};
+use crate::calibration::{Best, Change, EngineWish, Fit, HowSure, Misfit};
 use realgap_core::unit::{Unit, counted, number, quantity};
 
 /// Whether any parameters explain the recordings.
@@ -22,13 +22,47 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
     let of = fit
         .engine
         .map_or_else(String::new, |engine| format!(" (runs of {engine})"));
-    let text = format!("the best is {floors} noise floors away{of}{alike}{rest}");
+    let worst = fit.misfit.as_ref().map_or_else(String::new, worst);
+    let text = format!("the best is {floors} noise floors away{of}{alike}{rest}{worst}");
     let numbers = [
         ("noise_floors", fit.noise_floors),
         ("p_value", fit.p_value.unwrap_or(f64::NAN)),
         ("discrepancy", fit.discrepancy),
     ];
     Claim::new(About::Model, says, word, text).resting_on(recordings, &numbers)
+}
+
+/// A change that takes less of the misfit away does not say what is wrong.
+const TELLING: f64 = 0.5;
+
+/// Where the run that comes nearest is worst, and what to look at.
+fn worst(misfit: &Misfit) -> String {
+    let (from_s, to_s) = (number(misfit.from_s), number(misfit.to_s));
+    let deviations = number(misfit.deviations);
+    let size = number(misfit.size);
+    let (changed, look) = match misfit.change {
+        Change::Mirrored => ("mirrored".to_owned(), "axes"),
+        Change::Lengths => (
+            format!("with lengths times {size}"),
+            "units, the robot's size, and contacts that let it slip",
+        ),
+        Change::Pace => (format!("{size} times as fast"), "the gait and its clock"),
+        Change::Turning => {
+            let deg = number(misfit.size.to_degrees());
+            (
+                format!("turned by {deg} degrees more along the way"),
+                "contacts and servo zeros",
+            )
+        }
+    };
+    let share = number(100.0 * misfit.share);
+    let hint = match misfit.share >= TELLING {
+        true => format!("{changed} it would lose {share} % of its square distance: look at {look} first"),
+        false => "no mirroring, scaling, pace or turning takes half of its square distance away: look at the robot and its contacts first".to_owned(),
+    };
+    format!(
+        ". The nearest run of all is farthest off from {from_s} to {to_s} s, by {deviations} standard deviations; {hint}"
+    )
 }
 
 /// Where the simulation is nearest to `reality`.

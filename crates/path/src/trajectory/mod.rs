@@ -47,7 +47,7 @@ pub use joint_column::may_be_attitude;
 pub use kitti::Kitti;
 pub use log::{Mcap, Rosbag};
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};
-pub use prepare::{POINTS, Prepared, prepare};
+pub use prepare::{POINTS, Prepared, prepare, turned};
 pub use reading::{Crop, Only, QuaternionOrder, Reading};
 pub use recording::{Meta, Recording, Source};
 pub use registry::{

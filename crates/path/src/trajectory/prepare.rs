@@ -1,5 +1,7 @@
 //! The preparation of a trajectory for comparison: 182 points, from the origin, along +x.
 
+use std::ops::Range;
+
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Trajectory;
@@ -118,6 +120,17 @@ fn path_length(xy_m: &[[f64; 2]]) -> f64 {
         .sum()
 }
 
+/// A path in the plane from its first point, its net displacement (or principal axis, as [`prepare`] says) on +x.
+///
+/// # Panics
+/// A path without points.
+pub fn turned(path_m: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let [x0, y0] = path_m[0];
+    let from_start: Vec<[f64; 2]> = path_m.iter().map(|[x, y]| [x - x0, y - y0]).collect();
+    let (forward, _) = direction(&from_start, path_length(&from_start));
+    from_start.into_iter().map(|p| forward.turn(p)).collect()
+}
+
 impl Prepared {
     /// Takes back points that were prepared before, e.g. from a store: [`POINTS`] points as
     /// [`Prepared::xy_m`] gave them, bit for bit.
@@ -152,6 +165,14 @@ impl Prepared {
     /// The points in the plane, metres: start at the origin, net displacement on +x.
     pub fn xy_m(&self) -> &[[f64; 2]] {
         &self.xy_m
+    }
+
+    /// A part of these points, prepared as a path of its own: from the origin, its own net displacement on +x.
+    ///
+    /// # Panics
+    /// A range that is not within the points, or empty.
+    pub fn part_xy_m(&self, points: Range<usize>) -> Vec<[f64; 2]> {
+        turned(&self.xy_m[points])
     }
 
     /// Heights above the start, metres; `None` if z was not recorded.

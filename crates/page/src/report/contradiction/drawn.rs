@@ -145,6 +145,7 @@ impl Swept {
             explains: draw.is(0.7),
             discrepancy: draw.share(),
             engine: draw.is(0.5).then_some("rapier"),
+            misfit: None,
         });
         let mut report = empty(&scores, recordings);
         report.uncertainty = Some(HowSure {
