@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use realgap_core::error::Result;
 use realgap_core::warning::{Code, Warning};
@@ -89,8 +90,12 @@ pub struct SearchSummary {
     pub version: String,
     /// What the reader should know.
     // A page takes the warnings of all parts at once, those of other versions included.
-    #[serde(skip_deserializing)]
+    #[serde(deserialize_with = "unread")]
     pub warnings: Vec<Warning>,
+}
+
+fn unread<'de, D: Deserializer<'de>>(d: D) -> std::result::Result<Vec<Warning>, D::Error> {
+    IgnoredAny::deserialize(d).map(|_| Vec::new())
 }
 
 impl BestRobot {
