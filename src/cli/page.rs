@@ -10,14 +10,14 @@ use realgap::calibration::{
 use realgap::file::{remove_sealed, write_atomic, write_sealed};
 use realgap::optimization::Ending;
 use realgap::report::{
-    KEPT_RECORDINGS, Kept, KeptPath, KeptReplay, Leaf, PAGE_FILE, Replay, SIMULATION, folder_page,
-    side_by_side,
+    KEPT_RECORDINGS, Kept, KeptPath, KeptReplay, Leaf, PAGE_FILE, Replay, SIMULATION, Tree,
+    folder_page, side_by_side,
 };
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{Experiment, film};
 use realgap::trajectory::{Recording, Trajectory};
 use realgap::warning::Code;
-use realgap::{Error, Result, Warning};
+use realgap::{Result, Warning};
 
 use super::{output, shell, terminal};
 
@@ -95,8 +95,7 @@ impl PageFile {
         let Some(file) = &self.report else {
             return Ok(());
         };
-        let report = serde_json::to_value(found)
-            .map_err(|e| Error::invalid(format!("cannot write JSON: {e}")))?;
+        let report = Tree::of(found)?;
         let pictures: Vec<&Path> = pictures.into_iter().map(PathBuf::as_path).collect();
         let name = of.file_stem().unwrap_or(of.as_os_str()).to_string_lossy();
         let page = Leaf {

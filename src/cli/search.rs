@@ -290,7 +290,11 @@ fn words(summary: &SearchSummary, search: &search::Search, head: &str) -> String
                     .map_or("-".to_owned(), |(p, m)| {
                         format!("{:.0} % over {}", 100.0 * p, metres(m))
                     }),
-                match (robot.survives, robot.largest_change, robot.worst_rerun) {
+                match (
+                    robot.survives,
+                    robot.largest_change,
+                    robot.worst_rerun.as_deref(),
+                ) {
                     (true, ..) => "yes".to_owned(),
                     (_, Some(change), Some(worst)) => {
                         format!("NO: changes by {:.0} % at {worst}", 100.0 * change)

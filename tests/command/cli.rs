@@ -104,17 +104,7 @@ fn simulate_reports_what_happened_as_json() {
     let folder = tempfile::tempdir().unwrap();
     let csv = folder.path().join("run.csv");
     let out = realgap()
-        .args([
-            "simulate",
-            "morphologies/tripod.ron",
-            "--duration",
-            "1",
-            "--rate",
-            "30",
-            "--format",
-            "json",
-            "-o",
-        ])
+        .args("simulate morphologies/tripod.ron --duration 1 --rate 30 --format json -o".split(' '))
         .arg(&csv)
         .args(["--set", "floor.friction=0.4"])
         .assert()
@@ -133,14 +123,7 @@ fn simulate_reports_what_happened_as_json() {
 #[test]
 fn a_passive_cube_goes_nowhere() {
     let out = realgap()
-        .args([
-            "simulate",
-            "morphologies/cube.ron",
-            "--duration",
-            "1",
-            "--format",
-            "json",
-        ])
+        .args("simulate morphologies/cube.ron --duration 1 --format json".split(' '))
         .assert()
         .success();
     let report: serde_json::Value = serde_json::from_slice(&out.get_output().stdout).unwrap();
@@ -275,14 +258,7 @@ fn output_that_cannot_be_written_is_a_failure() {
 #[test]
 fn a_setting_without_effect_is_said() {
     let out = realgap()
-        .args([
-            "simulate",
-            "morphologies/cube.ron",
-            "--duration",
-            "0.1",
-            "--set",
-            "servo.gain=3",
-        ])
+        .args("simulate morphologies/cube.ron --duration 0.1 --set servo.gain=3".split(' '))
         .args(["--set", "recording.length_scale=2"])
         .assert()
         .success();
@@ -298,13 +274,7 @@ fn runs_of_different_length_are_compared_with_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     let short = folder.path().join("short.csv");
     realgap()
-        .args([
-            "simulate",
-            "morphologies/tripod.ron",
-            "--duration",
-            "2",
-            "-o",
-        ])
+        .args("simulate morphologies/tripod.ron --duration 2 -o".split(' '))
         .arg(&short)
         .assert()
         .success();
@@ -399,15 +369,8 @@ fn a_mixed_up_file_is_called_what_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let broken = folder.path().join("robot.ron");
     std::fs::write(&broken, "(name: \"x\", modules: [])").unwrap();
-    let error = text(
-        &realgap()
-            .arg("simulate")
-            .arg(&broken)
-            .assert()
-            .code(1)
-            .get_output()
-            .stderr,
-    );
+    let out = realgap().arg("simulate").arg(&broken).assert().code(1);
+    let error = text(&out.get_output().stderr);
     assert!(!error.contains("not a morphology"), "{error}");
 }
 
@@ -441,12 +404,8 @@ fn check_tells_machines_what_it_tells_people() {
     assert!(robot["ok"] == true && robot["kind"] == "morphology");
     assert_eq!(robot["contents"]["modules"], 4);
     assert!(run["kind"] == "trajectory");
-    assert!(
-        run["contents"]["recordings"][0]["samples"]
-            .as_u64()
-            .unwrap()
-            > 100
-    );
+    let samples = &run["contents"]["recordings"][0]["samples"];
+    assert!(samples.as_u64().unwrap() > 100);
     assert!(missing["ok"] == false && missing["error"]["text"].is_string());
 }
 
@@ -457,14 +416,7 @@ fn record_tells_machines_what_it_wrote() {
     let out = realgap()
         .arg("record")
         .arg(project().join("morphologies/cube.ron"))
-        .args([
-            "--repeats",
-            "1",
-            "--duration",
-            "0.2",
-            "--set",
-            "floor.friction=0.4",
-        ])
+        .args("--repeats 1 --duration 0.2 --set floor.friction=0.4".split(' '))
         .args(["--format", "json", "-o"])
         .arg(&runs)
         .assert()
@@ -473,10 +425,8 @@ fn record_tells_machines_what_it_wrote() {
     assert_eq!(report["source"], "StandIn");
     assert_eq!(report["parameters"]["floor.friction"], 0.4);
     for file in [&report["recordings"][0], &report["meta"]] {
-        assert!(
-            std::path::Path::new(file.as_str().unwrap()).is_file(),
-            "{file}"
-        );
+        let file = std::path::Path::new(file.as_str().unwrap());
+        assert!(file.is_file(), "{}", file.display());
     }
 }
 

@@ -239,13 +239,13 @@ fn a_browser_runs_nothing_that_others_wrote_into_a_folder() {
     };
     let hostile = "</script><script>document.title='run'</script><img src=x onerror=\"document.title='run'\">]]>\u{202e}{{answer}}";
     let folder = tempfile::tempdir().unwrap();
-    let number = json!({ "value": 1.0, "low": hostile, "high": 2.0 });
+    let number = json!({ "value": 1.0, "low": 0.5, "high": 2.0 });
     let report = json!({
         "study": hostile, "description": hostile, "source": hostile, "engine": hostile,
         "provenance": { hostile: hostile },
         "warnings": [{ "code": hostile, "message": hostile }],
         "metrics": [{ "metric": hostile, "unit": hostile, "floor": number, "ideal": { "gap": number, "ratio": number } }],
-        "over_time": { "times_s": [0.0, 1.0], "ideal_m": [0.0, hostile], "real_mean_m": [0.0, 1.0] },
+        "over_time": { "times_s": [0.0, 1.0], "ideal_m": [0.0, 1.0], "real_mean_m": [0.0, 1.0] },
     });
     std::fs::write(folder.path().join("gap.json"), report.to_string()).unwrap();
     let kept = json!({
@@ -253,7 +253,7 @@ fn a_browser_runs_nothing_that_others_wrote_into_a_folder() {
         "replay": {
             "motion": "AgACAgAAAgAAAgAA",
             "scene": {
-                "steps": [1.0, 1.0, 1.0], "boxes": [], "scene": [], "floor": { "height_m": 0.0, "slope_rad": 0.0 },
+                "steps": [1.0, 1.0, 1.0], "boxes": [], "scene": [], "floor": { "height_m": 0.0, "slope_rad": 0.0 }, "parts": 0,
                 "tracks": [{ "name": hostile, "recorded": false, "parts": [] }],
             },
         },
@@ -277,4 +277,14 @@ fn a_browser_runs_nothing_that_others_wrote_into_a_folder() {
         .collect();
     assert!(asked.is_empty(), "{asked:?}");
     assert!(!std::fs::read_to_string(&page).unwrap().contains('\u{202e}'));
+    // What should be a number is one, or the report is refused by name.
+    let report = json!({ "metrics": [{ "floor": { "value": hostile } }] });
+    std::fs::write(folder.path().join("gap.json"), report.to_string()).unwrap();
+    let out = realgap()
+        .args(["report", folder.path().to_str().unwrap(), "--accept"])
+        .assert()
+        .code(1);
+    let error = text(&out.get_output().stderr);
+    let names = error.contains("gap.json: not a report: invalid type");
+    assert!(names && !error.contains('\u{202e}'), "{error}");
 }

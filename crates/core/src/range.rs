@@ -94,7 +94,7 @@ impl std::fmt::Display for Range {
 }
 
 /// As people write it: 1e300 has no use for 300 digits.
-fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() || (1e-4..1e7).contains(&value.abs()) {
         format!("{value}")
     } else {

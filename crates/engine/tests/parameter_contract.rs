@@ -361,11 +361,8 @@ fn a_sensor_without_a_spread_is_refused_before_it_runs() {
 
 fn largest_distance_m(a: &Trajectory, b: &Trajectory) -> f64 {
     assert_eq!(a.len(), b.len());
-    a.positions_world_m()
-        .iter()
-        .zip(b.positions_world_m())
-        .map(|(a, b)| (a - b).norm())
-        .fold(0.0, f64::max)
+    let places = a.positions_world_m().iter().zip(b.positions_world_m());
+    places.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
 }
 
 #[test]

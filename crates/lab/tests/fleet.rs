@@ -170,7 +170,7 @@ fn a_robot_is_said_to_do_what_was_recorded_where_its_recordings_were_made_so() {
     for of in &found.metrics {
         assert_eq!(of.within_floor.trials, 3, "{}", of.metric);
     }
-    let names: Vec<&str> = found.metrics.iter().map(|of| of.metric).collect();
+    let names: Vec<&str> = found.metrics.iter().map(|of| of.metric.as_str()).collect();
     for name in ["displacement", "hausdorff", "frechet", "dtw", "pca-cluster"] {
         assert!(names.contains(&name), "{names:?}");
     }

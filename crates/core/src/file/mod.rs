@@ -51,7 +51,7 @@ pub use hash::sha256;
 pub use input::read_limited;
 pub use json::{SCHEMA_VERSION, versioned_json};
 pub use log::{LogTable, read_log_text};
-pub use mcap::{McapWriter, Topic, read_mcap, stamp};
+pub use mcap::{McapWriter, Stamp, Topic, read_mcap, stamp};
 pub use name::{check_name, name_of_file};
 pub use octet::Octets;
 pub use orientation::orientation;

@@ -1,7 +1,7 @@
 //! Are two samples drawn alike? The energy distance of Székely & Rizzo, from distances alone.
 
 use rand::RngExt;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::random::Once;
@@ -12,7 +12,7 @@ pub const PERMUTATIONS: usize = 1999;
 const ROUNDING: f64 = 1e-12;
 
 /// The energy distance of two samples and how likely one as large is where they are drawn alike.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EnergyTest {
     /// ℰ = 2 E‖X − Y‖ − E‖X − X′‖ − E‖Y − Y′‖ over all pairs, each with itself included (Székely & Rizzo 2013, section 6), in

@@ -1,10 +1,10 @@
 //! How sure an observed share is.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use statrs::function::erf::erfc_inv;
 
 /// A share of trials with its Wilson score interval (Wilson 1927), which behaves at 0 and 1 and for few trials.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Proportion {
     /// How often it happened.

@@ -1,6 +1,6 @@
 //! Do two samples differ, and do two quantities go together? Tests without an assumption about distributions.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use statrs::function::beta::beta_reg;
 use statrs::function::erf::erfc;
 use statrs::stats_tests::NaNPolicy;
@@ -15,7 +15,7 @@ const EXACT_SAMPLE: usize = 8;
 const EXACT_PRODUCT: usize = 10_000;
 
 /// Where a p value comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum PValueMethod {
@@ -26,7 +26,7 @@ pub enum PValueMethod {
 }
 
 /// A two-sided test of two samples.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SampleTest {
     /// The statistic: U of the first sample, the largest distance D, or the rank correlation ρ.

@@ -123,27 +123,10 @@ struct ThenFile {
     actuator: String,
     /// Another gait, whose time is the run's.
     #[serde(default)]
-    gait: Option<SineFile>,
+    gait: Option<Gait>,
     /// A constant: an angle in radians, for the law `Direct` a torque in N m.
     #[serde(default)]
     hold: Option<f64>,
-}
-
-/// offset + amplitude·sin(2π·frequency·t + phase).
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "Sine")]
-struct SineFile {
-    /// Mean angle, radians.
-    #[serde(default)]
-    offset_rad: f64,
-    /// Amplitude, radians.
-    amplitude_rad: f64,
-    /// Frequency, Hz.
-    frequency_hz: f64,
-    /// Phase, radians.
-    #[serde(default)]
-    phase_rad: f64,
 }
 
 /// Another robot of the same kind.
@@ -374,12 +357,7 @@ impl WhenFile {
 impl ThenFile {
     fn steer(self) -> Result<(String, Steer)> {
         let steer = match (self.gait, self.hold) {
-            (Some(sine), None) => Steer::Gait(Gait {
-                offset_rad: sine.offset_rad,
-                amplitude_rad: sine.amplitude_rad,
-                frequency_hz: sine.frequency_hz,
-                phase_rad: sine.phase_rad,
-            }),
+            (Some(gait), None) => Steer::Gait(gait),
             (None, Some(value)) => Steer::Hold(value),
             _ => {
                 return Err(Error::invalid("a servo does one thing")

@@ -4,46 +4,34 @@ use super::{Nudge, Parameter, Scale, field};
 use crate::{ENGINES, EngineChoice, JointKind};
 use realgap_core::unit::Unit;
 
+/// A whole number of the solver's settings.
+macro_rules! count {
+    ($name:literal, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $field:ident) => {
+        Parameter {
+            name: $name,
+            unit: Unit::One,
+            bounds: $bounds,
+            whole: true,
+            scale: Scale::$scale,
+            nudge: $nudge,
+            doc: $doc,
+            subject: "",
+            get: |e, _| Some(e.solver.$field as f64),
+            set: |e, _, value| e.solver.$field = value as usize,
+        }
+    };
+}
+
 #[rustfmt::skip] // a table
 pub(super) static PARAMETERS: &[Parameter] = &[
     field!("timestep_s", Second, (1e-6, 0.1), Log, Nudge::Share(0.25),
         "Time per simulation step.", solver.timestep_s),
-    Parameter {
-        name: "solver.substeps",
-        unit: Unit::One,
-        bounds: (1.0, 256.0),
-        whole: true,
-        scale: Scale::Log,
-        nudge: Nudge::Absolute(2.0),
-        doc: "Solver substeps per step.",
-        subject: "",
-        get: |e, _| Some(e.solver.substeps as f64),
-        set: |e, _, value| e.solver.substeps = value as usize,
-    },
-    Parameter {
-        name: "solver.sweeps",
-        unit: Unit::One,
-        bounds: (1.0, 256.0),
-        whole: true,
-        scale: Scale::Log,
-        nudge: Nudge::Absolute(1.0),
-        doc: "Passes over joints and contacts in every substep; more of them hold light plates still.",
-        subject: "",
-        get: |e, _| Some(e.solver.sweeps as f64),
-        set: |e, _, value| e.solver.sweeps = value as usize,
-    },
-    Parameter {
-        name: "solver.relaxations",
-        unit: Unit::One,
-        bounds: (0.0, 16.0),
-        whole: true,
-        scale: Scale::Linear,
-        nudge: Nudge::Absolute(1.0),
-        doc: "Passes without bias at the end of every substep; each drains some energy of the hinges.",
-        subject: "",
-        get: |e, _| Some(e.solver.relaxations as f64),
-        set: |e, _, value| e.solver.relaxations = value as usize,
-    },
+    count!("solver.substeps", (1.0, 256.0), Log, Nudge::Absolute(2.0),
+        "Solver substeps per step.", substeps),
+    count!("solver.sweeps", (1.0, 256.0), Log, Nudge::Absolute(1.0),
+        "Passes over joints and contacts in every substep; more of them hold light plates still.", sweeps),
+    count!("solver.relaxations", (0.0, 16.0), Linear, Nudge::Absolute(1.0),
+        "Passes without bias at the end of every substep; each drains some energy of the hinges.", relaxations),
     Parameter {
         name: "solver.joint",
         unit: Unit::One,

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::{Drive, Vehicle};
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, parse_ron};
-use realgap_sense::arena::Arena;
+use realgap_sense::arena::{Arena, StartFile};
 use realgap_sense::range::find_sensor;
 
 /// A robot on two wheels as its file states it.
@@ -26,23 +26,10 @@ pub struct VehicleFile {
     sensor: String,
     /// Other robots of its kind in the same arena.
     #[serde(default)]
-    others: Vec<PlaceFile>,
+    others: Vec<StartFile>,
     /// How the vehicle drives.
     #[serde(default)]
     drive: Drive,
-}
-
-#[derive(Debug, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "Place")]
-struct PlaceFile {
-    /// Place to the right, metres.
-    x_m: f64,
-    /// Place up, metres.
-    y_m: f64,
-    /// Heading from the x axis to the left, degrees.
-    #[serde(default)]
-    heading_deg: f64,
 }
 
 /// Most robots beside the first.
@@ -116,11 +103,12 @@ fn others(file: &VehicleFile, arena: &Arena, first_m: [f64; 2]) -> Result<Vec<[f
     let mut taken_m = vec![first_m];
     for (index, other) in file.others.iter().enumerate() {
         let field = format!("others[{index}]");
-        let place_m = [other.x_m, other.y_m];
-        if !other.heading_deg.is_finite() {
+        let [x_m, y_m, heading_rad] = other.pose();
+        let place_m = [x_m, y_m];
+        if !heading_rad.is_finite() {
             return Err(Error::invalid("not a heading")
                 .field(field)
-                .found(other.heading_deg));
+                .found(heading_rad));
         }
         arena
             .check_place(place_m, file.radius_m)
@@ -137,6 +125,5 @@ fn others(file: &VehicleFile, arena: &Arena, first_m: [f64; 2]) -> Result<Vec<[f
         }
         taken_m.push(place_m);
     }
-    let heading = |other: &PlaceFile| [other.x_m, other.y_m, other.heading_deg.to_radians()];
-    Ok(file.others.iter().map(heading).collect())
+    Ok(file.others.iter().map(|other| other.pose()).collect())
 }

@@ -1,6 +1,6 @@
 //! The numerical audit: does the answer depend on the step?
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::score::Scores;
 use super::study::Study;
@@ -10,7 +10,7 @@ use realgap_core::unit::counted;
 use realgap_engine::{Experiment, Solver};
 
 /// The best point again, with one numerical setting changed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AuditRow {
     /// What was changed, and to what.
@@ -24,7 +24,7 @@ pub struct AuditRow {
 }
 
 /// How much the best score depends on timestep, substeps and contact stiffness, which no recording can tell.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Audit {
     /// Half and double timestep, half and double substeps, and the limit of hard contact.

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::fleet::Member;
 use super::score::Scores;
@@ -18,7 +18,7 @@ use realgap_path::comparison::{Context, METRICS, Metric, Needs, Pair, Rms};
 use realgap_path::trajectory::{Prepared, Trajectory, prepare};
 
 /// What the shared answer makes of one robot; the first that holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Likeness {
@@ -34,7 +34,7 @@ pub enum Likeness {
 
 /// What the shared answer makes of all robots, each simulated once with every equally valid setting. The shares are of all robots,
 /// with 95 % Wilson intervals; distances are those of the metric `rms`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reproduction {
     /// Runs of each robot.
@@ -59,11 +59,11 @@ pub struct Reproduction {
 }
 
 /// How many robots are within their noise floor by one metric.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MetricFloors {
     /// Name of the metric.
-    pub metric: &'static str,
+    pub metric: String,
     /// Robots whose runs are within the noise floor, of those that have one.
     pub within_floor: Proportion,
     /// Median over these robots of the distance in noise floors; `None` where no robot has one.
@@ -71,7 +71,7 @@ pub struct MetricFloors {
 }
 
 /// What the shared answer makes of one robot.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RobotReproduction {
     /// Its name.
@@ -136,7 +136,7 @@ impl Reproduction {
             let floors: Vec<f64> = floors.collect();
             let within = floors.iter().filter(|floors| **floors <= 1.0).count();
             MetricFloors {
-                metric: seen[0].distances[metric].metric.name(),
+                metric: seen[0].distances[metric].metric.name().to_owned(),
                 within_floor: Proportion::new(within, floors.len(), INTERVAL),
                 median_noise_floors: (!floors.is_empty()).then(|| median(&floors)),
             }

@@ -165,10 +165,8 @@ impl Study {
 
     /// Simulated seconds of one point, settling apart.
     pub fn simulated_s(&self) -> f64 {
-        self.cases
-            .iter()
-            .map(|case| case.experiment.duration_s)
-            .sum()
+        let cases = self.cases.iter();
+        cases.map(|case| case.experiment.duration_s).sum()
     }
 
     /// How much the score of a recording counts, 1 on average.
@@ -191,7 +189,7 @@ impl Study {
     /// # Errors
     /// A metric that cannot compare; a diverged simulation is an outcome, not an error.
     pub fn simulate(&self, index: usize) -> Result<Trial> {
-        self.simulate_values(index, self.definition.grid.values(index))
+        self.simulate_trial(index, self.definition.grid.values(index), false)
     }
 
     /// The equally valid settings that a score is the mean over.
@@ -210,29 +208,19 @@ impl Study {
         };
         // A single run is one of the study's own engine.
         let second = self.second.filter(|_| count > 1);
-        let of_map = match (second, definition.grid.len()) {
-            (Some(_), points) if is_large_map(points) => points,
-            _ => 0,
-        };
+        let points = definition.grid.len();
+        let is_large = second.is_some() && is_large_map(points);
         Settings {
             noise,
             count,
             seed: definition.seed,
             second,
-            of_map,
+            of_map: if is_large { points } else { 0 },
         }
     }
 
     /// Simulates every case at these values, as trial number `index`, whose number says with which of the equally valid
-    /// settings; cases run in parallel on the current rayon pool.
-    ///
-    /// # Errors
-    /// As [`Study::simulate`].
-    pub(super) fn simulate_values(&self, index: usize, values: Vec<f64>) -> Result<Trial> {
-        self.simulate_trial(index, values, false)
-    }
-
-    /// As [`Study::simulate_values`], with single errors where they are asked for.
+    /// settings, with single errors where they are asked for.
     ///
     /// # Errors
     /// As [`Study::simulate`]; a metric that is not made of single errors.
@@ -245,13 +233,10 @@ impl Study {
         let settings = self.settings();
         let setting = settings.of_trial(index);
         let set = self.parameter_set(&values);
-        let cases = (0..self.cases.len())
-            .into_par_iter()
-            .map(|case| {
-                let experiment = self.experiment_with(case, &set)?;
-                self.simulate_case_with(case, &settings.apply(setting, &experiment), has_errors)
-            })
-            .collect::<Result<_>>()?;
+        let cases = self.each_case(|case| {
+            let experiment = self.experiment_with(case, &set)?;
+            self.simulate_case(case, &settings.apply(setting, &experiment), has_errors)
+        })?;
         Ok(Trial {
             index,
             values,
@@ -308,18 +293,22 @@ impl Study {
         repeat: u64,
     ) -> Result<CaseRow> {
         let experiment = self.experiment_with(0, set)?;
-        self.simulate_case(0, &noise.perturb(&experiment, self.definition.seed, repeat))
+        let perturbed = noise.perturb(&experiment, self.definition.seed, repeat);
+        self.simulate_case(0, &perturbed, false)
     }
 
-    /// Simulates every case with these parameters; cases run in parallel on the current rayon pool.
+    /// Simulates every case with these parameters.
     ///
     /// # Errors
     /// As [`Study::simulate`].
     pub(super) fn simulate_set(&self, set: &ParameterSet) -> Result<Vec<CaseRow>> {
-        (0..self.cases.len())
-            .into_par_iter()
-            .map(|case| self.simulate_case(case, &self.experiment_with(case, set)?))
-            .collect()
+        self.each_case(|case| self.simulate_case(case, &self.experiment_with(case, set)?, false))
+    }
+
+    /// A row of every case, in parallel on the current rayon pool.
+    fn each_case(&self, row: impl Fn(usize) -> Result<CaseRow> + Sync) -> Result<Vec<CaseRow>> {
+        let cases = (0..self.cases.len()).into_par_iter();
+        cases.map(&row).collect()
     }
 
     /// Simulates every case at these values with other numerical settings.
@@ -331,14 +320,11 @@ impl Study {
         values: &[f64],
         change: impl Fn(&mut Experiment) + Sync,
     ) -> Result<Trial> {
-        let cases = (0..self.cases.len())
-            .into_par_iter()
-            .map(|case| {
-                let mut experiment = self.experiment(case, values)?;
-                change(&mut experiment);
-                self.simulate_case(case, &experiment)
-            })
-            .collect::<Result<_>>()?;
+        let cases = self.each_case(|case| {
+            let mut experiment = self.experiment(case, values)?;
+            change(&mut experiment);
+            self.simulate_case(case, &experiment, false)
+        })?;
         Ok(Trial {
             index: 0,
             values: values.to_vec(),
@@ -353,10 +339,8 @@ impl Study {
 
     /// The values, one a recording, of those that the fit sees, or of those that are kept from it.
     pub(super) fn part_of<T: Copy>(&self, recordings: &[T], held_out: bool) -> Vec<T> {
-        recordings
-            .iter()
-            .zip(&self.held_out)
-            .filter(|(_, is_held_out)| **is_held_out == held_out)
+        let all = recordings.iter().zip(&self.held_out);
+        all.filter(|(_, is_held_out)| **is_held_out == held_out)
             .map(|(value, _)| *value)
             .collect()
     }
@@ -375,11 +359,7 @@ impl Study {
         self.held_out.iter().filter(|held_out| !**held_out).count()
     }
 
-    fn simulate_case(&self, case: usize, experiment: &Experiment) -> Result<CaseRow> {
-        self.simulate_case_with(case, experiment, false)
-    }
-
-    fn simulate_case_with(
+    fn simulate_case(
         &self,
         case: usize,
         experiment: &Experiment,
@@ -424,11 +404,8 @@ impl Study {
         let path_xy_m = if needs_basis || case == 0 {
             // In recorded lengths, as the recordings that share a basis and a picture with it.
             let scale = experiment.recording_length_scale;
-            prepared
-                .xy_m()
-                .iter()
-                .map(|point| point.map(|m| m * scale))
-                .collect()
+            let points = prepared.xy_m().iter();
+            points.map(|point| point.map(|m| m * scale)).collect()
         } else {
             Vec::new()
         };
@@ -484,14 +461,10 @@ impl Study {
 
     /// Reality's prepared paths, by recording.
     pub fn real_paths(&self) -> Vec<&Prepared> {
-        let mut paths: Vec<(usize, &Prepared)> = self
-            .cases
-            .iter()
-            .flat_map(|case| &case.targets)
-            .map(|target| (target.recording, &target.prepared))
-            .collect();
-        paths.sort_by_key(|(recording, _)| *recording);
-        paths.into_iter().map(|(_, prepared)| prepared).collect()
+        let targets = self.cases.iter().flat_map(|case| &case.targets);
+        let mut targets: Vec<_> = targets.collect();
+        targets.sort_by_key(|target| target.recording);
+        targets.iter().map(|target| &target.prepared).collect()
     }
 }
 

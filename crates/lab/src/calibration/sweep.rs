@@ -102,7 +102,7 @@ fn simulate(
         ending = drive(
             &Batch::new(from + chosen.len(), run),
             keeping.rows_mut(),
-            |index| study.simulate_values(index, chosen[index - from].clone()),
+            |index| study.simulate_trial(index, chosen[index - from].clone(), false),
             |done| run.tell(done, total, best),
         )?;
         from += chosen.len();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::fleet::Member;
 use super::score::{PointScore, Scores};
@@ -32,7 +32,7 @@ pub struct Transfer {
 }
 
 /// What becomes of parameters that are about one robot alone (`robot.NAME.PARAMETER`) where that robot is left out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum OwnParameters {

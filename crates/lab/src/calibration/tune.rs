@@ -351,26 +351,22 @@ impl<'a> Tuning<'a> {
             return Ok(Termination::Interrupted);
         }
         let trials = self.keeping.rows().rows_within(0..design.len())?;
-        self.basis = self
-            .study
-            .basis(trials.iter().flat_map(|trial| &trial.cases))?;
+        let rows = trials.iter().flat_map(|trial| &trial.cases);
+        self.basis = self.study.basis(rows)?;
         self.tell(&design)?;
+        let TuneOptions {
+            optimizer,
+            patience,
+            ..
+        } = *self.options;
         loop {
             if self.told.len() >= self.budget {
                 return Ok(Termination::Budget);
             }
-            if self
-                .options
-                .patience
-                .is_some_and(|patience| self.since_best >= patience)
-            {
+            if patience.is_some_and(|most| self.since_best >= most) {
                 return Ok(Termination::NoImprovement);
             }
-            let proposal = self
-                .options
-                .optimizer
-                .propose(&self.brief, &self.history())?;
-            let mut candidates = match proposal {
+            let mut candidates = match optimizer.propose(&self.brief, &self.history())? {
                 Proposal::Evaluate(candidates) => candidates,
                 Proposal::Exhausted => return Ok(Termination::Exhausted),
             };

@@ -1,6 +1,6 @@
 //! Scoring on recordings that the fit has not seen.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::score::{PointScore, Scores};
 use super::split::{Split, fold};
@@ -10,7 +10,7 @@ use realgap_core::statistics::{mean, standard_deviation};
 use realgap_core::warning::{Code, Warning};
 
 /// How well the fit does on recordings that it has not seen.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Validation {
     /// How the recordings were parted.
@@ -28,7 +28,7 @@ pub struct Validation {
 }
 
 /// One fold: fitted without some recordings, checked with them.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fold {
     /// Best values of the study's parameters without the held-out recordings, in order.

@@ -192,7 +192,7 @@ fn simulated(
 ) -> Result<Vec<realgap_store::Trial>> {
     let numbered = chosen.into_par_iter().enumerate();
     numbered
-        .map(|(number, values)| study.simulate_values(from + number, values))
+        .map(|(number, values)| study.simulate_trial(from + number, values, false))
         .collect()
 }
 
@@ -252,7 +252,7 @@ pub(super) fn settled(
         let trials = missing
             .collect::<Vec<_>>()
             .into_par_iter()
-            .map(|number| study.simulate_values(from + number, values.clone()))
+            .map(|number| study.simulate_trial(from + number, values.clone(), false))
             .collect::<Result<Vec<_>>>()?;
         if trials.is_empty() {
             break;

@@ -14,7 +14,7 @@ mod parameter;
 use std::collections::BTreeMap;
 use std::fmt;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 pub(crate) use ensemble::{recorded, region};
 pub(crate) use fit::{engines, model, nearest, set};
@@ -26,7 +26,7 @@ pub(crate) use parameter::{Found, least_squares, parameter, summary};
 pub(crate) const SIGNIFICANT: f64 = 0.05;
 
 /// What a claim is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum About {
@@ -61,7 +61,7 @@ pub enum About {
 }
 
 /// What a claim says of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Says {
@@ -74,7 +74,7 @@ pub enum Says {
 }
 
 /// A statement about reality, with what it rests on.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Claim {
     /// What it is about.

@@ -8,7 +8,7 @@
 use std::fmt;
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::alternative::{LIMIT, alternatives};
 use super::ensemble::{self, Ensemble, Forecast, Motion, rms_m};
@@ -33,7 +33,7 @@ const NOWHERE_BODY_LENGTHS: f64 = 0.1;
 pub const LEVEL: f64 = 0.9;
 
 /// What a model varies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
@@ -68,7 +68,7 @@ impl Source {
 }
 
 /// A model that is as valid as the one that was asked for.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Model {
     /// What it is.
@@ -84,7 +84,7 @@ pub struct Model {
 }
 
 /// From here to there.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Range {
     /// Lower end.
@@ -111,7 +111,7 @@ impl Range {
 }
 
 /// How far models that are as valid part.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ModelError {
     /// The models, beside the one that was asked for.

@@ -1,6 +1,6 @@
 //! What the search starts from, looked at as its best robots are.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::body::Body;
 use super::evaluate::Repeats;
@@ -11,7 +11,7 @@ use realgap_core::Result;
 use realgap_optimize::{RunOptions, pool};
 
 /// The robot that a search starts from, with the draws that rank the finalists: what searching has to beat.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Baseline {
     /// Its name.

@@ -3,14 +3,21 @@
 mod drawn;
 mod heard;
 
-use serde_json::Value;
+use std::path::Path;
 
-use super::value::*;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::tree::Tree;
+use super::value::percent;
 use super::{ensemble, gap, prediction, study};
 use crate::results::best::description;
 use drawn::{Draw, Repeated, Swept};
 use heard::{Told, plain, polarity, spans, whole_line};
 use realgap_core::unit::quantity;
+use realgap_lab::claim::Claim;
+use realgap_lab::prediction::ensemble::Reality;
+use realgap_lab::prediction::gap::StudyGap;
 
 /// Studies of each kind.
 const STUDIES: u64 = 120;
@@ -50,12 +57,12 @@ impl Tally {
 
 /// Every place says of every parameter what the table says.
 fn parameters(found: &mut Tally, told: &Told, drawn: &Swept) {
-    for verdict in told.json.list("verdicts") {
-        let name = verdict.text("parameter");
-        let is_known = verdict.is("identified") == Some(true);
-        let parts = match verdict.list("intervals") {
-            [] => vec![ends(verdict.at("interval"))],
-            many => many.iter().map(ends).collect(),
+    for verdict in &drawn.report.verdicts {
+        let name = verdict.parameter.as_str();
+        let is_known = verdict.identified;
+        let parts = match verdict.intervals.as_slice() {
+            [] => verdict.interval.as_slice(),
+            many => many,
         };
         let axis = drawn.names().position(|known| known == name).unwrap();
         let is_widened = told
@@ -77,17 +84,14 @@ fn parameters(found: &mut Tally, told: &Told, drawn: &Swept) {
             });
             for spans in whole_line(text, name).filter_map(spans) {
                 let alike = spans.len() == parts.len()
-                    && spans.iter().zip(&parts).all(|(said, part)| said.is(part));
+                    && spans.iter().zip(parts).all(|(said, part)| said.is(*part));
                 found.hold(told, alike, || {
                     format!("{place}: {spans:?} of {name}, not {parts:?}")
                 });
             }
         }
         // What cannot be told from the best is not outside of what fits as well.
-        let (low, high) = (
-            verdict.float("low").unwrap(),
-            verdict.float("high").unwrap(),
-        );
+        let (low, high) = (verdict.low, verdict.high);
         for value in drawn.values_in_set(axis) {
             found.hold(told, (low..=high).contains(&value), || {
                 format!("{value} is in the set of {name}, but {low} to {high} fit as well")
@@ -101,8 +105,10 @@ fn parameters(found: &mut Tally, told: &Told, drawn: &Swept) {
                 told.text
             )
         });
-        let best = verdict.float("best").unwrap();
-        let is_beside = !parts.iter().any(|part| part[0] <= best && best <= part[1]);
+        let best = verdict.best;
+        let is_beside = !parts
+            .iter()
+            .any(|(low, high)| (*low..=*high).contains(&best));
         let named = format!("{name} = ");
         let names = |line: &str| line.trim().starts_with(&named) && line.contains("interval");
         found.see("best beside its interval", is_beside && is_known);
@@ -120,20 +126,20 @@ fn a_sweep_says_one_thing_in_every_place() {
         let folder = tempfile::tempdir().unwrap();
         drawn.write(folder.path());
         let report = &drawn.report;
-        let json = serde_json::to_value(report).unwrap();
-        let story = study::story(folder.path(), &json, None).unwrap();
+        let story = study::story(folder.path(), &shown(report), None).unwrap();
         let told = Told {
             name: format!("sweep {seed}"),
             text: report.to_string(),
             answer: story.answer.clone(),
             page: plain(&story.page(None)),
             more: description(report, report.best.as_ref().unwrap(), 20),
-            json,
+            claims: report.claims.clone(),
         };
         parameters(&mut found, &told, &drawn);
-        let is_rejected = told.json.is("fit.explains") == Some(false);
+        let explains = report.fit.map(|fit| fit.explains);
+        let is_rejected = explains == Some(false);
         found.see("model rejected", is_rejected);
-        found.see("model explains", told.json.is("fit.explains") == Some(true));
+        found.see("model explains", explains == Some(true));
         for (place, text) in told.places() {
             let says = text.contains("NO PARAMETERS OF THIS MODEL");
             found.hold(&told, says == is_rejected, || {
@@ -154,7 +160,7 @@ fn a_sweep_says_one_thing_in_every_place() {
         });
         let (inside, points) = drawn.counted();
         let count = format!("{inside} of {points} simulated points cannot be told apart");
-        let score = quantity(told.json.float("best.score").unwrap(), report.unit);
+        let score = quantity(report.best.as_ref().unwrap().score, report.unit);
         for (place, text) in [("terminal", &told.text), ("page", &told.page)] {
             found.hold(&told, text.contains(&count), || {
                 format!("{place} does not say {count}: {text}")
@@ -169,22 +175,18 @@ fn a_sweep_says_one_thing_in_every_place() {
 }
 
 /// What an ensemble says of its regions is what their shares say, in every place.
-fn regions(found: &mut Tally, told: &Told) {
+fn regions(found: &mut Tally, told: &Told, reality: &Reality) {
     let mut is_any = false;
-    for level in told.json.list("reality.coverage") {
-        let promised = level.float("level").unwrap();
-        let shares = [level.at("at_end"), level.at("whole_path")];
-        let shares = shares.into_iter().filter(|share| share.is_object());
-        let ends: Vec<(f64, f64)> = shares
-            .map(|share| (share.float("low").unwrap(), share.float("high").unwrap()))
-            .collect();
+    for level in &reality.coverage {
+        let promised = level.level;
+        let shares = std::iter::once(level.at_end).chain(level.whole_path);
+        let ends: Vec<(f64, f64)> = shares.map(|share| (share.low, share.high)).collect();
         let narrow = ends.iter().any(|(_, high)| *high < promised);
         let wide = ends.iter().any(|(low, _)| *low > promised);
         is_any |= narrow || wide;
         found.see("too narrow", narrow);
         found.see("too wide", wide);
-        let is_honest = level.is("is_honest") == Some(true);
-        found.hold(told, is_honest != (narrow || wide), || {
+        found.hold(told, level.is_honest != (narrow || wide), || {
             format!("JSON of {promised}: {ends:?}")
         });
         let name = format!("{:.0} %", 100.0 * promised);
@@ -201,7 +203,7 @@ fn regions(found: &mut Tally, told: &Told) {
             });
         }
     }
-    let p = told.json.float("reality.alike.p_value");
+    let p = reality.alike.map(|alike| alike.p_value);
     let is_other = p.is_some_and(|p| p < 0.05);
     found.see("not contradicted", !(is_any || is_other));
     for (place, text) in [("terminal", &told.text), ("page", &told.answer)] {
@@ -221,18 +223,24 @@ fn repeats_of_a_study_say_one_thing_in_every_place() {
     for seed in 0..STUDIES {
         let drawn = Repeated::new(&mut Draw::new(1000 + seed));
         let folder = tempfile::tempdir().unwrap();
-        let of_gap = told(&drawn.gap, format!("gap {seed}"), |json| {
-            gap::gap(folder.path(), json)
+        let folder = folder.path();
+        let (of_gap, of_ensemble, of_card) = (&drawn.gap, &drawn.ensemble, &drawn.card);
+        let reality = of_ensemble.reality.as_ref().unwrap();
+        let success = percent(of_card.success.as_ref().unwrap().probability.share);
+        let of_gap = told(of_gap, &of_gap.claims, format!("gap {seed}"), |report| {
+            gap::gap(folder, report)
         });
-        let of_ensemble = told(&drawn.ensemble, format!("ensemble {seed}"), |json| {
-            ensemble::ensemble(folder.path(), json)
+        let of_ensemble = told(
+            of_ensemble,
+            &of_ensemble.claims,
+            format!("ensemble {seed}"),
+            |report| ensemble::ensemble(folder, report),
+        );
+        let of_card = told(of_card, &of_card.claims, format!("card {seed}"), |report| {
+            prediction::prediction(folder, report)
         });
-        let of_card = told(&drawn.card, format!("card {seed}"), |json| {
-            prediction::prediction(folder.path(), json)
-        });
-        regions(&mut found, &of_ensemble);
-        likeness(&mut found, &of_gap, &of_ensemble);
-        let success = of_card.json.at("success.probability").percent("share");
+        regions(&mut found, &of_ensemble, reality);
+        likeness(&mut found, (&of_gap, &drawn.gap), (&of_ensemble, reality));
         for text in [&of_card.text, &of_card.answer] {
             found.hold(&of_card, text.contains(&success), || {
                 format!("{success}: {text}")
@@ -246,13 +254,16 @@ fn repeats_of_a_study_say_one_thing_in_every_place() {
 }
 
 /// Gap and ensemble of one study agree with each other and with the energy test.
-fn likeness(found: &mut Tally, of_gap: &Told, of_ensemble: &Told) {
-    let rows = of_gap.json.list("metrics").iter();
-    let mut rms = rows.filter(|row| row.text("metric") == "rms");
-    let p = rms.next().unwrap().float("alike.p_value").unwrap();
+fn likeness(
+    found: &mut Tally,
+    (of_gap, gap): (&Told, &StudyGap),
+    (of_ensemble, reality): (&Told, &Reality),
+) {
+    let mut rms = gap.metrics.iter().filter(|row| row.metric == "rms");
+    let p = rms.next().unwrap().alike.unwrap().p_value;
     found.see("drawn alike", p >= 0.05);
     found.see("not drawn alike", p < 0.05);
-    let same = of_ensemble.json.float("reality.alike.p_value") == Some(p);
+    let same = reality.alike.map(|alike| alike.p_value) == Some(p);
     found.hold(of_gap, same, || {
         format!("p = {p} is not that of the ensemble")
     });
@@ -265,11 +276,9 @@ fn likeness(found: &mut Tally, of_gap: &Told, of_ensemble: &Told) {
         found.hold(of_gap, other != text.contains("Nothing tells"), || {
             text.to_owned()
         });
-        let surely = of_gap
-            .json
-            .float("confidence.surely_below_half_s")
-            .is_some();
-        let below = of_gap.json.float("confidence.below_half_s").is_some();
+        let confidence = gap.confidence.as_ref().unwrap();
+        let surely = confidence.surely_below_half_s.is_some();
+        let below = confidence.below_half_s.is_some();
         found.hold(
             of_gap,
             text.contains("may be chance") == (below && !surely),
@@ -280,8 +289,8 @@ fn likeness(found: &mut Tally, of_gap: &Told, of_ensemble: &Told) {
     found.hold(of_gap, p >= 0.05 || contradicts, || {
         format!("p = {p}, and the ensemble says: {}", of_ensemble.answer)
     });
-    let first = &of_gap.json.list("metrics")[0];
-    let ratio = realgap_core::unit::number(first.float("repeats.ratio.value").unwrap());
+    let first = gap.metrics[0].repeats.unwrap().ratio.unwrap();
+    let ratio = realgap_core::unit::number(first.value);
     for text in [text, &of_gap.answer] {
         let said = format!("{ratio} noise floors away");
         found.hold(of_gap, text.contains(&said), || {
@@ -290,26 +299,25 @@ fn likeness(found: &mut Tally, of_gap: &Told, of_ensemble: &Told) {
     }
 }
 
+/// A report as a page reads it in a folder.
+fn shown<T: DeserializeOwned>(report: &impl Serialize) -> T {
+    Tree::of(report).unwrap().typed(Path::new("drawn")).unwrap()
+}
+
 /// A report in all of its places.
-fn told<T: serde::Serialize + std::fmt::Display>(
-    report: &T,
+fn told<T: DeserializeOwned>(
+    report: &(impl Serialize + std::fmt::Display),
+    claims: &[Claim],
     name: String,
-    story: impl FnOnce(&Value) -> realgap_core::Result<super::story::Story>,
+    story: impl FnOnce(&T) -> realgap_core::Result<super::story::Story>,
 ) -> Told {
-    let json = serde_json::to_value(report).unwrap();
-    let story = story(&json).unwrap();
+    let story = story(&shown(report)).unwrap();
     Told {
         name,
         text: report.to_string(),
         answer: story.answer.clone(),
         page: plain(&story.page(None)),
         more: String::new(),
-        json,
+        claims: claims.to_vec(),
     }
-}
-
-/// The ends of an interval in JSON.
-fn ends(part: &Value) -> Vec<f64> {
-    let ends = part.as_array().into_iter().flatten();
-    ends.filter_map(Value::as_f64).collect()
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde_json::Value;
+use serde::Deserialize;
 
 use super::chart::{Chart, key};
 use super::claim::{sentences, word};
@@ -10,45 +10,82 @@ use super::section::{Section, figures, pictures};
 use super::story::Story;
 use super::value::*;
 use realgap_core::error::Result;
+use realgap_core::statistics::Proportion;
 use realgap_core::unit::number;
+use realgap_engine::{Distribution, Noise};
+use realgap_lab::claim::{About, Claim};
+use realgap_lab::prediction::ensemble::{Behaviours, Envelope, Quantiles, Reality, Region};
 
 /// Colours of behaviours, the first for what was predicted.
 const CLASSES: [&str; 6] = ["b0", "b1", "b2", "b3", "b4", "b5"];
 /// Charts of more starts than this would hide the first.
 const STARTS: usize = 6;
 
-pub(super) fn ensemble(folder: &Path, report: &Value) -> Result<Story> {
-    let cases = report.list("cases");
-    let first = cases
-        .first()
-        .map_or(&Value::Null, |case| case.at("summary"));
+/// What a page shows of the repeats of a study.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Repeated {
+    study: Option<String>,
+    pub(super) claims: Vec<Claim>,
+    pub(super) reality: Option<Reality>,
+    cases: Vec<Case>,
+}
+
+/// What a page shows of one start.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Case {
+    pub(super) case: String,
+    pub(super) summary: Summary,
+}
+
+/// What a page shows of a forecast.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Summary {
+    displacement_m: Option<Quantiles>,
+    path_length_m: Option<Quantiles>,
+    speed_m_s: Option<Quantiles>,
+    turned_rad: Option<Quantiles>,
+    noise_free_displacement_m: Option<f64>,
+    diverged: Option<Proportion>,
+    pub(super) behaviours: Behaviours,
+    envelope: Option<Envelope>,
+    pub(super) noise: Noise,
+}
+
+pub(super) fn ensemble(folder: &Path, report: &Repeated) -> Result<Story> {
+    let cases = report.cases.as_slice();
     let mut motion = String::new();
     for case in cases.iter().take(STARTS) {
-        let name = case.text("case");
-        let name = if cases.len() > 1 { name } else { "" };
-        motion += &charts(name, case.at("summary"));
+        let name = if cases.len() > 1 { &case.case } else { "" };
+        motion += &charts(name, &case.summary);
     }
     if cases.len() > STARTS {
         let all = cases.len();
         let note = format!("{STARTS} of {all} starts; ensemble.json holds all.");
         motion += &format!("<p class=\"note\">{note}</p>");
     }
-    let reality = report.at("reality");
-    let does = behaviour_table(first, cases);
+    let noise = cases.first().map(|case| noise(&case.summary.noise));
+    let recorded = report.reality.as_ref().map(|real| recorded(report, real));
     Ok(Story {
         kind: "ensemble",
-        name: report.named("study", "ensemble"),
-        answer: sentences(report, &["ensemble", "reach"]),
+        name: report.study.clone().unwrap_or("ensemble".to_owned()),
+        answer: sentences(&report.claims, &[About::Ensemble, About::Reach]),
         sections: vec![
-            Section::new("behaviours", "What it does, and how likely", does),
+            Section::new(
+                "behaviours",
+                "What it does, and how likely",
+                behaviour_table(cases),
+            ),
             Section::new("motion", "Where it will be", motion),
             Section::new("distance", "How far", distances(cases)),
             Section::new(
                 "reality",
                 "What recordings say of it",
-                recorded(report, reality),
+                recorded.unwrap_or_default(),
             ),
-            Section::new("noise", "What repeats differ by", noise(first)),
+            Section::new("noise", "What repeats differ by", noise.unwrap_or_default()),
             pictures(folder, "pictures", "All repeats", |_| true)?,
         ],
         said: vec!["reality", "cases"],
@@ -56,66 +93,62 @@ pub(super) fn ensemble(folder: &Path, report: &Value) -> Result<Story> {
     })
 }
 
-pub(super) fn behaviour_table(first: &Value, cases: &[Value]) -> String {
+/// The behaviours of every start; how near those of one are says the first.
+pub(super) fn behaviour_table(cases: &[Case]) -> String {
+    let Some(Case { summary: first, .. }) = cases.first() else {
+        return String::new();
+    };
     let many = cases.len() > 1;
     let rows = cases.iter().take(40).flat_map(|case| {
-        let list = case.list("summary.behaviours.list");
-        list.iter().map(move |behaviour| {
+        let list = case.summary.behaviours.list.iter();
+        list.map(move |behaviour| {
             let mut row = vec![
-                behaviour.owned("name"),
-                behaviour.proportion("probability"),
-                behaviour.measured("mean_displacement_m", "m"),
-                behaviour.number("representative"),
+                behaviour.name.clone(),
+                odds(behaviour.probability),
+                measured(behaviour.mean_displacement_m, "m"),
+                shown(behaviour.representative),
             ];
             if many {
-                row.insert(0, case.owned("case"));
+                row.insert(0, case.case.clone());
             }
             row
         })
     });
     let head = "behaviour | probability (95 %) | net displacement | typical repeat";
     let head = if many { "start | " } else { "" }.to_owned() + head;
-    let share = first.proportion("diverged");
-    let lost = match first.count("diverged.count") {
-        Some(1..) => format!("<p>{share} of the repeats diverged.</p>"),
-        _ => String::new(),
+    let lost = match first.diverged.filter(|diverged| diverged.count > 0) {
+        Some(diverged) => format!("<p>{} of the repeats diverged.</p>", odds(diverged)),
+        None => String::new(),
     };
     format!(
         "{}{lost}<p class=\"note\">Repeats are one behaviour where their paths are nearer than {} to each other. More repeats narrow the probabilities; only other noise or another model moves them.</p>",
         titled(&head, rows),
-        first.measured("behaviours.cut_m", "m"),
+        measured(first.behaviours.cut_m, "m"),
     )
 }
 
 /// Paths of the behaviours with the region of the end, and the regions over time.
-pub(super) fn charts(name: &str, summary: &Value) -> String {
-    let behaviours = summary.list("behaviours.list");
-    let regions = summary.list("envelope.regions");
+pub(super) fn charts(name: &str, summary: &Summary) -> String {
+    let behaviours = summary.behaviours.list.as_slice();
+    let envelope = summary.envelope.as_ref();
+    let (times_s, regions) = envelope.map_or((&[][..], &[][..]), |envelope| {
+        (&envelope.times_s[..], &envelope.regions[..])
+    });
     let alt = "A typical path of each behaviour, and where half and nine of ten repeats end";
     let ends = regions.last().into_iter();
     let ends = ends.flat_map(|end| [0, 2].map(|level| ellipse(end, level)));
     let mut map = Chart::map(alt).lines("edge", ends);
     for (index, behaviour) in behaviours.iter().enumerate().rev() {
-        let places = behaviour.list("path_xy_m").iter();
-        let points =
-            places.filter_map(|place| Some([place.get(0)?.as_f64()?, place.get(1)?.as_f64()?]));
-        map = map.line(CLASSES[index % CLASSES.len()], points.collect());
+        map = map.line(CLASSES[index % CLASSES.len()], behaviour.path_xy_m.clone());
     }
-    let times = summary.floats("envelope.times_s");
     let over_time = |axis: usize, label: &str| {
         // The ellipse's shadow on the axis.
         let band = |level: usize| -> Vec<[f64; 3]> {
-            let at_time = times.iter().zip(regions);
+            let at_time = times_s.iter().zip(regions);
             at_time
                 .map(|(t, region)| {
-                    let middle = region
-                        .float(&format!("centre_m.{axis}"))
-                        .unwrap_or(f64::NAN);
-                    let spread = region
-                        .float(&format!("covariance_m2.{}", 2 * axis))
-                        .unwrap_or(0.0);
-                    let radius = region.float(&format!("radii.{level}")).unwrap_or(0.0);
-                    let half = radius * spread.max(0.0).sqrt();
+                    let middle = region.centre_m[axis];
+                    let half = region.radii[level] * region.covariance_m2[2 * axis].max(0.0).sqrt();
                     [*t, middle - half, middle + half]
                 })
                 .collect()
@@ -131,7 +164,7 @@ pub(super) fn charts(name: &str, summary: &Value) -> String {
         "Typical paths",
         "One path of each behaviour, from the origin, net displacement to the right. Dashed: where half and nine of ten repeats end.",
     )];
-    if !times.is_empty() {
+    if !times_s.is_empty() {
         let along = over_time(0, "x [m]");
         let dark = "Dark: half of the repeats, light: nine of ten.";
         let across = over_time(1, "y [m]");
@@ -144,9 +177,10 @@ pub(super) fn charts(name: &str, summary: &Value) -> String {
         .take(CLASSES.len())
         .enumerate()
         .map(|(index, behaviour)| {
-            let name = behaviour.text("name");
-            let share = behaviour.likely("probability");
-            key(CLASSES[index % CLASSES.len()], &format!("{name}: {share}"))
+            // In a sentence it says what the interval is.
+            let share = odds(behaviour.probability).replacen('(', "(95 %: ", 1);
+            let said = format!("{}: {share}", behaviour.name);
+            key(CLASSES[index % CLASSES.len()], &said)
         })
         .collect();
     let title = if name.is_empty() {
@@ -161,12 +195,9 @@ pub(super) fn charts(name: &str, summary: &Value) -> String {
 }
 
 /// The edge of a region: those points whose Mahalanobis distance is its radius.
-fn ellipse(region: &Value, level: usize) -> Vec<[f64; 2]> {
-    let (centre, c) = (region.floats("centre_m"), region.floats("covariance_m2"));
-    let radius = region.float(&format!("radii.{level}")).unwrap_or(0.0);
-    let ([x, y], [xx, xy, yy]) = (centre.as_slice(), c.as_slice()) else {
-        return Vec::new();
-    };
+fn ellipse(region: &Region, level: usize) -> Vec<[f64; 2]> {
+    let ([x, y], [xx, xy, yy]) = (region.centre_m, region.covariance_m2);
+    let radius = region.radii[level];
     // Cholesky: a circle becomes the ellipse.
     let a = xx.max(f64::MIN_POSITIVE).sqrt();
     let b = xy / a;
@@ -180,71 +211,68 @@ fn ellipse(region: &Value, level: usize) -> Vec<[f64; 2]> {
         .collect()
 }
 
-pub(super) fn distances(cases: &[Value]) -> String {
-    let quantities = [
-        ("net displacement", "displacement_m", "m"),
-        ("length of the path", "path_length_m", "m"),
-        ("speed", "speed_m_s", "m/s"),
-        ("turned", "turned_rad", "rad"),
-    ];
+pub(super) fn distances(cases: &[Case]) -> String {
     let many = cases.len() > 1;
     let rows = cases.iter().take(40).flat_map(|case| {
-        let summary = case.at("summary");
-        quantities.iter().filter_map(move |(name, field, unit)| {
-            let found = summary.get(*field).filter(|found| found.is_object())?;
-            let quantile = |q: &str| measured(found.float(q), unit);
-            let free = summary.float("noise_free_displacement_m");
-            let free = measured(free.filter(|_| *field == "displacement_m"), unit);
-            let name = match many {
-                true => format!("{}: {name}", case.text("case")),
-                false => (*name).to_owned(),
-            };
-            Some(vec![
-                name,
-                quantile("mean"),
-                quantile("standard_deviation"),
-                quantile("q05"),
-                quantile("q50"),
-                quantile("q95"),
-                free,
-            ])
-        })
+        let summary = &case.summary;
+        let free = summary.noise_free_displacement_m;
+        let quantities = [
+            ("net displacement", summary.displacement_m, "m", free),
+            ("length of the path", summary.path_length_m, "m", None),
+            ("speed", summary.speed_m_s, "m/s", None),
+            ("turned", summary.turned_rad, "rad", None),
+        ];
+        quantities
+            .into_iter()
+            .filter_map(move |(name, found, unit, free)| {
+                let found = found?;
+                let name = match many {
+                    true => format!("{}: {name}", case.case),
+                    false => name.to_owned(),
+                };
+                let spread = [found.mean, found.standard_deviation];
+                let quantiles = [found.q05, found.q50, found.q95];
+                let numbers = spread.into_iter().chain(quantiles).map(Some);
+                let cells = numbers.chain([free]).map(|value| measured(value, unit));
+                Some(std::iter::once(name).chain(cells).collect())
+            })
     });
     let head = " | mean | standard deviation | 5 % | 50 % | 95 % | without noise";
     titled(head, rows)
 }
 
-fn recorded(report: &Value, reality: &Value) -> String {
-    let coverage = reality.list("coverage");
-    if coverage.is_empty() {
+fn recorded(report: &Repeated, reality: &Reality) -> String {
+    if reality.coverage.is_empty() {
         return String::new();
     }
-    let rows = coverage.iter().map(|level| {
+    let rows = reality.coverage.iter().map(|level| {
+        let name = percent(level.level);
+        let said = shown(word(&report.claims, About::Region, &name));
         vec![
-            level.percent("level"),
-            level.percent("over_time"),
-            level.proportion("at_end"),
-            word(report, "region", &level.percent("level")),
-            level.proportion("whole_path"),
+            name,
+            percent(level.over_time),
+            odds(level.at_end),
+            said,
+            odds(level.whole_path),
         ]
     });
     let first = titled(
         "region of | recorded runs inside, over time | at the end (95 %) | recordings say | whole paths in their band",
         rows,
     );
-    let runs = reality.list("runs").iter().map(|run| {
+    let runs = reality.runs.iter().map(|run| {
         vec![
-            run.owned("recording"),
-            run.owned("behaviour"),
-            run.measured("net_displacement_m", "m"),
-            run.measured("distance_m", "m"),
-            run.measured("energy_score_m", "m"),
+            run.recording.clone(),
+            run.behaviour.clone().unwrap_or_default(),
+            measured(run.net_displacement_m, "m"),
+            measured(run.distance_m, "m"),
+            measured(run.energy_score_m, "m"),
         ]
     });
     format!(
         "{first}<p class=\"note\">Energy score {}; if reality were one more repeat it would be {}. More recordings make this sharper.</p><details><summary>Recording by recording</summary>{}</details>",
-        reality.measured("energy_score_m", "m"),
-        reality.measured("expected_energy_score_m", "m"),
+        measured(reality.energy_score_m, "m"),
+        measured(reality.expected_energy_score_m, "m"),
         titled(
             "recording | does | net displacement | from its behaviour | energy score",
             runs
@@ -252,23 +280,20 @@ fn recorded(report: &Value, reality: &Value) -> String {
     )
 }
 
-pub(super) fn noise(summary: &Value) -> String {
-    let noise = summary.at("noise");
-    let size_of = |size: &Value| match size.as_array().map(Vec::as_slice) {
-        Some([low, high]) => Some(span(low.as_f64(), high.as_f64(), "")),
-        _ => size.as_f64().filter(|size| *size != 0.0).map(number),
-    };
-    let row = |name: String, value: &Value| {
-        let (kind, size) = value.as_object()?.iter().next()?;
-        Some(vec![name, kind.clone(), size_of(size)?])
-    };
-    let fields = |value: &Value, before: &str| -> Vec<Vec<String>> {
-        let fields = value.as_object().into_iter().flatten();
-        fields
-            .filter_map(|(name, value)| row(format!("{before}{}", name.replace('_', " ")), value))
-            .collect()
-    };
-    let mut rows = fields(noise, "");
-    rows.extend(fields(noise.at("camera"), "camera: "));
+pub(super) fn noise(noise: &Noise) -> String {
+    let drawn = noise
+        .fields()
+        .into_iter()
+        .filter(|(_, drawn)| !drawn.is_zero());
+    let rows = drawn.map(|(name, drawn)| {
+        let (kind, size) = match drawn {
+            Distribution::Normal(sd) => ("Normal", number(sd)),
+            Distribution::Uniform(low, high) => ("Uniform", span(low, high, "")),
+            Distribution::HalfNormal(sd) => ("HalfNormal", number(sd)),
+            Distribution::LogNormal(sd) => ("LogNormal", number(sd)),
+        };
+        let name = name.replace('_', " ").replace('.', ": ");
+        vec![name, kind.to_owned(), size]
+    });
     noted("what | drawn from | size", rows, "")
 }

@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use serde_json::Value;
-
 use super::kept::Kept;
 use super::section::{Section, numbers, provenance, warnings};
-use super::value::*;
+use super::tree::Tree;
 use super::{ensemble, gap, prediction, replay, search, study};
 use crate::results::check_seal;
 use crate::results::kind::file;
@@ -27,19 +25,18 @@ pub fn folder_page(folder: &Path, command: &str) -> Result<String> {
             .hint("name a folder that sweep, tune, search, ensemble, gap or predict has written"));
     };
     check_seal(folder)?;
-    let report: Value = read_json(&folder.join(file), "a report")?;
+    let path = folder.join(file);
+    let report = Tree::read(&path)?;
     let kept = Kept::read(folder)?;
     let kept = kept.as_ref();
     let mut story = match *file {
-        file::ENSEMBLE => ensemble::ensemble(folder, &report)?,
-        file::GAP => gap::gap(folder, &report)?,
-        file::PREDICTION => prediction::prediction(folder, &report)?,
-        _ if report.get("search").is_some() => search::search(folder, &report)?,
-        _ => study::story(folder, &report, kept)?,
+        file::ENSEMBLE => ensemble::ensemble(folder, &report.typed(&path)?)?,
+        file::GAP => gap::gap(folder, &report.typed(&path)?)?,
+        file::PREDICTION => prediction::prediction(folder, &report.typed(&path)?)?,
+        _ if report.has("search") => search::search(folder, &report.typed(&path)?)?,
+        _ => study::story(folder, &report.typed(&path)?, kept)?,
     };
-    report
-        .text("description")
-        .clone_into(&mut story.description);
+    story.description = report.scalar("description").unwrap_or_default();
     if let Some(shown) = kept.and_then(|kept| kept.replay.as_ref()) {
         let seen = Section::new("replay", "In motion", replay::stage(&shown.scene));
         let at = story.sections.len().min(2);

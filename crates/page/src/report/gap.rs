@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde_json::Value;
+use serde::Deserialize;
 
 use super::chart::{Chart, key};
 use super::claim::sentences;
@@ -10,14 +10,63 @@ use super::section::{Section, figures, pictures};
 use super::story::Story;
 use super::value::*;
 use realgap_core::error::Result;
+use realgap_core::statistics::EnergyTest;
 use realgap_core::unit::number;
+use realgap_lab::claim::{About, Claim};
+use realgap_lab::prediction::gap::{Confidence, Estimate, Fitness, GapAndRatio, OverTime};
 
-pub(super) fn gap(folder: &Path, report: &Value) -> Result<Story> {
-    let is_floor_alone = report.get("sets").is_some();
+/// What a page shows of a gap, or of noise floors alone.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Gap {
+    study: Option<String>,
+    pub(super) claims: Vec<Claim>,
+    pub(super) metrics: Vec<OfMetric>,
+    sets: Option<Vec<Set>>,
+    over_time: Option<OverTime>,
+    pub(super) confidence: Option<Confidence>,
+    displacement: Option<Fitness>,
+}
+
+/// What a page shows of one metric.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct OfMetric {
+    pub(super) metric: String,
+    unit: String,
+    floor: Option<Estimate>,
+    ideal: Option<GapAndRatio>,
+    pub(super) repeats: Option<GapAndRatio>,
+    pub(super) alike: Option<EnergyTest>,
+}
+
+/// What a page shows of a set of repeats.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Set {
+    set: String,
+    recordings: Option<usize>,
+    metrics: Vec<OfMetric>,
+}
+
+pub(super) fn gap(folder: &Path, report: &Gap) -> Result<Story> {
+    let is_floor_alone = report.sets.is_some();
+    let about = [
+        About::Likeness,
+        About::Distance,
+        About::OverTime,
+        About::Floor,
+    ];
+    let said = sentences(&report.claims, &about);
+    let is_silent = said.is_empty();
     Ok(Story {
         kind: if is_floor_alone { "noise floor" } else { "gap" },
-        name: report.named("study", "recordings"),
-        answer: answer(report),
+        name: report.study.clone().unwrap_or("recordings".to_owned()),
+        answer: if is_silent {
+            "Nothing was compared.".to_owned()
+        } else {
+            said
+        },
         sections: vec![
             Section::new("metrics", "How far, in noise floors", metrics(report)),
             Section::new("sets", "Sets of repeats", sets(report)),
@@ -39,38 +88,29 @@ pub(super) fn gap(folder: &Path, report: &Value) -> Result<Story> {
     })
 }
 
-fn answer(report: &Value) -> String {
-    let about = ["likeness", "distance", "over_time", "floor"];
-    match sentences(report, &about) {
-        none if none.is_empty() => "Nothing was compared.".to_owned(),
-        said => said,
-    }
-}
-
-fn metrics(report: &Value) -> String {
-    let rows = report.list("metrics").iter().flat_map(|metric| {
-        let unit = metric.owned("unit");
-        let interval = move |value: &Value, unit: &str| match value.float("value") {
-            None => "–".to_owned(),
-            some => format!(
-                "{} ({})",
-                measured(some, unit),
-                value.span(["low", "high"], unit)
-            ),
+fn metrics(report: &Gap) -> String {
+    let rows = report.metrics.iter().flat_map(|metric| {
+        let interval = |found: Option<Estimate>, unit: &str| match found {
+            None => NOTHING.to_owned(),
+            Some(Estimate { value, low, high }) => {
+                format!("{} ({})", measured(value, unit), span(low, high, unit))
+            }
         };
-        [("without noise", "ideal"), ("repeats, mean", "repeats")]
-            .into_iter()
-            .filter_map(move |(name, which)| {
-                let found = metric.get(which).filter(|found| found.is_object())?;
-                let p = metric.float("alike.p_value").filter(|_| which == "repeats");
-                Some(vec![
-                    format!("{}: {name}", metric.text("metric")),
-                    p.map_or("–".to_owned(), number),
-                    interval(found.at("ratio"), ""),
-                    interval(found.at("gap"), &unit),
-                    interval(metric.at("floor"), &unit),
-                ])
-            })
+        let p = metric.alike.map(|alike| alike.p_value);
+        let kinds = [
+            ("without noise", metric.ideal, None),
+            ("repeats, mean", metric.repeats, p),
+        ];
+        kinds.into_iter().filter_map(move |(name, found, p)| {
+            let found = found?;
+            Some(vec![
+                format!("{}: {name}", metric.metric),
+                measured(p, ""),
+                interval(found.ratio, ""),
+                interval(Some(found.gap), &metric.unit),
+                interval(metric.floor, &metric.unit),
+            ])
+        })
     });
     noted(
         "metric | drawn alike? p | gap ratio (95 %) | gap (95 %) | noise floor (95 %)",
@@ -79,19 +119,17 @@ fn metrics(report: &Value) -> String {
     )
 }
 
-fn sets(report: &Value) -> String {
-    let rows = report.list("sets").iter().flat_map(|set| {
-        let recordings = set
-            .count("recordings")
-            .map_or("–".to_owned(), |n| n.to_string());
-        set.list("metrics").iter().map(move |metric| {
-            let (floor, unit) = (metric.at("floor"), metric.text("unit"));
+fn sets(report: &Gap) -> String {
+    let rows = report.sets.iter().flatten().flat_map(|set| {
+        set.metrics.iter().map(move |of| {
+            let floor = of.floor;
+            let [low, high] = [floor.and_then(|f| f.low), floor.and_then(|f| f.high)];
             vec![
-                set.owned("set"),
-                recordings.clone(),
-                metric.owned("metric"),
-                floor.measured("value", unit),
-                floor.span(["low", "high"], unit),
+                set.set.clone(),
+                shown(set.recordings),
+                of.metric.clone(),
+                measured(floor.map(|floor| floor.value), &of.unit),
+                span(low, high, &of.unit),
             ]
         })
     });
@@ -99,74 +137,69 @@ fn sets(report: &Value) -> String {
     noted("set | recordings | metric | noise floor | 95 %", rows, note)
 }
 
-fn over_time(report: &Value) -> String {
-    let over = report.at("over_time");
-    let times = over.floats("times_s");
-    let line = |name: &str| -> Vec<[f64; 2]> {
-        let values = times.iter().zip(over.floats(name));
-        values.map(|(t, v)| [*t, v]).collect()
-    };
+fn over_time(report: &Gap) -> String {
     let mut all = Vec::new();
-    if !times.is_empty() {
+    if let Some(over) = report
+        .over_time
+        .as_ref()
+        .filter(|over| !over.times_s.is_empty())
+    {
+        let line = |values: &Option<Vec<f64>>| -> Vec<[f64; 2]> {
+            let values = over.times_s.iter().zip(values.iter().flatten());
+            values.map(|(t, v)| [*t, *v]).collect()
+        };
         let alt = "Distance to recorded runs over time, of the run without noise, of repeats, and of recorded runs among each other";
         let chart = Chart::over_time(alt, "distance [m]").upwards();
-        let chart = chart.line("real", line("real_mean_m"));
-        let chart = chart.line("b4", line("simulated_mean_m"));
-        let figure = chart.line("sim", line("ideal_m")).figure(
+        let chart = chart.line("real", line(&over.real_mean_m));
+        let chart = chart.line("b4", line(&over.simulated_mean_m));
+        let figure = chart.line("sim", line(&over.ideal_m)).figure(
             "Distance to recorded runs",
             "Where the simulated lines leave that of recorded runs among each other, the simulation stops being one more repeat.",
         );
         let keys = key("sim", "without noise") + &key("b4", "repeats");
         let keys = keys + &key("real", "recorded among each other");
-        all.push(format!("{figure}<div class=\"legend\">{keys}</div>"));
+        all.push(format!(
+            "<div>{figure}<div class=\"legend\">{keys}</div></div>"
+        ));
     }
-    let confidence = report.at("confidence");
-    let times = confidence.floats("times_s");
-    if !times.is_empty() {
-        let inside = confidence.list("inside");
-        let at_times = || times.iter().zip(inside);
-        let of = |p: &Value, name: &str| p.float(name).unwrap_or(f64::NAN);
-        let band = at_times().map(|(t, p)| [*t, of(p, "low"), of(p, "high")]);
-        let line = at_times().map(|(t, p)| [*t, of(p, "share")]);
-        let level = confidence.float("level").unwrap_or(0.9);
-        let ends = [times[0], times[times.len() - 1]];
+    if let Some(Confidence {
+        level,
+        times_s,
+        inside,
+        ..
+    }) = &report.confidence
+        && let [first, .., last] = times_s.as_slice()
+    {
+        let at_times = || times_s.iter().zip(inside);
+        let band = at_times().map(|(t, p)| [*t, p.low, p.high]);
+        let line = at_times().map(|(t, p)| [*t, p.share]);
         let alt = "Share of recorded runs inside the predicted region over time";
         let chart = Chart::over_time(alt, "share inside").upwards();
         let chart = chart.band(band.collect());
-        let chart = chart.line("edge", ends.map(|t| [t, level]).to_vec());
-        all.push(chart.line("sim", line.collect()).figure(
+        let chart = chart.line("edge", [first, last].map(|t| [*t, *level]).to_vec());
+        let figure = chart.line("sim", line.collect()).figure(
             "Recorded runs inside the predicted region",
             "Dashed: what the region promises. Band: 95 % interval of the share, narrower with more recordings.",
-        ));
+        );
+        all.push(format!("<div>{figure}</div>"));
     }
-    if all.is_empty() {
-        return String::new();
+    match all.is_empty() {
+        true => String::new(),
+        false => figures(&all),
     }
-    let all: Vec<String> = all
-        .into_iter()
-        .map(|one| format!("<div>{one}</div>"))
-        .collect();
-    figures(&all)
 }
 
-fn displacement(report: &Value) -> String {
-    let found = report.at("displacement");
-    if !found.is_object() {
+fn displacement(report: &Gap) -> String {
+    let Some(found) = &report.displacement else {
         return String::new();
-    }
-    let p = |name: &str| {
-        found
-            .at(name)
-            .float("p_value")
-            .map_or("–".to_owned(), number)
     };
     titled(
         "drawn alike? p (Mann-Whitney) | p (Kolmogorov-Smirnov) | recorded, mean | simulated, mean",
         [vec![
-            p("mann_whitney"),
-            p("kolmogorov_smirnov"),
-            found.measured("real_mean_m", "m"),
-            found.measured("simulated_mean_m", "m"),
+            number(found.mann_whitney.p_value),
+            number(found.kolmogorov_smirnov.p_value),
+            measured(found.real_mean_m, "m"),
+            measured(found.simulated_mean_m, "m"),
         ]],
     )
 }

@@ -2,14 +2,13 @@
 
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::value::read_json;
+use super::motion::ShownScene;
+use super::tree::read_json;
 use crate::results::kind::file;
 use realgap_core::error::{Error, ErrorKind, Result};
 use realgap_core::file::write_sealed;
 use realgap_core::text::escaped_json;
+use serde::{Deserialize, Serialize};
 
 /// Recorded paths beyond this many are not kept: more cannot be told apart in a picture.
 pub const KEPT_RECORDINGS: usize = 12;
@@ -56,7 +55,7 @@ pub struct KeptPath {
 #[serde(deny_unknown_fields)]
 pub struct KeptReplay {
     /// Robot, floor, names of the runs.
-    pub scene: Value,
+    pub scene: ShownScene,
     /// Their motion: base64.
     pub motion: String,
 }
@@ -107,4 +106,9 @@ impl Kept {
         }
         Ok(Some(kept))
     }
+}
+
+/// The recorded paths that are kept, if anything is.
+pub(super) fn recorded_of(kept: Option<&Kept>) -> &[KeptPath] {
+    kept.map_or(&[], |kept| kept.recorded.as_slice())
 }

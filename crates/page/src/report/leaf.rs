@@ -2,16 +2,11 @@
 
 use std::path::Path;
 
-use serde_json::Value;
-
 use super::page::html;
 use super::section::{Section, beside, embedded, numbers, provenance, warnings};
 use super::story::Story;
-use super::value::*;
+use super::tree::Tree;
 use realgap_core::error::Result;
-
-/// Longer tables are in the report itself.
-const MOST_ROWS: usize = 200;
 
 /// What one command found.
 #[derive(Debug)]
@@ -23,7 +18,7 @@ pub struct Leaf<'a> {
     /// As the command prints it: its first line is the answer.
     pub text: &'a str,
     /// The same as data.
-    pub report: &'a Value,
+    pub report: &'a Tree,
     /// Pictures that were drawn of it.
     pub pictures: &'a [&'a Path],
     /// The command.
@@ -55,7 +50,7 @@ impl Leaf<'_> {
         let sections = vec![
             Section::new("found", "What was found", found),
             Section::new("pictures", "Pictures", self.figures()?),
-            Section::new("tables", "Tables", tables(self.report)),
+            Section::new("tables", "Tables", self.report.tables()),
             warnings(self.report),
             numbers(self.report, &[]),
             provenance(self.report, Some(self.command), None),
@@ -84,48 +79,6 @@ impl Leaf<'_> {
     }
 }
 
-/// Every list of the report whose items have fields, as a table of those that are numbers or texts.
-fn tables(report: &Value) -> String {
-    let mut all = String::new();
-    for (name, value) in report.as_object().into_iter().flatten() {
-        let items = value.as_array().map_or(&[][..], Vec::as_slice);
-        let Some(first) = items
-            .first()
-            .and_then(Value::as_object)
-            .filter(|_| name != "warnings")
-        else {
-            continue;
-        };
-        let fields: Vec<&String> = first
-            .iter()
-            .filter(|(_, value)| scalar(value).is_some())
-            .map(|(name, _)| name)
-            .collect();
-        if fields.is_empty() {
-            continue;
-        }
-        let head: Vec<String> = fields.iter().map(|field| field.replace('_', " ")).collect();
-        let head: Vec<&str> = head.iter().map(String::as_str).collect();
-        let rows = items.iter().take(MOST_ROWS).map(|item| {
-            let cell = |field: &&String| item.get(field.as_str()).and_then(scalar);
-            fields
-                .iter()
-                .map(|field| cell(field).unwrap_or_else(|| "–".to_owned()))
-                .collect()
-        });
-        let title = html(&name.replace('_', " "));
-        let more = match items.len() {
-            few if few <= MOST_ROWS => String::new(),
-            many => format!(" (the first {MOST_ROWS} of {many})"),
-        };
-        all += &format!(
-            "<details><summary>{title}{more}</summary>{}</details>",
-            table(&head, rows)
-        );
-    }
-    all
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -140,7 +93,7 @@ mod tests {
             kind: "sensor",
             name: "<i>",
             text: "The answer <u>.\nmore",
-            report: &report,
+            report: &Tree::of(&report).unwrap(),
             pictures: &[],
             command: "realgap x",
         };

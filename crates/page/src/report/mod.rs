@@ -37,11 +37,14 @@ mod stage;
 mod story;
 mod study;
 mod track;
+mod tree;
 mod value;
 
 pub use folder::folder_page;
 pub use kept::{KEPT_RECORDINGS, Kept, KeptPath, KeptReplay, PAGE_FILE};
 pub use leaf::Leaf;
 pub use look::{ShownSolid, shown_body, shown_parts};
+pub use motion::ShownScene;
 pub use parade::side_by_side;
 pub use replay::{Replay, SIMULATION};
+pub use tree::Tree;

@@ -1,11 +1,11 @@
 //! A run in motion as numbers: shapes of the robot and of other bodies, and where they are over time.
 
 use nalgebra::Isometry3;
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
 
 use super::block::Block;
 use super::stage::{Kind, continuous, picks};
-use realgap_engine::{Film, SceneBody, SceneMotion, part_from_solid};
+use realgap_engine::{Film, Floor, SceneBody, SceneMotion, part_from_solid};
 use realgap_robot::morphology::{Drive, DriveAxis, Morphology, Role, Shape};
 
 /// Steps that numbers in the page are rounded to; also said on the page.
@@ -13,14 +13,123 @@ const LENGTH_STEP_M: f64 = 2e-5;
 const TURN_STEP: f64 = 1e-4;
 const TIME_STEP_S: f64 = 1e-4;
 /// Time, length, turn.
-pub(super) const STEPS: [f64; 3] = [TIME_STEP_S, LENGTH_STEP_M, TURN_STEP];
+const STEPS: [f64; 3] = [TIME_STEP_S, LENGTH_STEP_M, TURN_STEP];
 /// Corners of surfaces are whole multiples of this, as `scene.js` knows.
 const CORNER_STEP_M: f64 = 1e-5;
 
+/// What scripts show of a replay.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ShownScene {
+    /// What numbers of the motion are whole multiples of: time in seconds, length in metres, turn.
+    steps: [f64; 3],
+    /// The runs: first the simulated one, then the recorded ones.
+    pub(super) tracks: Vec<ShownTrack>,
+    /// Number of the robot's parts.
+    parts: usize,
+    /// Shapes that move.
+    boxes: Vec<ShownBox>,
+    /// The ground.
+    floor: ShownFloor,
+    /// Boxes that stand still, in the world.
+    scene: Vec<FixedBox>,
+}
+
+/// A run of a replay.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub(super) struct ShownTrack {
+    /// Its name.
+    pub(super) name: String,
+    /// Whether it was recorded.
+    recorded: bool,
+    /// The parts whose motion is known.
+    parts: Vec<usize>,
+}
+
+/// The ground of a replay.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct ShownFloor {
+    /// Height at the origin, metres.
+    height_m: f64,
+    /// How far it falls along x, radians.
+    slope_rad: f64,
+}
+
+/// Where a box lies: half its edges in metres, its place in metres and its orientation, real part first.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct FixedBox {
+    /// Half its edges, metres.
+    half: [f64; 3],
+    /// Its place in metres, then its orientation with the real part first.
+    pose: [f64; 7],
+}
+
+/// A shape of a part that moves, in the frame of the part.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct ShownBox {
+    /// Number of its part; other bodies come behind the robot's.
+    part: usize,
+    /// Half the edges of the box around it, metres.
+    half: [f64; 3],
+    /// Its place in metres, then its orientation with the real part first.
+    pose: [f64; 7],
+    /// Name of its module, where it is the first of it.
+    name: String,
+    /// What it is: `plate`, `active`, `passive` or `scene`.
+    kind: String,
+    /// Whether it is the one that is tracked.
+    #[serde(default)]
+    tracked: bool,
+    /// Which way its driven face points.
+    normal: Option<[f64; 3]>,
+    /// Whether that face spins; otherwise it bends.
+    spins: Option<bool>,
+    /// Corners of what is no box, in steps of 0.01 mm.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    corners: Vec<f64>,
+    /// Its triangles: numbers of corners.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    triangles: Vec<usize>,
+}
+
+impl ShownScene {
+    /// The runs, the first of them simulated, with the robot and what stands beside it.
+    pub(super) fn new<'a>(
+        robot: Option<&Morphology>,
+        runs: impl Iterator<Item = (&'a str, &'a Film)>,
+        run: &Film,
+        floor: Floor,
+        scene: &[SceneBody],
+    ) -> Self {
+        let tracks = runs.enumerate().map(|(index, (name, film))| ShownTrack {
+            name: name.to_owned(),
+            recorded: index > 0,
+            parts: known_parts(scene, film),
+        });
+        let mut boxes = robot.map(robot_boxes).unwrap_or_default();
+        boxes.extend(moving_boxes(scene, run));
+        Self {
+            steps: STEPS,
+            tracks: tracks.collect(),
+            parts: run.parts.len(),
+            boxes,
+            floor: ShownFloor {
+                height_m: floor.height_m,
+                slope_rad: floor.slope_rad,
+            },
+            scene: scene.iter().flat_map(fixed_boxes).collect(),
+        }
+    }
+}
+
 /// A pose as seven numbers: place, then orientation with its real part first.
-fn pose_json(pose: &Isometry3<f64>) -> Value {
+fn numbers(pose: &Isometry3<f64>) -> [f64; 7] {
     let (t, q) = (pose.translation.vector, pose.rotation);
-    json!([t.x, t.y, t.z, q.w, q.i, q.j, q.k])
+    [t.x, t.y, t.z, q.w, q.i, q.j, q.k]
 }
 
 /// A solid of a robot.
@@ -64,45 +173,50 @@ pub(super) fn robot_solids(robot: &Morphology) -> Vec<RobotSolid<'_>> {
 }
 
 /// The same as the page has them.
-pub(super) fn boxes(robot: &Morphology) -> Vec<Value> {
+fn robot_boxes(robot: &Morphology) -> Vec<ShownBox> {
     let solids = robot_solids(robot).into_iter();
     solids
         .map(|one| {
-            let mut shown = json!({
-                "part": one.part,
-                "half": one.shape.half_extents_m().as_slice(),
-                "pose": pose_json(&one.part_from_solid),
-                "name": one.name,
-                "kind": match one.kind {
-                    Kind::Plate => "plate",
-                    Kind::Active => "active",
-                    _ => "passive",
-                },
-                "tracked": one.is_tracked,
-                "normal": one.drive.map(|drive| drive.face.normal().as_slice().to_vec()),
-                "spins": one.drive.map(|drive| matches!(drive.axis, DriveAxis::Normal { .. })),
-            });
-            if let Some(surface) = one.shape.surface().filter(|_| !one.shape.is_box()) {
+            let kind = match one.kind {
+                Kind::Plate => "plate",
+                Kind::Active => "active",
+                _ => "passive",
+            };
+            let surface = one.shape.surface().filter(|_| !one.shape.is_box());
+            let (corners, triangles) = surface.map_or_else(Default::default, |surface| {
                 let corners = surface.corners_m.iter().flatten();
                 let triangles = surface.triangles().flat_map(|(_, corners)| corners);
-                shown["corners"] = corners.map(|m| (m / CORNER_STEP_M).round()).collect();
-                shown["triangles"] = triangles.collect();
+                let in_steps = corners.map(|m| (m / CORNER_STEP_M).round());
+                (in_steps.collect(), triangles.collect())
+            });
+            ShownBox {
+                part: one.part,
+                half: one.shape.half_extents_m().into(),
+                pose: numbers(&one.part_from_solid),
+                name: one.name.to_owned(),
+                kind: kind.to_owned(),
+                tracked: one.is_tracked,
+                normal: one.drive.map(|drive| drive.face.normal().into()),
+                spins: one
+                    .drive
+                    .map(|drive| matches!(drive.axis, DriveAxis::Normal { .. })),
+                corners,
+                triangles,
             }
-            shown
         })
         .collect()
 }
 
 /// The boxes of a body that stands still, in the world.
-pub(super) fn fixed_boxes(body: &SceneBody) -> Vec<Value> {
+fn fixed_boxes(body: &SceneBody) -> Vec<FixedBox> {
     let SceneMotion::Fixed { world_from_body } = &body.motion else {
         return Vec::new();
     };
     let boxes = body.boxes.iter();
     boxes
-        .map(|one| {
-            let half = 0.5 * one.sides_m;
-            json!({ "half": half.as_slice(), "pose": pose_json(&(world_from_body * one.body_from_box)) })
+        .map(|one| FixedBox {
+            half: (0.5 * one.sides_m).into(),
+            pose: numbers(&(world_from_body * one.body_from_box)),
         })
         .collect()
 }
@@ -116,7 +230,7 @@ fn moving<'a>(scene: &'a [SceneBody], film: &'a Film) -> impl Iterator<Item = us
 }
 
 /// What is known of a film, as parts: those of the robot, then other bodies that move.
-pub(super) fn known_parts(scene: &[SceneBody], film: &Film) -> Vec<usize> {
+fn known_parts(scene: &[SceneBody], film: &Film) -> Vec<usize> {
     let parts = film.parts.iter().enumerate();
     let parts = parts
         .filter(|(_, poses)| poses.is_some())
@@ -126,17 +240,15 @@ pub(super) fn known_parts(scene: &[SceneBody], film: &Film) -> Vec<usize> {
 }
 
 /// Boxes of the bodies that move, as those of parts behind the robot's.
-pub(super) fn moving_boxes(scene: &[SceneBody], run: &Film) -> Vec<Value> {
+fn moving_boxes(scene: &[SceneBody], run: &Film) -> Vec<ShownBox> {
     let of_body = |body: usize| {
         let boxes = scene[body].boxes.iter();
-        boxes.map(move |one| {
-            json!({
-                "part": run.parts.len() + body,
-                "half": (0.5 * one.sides_m).as_slice(),
-                "pose": pose_json(&one.body_from_box),
-                "name": "",
-                "kind": "scene",
-            })
+        boxes.map(move |one| ShownBox {
+            part: run.parts.len() + body,
+            half: (0.5 * one.sides_m).into(),
+            pose: numbers(&one.body_from_box),
+            kind: "scene".to_owned(),
+            ..ShownBox::default()
         })
     };
     moving(scene, run).flat_map(of_body).collect()

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
 use super::base64;
@@ -36,8 +37,9 @@ pub(super) fn html(text: &str) -> String {
 }
 
 /// JSON that can stand inside of a `script` element: no `<`, `>` or `&` ends it early.
-pub(super) fn script_json(value: &serde_json::Value) -> String {
-    let json = escaped_json(value.to_string());
+pub(super) fn script_json(value: &impl Serialize) -> String {
+    // Names and numbers can always be written.
+    let json = escaped_json(serde_json::to_string(value).unwrap_or_default());
     // Such characters stand inside of strings only.
     json.replace('<', "\\u003c")
         .replace('>', "\\u003e")
@@ -125,6 +127,8 @@ impl Page<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use super::*;
 
     #[test]
@@ -135,9 +139,9 @@ mod tests {
             !shown.contains(['<', '>', '"', '\'', '\u{202e}']),
             "{shown}"
         );
-        let json = script_json(&serde_json::json!({ "name": hostile }));
+        let json = script_json(&BTreeMap::from([("name", hostile)]));
         assert!(!json.contains(['<', '>', '&', '\u{202e}']), "{json}");
-        let back: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let back: BTreeMap<String, String> = serde_json::from_str(&json).unwrap();
         assert_eq!(back["name"], hostile);
     }
 

@@ -1,15 +1,11 @@
 //! The best point's run beside the recorded ones: as it is without scripts; with them, that of the chosen point.
 
 use super::chart::{Chart, key};
-use super::kept::{Kept, KeptPath};
+use super::kept::{Kept, KeptPath, recorded_of};
 use super::page::html;
 use super::points::{Paths, Points};
 use super::section::{figure, figures};
 use realgap_core::unit::{counted, number};
-
-fn recorded_of(kept: Option<&Kept>) -> &[KeptPath] {
-    kept.map_or(&[], |kept| kept.recorded.as_slice())
-}
 
 /// The best point's path over the recorded ones: as it is without scripts; with them, that of the chosen point.
 pub(super) fn from_above(

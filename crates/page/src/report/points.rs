@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::block::Block;
 use super::heat::{Point, heat_map};
+use super::kept::{Kept, recorded_of};
 use super::sheet::Sheet;
-use super::value::*;
+use super::study::Report;
 use crate::results::kind::file;
 use realgap_core::error::{Error, Result};
 use realgap_store::{STORE_FILE, Store, Trial};
@@ -31,6 +32,20 @@ pub(super) struct Points {
 pub(super) struct Paths {
     /// Prepared, metres; empty where a point has none.
     pub xy_m: Vec<Vec<[f64; 2]>>,
+}
+
+/// What scripts show of points and recorded paths.
+#[derive(Debug, Serialize)]
+pub(super) struct ShownPoints<'a> {
+    names: &'a [String],
+    best: usize,
+    /// Values, score, whether it cannot be told from the best.
+    rows: Vec<(&'a [f64], Option<f64>, bool)>,
+    /// What coordinates are whole multiples of, metres.
+    step: f64,
+    duration_s: f64,
+    /// Name and length in seconds.
+    recorded: Vec<(&'a str, f64)>,
 }
 
 impl Points {
@@ -65,23 +80,21 @@ impl Points {
     }
 
     /// The map of scores over two parameters: those of the grid, which come first; of an optimizer's points none.
-    pub fn map(&self, report: &Value) -> Option<String> {
-        let grid = report.count("points").unwrap_or(0) as usize;
-        let best = self
-            .best(report)
-            .map(|best| self.points[best].values.as_slice());
-        let score = [report.text("metric"), report.text("unit")];
-        heat_map(&self.points, grid, best, &self.names, score)
+    pub fn map(&self, report: &Report) -> Option<String> {
+        let best = self.best(report);
+        let best = best.map(|best| self.points[best].values.as_slice());
+        let score = [report.metric.as_str(), report.unit.as_str()];
+        heat_map(&self.points, report.points, best, &self.names, score)
     }
 
     /// The point that the report calls the best, else that of the lowest score.
-    pub fn best(&self, report: &Value) -> Option<usize> {
-        let named = report.get("best").and_then(|best| best.get("parameters"));
+    pub fn best(&self, report: &Report) -> Option<usize> {
+        let named = report.best.as_ref().map(|best| &best.parameters);
         let is_named = |point: &Point| {
-            let values = self.names.iter().map(|name| named?.get(name)?.as_f64());
+            let values = self.names.iter().map(|name| named?.get(name));
             values
                 .zip(&point.values)
-                .all(|(named, value)| named == Some(*value))
+                .all(|(named, value)| named == Some(value))
         };
         let lowest = || {
             let scored = self.points.iter().enumerate();
@@ -110,13 +123,22 @@ impl Points {
         Ok(is_any.then_some(Paths { xy_m }))
     }
 
-    pub fn json(&self, best: Option<usize>) -> Value {
+    /// The points for the scripts, beside the paths that were recorded.
+    pub fn shown<'a>(&'a self, best: usize, kept: Option<&'a Kept>) -> ShownPoints<'a> {
         let rows = self.points.iter();
-        json!({
-            "names": self.names,
-            "best": best,
-            "rows": rows.map(|p| json!([p.values, p.score, p.is_in])).collect::<Vec<_>>(),
-        })
+        let recorded = recorded_of(kept).iter();
+        ShownPoints {
+            names: &self.names,
+            best,
+            rows: rows
+                .map(|p| (p.values.as_slice(), p.score, p.is_in))
+                .collect(),
+            step: PATH_STEP_M,
+            duration_s: kept.map_or(1.0, |kept| kept.duration_s),
+            recorded: recorded
+                .map(|path| (path.name.as_str(), path.duration_s))
+                .collect(),
+        }
     }
 }
 

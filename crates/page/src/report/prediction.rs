@@ -2,38 +2,51 @@
 
 use std::path::Path;
 
-use serde_json::Value;
+use serde::Deserialize;
 
 use super::claim::sentences;
-use super::ensemble::{behaviour_table, charts, distances, noise};
+use super::ensemble::{Case, Summary, behaviour_table, charts, distances, noise};
 use super::page::html;
 use super::section::{Section, pictures};
 use super::story::Story;
 use super::value::*;
 use realgap_core::error::Result;
+use realgap_lab::claim::{About, Claim};
+use realgap_lab::prediction::{ModelError, Range};
 
-pub(super) fn prediction(folder: &Path, report: &Value) -> Result<Story> {
-    let summary = report.at("prediction");
-    let case = serde_json::json!([{ "case": report.text("robot"), "summary": summary }]);
-    let cases = case.as_array().map_or(&[][..], Vec::as_slice);
-    let not = report.list("not_covered").iter();
-    let not = not.filter_map(Value::as_str).collect::<Vec<_>>().join("; ");
-    let not = match html(&not).as_str() {
+/// What a page shows of a prediction card.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Predicted {
+    robot: Option<String>,
+    pub(super) claims: Vec<Claim>,
+    prediction: Summary,
+    model: Option<ModelError>,
+    not_covered: Vec<String>,
+}
+
+pub(super) fn prediction(folder: &Path, report: &Predicted) -> Result<Story> {
+    let summary = &report.prediction;
+    let cases = [Case {
+        case: report.robot.clone().unwrap_or_default(),
+        summary: summary.clone(),
+    }];
+    let not = match html(&report.not_covered.join("; ")).as_str() {
         "" => String::new(),
         not => format!("<p>No number here knows of {not}.</p>"),
     };
-    let does = behaviour_table(summary, cases);
-    let wrong = model(report.at("model")) + &not;
+    let does = behaviour_table(&cases);
+    let wrong = report.model.as_ref().map_or_else(String::new, model) + &not;
     Ok(Story {
         kind: "prediction",
-        name: report.named("robot", "prediction"),
-        answer: sentences(report, &["reach", "success"]),
+        name: report.robot.clone().unwrap_or("prediction".to_owned()),
+        answer: sentences(&report.claims, &[About::Reach, About::Success]),
         sections: vec![
             Section::new("behaviours", "What it does, and how likely", does),
             Section::new("motion", "Where it will be", charts("", summary)),
-            Section::new("distance", "How far", distances(cases)),
+            Section::new("distance", "How far", distances(&cases)),
             Section::new("model", "What the model itself may be wrong by", wrong),
-            Section::new("noise", "What repeats differ by", noise(summary)),
+            Section::new("noise", "What repeats differ by", noise(&summary.noise)),
             pictures(folder, "pictures", "All repeats", |_| true)?,
         ],
         said: vec!["prediction", "model", "success", "robot"],
@@ -41,26 +54,22 @@ pub(super) fn prediction(folder: &Path, report: &Value) -> Result<Story> {
     })
 }
 
-fn model(model: &Value) -> String {
-    let models = model.list("models");
-    if models.is_empty() {
+fn model(model: &ModelError) -> String {
+    if model.models.is_empty() {
         return String::new();
     }
-    let rows = models.iter().map(|one| {
-        vec![
-            one.owned("name"),
-            one.owned("source"),
-            percent(one.float("ratio").map(|ratio| ratio - 1.0)),
-        ]
+    let rows = model.models.iter().map(|one| {
+        let changes = percent(one.ratio.map(|ratio| ratio - 1.0));
+        vec![one.name.clone(), one.source.label().to_owned(), changes]
     });
     let rows = titled("other model | from | changes the displacement by", rows);
-    let further = model.at("further_run_m");
-    if further.is_null() {
+    let (Some(further), more) = (model.further_run_m, model.other_engine_adds_m) else {
         return rows;
-    }
+    };
+    let span = |range: Range| span(range.low, range.high, "m");
     format!(
         "{rows}<p class=\"note\">In an engine that was not asked, a run goes {} with 90 %: {} more than here (below 0: less).</p>",
-        further.span(["low", "high"], "m"),
-        model.at("other_engine_adds_m").span(["low", "high"], "m")
+        span(further),
+        more.map_or_else(|| NOTHING.to_owned(), span)
     )
 }

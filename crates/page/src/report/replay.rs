@@ -1,11 +1,9 @@
 //! A robot in motion, its recorded runs over it: one page.
 
-use serde_json::{Value, json};
-
 use super::block::Block;
 use super::chart::{Chart, key};
 use super::kept::KeptReplay;
-use super::motion::{STEPS, boxes, fixed_boxes, known_parts, moving_boxes, push_film};
+use super::motion::{ShownScene, push_film};
 use super::page::{
     BAR, BLOCK, CHART, CLOCK, Page, REPLAY, SCENE, STYLE, THREE, fill, html, script_json,
 };
@@ -72,7 +70,7 @@ impl Replay<'_> {
         let tracks: Vec<&Trajectory> = ghosts.iter().map(|ghost| &ghost.film.track).collect();
         let noise = spread(&tracks);
         let (motion, kept) = self.motion(&ghosts, MOST_NUMBERS);
-        let scene = self.scene_json(&ghosts);
+        let scene = self.scene_shown(&ghosts);
         let title = match self.robot {
             Some(robot) => format!("{}: replay", robot.name()),
             None => format!("{}: replay", self.run_name),
@@ -95,7 +93,7 @@ impl Replay<'_> {
     pub fn kept(&self) -> Result<KeptReplay> {
         let ghosts = self.ghosts()?;
         Ok(KeptReplay {
-            scene: self.scene_json(&ghosts),
+            scene: self.scene_shown(&ghosts),
             motion: self.motion(&ghosts, FEWER_NUMBERS).0,
         })
     }
@@ -103,9 +101,9 @@ impl Replay<'_> {
     /// All motions, and every how manyth sample of each is in there.
     fn motion(&self, ghosts: &[Ghost<'_>], most: usize) -> (String, Vec<usize>) {
         let mut block = Block::default();
-        let films = std::iter::once(self.run).chain(ghosts.iter().map(|ghost| &ghost.film));
-        let kept = films
-            .map(|film| push_film(&mut block, film, self.scene, most))
+        let kept = self
+            .runs(ghosts)
+            .map(|(_, film)| push_film(&mut block, film, self.scene, most))
             .collect();
         (block.text(), kept)
     }
@@ -113,9 +111,14 @@ impl Replay<'_> {
     /// Who moves in it and how, at most so many samples of each run.
     pub(super) fn stage(&self, most: usize) -> Result<Stage> {
         let ghosts = self.ghosts()?;
-        let run = std::iter::once((self.run_name, self.run));
-        let all = run.chain(ghosts.iter().map(|ghost| (ghost.name, &ghost.film)));
+        let all = self.runs(&ghosts);
         Ok(Stage::new(self.robot, all, self.floor, self.scene, most))
+    }
+
+    /// The run and the recorded ones, with their names.
+    fn runs<'a>(&'a self, ghosts: &'a [Ghost<'_>]) -> impl Iterator<Item = (&'a str, &'a Film)> {
+        let recorded = ghosts.iter().map(|ghost| (ghost.name, &ghost.film));
+        std::iter::once((self.run_name, self.run)).chain(recorded)
     }
 
     fn ghosts(&self) -> Result<Vec<Ghost<'_>>> {
@@ -150,27 +153,9 @@ impl Replay<'_> {
         Source::of(self.recordings).reality_label()
     }
 
-    fn scene_json(&self, ghosts: &[Ghost<'_>]) -> Value {
-        let track = |name: &str, film: &Film, is_recorded: bool| {
-            json!({
-                "name": name,
-                "recorded": is_recorded,
-                "parts": known_parts(self.scene, film),
-            })
-        };
-        let mut tracks = vec![track(self.run_name, self.run, false)];
-        let recorded = ghosts.iter();
-        tracks.extend(recorded.map(|ghost| track(ghost.name, &ghost.film, true)));
-        let mut all = self.robot.map(boxes).unwrap_or_default();
-        all.extend(moving_boxes(self.scene, self.run));
-        json!({
-            "steps": STEPS,
-            "tracks": tracks,
-            "parts": self.run.parts.len(),
-            "boxes": all,
-            "floor": { "height_m": self.floor.height_m, "slope_rad": self.floor.slope_rad },
-            "scene": self.scene.iter().flat_map(fixed_boxes).collect::<Vec<_>>(),
-        })
+    fn scene_shown(&self, ghosts: &[Ghost<'_>]) -> ShownScene {
+        let runs = self.runs(ghosts);
+        ShownScene::new(self.robot, runs, self.run, self.floor, self.scene)
     }
 
     /// The run at the beginning of a sentence.
@@ -360,22 +345,14 @@ fn stage_of(run: &str, legend: &str) -> String {
 }
 
 /// Where a kept replay is seen in space.
-pub(super) fn stage(scene: &Value) -> String {
-    let tracks = scene.get("tracks").and_then(Value::as_array);
-    let tracks = tracks.map_or(&[][..], Vec::as_slice);
-    let name = |track: &Value| {
-        track
-            .get("name")
-            .and_then(Value::as_str)
-            .unwrap_or_default()
-            .to_owned()
-    };
-    let run = tracks.first().map(name).unwrap_or_default();
-    let recorded: Vec<String> = tracks.iter().skip(1).map(name).collect();
+pub(super) fn stage(scene: &ShownScene) -> String {
+    let mut names = scene.tracks.iter().map(|track| track.name.as_str());
+    let run = names.next().unwrap_or_default();
+    let recorded: Vec<&str> = names.collect();
     let legend = if recorded.is_empty() {
         String::new()
     } else {
         key("real", &format!("recorded: {}", recorded.join(", ")))
     };
-    stage_of(&run, &legend)
+    stage_of(run, &legend)
 }

@@ -2,19 +2,52 @@
 
 use std::path::Path;
 
-use serde_json::Value;
+use serde::Deserialize;
 
 use super::chart::{Chart, steps};
 use super::claim::sentences;
+use super::ensemble::Summary;
 use super::page::html;
 use super::section::{Section, figures, pictures};
 use super::sheet::Sheet;
 use super::story::Story;
+use super::tree::read_json;
 use super::value::*;
 use crate::results::kind::file;
+use crate::results::{BestRobot, SearchSummary};
 use realgap_core::error::Result;
+use realgap_core::statistics::Proportion;
+use realgap_lab::claim::{About, Claim};
 
-pub(super) fn search(folder: &Path, report: &Value) -> Result<Story> {
+/// What a page shows of the card of a finalist.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct FinalistCard {
+    claims: Vec<Claim>,
+    reruns: Vec<Rerun>,
+    prediction: Summary,
+    success: Option<Success>,
+}
+
+/// What a page shows of a robot under other solver settings.
+#[derive(Debug, Deserialize)]
+struct Rerun {
+    settings: String,
+    mean_displacement_m: Option<f64>,
+    change: Option<f64>,
+    failure: Option<String>,
+    survives: bool,
+}
+
+/// What a page shows of how likely a robot gets far enough.
+#[derive(Debug, Deserialize)]
+struct Success {
+    least_displacement_m: f64,
+    rule: String,
+    probability: Proportion,
+}
+
+pub(super) fn search(folder: &Path, report: &SearchSummary) -> Result<Story> {
     let history = Sheet::read(folder, file::HISTORY)?;
     let drawn = |stem: &str| ["gallery", "fitness", "archive", "paths"].contains(&stem);
     let picture =
@@ -25,7 +58,7 @@ pub(super) fn search(folder: &Path, report: &Value) -> Result<Story> {
     archive_section.html += &archive;
     Ok(Story {
         kind: "search",
-        name: report.named("search", "search"),
+        name: report.search.clone(),
         answer: answer(folder, report)?,
         sections: vec![
             picture("gallery", "The best robots", "gallery")?,
@@ -45,26 +78,24 @@ pub(super) fn search(folder: &Path, report: &Value) -> Result<Story> {
     })
 }
 
-fn answer(folder: &Path, report: &Value) -> Result<String> {
-    let unit = report.text("unit");
-    let best = report.list("best");
-    let survivors = best
-        .iter()
-        .filter(|robot| robot.is("survives") == Some(true))
-        .count();
+fn answer(folder: &Path, report: &SearchSummary) -> Result<String> {
+    let (unit, best) = (report.unit.as_str(), &report.best);
+    let survivors = best.iter().filter(|robot| robot.survives).count();
     let Some(first) = best.first() else {
         return Ok("Not determined: no robot was looked at again. What was found so far is in the history below.".to_owned());
     };
     // The summary has the share alone; the card knows how sure it is.
     let card = card_of(folder, first)?;
-    let odds = card.map_or_else(String::new, |card| sentences(&card, &["success"]));
-    let holds = if first.is("survives") == Some(true) {
+    let odds = card.map_or_else(String::new, |card| {
+        sentences(&card.claims, &[About::Success])
+    });
+    let holds = if first.survives {
         "and walks the same under other numerics"
     } else {
         "but does NOT walk the same under other numerics"
     };
-    let base = report.float("baseline.fitness");
-    let beats = base.zip(first.float("fitness")).map(|(base, own)| {
+    let base = report.baseline.as_ref().and_then(|base| base.fitness);
+    let beats = base.zip(first.fitness).map(|(base, own)| {
         let outcome = if own > base { "beaten" } else { "not beaten" };
         let worth = measured(Some(base), unit);
         format!(" What it started from is worth {worth}: it was {outcome}.")
@@ -72,34 +103,32 @@ fn answer(folder: &Path, report: &Value) -> Result<String> {
     let beats = beats.unwrap_or_default();
     Ok(format!(
         "The best robot, {}, is worth {} with new draws ({}), {holds}. {odds} {survivors} of {} finalists survive.{beats}",
-        first.text("file"),
-        first.measured("fitness", unit),
-        report.text("objective"),
+        first.file,
+        measured(first.fitness, unit),
+        report.objective,
         best.len(),
     ))
 }
 
-fn finalists(report: &Value) -> String {
-    let unit = report.text("unit");
-    let rows = report.list("best").iter().map(|robot| {
-        let range = ["displacement_q05_q95_m.0", "displacement_q05_q95_m.1"];
-        let survives = match (robot.is("survives"), robot.float("largest_change")) {
-            (Some(true), change) => format!("yes (changes by at most {})", percent(change)),
-            (_, Some(change)) => format!(
-                "NO: changes by {} at {}",
-                percent(Some(change)),
-                robot.text("worst_rerun")
-            ),
-            _ => format!("NO: fails at {}", robot.text("worst_rerun")),
+fn finalists(report: &SearchSummary) -> String {
+    let unit = report.unit.as_str();
+    let rows = report.best.iter().map(|robot| {
+        let worst = robot.worst_rerun.as_deref().unwrap_or_default();
+        let survives = match (robot.survives, robot.largest_change) {
+            (true, change) => format!("yes (changes by at most {})", percent(change)),
+            (_, Some(change)) => format!("NO: changes by {} at {worst}", percent(change)),
+            _ => format!("NO: fails at {worst}"),
         };
+        let range_m = robot.displacement_q05_q95_m;
+        let [low_m, high_m] = [0, 1].map(|end| range_m.map(|range_m| range_m[end]));
         vec![
-            robot.owned("file"),
-            robot.number("modules"),
-            robot.number("servos"),
-            robot.measured("search_fitness", unit),
-            robot.measured("fitness", unit),
-            robot.span(range, "m"),
-            robot.measured("joules_per_metre", "J/m"),
+            robot.file.clone(),
+            robot.modules.to_string(),
+            robot.servos.to_string(),
+            measured(robot.search_fitness, unit),
+            measured(robot.fitness, unit),
+            span(low_m, high_m, "m"),
+            measured(robot.joules_per_metre, "J/m"),
             survives,
         ]
     });
@@ -111,26 +140,24 @@ fn finalists(report: &Value) -> String {
     if table.is_empty() {
         return table;
     }
-    let baseline = report.at("baseline");
-    let worth = match (baseline.text("failure"), baseline.float("fitness")) {
-        ("", fitness) => measured(fitness, unit),
-        (failure, _) => format!("nothing: {failure}"),
-    };
-    let (robot, worth) = (html(baseline.text("robot")), html(&worth));
-    let from = match baseline.is_object() {
-        true => format!(
+    let from = report.baseline.as_ref().map_or_else(String::new, |start| {
+        let worth = match &start.failure {
+            None => measured(start.fitness, unit),
+            Some(failure) => format!("nothing: {failure}"),
+        };
+        let (robot, worth) = (html(&start.robot), html(&worth));
+        format!(
             "<p>What the search started from, {robot}, is worth {worth} with the same draws.</p>"
-        ),
-        false => String::new(),
-    };
+        )
+    });
     format!(
         "{table}{from}<p class=\"note\">What was best in the search is partly luck; new draws show how much. A robot that walks otherwise at another timestep, with other substeps, joints or contacts is ranked last: build none of these.</p>"
     )
 }
 
 /// The card of a finalist, where the folder has it.
-fn card_of(folder: &Path, robot: &Value) -> Result<Option<Value>> {
-    let file = robot.text("file");
+fn card_of(folder: &Path, robot: &BestRobot) -> Result<Option<FinalistCard>> {
+    let file = robot.file.as_str();
     // A name from a report is no path.
     let is_name = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
     let path = folder.join("best").join(format!("{file}.json"));
@@ -140,59 +167,56 @@ fn card_of(folder: &Path, robot: &Value) -> Result<Option<Value>> {
     Ok(Some(read_json(&path, "a card")?))
 }
 
-fn cards(folder: &Path, report: &Value) -> Result<String> {
+fn cards(folder: &Path, report: &SearchSummary) -> Result<String> {
     let mut all = String::new();
-    for robot in report.list("best") {
+    for robot in &report.best {
         if let Some(card) = card_of(folder, robot)? {
-            let (name, card) = (html(robot.text("file")), one_card(&card));
+            let (name, card) = (html(&robot.file), one_card(&card));
             all += &format!("<details><summary>{name}</summary>{card}</details>");
         }
     }
     Ok(all)
 }
 
-fn one_card(card: &Value) -> String {
-    let reruns = card.list("reruns").iter().map(|rerun| {
+fn one_card(card: &FinalistCard) -> String {
+    let reruns = card.reruns.iter().map(|rerun| {
         vec![
-            rerun.owned("settings"),
-            rerun.measured("mean_displacement_m", "m"),
-            rerun.percent("change"),
-            match (rerun.text("failure"), rerun.is("survives")) {
-                ("", Some(true)) => "yes".to_owned(),
-                ("", _) => "NO".to_owned(),
-                (failure, _) => format!("NO: {failure}"),
+            rerun.settings.clone(),
+            measured(rerun.mean_displacement_m, "m"),
+            percent(rerun.change),
+            match (&rerun.failure, rerun.survives) {
+                (None, true) => "yes".to_owned(),
+                (None, false) => "NO".to_owned(),
+                (Some(failure), _) => format!("NO: {failure}"),
             },
         ]
     });
     let reruns = titled("under | mean displacement | changes by | survives", reruns);
-    let behaviours = card.list("prediction.behaviours.list").iter();
+    let behaviours = card.prediction.behaviours.list.iter();
     let behaviours = behaviours.map(|behaviour| {
         vec![
-            behaviour.owned("name"),
-            behaviour.proportion("probability"),
-            behaviour.measured("mean_displacement_m", "m"),
+            behaviour.name.clone(),
+            odds(behaviour.probability),
+            measured(behaviour.mean_displacement_m, "m"),
         ]
     });
     let head = "behaviour | probability (95 %) | net displacement";
     let behaviours = titled(head, behaviours);
-    let success = card.at("success");
-    let success = if success.is_object() {
+    let success = card.success.as_ref().map_or_else(String::new, |success| {
         format!(
             "<p>At least {} far ({}): {}.</p>",
-            success.measured("least_displacement_m", "m"),
-            html(success.text("rule")),
-            success.proportion("probability")
+            measured(success.least_displacement_m, "m"),
+            html(&success.rule),
+            odds(success.probability)
         )
-    } else {
-        String::new()
-    };
+    });
     format!(
         "{success}<h3>Under other numerics and engines</h3>{reruns}<h3>Behaviours</h3>{behaviours}"
     )
 }
 
 /// Fitness of every robot, and the best so far as steps.
-fn progress(history: &Sheet, report: &Value) -> String {
+fn progress(history: &Sheet, report: &SearchSummary) -> String {
     let fitness = history.numbers("fitness");
     if fitness.iter().all(|f| f.is_nan()) {
         return String::new();
@@ -212,18 +236,18 @@ fn progress(history: &Sheet, report: &Value) -> String {
     let every = all.len().div_ceil(1500).max(1);
     let marks = all.into_iter().step_by(every).collect();
     let alt = "Fitness of each robot in order, and the best so far";
-    let label = format!("fitness [{}]", report.text("unit"));
+    let label = format!("fitness [{}]", report.unit);
     let chart = Chart::plain(alt, "robot", label).line("sim", line);
     figures(&[chart.dots("grey", marks).figure(
-        report.text("objective"),
+        &report.objective,
         "Line: the best so far. A line that still climbs at its end asks for a larger budget.",
     )])
 }
 
 /// The first finalist and its ancestors, youngest first: of two parents the first, whose body and gait a child begins as.
-fn lineage(history: &Sheet, report: &Value) -> String {
-    let best = report.list("best").first();
-    let best = best.and_then(|robot| robot.text("file").rsplit('_').next()?.parse().ok());
+fn lineage(history: &Sheet, report: &SearchSummary) -> String {
+    let best = report.best.first();
+    let best = best.and_then(|robot| robot.file.rsplit('_').next()?.parse().ok());
     let parents = history.texts("parents");
     let first_parent = |robot: &usize| parents.get(*robot)?.split(' ').next()?.parse().ok();
     let mut line: Vec<usize> = std::iter::successors(best, first_parent).collect();
@@ -236,7 +260,7 @@ fn lineage(history: &Sheet, report: &Value) -> String {
             robot.to_string(),
             (*batches.get(robot)?).to_owned(),
             (*modules.get(robot)?).to_owned(),
-            measured(fitness.get(robot).copied(), report.text("unit")),
+            measured(fitness.get(robot).copied(), &report.unit),
             match *parents.get(robot)? {
                 "" => "drawn".to_owned(),
                 both => both.to_owned(),
@@ -263,9 +287,8 @@ fn archive(folder: &Path) -> Result<String> {
     ))
 }
 
-fn failures(report: &Value) -> String {
-    let all = report.at("failures").as_object();
-    let rows = all.into_iter().flatten();
+fn failures(report: &SearchSummary) -> String {
+    let rows = report.failures.iter();
     let rows = rows.map(|(reason, count)| vec![reason.clone(), count.to_string()]);
     noted("why | robots", rows, "")
 }

@@ -4,10 +4,9 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use serde_json::Value;
-
 use super::base64;
 use super::page::html;
+use super::tree::Tree;
 use super::value::*;
 use crate::results::kind::picture_stem;
 use realgap_core::error::{Error, Result};
@@ -73,10 +72,8 @@ fn within(tag: &str, content: String) -> String {
 }
 
 /// What the reader should know, with what to do about it; those of parts of the report, too.
-pub(super) fn warnings(report: &Value) -> Section {
-    let mut all: Vec<(String, String)> = Vec::new();
-    collect(report, 0, &mut all);
-    warning_section(pairs_of(&all))
+pub(super) fn warnings(report: &Tree) -> Section {
+    warning_section(pairs_of(&report.warnings()))
 }
 
 /// More messages of one kind than this are folded away.
@@ -120,62 +117,31 @@ pub(super) fn warning_section<'a>(all: impl Iterator<Item = (&'a str, &'a str)>)
     Section::new("warnings", "Warnings", within("ul", items))
 }
 
-/// Warnings of a report and of what it holds, each once.
-fn collect(value: &Value, depth: usize, all: &mut Vec<(String, String)>) {
-    if depth > 4 {
-        return;
-    }
-    for warning in value.list("warnings") {
-        let pair = (warning.owned("code"), warning.owned("message"));
-        if !all.contains(&pair) {
-            all.push(pair);
-        }
-    }
-    let inner: Vec<&Value> = match value {
-        Value::Object(fields) => fields.values().collect(),
-        Value::Array(items) => items.iter().collect(),
-        _ => Vec::new(),
-    };
-    for value in inner {
-        collect(value, depth + 1, all);
-    }
-}
-
 /// Numbers of the report that no other section holds.
-pub(super) fn numbers(report: &Value, said: &[&str]) -> Section {
+pub(super) fn numbers(report: &Tree, said: &[&str]) -> Section {
     let always = ["description", "provenance", "warnings", "engine", "version"];
     let said: Vec<&str> = said.iter().copied().chain(always).collect();
-    let all = scalars(report, &said);
+    let all = report.scalars(&said);
     Section::new("numbers", "Numbers", within("dl", entries(pairs_of(&all))))
 }
 
 /// Versions, settings, hashes, and the command that does it again.
-pub(super) fn provenance(report: &Value, command: Option<&str>, page: Option<&str>) -> Section {
-    let mut pairs: Vec<(String, String)> = Vec::new();
-    if let Some(command) = command {
-        pairs.push(("run it again".to_owned(), command.to_owned()));
-    }
-    for name in ["engine", "version", "seed"] {
-        if let Some(text) = report.get(name).and_then(scalar) {
-            let shown = if name == "version" { "realgap" } else { name };
-            pairs.push((shown.to_owned(), text));
-        }
-    }
-    let origins = report.get("provenance").and_then(Value::as_object);
-    for (name, value) in origins.into_iter().flatten() {
-        pairs.push((
-            name.clone(),
-            scalar(value).unwrap_or_else(|| value.to_string()),
-        ));
-    }
-    if let Some(page) = page {
-        pairs.push(("this page".to_owned(), page.to_owned()));
-    }
-    Section::new(
-        "provenance",
-        "How this was made",
-        within("dl", entries(pairs_of(&pairs))),
-    )
+pub(super) fn provenance(report: &Tree, command: Option<&str>, page: Option<&str>) -> Section {
+    let named = |name: &str, text: Option<String>| Some((name.to_owned(), text?));
+    let mut pairs = Vec::from_iter(named("run it again", command.map(str::to_owned)));
+    let own = [
+        ("engine", "engine"),
+        ("realgap", "version"),
+        ("seed", "seed"),
+    ];
+    pairs.extend(
+        own.iter()
+            .filter_map(|(shown, name)| named(shown, report.scalar(name))),
+    );
+    pairs.extend(report.provenance());
+    pairs.extend(named("this page", page.map(str::to_owned)));
+    let shown = within("dl", entries(pairs_of(&pairs)));
+    Section::new("provenance", "How this was made", shown)
 }
 
 /// Pictures that are larger stay in the folder.
@@ -232,18 +198,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_warning_of_any_part_is_said_once_with_its_remedy() {
-        let one = serde_json::json!({ "code": "few-recordings", "message": "<2>" });
-        let report = serde_json::json!({ "warnings": [one], "cases": [{ "warnings": [one] }] });
-        let section = warnings(&report);
+    fn warnings_of_one_kind_are_one_item_with_its_remedy() {
+        let section = warning_section([("few-recordings", "<2>"); 2].into_iter());
         assert_eq!(section.html.matches("<li>").count(), 1);
         assert!(section.html.contains(Code::FewRecordings.remedy()));
         assert!(!section.html.contains("<2>"));
         // The same of several recordings is one warning, its remedy said once.
-        let of =
-            |k: u32| serde_json::json!({ "code": "few-recordings", "message": format!("run {k}") });
-        let report = serde_json::json!({ "warnings": (0..5).map(of).collect::<Vec<_>>() });
-        let html = warnings(&report).html;
+        let of = ["run 0", "run 1", "run 2", "run 3", "run 4"];
+        let html = warning_section(of.map(|run| ("few-recordings", run)).into_iter()).html;
         assert_eq!(html.matches("<li>").count(), 1);
         assert_eq!(html.matches("What to do").count(), 1);
         assert!(html.contains("run 4") && html.contains("<summary>2 more</summary>"));

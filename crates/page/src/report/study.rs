@@ -2,17 +2,18 @@
 
 use std::path::Path;
 
-use serde_json::{Value, json};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use super::block::Block;
 use super::chart::{Chart, steps};
 use super::claim::sentences;
 use super::fleet;
 use super::joint::joints;
-use super::kept::Kept;
+use super::kept::{Kept, recorded_of};
 use super::page::{html, script_json};
 use super::path::{from_above, over_time};
-use super::points::{PATH_STEP_M, Points, push_path};
+use super::points::{Points, push_path};
 use super::section::{Section, figures, pictures};
 use super::sheet::Sheet;
 use super::story::Story;
@@ -20,6 +21,8 @@ use super::value::*;
 use crate::results::kind::file;
 use realgap_core::error::Result;
 use realgap_core::unit::number;
+use realgap_lab::calibration::{Audit, Best, Reproduction, Validation};
+use realgap_lab::claim::{About, Claim};
 
 /// Fewer numbers than this of a report stand in the section of numbers, because others tell them.
 const SAID: [&str; 11] = [
@@ -36,7 +39,38 @@ const SAID: [&str; 11] = [
     "pose",
 ];
 
-pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Result<Story> {
+/// What a page shows of the report of a sweep or a tuning.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Report {
+    study: Option<String>,
+    complete: Option<bool>,
+    pub(super) points: usize,
+    tuning: Option<IgnoredAny>,
+    pub(super) metric: String,
+    pub(super) unit: String,
+    pub(super) best: Option<Best>,
+    verdicts: Vec<Verdict>,
+    pub(super) claims: Vec<Claim>,
+    audit: Option<Audit>,
+    validation: Option<Validation>,
+    transfer: Option<fleet::Transfer>,
+    reproduction: Option<Reproduction>,
+}
+
+/// What a page shows of what is said of a parameter.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Verdict {
+    parameter: String,
+    unit: String,
+    best: Option<f64>,
+    interval: Option<[f64; 2]>,
+    intervals: Vec<[f64; 2]>,
+    text: String,
+}
+
+pub(super) fn story(folder: &Path, report: &Report, kept: Option<&Kept>) -> Result<Story> {
     let points = Points::read(folder)?;
     let joints = joints(folder)?;
     // A robot whose joints alone were recorded goes nowhere.
@@ -53,12 +87,20 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
     let map = points.map(report);
     let has_joints = !joints.is_empty();
     let (has_map, has_paths) = (map.is_some(), paths.is_some() && best.is_some());
-    let is_tuned = !report.at("tuning").is_null();
+    let is_tuned = report.tuning.is_some();
     let chosen = from_above(&points, paths.as_ref(), best, kept);
     let map = heat(&points, report, map, &chosen);
     let over_time = over_time(paths.as_ref(), best, kept);
     let verdicts = verdicts(folder, report)?;
     let came = convergence(folder, report)?;
+    let unit = report.unit.as_str();
+    let validation = report
+        .validation
+        .as_ref()
+        .map(|held| validation(held, unit));
+    let transfer = report.transfer.as_ref();
+    let transfer = transfer.map(|found| fleet::transfer(found, unit));
+    let reproduced = report.reproduction.as_ref().map(fleet::reproduction);
     let is_plane = |stem: &str| stem == "components";
     let is_corner = |stem: &str| stem == "corner";
     let corner_title = "Which values go together";
@@ -85,24 +127,24 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
         Section::new(
             "validation",
             "On recordings that were held out",
-            validation(report),
+            validation.unwrap_or_default(),
         ),
         Section::new(
             "robots",
             "Does it hold for a robot that it has not seen?",
-            fleet::transfer(report),
+            transfer.unwrap_or_default(),
         ),
         Section::new(
             "reproduced",
             "In how many robots does the shared answer do what was recorded?",
-            fleet::reproduction(report),
+            reproduced.unwrap_or_default(),
         ),
         Section::new("audit", audit_title, audit(report)),
         pictures(folder, "pictures", "More pictures", |stem| !is_drawn(stem))?,
     ];
     let mut story = Story {
         kind: if is_tuned { "tuning" } else { "sweep" },
-        name: report.named("study", "results"),
+        name: report.study.clone().unwrap_or("results".to_owned()),
         answer: answer(report),
         sections,
         said: SAID.to_vec(),
@@ -111,17 +153,10 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
     if let (Some(paths), Some(best)) = (paths, best) {
         let mut block = Block::default();
         paths.push(&mut block);
-        let recorded = kept.map_or(&[][..], |kept| kept.recorded.as_slice());
-        for path in recorded {
+        for path in recorded_of(kept) {
             push_path(&mut block, &path.xy_m);
         }
-        let names = recorded
-            .iter()
-            .map(|path| json!([path.name, path.duration_s]));
-        let mut data = points.json(Some(best));
-        data["step"] = json!(PATH_STEP_M);
-        data["duration_s"] = json!(kept.map_or(1.0, |kept| kept.duration_s));
-        data["recorded"] = names.collect();
+        let data = points.shown(best, kept);
         story.data = vec![
             ("point-data", script_json(&data)),
             ("path-data", block.text()),
@@ -131,22 +166,23 @@ pub(super) fn story(folder: &Path, report: &Value, kept: Option<&Kept>) -> Resul
 }
 
 /// Whether the model explains the recordings, where it is nearest, and what they say about its parameters.
-fn answer(report: &Value) -> String {
-    let mut text = sentences(report, &["model", "best", "engines", "parameters"]);
+fn answer(report: &Report) -> String {
+    let about = [About::Model, About::Best, About::Engines, About::Parameters];
+    let mut text = sentences(&report.claims, &about);
     if text.is_empty() {
         return "No point has a score: nothing is said.".to_owned();
     }
-    if report.is("complete") == Some(false) {
+    if report.complete == Some(false) {
         text += " Unfinished: this is what there is so far.";
     }
     text
 }
 
-fn heat(points: &Points, report: &Value, map: Option<String>, path: &str) -> String {
+fn heat(points: &Points, report: &Report, map: Option<String>, path: &str) -> String {
     if points.points.is_empty() {
         return String::new();
     }
-    let unit = report.text("unit");
+    let unit = report.unit.as_str();
     let mut order: Vec<_> = points.points.iter().collect();
     order.sort_by(|a, b| {
         let key = |score: Option<f64>| score.unwrap_or(f64::INFINITY);
@@ -165,7 +201,7 @@ fn heat(points: &Points, report: &Value, map: Option<String>, path: &str) -> Str
         order.len(),
         table(&head, rows)
     );
-    let alike = match sentences(report, &["set"]) {
+    let alike = match sentences(&report.claims, &[About::Set]) {
         none if none.is_empty() => none,
         alike => format!("<p class=\"note\">{}</p>", html(&alike)),
     };
@@ -181,17 +217,21 @@ fn heat(points: &Points, report: &Value, map: Option<String>, path: &str) -> Str
     format!("{alike}<div class=\"pair\">{map}{path}</div>{table}")
 }
 
-fn verdicts(folder: &Path, report: &Value) -> Result<String> {
-    let verdicts = report.list("verdicts");
-    if verdicts.is_empty() {
+fn verdicts(folder: &Path, report: &Report) -> Result<String> {
+    if report.verdicts.is_empty() {
         return Ok(String::new());
     }
-    let rows = verdicts.iter().map(|verdict| {
+    let rows = report.verdicts.iter().map(|verdict| {
+        let parts = match verdict.intervals.as_slice() {
+            [] => verdict.interval.as_slice(),
+            many => many,
+        };
+        let parts = parts.iter().map(|[low, high]| span(*low, *high, ""));
         vec![
-            verdict.owned("parameter"),
-            measured(verdict.float("best"), verdict.text("unit")),
-            intervals(verdict),
-            verdict.owned("text"),
+            verdict.parameter.clone(),
+            measured(verdict.best, &verdict.unit),
+            shown(parts.reduce(|all, part| format!("{all} or {part}"))),
+            verdict.text.clone(),
         ]
     });
     let table = titled("parameter | best | 90 % interval | verdict", rows);
@@ -205,18 +245,8 @@ fn verdicts(folder: &Path, report: &Value) -> Result<String> {
     Ok(figures(&profiles) + note + &table)
 }
 
-/// The parts of a verdict's interval.
-fn intervals(verdict: &Value) -> String {
-    let parts = match verdict.list("intervals") {
-        [] => vec![verdict.at("interval")],
-        many => many.iter().collect(),
-    };
-    let parts = parts.into_iter().map(|part| part.span(["0", "1"], ""));
-    parts.collect::<Vec<_>>().join(" or ")
-}
-
 /// The best score along each parameter, from `profiles.csv`.
-fn profiles(folder: &Path, report: &Value) -> Result<Vec<String>> {
+fn profiles(folder: &Path, report: &Report) -> Result<Vec<String>> {
     let sheet = Sheet::read(folder, file::PROFILES)?;
     let (x, y) = (sheet.numbers("value"), sheet.numbers("lowest_score"));
     let (names, alike) = (sheet.texts("parameter"), sheet.texts("indistinguishable"));
@@ -241,8 +271,8 @@ fn profiles(folder: &Path, report: &Value) -> Result<Vec<String>> {
             }
         }
     }
-    let unit = report.text("unit");
-    let score = format!("lowest {} [{unit}]", report.text("metric"));
+    let unit = report.unit.as_str();
+    let score = format!("lowest {} [{unit}]", report.metric);
     Ok(all
         .into_iter()
         .map(|(name, (points, alike, bands))| {
@@ -255,7 +285,7 @@ fn profiles(folder: &Path, report: &Value) -> Result<Vec<String>> {
 }
 
 /// Every score in the order of the optimizer, and the best so far as steps.
-fn convergence(folder: &Path, report: &Value) -> Result<String> {
+fn convergence(folder: &Path, report: &Report) -> Result<String> {
     let sheet = Sheet::read(folder, file::TRIALS)?;
     let (scores, best) = (sheet.numbers("score"), sheet.numbers("best_so_far"));
     if best.is_empty() {
@@ -269,7 +299,7 @@ fn convergence(folder: &Path, report: &Value) -> Result<String> {
     };
     let best = numbered(&best).into_iter();
     let best = steps(best.filter(|[_, value]| value.is_finite()));
-    let label = format!("{} [{}]", report.text("metric"), report.text("unit"));
+    let label = format!("{} [{}]", report.metric, report.unit);
     let alt = "Score of each point in order, and the best so far";
     let chart = Chart::plain(alt, "point", label).upwards();
     let chart = chart.line("sim", best).dots("grey", numbered(&scores));
@@ -279,41 +309,37 @@ fn convergence(folder: &Path, report: &Value) -> Result<String> {
     )]))
 }
 
-fn validation(report: &Value) -> String {
-    let validation = report.at("validation");
-    let Some(fields) = validation.as_object() else {
-        return String::new();
-    };
-    let unit = report.text("unit");
-    let rows = fields.iter().filter_map(|(name, value)| {
-        let shown = value
-            .as_f64()
-            .map(|v| measured(Some(v), unit))
-            .or_else(|| scalar(value))?;
-        Some(vec![name.replace('_', " "), shown])
-    });
+fn validation(held: &Validation, unit: &str) -> String {
+    let error = held.difference_standard_error;
+    let rows = [
+        ("split", held.split.clone()),
+        ("fit score", measured(held.fit_score, unit)),
+        ("held out score", measured(held.held_out_score, unit)),
+        ("difference standard error", measured(error, unit)),
+        ("held out recordings", held.held_out_recordings.to_string()),
+    ];
+    let rows = rows.map(|(name, value)| vec![name.to_owned(), value]);
     table(&["", "value"], rows)
 }
 
-fn audit(report: &Value) -> String {
-    let audit = report.at("audit");
-    let rows = audit.list("rows");
+fn audit(report: &Report) -> String {
+    let rows = report.audit.as_ref().map_or(&[][..], |audit| &audit.rows);
     if rows.is_empty() {
         return String::new();
     }
-    let unit = report.text("unit");
-    let score = report.float("best.score");
+    let unit = report.unit.as_str();
+    let score = report.best.as_ref().map(|best| best.score);
     let cells = rows.iter().map(|row| {
-        let change = row.float("change");
+        let share = row.change.zip(score).map(|(change, score)| change / score);
         vec![
-            row.owned("setting"),
-            match row.is("coarser") {
-                Some(true) => "coarser".to_owned(),
-                _ => "as fine or finer".to_owned(),
+            row.setting.clone(),
+            match row.coarser {
+                true => "coarser".to_owned(),
+                false => "as fine or finer".to_owned(),
             },
-            row.measured("score", unit),
-            measured(change, unit),
-            percent(change.zip(score).map(|(change, score)| change / score)),
+            measured(row.score, unit),
+            measured(row.change, unit),
+            percent(share),
         ]
     });
     format!(

@@ -12,6 +12,7 @@ use super::Options;
 use super::element::Place;
 use super::mjcf_mass::Weighing;
 use super::note::Notes;
+use super::urdf::file_name;
 use super::urdf_joint::{Bearing, chained};
 use crate::morphology::body::{Body, Frame, Joint, JointKind, Piece, Pose, Structure};
 use realgap_core::error::{Error, Result};
@@ -58,21 +59,8 @@ pub(super) fn read(
                     let stem = source.path().file_stem().unwrap_or_default();
                     stem.to_string_lossy().into_owned()
                 }),
-            description: format!(
-                "read from {}",
-                source
-                    .path()
-                    .file_name()
-                    .unwrap_or_default()
-                    .to_string_lossy()
-            ),
-            bodies: Vec::new(),
-            joints: Vec::new(),
-            actuators: Vec::new(),
-            marks: Vec::new(),
-            never_touch: Vec::new(),
-            mount: None,
-            track: None,
+            description: format!("read from {}", file_name(source)),
+            ..Structure::default()
         },
         joint_names: BTreeMap::new(),
     };

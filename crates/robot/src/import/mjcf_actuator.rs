@@ -55,7 +55,7 @@ impl Robot<'_> {
                     };
                     self.structure.actuators.push(Driver {
                         joint,
-                        servo: servo.into(),
+                        servo,
                         gait: None,
                         follows: None,
                     });

@@ -57,13 +57,7 @@ pub(super) fn read(
         structure: Structure {
             name,
             description: format!("read from {}", file_name(source)),
-            bodies: Vec::new(),
-            joints: Vec::new(),
-            actuators: Vec::new(),
-            marks: Vec::new(),
-            never_touch: Vec::new(),
-            mount: None,
-            track: None,
+            ..Structure::default()
         },
         lines: BTreeMap::new(),
         joint_lines: Vec::new(),
@@ -84,7 +78,7 @@ pub(super) fn read(
     Ok(robot.structure)
 }
 
-fn file_name(source: &Source) -> String {
+pub(super) fn file_name(source: &Source) -> String {
     let name = source.path().file_name().unwrap_or_default();
     name.to_string_lossy().into_owned()
 }

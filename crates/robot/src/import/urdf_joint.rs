@@ -256,7 +256,7 @@ impl Robot<'_> {
         self.servos += 1;
         self.structure.actuators.push(Driver {
             joint: name.to_owned(),
-            servo: servo.into(),
+            servo,
             gait: None,
             follows,
         });

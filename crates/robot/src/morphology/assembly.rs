@@ -4,8 +4,10 @@
 //! x, y, z along its faces), of bodies the frame of the root body.
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
 
 use super::motor::Motor;
+use super::servo_file::{LawFile, is_unlimited, is_zero, unlimited};
 use super::shape::Shape;
 
 /// What a solid stands for.
@@ -113,19 +115,33 @@ impl Part {
 }
 
 /// Open-loop command of a servo: offset + amplitude·sin(2π·frequency·t + phase).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "gait")]
 pub struct Gait {
     /// Mean angle, radians.
+    #[serde(default)]
     pub offset_rad: f64,
     /// Amplitude, radians.
     pub amplitude_rad: f64,
     /// Frequency, Hz.
     pub frequency_hz: f64,
     /// Phase, radians.
+    #[serde(default)]
     pub phase_rad: f64,
 }
 
 impl Gait {
+    /// The gait of a servo that holds an angle.
+    pub(super) const fn hold(offset_rad: f64) -> Self {
+        Self {
+            offset_rad,
+            amplitude_rad: 0.0,
+            frequency_hz: 0.0,
+            phase_rad: 0.0,
+        }
+    }
+
     /// The commanded angle at time `t_s`, radians.
     pub fn angle_rad(&self, t_s: f64) -> f64 {
         self.offset_rad
@@ -135,7 +151,9 @@ impl Gait {
 }
 
 /// How a servo turns its angle error into motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(from = "LawFile", into = "LawFile", rename = "law")]
 pub enum ServoLaw {
     /// Velocity command `clamp(gain · error, ±max speed)`, followed within the torque limit.
     Velocity {
@@ -172,15 +190,19 @@ impl ServoLaw {
 }
 
 /// A servo: control law and limits.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "servo")]
 pub struct Servo {
     /// Control law.
     pub law: ServoLaw,
     /// Largest torque, N m.
     pub max_torque_nm: f64,
-    /// Largest commanded speed, rad/s; infinite for a servo without a speed limit.
+    /// Largest commanded speed, rad/s; without it there is no limit.
+    #[serde(default = "unlimited", skip_serializing_if = "is_unlimited")]
     pub max_speed_rad_s: f64,
     /// Age of the command that it acts on, seconds.
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub delay_s: f64,
 }
 

@@ -4,13 +4,13 @@ use nalgebra::Unit;
 use serde::{Deserialize, Serialize};
 
 use super::assembly::{Actuator, Bearing};
+use super::assembly::{Gait, Servo};
 use super::face::Face;
 use super::flaw::{Checked, Flaw};
 use super::glue::Glue;
 use super::module::Module;
 use super::module_file::{DefaultsFile, ModuleFile, Triple, required, triple, vector};
 use super::pivot::Pivot;
-use super::servo_file::{GaitFile, ServoFile};
 use super::tree::quarter_turns_flaw;
 use super::{Blueprint, Morphology, names};
 use realgap_core::file::unknown_name;
@@ -75,10 +75,10 @@ struct PivotFile {
     limits_rad: Option<(f64, f64)>,
     /// Control law and limits; without servo and gait the hinge is passive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    servo: Option<ServoFile>,
+    servo: Option<Servo>,
     /// The command that the servo follows; without it it holds 0 rad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    gait: Option<GaitFile>,
+    gait: Option<Gait>,
 }
 
 #[derive(Debug, Deserialize, Serialize)]
@@ -152,8 +152,8 @@ impl MorphologyFile {
                 actuator: match (hinge.servo, hinge.gait) {
                     (None, None) => None,
                     (servo, gait) => Some(Actuator {
-                        servo: required(servo, None, "servo", &at)?.into(),
-                        gait: gait.unwrap_or(GaitFile::HOLD).into(),
+                        servo: required(servo, None, "servo", &at)?,
+                        gait: gait.unwrap_or(Gait::hold(0.0)),
                     }),
                 },
                 name: hinge.name,
@@ -237,8 +237,8 @@ impl PivotFile {
             viscous_nm_s_rad: pivot.bearing.viscous_nm_s_rad,
             dry_nm: pivot.bearing.dry_nm,
             limits_rad: pivot.bearing.limits_rad,
-            servo: pivot.actuator.map(|actuator| actuator.servo.into()),
-            gait: pivot.actuator.map(|actuator| actuator.gait.into()),
+            servo: pivot.actuator.map(|actuator| actuator.servo),
+            gait: pivot.actuator.map(|actuator| actuator.gait),
         }
     }
 }

@@ -40,7 +40,7 @@ impl Morphology {
                 if let Some(driver) = drivers.find(|driver| driver.joint == hinge.name)
                     && let Some(gait) = gait_of(hinge.module).filter(|_| driver.follows.is_none())
                 {
-                    driver.gait = Some(gait.into());
+                    driver.gait = Some(gait);
                 }
             }
             return Self::of_bodies(structure);

@@ -1,12 +1,13 @@
 //! Modules: boxes (mostly cubes), and boxes that drive one of their faces.
 
 use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
 
 use super::assembly::{Actuator, Servo, ServoLaw};
 use super::face::Face;
 use super::flaw::{Checked, Flaw};
 use super::motor::check_motor;
-use realgap_core::Error;
+use realgap_core::{Error, range};
 
 /// One module. Lengths in metres, in the module's own frame: origin at the centre of its box, axes along the faces of
 /// the box.
@@ -49,11 +50,14 @@ pub struct Drive {
 }
 
 /// How a driven face moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "axis")]
 pub enum DriveAxis {
     /// The face spins about its own outward normal, right-handed.
     Normal {
         /// The slab on the face. Needed where no module is glued onto the face.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
         plate: Option<Plate>,
     },
     /// The face bends like a hinge, whose axis runs through the centre of the face.
@@ -64,7 +68,9 @@ pub enum DriveAxis {
 }
 
 /// A square slab on a driven face.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename = "plate")]
 pub struct Plate {
     /// Edge length, m.
     pub side_m: f64,
@@ -204,7 +210,7 @@ impl Module {
                 return Err(Flaw::new(
                     format!("{at}.centre_of_mass_m[{index}]"),
                     Error::invalid("the centre of mass must lie inside the module")
-                        .found(format!("{} m", number(*offset)))
+                        .found(format!("{} m", range::number(*offset)))
                         .allowed(format!("between {} m and {half} m", -half)),
                 ));
             }
@@ -221,7 +227,7 @@ impl Module {
                 return Err(Flaw::new(
                     format!("{at}.centre_m[{index}]"),
                     Error::invalid("a box sticks out of its module")
-                        .found(format!("it reaches {} m from the middle", number(reach_m)))
+                        .found(format!("it reaches {} m from the middle", range::number(reach_m)))
                         .allowed(format!("at most {half_m} m, half of the module's side"))
                         .hint("enlarge sides_m (or side_m): the module's faces are those of the box around all its boxes"),
                 ));
@@ -364,66 +370,20 @@ fn check_inertia(moments: [f64; 3], at: &str) -> Checked<()> {
     Ok(())
 }
 
-/// A range of a quantity; NaN and infinities are in none.
-pub(super) struct Range {
-    low: f64,
-    low_excluded: bool,
-    high: f64,
-    unit: &'static str,
-}
+/// What a quantity may be; a refusal names the place in the file.
+pub(super) struct Range(range::Range);
 
 impl Range {
     pub(super) fn within(low: f64, high: f64, unit: &'static str) -> Self {
-        Self {
-            low,
-            low_excluded: false,
-            high,
-            unit,
-        }
+        Self(range::Range::within(low, high, unit))
     }
 
     pub(super) fn above(low: f64, high: f64, unit: &'static str) -> Self {
-        Self {
-            low_excluded: true,
-            ..Self::within(low, high, unit)
-        }
+        Self(range::Range::above(low, high, unit))
     }
 
     pub(super) fn check(&self, value: f64, at: &str) -> Checked<()> {
-        let Self {
-            low, high, unit, ..
-        } = *self;
-        if value >= low && value <= high && !(self.low_excluded && value == low) {
-            return Ok(());
-        }
-        let allowed = if self.low_excluded {
-            format!(
-                "more than {} {unit}, at most {} {unit}",
-                number(low),
-                number(high)
-            )
-        } else {
-            format!("{} {unit} to {} {unit}", number(low), number(high))
-        };
-        let problem = if value.is_finite() {
-            "out of range"
-        } else {
-            "not a number that can be used"
-        };
-        Err(Flaw::new(
-            at,
-            Error::invalid(problem)
-                .found(format!("{} {unit}", number(value)))
-                .allowed(allowed),
-        ))
-    }
-}
-
-/// As people write it: 1e300 has no use for 300 digits.
-fn number(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() || (1e-4..1e7).contains(&value.abs()) {
-        format!("{value}")
-    } else {
-        format!("{value:e}")
+        let refusal = self.0.refusal(value);
+        refusal.map_or(Ok(()), |error| Err(Flaw::new(at, error)))
     }
 }

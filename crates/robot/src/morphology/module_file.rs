@@ -3,11 +3,10 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::assembly::Actuator;
+use super::assembly::{Actuator, Gait, Servo};
 use super::face::Face;
 use super::flaw::{Checked, Flaw};
-use super::module::{Drive, DriveAxis, Module, ModuleBox, Plate};
-use super::servo_file::{GaitFile, ServoFile};
+use super::module::{Drive, DriveAxis, Module, ModuleBox};
 use realgap_core::Error;
 
 /// Three numbers along x, y and z.
@@ -22,7 +21,7 @@ pub(super) struct DefaultsFile {
     /// Mass of a module without its plate, kg.
     mass_kg: Option<f64>,
     /// The servo.
-    servo: Option<ServoFile>,
+    servo: Option<Servo>,
 }
 
 #[derive(Debug, Deserialize, Serialize)]
@@ -84,13 +83,13 @@ enum KindFile {
         /// The driven face.
         face: Face,
         /// How the face moves.
-        axis: AxisFile,
+        axis: DriveAxis,
         /// Control law and limits; else those of `defaults`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        servo: Option<ServoFile>,
+        servo: Option<Servo>,
         /// The command that the servo follows; without it it holds 0 rad.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        gait: Option<GaitFile>,
+        gait: Option<Gait>,
     },
 }
 
@@ -103,35 +102,6 @@ struct BoxFile {
     /// Centre in the module's frame, metres.
     #[serde(default)]
     centre_m: Triple,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "axis")]
-enum AxisFile {
-    /// The face spins about its own outward normal, right-handed.
-    Normal {
-        /// The slab on the face; needed where no module is glued onto it.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        plate: Option<PlateFile>,
-    },
-    /// The face bends like a hinge whose axis runs through its centre.
-    Tangent {
-        /// Direction of the axis, right-handed, at right angles to the face.
-        axis: Face,
-    },
-}
-
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename = "plate")]
-struct PlateFile {
-    /// Edge length, metres.
-    side_m: f64,
-    /// Thickness, metres.
-    thickness_m: f64,
-    /// Mass, kg.
-    mass_kg: f64,
 }
 
 pub(super) fn vector((x, y, z): Triple) -> Vector3<f64> {
@@ -192,10 +162,10 @@ impl ModuleFile {
                 } => {
                     let drive = Drive {
                         face,
-                        axis: axis.into(),
+                        axis,
                         actuator: Actuator {
-                            servo: required(servo, defaults.servo, "servo", at)?.into(),
-                            gait: gait.unwrap_or(GaitFile::HOLD).into(),
+                            servo: required(servo, defaults.servo, "servo", at)?,
+                            gait: gait.unwrap_or(Gait::hold(0.0)),
                         },
                     };
                     (
@@ -267,44 +237,14 @@ impl ModuleFile {
                 inertia_kg_m2,
                 centre_of_mass_m,
                 face: drive.face,
-                axis: drive.axis.into(),
-                servo: Some(drive.actuator.servo.into()),
-                gait: Some(drive.actuator.gait.into()),
+                axis: drive.axis,
+                servo: Some(drive.actuator.servo),
+                gait: Some(drive.actuator.gait),
             },
         };
         Self {
             name: module.name.clone(),
             kind,
-        }
-    }
-}
-
-impl From<AxisFile> for DriveAxis {
-    fn from(file: AxisFile) -> Self {
-        match file {
-            AxisFile::Normal { plate } => Self::Normal {
-                plate: plate.map(|plate| Plate {
-                    side_m: plate.side_m,
-                    thickness_m: plate.thickness_m,
-                    mass_kg: plate.mass_kg,
-                }),
-            },
-            AxisFile::Tangent { axis } => Self::Tangent { axis },
-        }
-    }
-}
-
-impl From<DriveAxis> for AxisFile {
-    fn from(axis: DriveAxis) -> Self {
-        match axis {
-            DriveAxis::Normal { plate } => Self::Normal {
-                plate: plate.map(|plate| PlateFile {
-                    side_m: plate.side_m,
-                    thickness_m: plate.thickness_m,
-                    mass_kg: plate.mass_kg,
-                }),
-            },
-            DriveAxis::Tangent { axis } => Self::Tangent { axis },
         }
     }
 }

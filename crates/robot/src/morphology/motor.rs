@@ -1,8 +1,11 @@
 //! A servo as it is built: a position loop, a direct-current motor on a supply, and a gear that rubs.
 
+use serde::{Deserialize, Serialize};
+
 use super::assembly::ServoLaw;
 use super::flaw::Checked;
 use super::module::Range;
+use super::servo_file::is_zero;
 
 /// A position loop that sets the duty of a direct-current motor behind a gear. Everything is seen from the output shaft.
 ///
@@ -63,26 +66,43 @@ impl Motor {
 /// The terms are those of Duclusaud, Passault et al. ("Extended friction models for the physics simulation of servo
 /// actuators", 2024), but for the output torque, which is here what the gear itself passes on (motor minus friction), so that
 /// the budget needs no torque of the step before.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default, rename = "friction")]
 pub struct GearFriction {
     /// Coulomb friction, N m.
     pub dry_nm: f64,
     /// Viscous friction, N m s/rad.
     pub viscous_nm_s_rad: f64,
     /// Further dry friction at standstill, N m.
+    #[serde(skip_serializing_if = "is_zero")]
     pub stribeck_nm: f64,
     /// Speed at which the Stribeck parts have fallen to 1/e, rad/s.
+    #[serde(skip_serializing_if = "is_usual_speed")]
     pub stribeck_speed_rad_s: f64,
     /// How sharply they fall: 1 exponentially, 2 as a bell.
+    #[serde(skip_serializing_if = "is_usual_shape")]
     pub stribeck_shape: f64,
     /// Share of the motor's torque that is lost.
+    #[serde(skip_serializing_if = "is_zero")]
     pub motor_load: f64,
     /// Share of the output's torque that is lost, below 1.
+    #[serde(skip_serializing_if = "is_zero")]
     pub output_load: f64,
     /// Further share of both at standstill.
+    #[serde(skip_serializing_if = "is_zero")]
     pub stribeck_load: f64,
     /// Loss that grows with the square of the motor's torque, 1/(N m).
+    #[serde(skip_serializing_if = "is_zero")]
     pub quadratic_1_nm: f64,
+}
+
+fn is_usual_speed(value: &f64) -> bool {
+    *value == GearFriction::default().stribeck_speed_rad_s
+}
+
+fn is_usual_shape(value: &f64) -> bool {
+    *value == GearFriction::default().stribeck_shape
 }
 
 impl Default for GearFriction {

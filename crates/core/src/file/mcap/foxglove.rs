@@ -1,5 +1,6 @@
 //! Messages that Foxglove knows, as JSON with their schemas.
 
+use serde::Serialize;
 use serde_json::{Value, json};
 
 /// A topic that a file has, by the kind of its messages.
@@ -14,8 +15,20 @@ pub enum Topic {
 }
 
 /// A time as messages have it.
-pub fn stamp(time_ns: u64) -> Value {
-    json!({ "sec": time_ns / 1_000_000_000, "nsec": time_ns % 1_000_000_000 })
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Stamp {
+    /// Whole seconds.
+    pub sec: u64,
+    /// The rest, nanoseconds.
+    pub nsec: u64,
+}
+
+/// A time as messages have it.
+pub fn stamp(time_ns: u64) -> Stamp {
+    Stamp {
+        sec: time_ns / 1_000_000_000,
+        nsec: time_ns % 1_000_000_000,
+    }
 }
 
 /// The schema of an object with these numbers.

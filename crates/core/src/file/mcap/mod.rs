@@ -6,7 +6,7 @@ mod foxglove;
 mod read;
 mod write;
 
-pub use foxglove::{Topic, stamp};
+pub use foxglove::{Stamp, Topic, stamp};
 pub use read::read_mcap;
 pub use write::McapWriter;
 

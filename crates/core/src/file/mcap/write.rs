@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::io::Write as _;
 
+use serde::Serialize;
+
 use super::foxglove::Topic;
 use super::{MAGIC, opcode};
 
@@ -131,7 +133,7 @@ impl McapWriter {
     }
 
     /// Adds a message of the topic at this place of the list.
-    pub fn message(&mut self, topic: usize, time_ns: u64, message: &serde_json::Value) {
+    pub fn message(&mut self, topic: usize, time_ns: u64, message: &impl Serialize) {
         let id = Self::id(topic);
         let count = self.counts.entry(id).or_default();
         let sequence = *count as u32;
@@ -143,7 +145,8 @@ impl McapWriter {
             .u32(sequence)
             .u64(time_ns)
             .u64(time_ns)
-            .raw(message.to_string().as_bytes());
+            // Names and numbers can always be written.
+            .raw(&serde_json::to_vec(message).unwrap_or_default());
         push(&mut self.chunk, opcode::MESSAGE, &content);
         if self.chunk.len() >= CHUNK_BYTES {
             self.close_chunk();

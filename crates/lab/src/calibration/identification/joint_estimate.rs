@@ -123,25 +123,16 @@ pub fn identify_joints(
     };
     let odd = leave_out_odd(experiment, &mut flights)?;
     let first = solve(experiment, &priors, &all, &flights, seed)?.ok_or_else(nothing)?;
-    let is_determined: Vec<bool> = first.left.iter().map(|left| *left < DETERMINED).collect();
-    let known: Vec<usize> = all
-        .iter()
-        .copied()
-        .filter(|index| is_determined[*index])
-        .collect();
+    let mut known = all.clone();
+    known.retain(|index| first.left[*index] < DETERMINED);
     let last = solve(experiment, &priors, &known, &flights, seed)?.ok_or_else(nothing)?;
     let mut verdicts = Vec::new();
     let mut parameters = BTreeMap::new();
     for (index, prior) in priors.iter().enumerate() {
         let place = known.iter().position(|k| *k == index);
-        let estimate = place.map_or(
-            Interval {
-                value: prior.stated,
-                low: prior.stated,
-                high: prior.stated,
-            },
-            |place| last.estimates[place],
-        );
+        let [value, low, high] = [prior.stated; 3];
+        let as_stated = Interval { value, low, high };
+        let estimate = place.map_or(as_stated, |place| last.estimates[place]);
         if place.is_some() {
             parameters.insert(prior.parameter.name.to_owned(), estimate.value);
         }
@@ -419,13 +410,8 @@ fn errors(experiment: &Experiment, flights: &[Flight<'_>], share: f64) -> Result
         ) else {
             continue;
         };
-        let Some(found) = fit(&model.linkage, model.gravity_m_s2, &part, None) else {
-            continue;
-        };
-        let Some(end) = ahead(&model, &whole, &found) else {
-            continue;
-        };
-        last.push(end);
+        let found = fit(&model.linkage, model.gravity_m_s2, &part, None);
+        last.extend(found.and_then(|found| ahead(&model, &whole, &found)));
     }
     let of = |value: fn(&Left) -> f64| median(&last.iter().map(value).collect::<Vec<_>>());
     if last.is_empty() {
@@ -453,11 +439,8 @@ fn ahead(model: &Model, whole: &Samples, found: &JointFit) -> Option<Left> {
 }
 
 fn rms(fits: &[Option<JointFit>]) -> f64 {
-    let squares: Vec<f64> = fits
-        .iter()
-        .flatten()
-        .map(|fit| fit.residual_m().powi(2))
-        .collect();
+    let found = fits.iter().flatten();
+    let squares: Vec<f64> = found.map(|fit| fit.residual_m().powi(2)).collect();
     mean(&squares).sqrt()
 }
 

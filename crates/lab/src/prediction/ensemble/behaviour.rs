@@ -1,7 +1,7 @@
 //! Behaviours: groups of repeats that do the same.
 
 use kodama::{Method, linkage};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::distance::rms_m;
 use super::run::{Ensemble, Motion};
@@ -25,7 +25,7 @@ const IN_PLACE_PATHS: f64 = 0.1;
 const IN_PLACE_TURN_RAD: f64 = std::f64::consts::FRAC_PI_4;
 
 /// What a behaviour is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -49,7 +49,7 @@ impl Kind {
 }
 
 /// A group of repeats that do the same.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Behaviour {
     /// Name, numbered where several are of one kind.
@@ -70,7 +70,7 @@ pub struct Behaviour {
 }
 
 /// The behaviours of an ensemble, the prediction first, then the most likely first.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Behaviours {
     /// Distance at which two behaviours are two, metres.

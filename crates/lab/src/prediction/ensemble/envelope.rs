@@ -1,6 +1,6 @@
 //! Where the robot is, in the prepared frame: central regions of the repeats, at each time and for whole paths.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use realgap_core::error::{Error, Result};
 use realgap_path::trajectory::{POINTS, Prepared};
@@ -31,7 +31,7 @@ fn scored(paths: usize) -> usize {
 /// the n repeats' own: as in conformal prediction (Vovk et al. 2005), it covers a new draw of the same
 /// distribution with about probability p whatever that distribution is. The shape is only a shape: for
 /// two separate groups of paths the ellipse includes what lies between them.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Region {
     /// Mean position, prepared frame, metres.
@@ -117,7 +117,7 @@ impl Region {
 
 /// Central regions over time, one a prepared point: each holds its share at its own time ([`Envelope::new`]), or all together
 /// hold it for whole paths ([`Envelope::of_whole_paths`]).
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Envelope {
     /// Times, seconds from the start.

@@ -1,6 +1,6 @@
 //! Mean, spread and quantiles of one number over the repeats.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use realgap_core::statistics::{mean, quantile, standard_deviation};
 
@@ -8,7 +8,7 @@ use realgap_core::statistics::{mean, quantile, standard_deviation};
 pub const QUANTILES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
 /// How one number is spread over the repeats, in its own unit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Quantiles {
     /// Mean.

@@ -1,7 +1,7 @@
 //! An ensemble held against recorded paths: do its confidences keep what they promise?
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::distance::rms_m;
 use super::envelope::LEVELS;
@@ -16,7 +16,7 @@ use realgap_path::trajectory::Prepared;
 const INTERVAL: f64 = 0.95;
 
 /// One recorded run against the ensemble.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RealRun {
     /// Name of the recording.
@@ -39,7 +39,7 @@ pub struct RealRun {
 }
 
 /// How often reality lies in a central region that should hold it with probability `level`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Coverage {
     /// What the region promises.
@@ -55,7 +55,7 @@ pub struct Coverage {
 }
 
 /// An ensemble against recorded runs.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reality {
     /// Coverage at each of [`LEVELS`].

@@ -1,6 +1,6 @@
 //! Simulation confidence over time.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::over_time::times_s;
 use super::sample::{CaseRuns, Sample};
@@ -20,7 +20,7 @@ const INTERVAL: f64 = 0.95;
 /// repeats of the simulated ensemble.
 ///
 /// An ensemble that tells the truth has C(t) near 0.9 at all times; one that is off, or too sure of itself, drops.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Confidence {
     /// What the region promises.

@@ -1,7 +1,7 @@
 //! The gap, simulation against reality, and the gap ratio.
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::estimate::Estimate;
 use super::floor::{self, NoiseFloor, Pairs};
@@ -13,7 +13,7 @@ use realgap_core::unit::Unit;
 use realgap_core::warning::{Code, Warning};
 
 /// A gap and how many noise floors it is.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GapAndRatio {
     /// Mean distance over the recordings.

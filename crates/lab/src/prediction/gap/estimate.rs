@@ -1,6 +1,6 @@
 //! A number with its interval over recordings.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use realgap_core::statistics::{Degree, jackknife_interval};
 
@@ -9,7 +9,7 @@ pub const INTERVAL_LEVEL: f64 = 0.95;
 
 /// A number with its 95 % interval over recordings: Student's t with the jackknife of its logarithm
 /// ([`jackknife_interval`]), how often it holds: docs/fidelity/gap.md.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Estimate {
     /// The number.

@@ -1,13 +1,13 @@
 //! Fitness, as the papers measure it: how far the robot gets, in reality and in the simulated repeats.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::sample::{CaseRuns, Sample};
 use realgap_core::error::Result;
 use realgap_core::statistics::{SampleTest, kolmogorov_smirnov, mann_whitney, mean};
 
 /// Net displacements of the recordings against those of the repeats under noise.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fitness {
     /// Mean of the recordings, metres.

@@ -1,6 +1,6 @@
 //! Errors over time, in the prepared frame.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::sample::{CaseRuns, Sample};
 use realgap_path::trajectory::{POINTS, Prepared};
@@ -13,7 +13,7 @@ type Predicted<'a> = dyn Fn(&CaseRuns, usize, usize) -> Option<[f64; 2]> + 'a;
 ///
 /// The distance is in the plane and the mean over the recordings. All paths are in the prepared frame, so that nothing but the
 /// shape of the path over time counts.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OverTime {
     /// Times, seconds from the start; the mean recording's where they differ in length.

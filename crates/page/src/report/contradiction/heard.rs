@@ -2,9 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use serde_json::Value;
-
-use crate::report::value::*;
+use realgap_lab::claim::Claim;
 
 /// A report in every place that shows it.
 pub(super) struct Told {
@@ -17,7 +15,7 @@ pub(super) struct Told {
     pub page: String,
     /// In the file of the best values.
     pub more: String,
-    pub json: Value,
+    pub claims: Vec<Claim>,
 }
 
 impl Told {
@@ -34,8 +32,8 @@ impl Told {
     /// A page's first sentences are claims, and nothing else.
     pub fn only_claims(&self, contradictions: &mut Vec<String>) {
         let mut rest = self.answer.clone();
-        for claim in self.json.list("claims") {
-            rest = rest.replacen(claim.text("text"), "", 1);
+        for claim in &self.claims {
+            rest = rest.replacen(&claim.text, "", 1);
         }
         let left = rest.trim_matches([' ', '.']);
         if !left.is_empty() {
@@ -130,9 +128,9 @@ pub(super) struct Span {
 
 impl Span {
     /// Whether it is this interval, as far as its digits go.
-    pub fn is(&self, part: &[f64]) -> bool {
+    pub fn is(&self, (low, high): (f64, f64)) -> bool {
         let near = |said: f64, is: f64| (said - is).abs() <= 1.001 * self.rounding;
-        part.len() == 2 && near(self.low, part[0]) && near(self.high, part[1])
+        near(self.low, low) && near(self.high, high)
     }
 }
 

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use realgap_core::error::Result;
 use realgap_core::warning::{Code, Warning};
@@ -11,7 +12,7 @@ use realgap_lab::search::{Baseline, Finalist, Search, SearchResults};
 use realgap_optimize::Ending;
 
 /// One of the best robots, in short.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BestRobot {
     /// Ranks begin at 1, and survivors come first.
@@ -46,21 +47,21 @@ pub struct BestRobot {
     /// Largest change under these, as a share; `None` where it failed.
     pub largest_change: Option<f64>,
     /// The settings of the rerun that failed or changed most.
-    pub worst_rerun: Option<&'static str>,
+    pub worst_rerun: Option<String>,
 }
 
 /// A whole search in short: `summary.json`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SearchSummary {
     /// Name of the search.
     pub search: String,
     /// Name of the strategy.
-    pub strategy: &'static str,
+    pub strategy: String,
     /// What was made large.
     pub objective: String,
     /// Unit of fitness.
-    pub unit: &'static str,
+    pub unit: String,
     /// Whether all robots were simulated.
     pub complete: bool,
     /// Robots simulated.
@@ -74,7 +75,7 @@ pub struct SearchSummary {
     /// Seed of everything random.
     pub seed: u64,
     /// Robots without fitness, by reason.
-    pub failures: BTreeMap<&'static str, usize>,
+    pub failures: BTreeMap<String, usize>,
     /// Best fitness in the search.
     pub best_fitness: Option<f64>,
     /// Cells of the archive that hold a robot, and all cells.
@@ -86,9 +87,15 @@ pub struct SearchSummary {
     /// Engines with their versions: that which judges the finalists, and that which explores.
     pub engine: String,
     /// Version of this crate.
-    pub version: &'static str,
+    pub version: String,
     /// What the reader should know.
+    // A page takes the warnings of all parts at once, those of other versions included.
+    #[serde(deserialize_with = "unread")]
     pub warnings: Vec<Warning>,
+}
+
+fn unread<'de, D: Deserializer<'de>>(d: D) -> std::result::Result<Vec<Warning>, D::Error> {
+    IgnoredAny::deserialize(d).map(|_| Vec::new())
 }
 
 impl BestRobot {
@@ -117,7 +124,7 @@ impl BestRobot {
             joules_per_metre: finals.economy.map(|economy| economy.joules_per_metre),
             cost_of_transport: finals.economy.map(|economy| economy.cost_of_transport),
             survives: finals.survives,
-            worst_rerun: worst.map(|rerun| rerun.settings),
+            worst_rerun: worst.map(|rerun| rerun.settings.to_owned()),
             largest_change: changes
                 .map(|all| all.iter().fold(0.0, |most: f64, c| most.max(c.abs()))),
         }
@@ -134,14 +141,16 @@ impl SearchSummary {
         let strategy = search.strategy();
         let mut failures = BTreeMap::new();
         for failure in results.robots.iter().filter_map(|r| r.failure()) {
-            *failures.entry(failure.reason.code()).or_insert(0) += 1;
+            *failures
+                .entry(failure.reason.code().to_owned())
+                .or_insert(0) += 1;
         }
         let archive = strategy.archive(&results.history())?;
         Ok(Self {
             search: search.name().to_owned(),
-            strategy: strategy.name(),
+            strategy: strategy.name().to_owned(),
             objective: search.objective().label(),
-            unit: search.objective().measure.unit().label(),
+            unit: search.objective().measure.unit().label().to_owned(),
             complete: results.ending == Ending::Complete,
             robots: results.robots.len(),
             robots_total: strategy.budget(),
@@ -159,7 +168,7 @@ impl SearchSummary {
             baseline: baseline.cloned(),
             best,
             engine: search.engines(),
-            version: env!("CARGO_PKG_VERSION"),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
         })
     }
 }

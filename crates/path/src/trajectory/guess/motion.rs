@@ -14,6 +14,19 @@ pub(super) enum Up {
     Other,
 }
 
+impl Up {
+    /// Up along this axis of the file, or against it.
+    fn along(axis: usize, is_positive: bool) -> Self {
+        match (axis, is_positive) {
+            (2, true) => Self::Z,
+            (2, false) => Self::MinusZ,
+            (1, true) => Self::Y,
+            (1, false) => Self::MinusY,
+            _ => Self::Other,
+        }
+    }
+}
+
 /// A free fall.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fall {
@@ -74,16 +87,9 @@ pub(super) fn free_fall(trajectory: &Trajectory) -> Option<Fall> {
         (is_alike && along > ALONG && mean.norm() > LEAST_M_S2 && is_gravity).then_some(mean)
     })?;
     let axis = run.iamax();
-    let up = match (axis, run[axis] < 0.0) {
-        (2, true) => Up::Z,
-        (2, false) => Up::MinusZ,
-        (1, true) => Up::Y,
-        (1, false) => Up::MinusY,
-        _ => Up::Other,
-    };
     Some(Fall {
         size_m_s2: run.norm(),
-        up,
+        up: Up::along(axis, run[axis] < 0.0),
     })
 }
 
@@ -119,14 +125,7 @@ pub(super) fn above_floor(trajectory: &Trajectory, body_m: f64) -> Option<(Up, f
         _ => return None,
     };
     let level_m = levels[axis].0;
-    let up = match (axis, level_m > 0.0) {
-        (2, true) => Up::Z,
-        (2, false) => Up::MinusZ,
-        (1, true) => Up::Y,
-        (1, false) => Up::MinusY,
-        _ => Up::Other,
-    };
-    Some((up, level_m))
+    Some((Up::along(axis, level_m > 0.0), level_m))
 }
 
 /// Whether it goes along z as far as along another axis, or nearly: no floor is there.

@@ -9,7 +9,6 @@ use super::super::assembly::{
 };
 use super::super::flaw::{Checked, Flaw};
 use super::super::module::{check_actuator, check_name};
-use super::super::servo_file::GaitFile;
 use super::super::shape::Shape;
 use super::check::{SINGULAR, check_body, check_joint, check_pose};
 use super::tree::{Tree, by_name, look_up};
@@ -260,8 +259,8 @@ impl Workshop<'_> {
             let limits = self.hinges[hinge].bearing.limits_rad;
             let rest_rad = limits.map_or(0.0, |(low, high)| 0.0_f64.clamp(low, high));
             let actuator = Actuator {
-                servo: driver.servo.into(),
-                gait: driver.gait.unwrap_or(GaitFile::hold(rest_rad)).into(),
+                servo: driver.servo,
+                gait: driver.gait.unwrap_or(Gait::hold(rest_rad)),
             };
             check_actuator(&actuator, &at)?;
             driven.push((hinge, actuator));

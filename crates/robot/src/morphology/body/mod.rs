@@ -41,8 +41,9 @@ use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vec
 use serde::{Deserialize, Serialize};
 
 use super::assembly::{Assembly, Solid};
+use super::assembly::{Gait, Servo};
 use super::module::Module;
-use super::servo_file::{GaitFile, ServoFile};
+use super::servo_file::is_zero;
 use realgap_core::file::Source;
 
 pub(crate) use assemble::MAX_BODIES;
@@ -53,7 +54,7 @@ pub use mass::{UniformMass, uniform};
 pub type Triple = (f64, f64, f64);
 
 /// A robot of bodies, as its file states it.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "robot")]
 pub struct Structure {
@@ -298,10 +299,10 @@ pub struct Driver {
     /// The joint.
     pub joint: String,
     /// Control law and limits.
-    pub servo: ServoFile,
+    pub servo: Servo,
     /// The command that it follows; without it it holds 0, or the nearest that the joint's limits allow.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gait: Option<GaitFile>,
+    pub gait: Option<Gait>,
     /// Another driven joint whose command it copies, in place of a gait.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub follows: Option<Follow>,
@@ -337,10 +338,6 @@ pub struct Frame {
 
 // serde hands fields over by reference.
 #[allow(clippy::trivially_copy_pass_by_ref)]
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
-}
-
 fn is_origin(at_m: &Triple) -> bool {
     *at_m == (0.0, 0.0, 0.0)
 }
