@@ -106,27 +106,8 @@ pub(super) fn draft(
         .iter()
         .flat_map(|hinge| ranges(hinge, is_told(hinge), &subject.robot))
         .collect();
-    let times_s = motion.times_s();
-    let sample_s = motion.duration_s() / (times_s.len() - 1) as f64;
-    let timestep_s = floored((sample_s / STEPS).min(LONGEST_STEP_S));
-    let mut before =
-        "    start: FromRecording, // each run starts with the joints as they were seen first\n"
-            .to_owned();
-    if let Some(column) = only {
-        before += &format!(
-            "    commands: Commands(columns: [(hinge: {:?}, column: {column:?})]), // each held until the next\n",
-            recorded[0].name
-        );
-    } else if recorded.iter().any(|hinge| is_told(hinge)) {
-        before +=
-            "    commands: Commands(), // columns NAME_command_rad, each held until the next\n";
-    }
-    if !left_out.is_empty() {
-        before += &format!("    left_out: {left_out:?},\n");
-    }
-    before += &format!(
-        "    timestep_s: {timestep_s:?}, // at least {STEPS} steps a sample\n    set: {{\"solver.engine\": 1}}, // the tree solver: joints in a fraction of Rapier's time\n"
-    );
+    let is_any_told = recorded.iter().any(|hinge| is_told(hinge));
+    let commands = only.map(|column| (recorded[0].name.as_str(), column));
     let budget = RUNS * (parameters.len() + RUNS);
     let tune = format!("tune STUDY --optimizer gauss-newton --budget {budget}");
     Ok(Draft {
@@ -138,7 +119,7 @@ pub(super) fn draft(
 //   realgap study identify STUDY     which of them do these motions tell of?
 "
         ),
-        before,
+        before: before(motion, commands, is_any_told, &left_out),
         parameters: parameters
             .iter()
             .map(|(name, from, to)| {
@@ -149,6 +130,35 @@ pub(super) fn draft(
         clues,
         next: format!("{tune}    # {}", counted(parameters.len(), "parameter")),
     })
+}
+
+/// The fields before the parameters; `commands` is the servo and the only column of goals, where that is not called after it.
+fn before(
+    motion: &Trajectory,
+    commands: Option<(&str, &str)>,
+    is_any_told: bool,
+    left_out: &[&str],
+) -> String {
+    let sample_s = motion.duration_s() / (motion.times_s().len() - 1) as f64;
+    let timestep_s = floored((sample_s / STEPS).min(LONGEST_STEP_S));
+    let mut before =
+        "    start: FromRecording, // each run starts with the joints as they were seen first\n"
+            .to_owned();
+    if let Some((hinge, column)) = commands {
+        before += &format!(
+            "    commands: Commands(columns: [(hinge: {hinge:?}, column: {column:?})]), // each held until the next\n"
+        );
+    } else if is_any_told {
+        before +=
+            "    commands: Commands(), // columns NAME_command_rad, each held until the next\n";
+    }
+    if !left_out.is_empty() {
+        before += &format!("    left_out: {left_out:?},\n");
+    }
+    before += &format!(
+        "    timestep_s: {timestep_s:?}, // at least {STEPS} steps a sample\n    set: {{\"solver.engine\": 1}}, // the tree solver: joints in a fraction of Rapier's time\n"
+    );
+    before
 }
 
 /// Reads the robot again with its root held, and its assumed servos as springs: those of arms give way under load.

@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, V
 use serde::{Deserialize, Serialize};
 
 use super::motor::Motor;
-use super::servo_file::{LawFile, is_unlimited, is_zero, unlimited};
+use super::servo_file::{LawFile, is_unlimited, is_zero, limit, unlimited};
 use super::shape::Shape;
 
 /// What a solid stands for.
@@ -199,7 +199,11 @@ pub struct Servo {
     /// Largest torque, N m.
     pub max_torque_nm: f64,
     /// Largest commanded speed, rad/s; without it there is no limit.
-    #[serde(default = "unlimited", skip_serializing_if = "is_unlimited")]
+    #[serde(
+        default = "unlimited",
+        deserialize_with = "limit",
+        skip_serializing_if = "is_unlimited"
+    )]
     pub max_speed_rad_s: f64,
     /// Age of the command that it acts on, seconds.
     #[serde(default, skip_serializing_if = "is_zero")]

@@ -1,6 +1,6 @@
 //! The RON form of servos: how their laws are written, and what is left out.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::assembly::ServoLaw;
 use super::motor::{GearFriction, Motor};
@@ -41,7 +41,11 @@ pub(super) enum LawFile {
         #[serde(default)]
         armature_kg_m2: f64,
         /// Largest change of the duty per second, 1/s; without it the duty may jump.
-        #[serde(default = "unlimited", skip_serializing_if = "is_unlimited")]
+        #[serde(
+            default = "unlimited",
+            deserialize_with = "limit",
+            skip_serializing_if = "is_unlimited"
+        )]
         slew_1_s: f64,
         /// What the gear takes.
         #[serde(default)]
@@ -118,6 +122,11 @@ impl From<ServoLaw> for LawFile {
 /// What has no limit is left out of files.
 pub(super) fn unlimited() -> f64 {
     f64::INFINITY
+}
+
+/// A limit, or `None` in so many words.
+pub(super) fn limit<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or_else(unlimited))
 }
 
 pub(super) fn is_unlimited(value: &f64) -> bool {
