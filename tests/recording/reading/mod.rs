@@ -4,6 +4,7 @@
 
 use crate::common;
 mod doubt;
+mod lean;
 mod mapping;
 mod real;
 mod time;

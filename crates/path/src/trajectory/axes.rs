@@ -44,26 +44,38 @@ impl Axes {
 }
 
 fn turned(there: &Trajectory, turn: Matrix3<f64>) -> Result<Trajectory> {
+    // Every entry is 0 or ±1: no bit of a number is lost. The body's axes turn with those of the world.
+    let turn = Rotation3::from_matrix_unchecked(turn);
+    moved(there, ("axes", turn), Vector3::zeros(), turn)
+}
+
+/// The same motion, turned about `centre_m` as a field says, of a body whose own axes turn by `own`.
+pub(super) fn moved(
+    there: &Trajectory,
+    (field, turn): (&str, Rotation3<f64>),
+    centre_m: Vector3<f64>,
+    own: Rotation3<f64>,
+) -> Result<Trajectory> {
     if there.is_planar() {
-        return Err(
-            Error::invalid("axes that are turned need all three coordinates")
-                .field("axes")
-                .found("a recording without z"),
-        );
+        return Err(Error::invalid("what is turned needs all three coordinates")
+            .field(field)
+            .found("a recording without z"));
     }
-    // Every entry is 0 or ±1: no bit of a number is lost.
     let all = |v: &[Vector3<f64>]| v.iter().map(|v| turn * v).collect::<Vec<_>>();
-    let turn_q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(turn));
-    let mut world = Trajectory::new(there.times_s().to_vec(), all(there.positions_world_m()))?;
+    let [turn_q, own_q] = [turn, own].map(|turn| UnitQuaternion::from_rotation_matrix(&turn));
+    let positions = there.positions_world_m().iter();
+    let positions = positions.map(|p| centre_m + turn * (p - centre_m));
+    let mut world = Trajectory::new(there.times_s().to_vec(), positions.collect())?;
     if let Some(orientations) = there.orientations_world_from_body() {
-        let orientations = orientations.iter().map(|q| turn_q * q * turn_q.inverse());
+        let orientations = orientations.iter().map(|q| turn_q * q * own_q.inverse());
         world = world.with_orientations(orientations.collect())?;
     }
     if let (Some(linear), Some(angular)) = (
         there.velocities_world_m_s(),
         there.angular_velocities_body_rad_s(),
     ) {
-        world = world.with_velocities(all(linear), all(angular))?;
+        let angular = angular.iter().map(|v| own * v);
+        world = world.with_velocities(all(linear), angular.collect())?;
     }
     world.with_joints(there.joints().to_vec())
 }

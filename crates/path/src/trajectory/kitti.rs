@@ -94,6 +94,7 @@ impl Format for Kitti {
             crop: reading.crop,
             skip_lost: reading.skip_lost,
             axes: reading.axes,
+            floor_leans: reading.floor_leans,
             ..Reading::default()
         }
     }

@@ -17,6 +17,7 @@ mod guess;
 mod header;
 mod joint_column;
 mod kitti;
+mod lean;
 mod log;
 mod meta;
 mod prepare;

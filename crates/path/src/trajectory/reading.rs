@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::axes::Axes;
 use super::column::{Columns, Measure, Role};
+use super::lean;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::{Source, parse_ron};
 use realgap_core::unit::{AngleUnit, LengthUnit, TimeUnit};
@@ -182,6 +183,10 @@ pub struct Reading {
     /// Which way the axes of poses point.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axes: Option<Axes>,
+    /// How far the floor's normal leans along the recorded x and y, as shares of that along z; recordings are turned about their
+    /// last sample until it is z.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub floor_leans: Option<(f64, f64)>,
 }
 
 impl From<LengthUnit> for Reading {
@@ -229,6 +234,13 @@ impl Reading {
                 .allowed("from_s of 0 or more, to_s after it");
             return Some(("crop", error));
         }
+        if let Some((x, y)) = self.floor_leans.filter(|&leans| !lean::is_sound(leans)) {
+            let error = Error::invalid("no floor leans so far");
+            let error = error
+                .found(format!("({x}, {y})"))
+                .allowed("two numbers from -1 to 1; axes that point another way are `axes`");
+            return Some(("floor_leans", error));
+        }
         let is_rate = |rate_hz: &f64| (1e-6..=1e9).contains(rate_hz);
         self.rate_hz
             .filter(|rate_hz| !is_rate(rate_hz))
@@ -259,6 +271,7 @@ impl Reading {
             topic: self.topic.or_else(|| other.topic.clone()),
             child_frame: self.child_frame.or_else(|| other.child_frame.clone()),
             axes: self.axes.or(other.axes),
+            floor_leans: self.floor_leans.or(other.floor_leans),
         }
     }
 
@@ -337,6 +350,8 @@ impl fmt::Display for Reading {
         let frame = self.child_frame.iter();
         said.extend(frame.map(|frame| format!("transforms of {frame}")));
         said.extend(self.axes.map(|axes| axes.to_string()));
+        let leans = self.floor_leans;
+        said.extend(leans.map(|(x, y)| format!("a floor that leans by ({x}, {y})")));
         said.extend(self.crop.map(|crop| crop.to_string()));
         f.write_str(&said.join("; "))
     }

@@ -13,6 +13,7 @@ use super::csv::{self, Csv};
 use super::euroc::Euroc;
 use super::format::{Format, Parsed};
 use super::kitti::Kitti;
+use super::lean;
 use super::log::{Mcap, Rosbag};
 use super::meta::read_meta_beside;
 use super::text::{MAX_FILE_BYTES, check_size};
@@ -247,6 +248,16 @@ impl<'a> File<'a> {
         if names.is_empty() {
             return self.recording(self.stem(), parse(&self.text, &self.reading)?);
         }
+        if self.reading.floor_leans.is_some() {
+            // Each body would be turned about its own end.
+            return Err(
+                Error::invalid("recordings of several bodies are not levelled")
+                    .at_file(self.path)
+                    .field("floor_leans")
+                    .found(format!("columns of {}", names.join(", ")))
+                    .allowed("recordings of one body"),
+            );
+        }
         // Where only bodies with names have columns, the first of them is the tracked one, unless somebody says which is.
         let all = names.clone();
         let is_said = !self.reading.columns.is_empty() || body_column::has_plain(&columns);
@@ -301,8 +312,11 @@ impl<'a> File<'a> {
         if let Some(crop) = self.reading.crop {
             trajectory = cropped(&trajectory, crop).map_err(|e| e.at_file(self.path))?;
         }
-        match self.reading.axes {
-            Some(axes) => (axes.to_world(trajectory)).map_err(|e| e.at_file(self.path)),
+        if let Some(axes) = self.reading.axes {
+            trajectory = (axes.to_world(trajectory)).map_err(|e| e.at_file(self.path))?;
+        }
+        match self.reading.floor_leans {
+            Some(leans) => lean::levelled(&trajectory, leans).map_err(|e| e.at_file(self.path)),
             None => Ok(trajectory),
         }
     }

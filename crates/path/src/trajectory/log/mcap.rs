@@ -38,6 +38,7 @@ pub(super) fn applied(reading: &Reading) -> Reading {
         sort: reading.sort,
         skip_lost: reading.skip_lost,
         axes: reading.axes,
+        floor_leans: reading.floor_leans,
         ..Reading::default()
     }
 }
