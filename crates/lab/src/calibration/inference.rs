@@ -23,6 +23,8 @@ const BEYOND: f64 = 1.0;
 /// How often places are spread anew over what is not implausible, and by how much more than it.
 const NARROWINGS: usize = 6;
 const MARGIN: f64 = 0.25;
+/// Of standardised scores.
+const ROUNDING: f64 = 1e-6;
 /// One in so many places has to be possible for them to be enough.
 const ENOUGH: usize = 4;
 /// Realities drawn.
@@ -87,7 +89,8 @@ impl Inference {
             let expected = || near.iter().map(|place| field.means[*place]);
             let lowest = expected().fold(f64::INFINITY, f64::min);
             let highest = expected().fold(f64::NEG_INFINITY, f64::max);
-            let level = highest + MARGIN * (highest - lowest);
+            // Where it expects the same everywhere, rounding must not part one place from the others.
+            let level = highest + MARGIN * (highest - lowest) + ROUNDING;
             let near: Vec<&Vec<f64>> = near.iter().map(|place| &all[*place]).collect();
             parts = sieve.around(&near, &parts, few);
             let last = narrowing + 1 == NARROWINGS || near.len() * ENOUGH > all.len();

@@ -280,6 +280,41 @@ fn intervals_hold_and_what_does_nothing_stays_open() {
     assert!(open >= 75.0, "{open}");
 }
 
+/// Scores that are noise alone: the emulator is then often flat to rounding, and no place may be kept before others.
+#[test]
+fn where_no_parameter_does_anything_all_values_stay_open() {
+    let grid = grid(7);
+    for seed in 0..20 {
+        let mut rng = Generator::seed_from_u64(seed);
+        let runs: Vec<ScoredRun> = (0..grid.len())
+            .map(|index| ScoredRun {
+                at: grid.place_of(&grid.values(index)),
+                setting: Setting::new(index % SETTINGS),
+                engine: 0.0,
+                recordings: (0..3).map(|_| 1.0 + 0.1 * normal(&mut rng)).collect(),
+                might_be: Vec::new(),
+            })
+            .collect();
+        let emulator = Emulator::new(&runs).unwrap().unwrap();
+        let doubt = Doubt {
+            recordings: 3,
+            discrepancy: 0.0,
+        };
+        let inference = Inference::new(&emulator, &grid, &[], doubt, 200, seed);
+        let draws = inference.draws(&grid, seed);
+        let flat = !emulator.active().contains(&true);
+        for axis in 0..2 {
+            let parts = draws.intervals(axis, INTERVAL_LEVEL);
+            let width: f64 = parts.iter().map(|(low, high)| high - low).sum();
+            let least = if flat { 0.85 } else { 0.3 };
+            assert!(
+                width > least,
+                "seed {seed}, axis {axis}, flat {flat}: {parts:?}"
+            );
+        }
+    }
+}
+
 #[test]
 #[ignore = "minutes: the table"]
 fn the_table_of_worlds() {
