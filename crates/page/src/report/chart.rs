@@ -13,7 +13,7 @@ use crate::plot::Scale;
 const WIDTH: f64 = 440.0;
 const HEIGHT: f64 = 250.0;
 /// Least room at the sides; wider numbers get more.
-const LEFT: f64 = 52.0;
+const LEFT: f64 = 58.0;
 const RIGHT: f64 = 12.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 44.0;
