@@ -13,7 +13,7 @@ use crate::plot::Scale;
 const WIDTH: f64 = 440.0;
 const HEIGHT: f64 = 250.0;
 /// Least room at the sides; wider numbers get more.
-const LEFT: f64 = 58.0;
+const LEFT: f64 = 52.0;
 const RIGHT: f64 = 12.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 44.0;
@@ -343,7 +343,10 @@ fn short(name: &str, room: f64) -> String {
 /// Round numbers within the range, and how they are written.
 fn ticks([low, high]: [f64; 2]) -> Vec<(f64, String)> {
     let ticks = Scale::linear(low, high).ticks(5).into_iter();
-    ticks.map(|tick| (tick.value, tick.label)).collect()
+    // A hyphen is what screens read as a minus everywhere.
+    ticks
+        .map(|tick| (tick.value, tick.label.replace('−', "-")))
+        .collect()
 }
 
 #[cfg(test)]
@@ -355,7 +358,7 @@ mod tests {
         let (values, _): (Vec<f64>, Vec<String>) = ticks([0.0, 10.0]).into_iter().unzip();
         assert_eq!(values, [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
         let (_, texts): (Vec<f64>, Vec<String>) = ticks([-0.03, 0.07]).into_iter().unzip();
-        assert_eq!(texts, ["−0.02", "0.00", "0.02", "0.04", "0.06"]);
+        assert_eq!(texts, ["-0.02", "0.00", "0.02", "0.04", "0.06"]);
     }
 
     #[test]

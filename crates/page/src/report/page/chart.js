@@ -76,7 +76,7 @@ realgap.redraw = (svg, { lines, bands = [], map = false, fromZero = false }) => 
     const rough = (b - a) / 5, power = 10 ** Math.floor(Math.log10(rough));
     const step = [1, 2, 5, 10].map(f => f * power).find(s => s >= rough * 0.999) || power;
     const places = Math.min(Math.max(-Math.floor(Math.log10(step)), 0), 9), all = [];
-    for (let k = Math.ceil(a / step - 1e-9); k <= b / step + 1e-9 && all.length < 21; k++) all.push([k * step, (k * step).toFixed(places).replace(/^-0(\.0*)?$/, "0$1").replace("-", "−")]);
+    for (let k = Math.ceil(a / step - 1e-9); k <= b / step + 1e-9 && all.length < 21; k++) all.push([k * step, (k * step).toFixed(places).replace(/^-0(\.0*)?$/, "0$1")]);
     return all;
   };
   if (!map) {

@@ -197,8 +197,7 @@ impl Guess {
             .filter(|unit| RATES_HZ.contains(&rate_hz(unit)))
             .collect();
         match likely.as_slice() {
-            // A column that is called `t_s` says seconds: somebody has to say that it is wrong.
-            [unit] if factor.is_none() && now.is_some() => {
+            [unit] if factor.is_none() => {
                 self.reading.time = Some(*unit);
                 self.say(
                     format!("times are in {unit}"),
@@ -211,14 +210,9 @@ impl Guess {
                 true
             }
             _ => {
-                let named = if now.is_none() {
-                    " (its column is called t_s)"
-                } else {
-                    ""
-                };
                 self.ask(
                     Ask::Time,
-                    format!("samples are {usual} apart in the file's own unit{named}"),
+                    format!("samples are {usual} apart in the file's own unit"),
                 );
                 false
             }
