@@ -248,8 +248,8 @@ class Fit:
     p_value: Optional[float]
     explains: bool
     discrepancy: float
-    engine: Optional[str]
-    misfit: Optional[Misfit]
+    engine: Optional[str] = None
+    misfit: Optional[Misfit] = None
 
 
 @dataclass(frozen=True)
