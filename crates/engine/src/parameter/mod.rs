@@ -53,9 +53,9 @@ pub struct Parameter {
     set: fn(&mut Experiment, &str, f64),
 }
 
-/// A parameter that is a field of the experiment: name, unit, bounds, scale, small step, meaning, way to the field.
-macro_rules! field {
-    ($name:literal, $unit:ident, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $($field:ident).+) => {
+/// A row of a table: a number that is no count and of no module of its own.
+macro_rules! entry {
+    ($name:literal, $unit:ident, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $get:expr, $set:expr) => {
         $crate::parameter::Parameter {
             name: $name,
             unit: realgap_core::unit::Unit::$unit,
@@ -65,9 +65,19 @@ macro_rules! field {
             nudge: $nudge,
             doc: $doc,
             subject: "",
-            get: |e, _| Some(e.$($field).+),
-            set: |e, _, value| e.$($field).+ = value,
+            get: $get,
+            set: $set,
         }
+    };
+}
+use entry;
+
+/// A parameter that is a field of the experiment: name, unit, bounds, scale, small step, meaning, way to the field.
+macro_rules! field {
+    ($name:literal, $unit:ident, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $($field:ident).+) => {
+        $crate::parameter::entry!(
+            $name, $unit, $bounds, $scale, $nudge, $doc,
+            |e, _| Some(e.$($field).+), |e, _, value| e.$($field).+ = value)
     };
 }
 use field;

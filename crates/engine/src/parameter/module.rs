@@ -1,9 +1,8 @@
 //! Parameters of one module (or stated body): a family, `module.NAME.quantity`, with a member for every name.
 
 use super::member::ANY;
-use super::{Nudge, Parameter, Scale};
+use super::{Nudge, Parameter, entry};
 use crate::{Experiment, ModuleAdjustment};
-use realgap_core::unit::Unit;
 
 fn read(experiment: &Experiment, module: &str) -> ModuleAdjustment {
     let known = experiment.module_adjustments.get(module);
@@ -21,16 +20,10 @@ fn change<'a>(experiment: &'a mut Experiment, module: &str) -> &'a mut ModuleAdj
 macro_rules! adjusted {
     ($name:literal, $unit:ident, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $($field:ident).+) => {
         Parameter {
-            name: $name,
-            unit: Unit::$unit,
-            bounds: $bounds,
-            whole: false,
-            scale: Scale::$scale,
-            nudge: $nudge,
-            doc: $doc,
             subject: ANY,
-            get: |e, name| Some(read(e, name).$($field).+),
-            set: |e, name, value| change(e, name).$($field).+ = value,
+            ..entry!($name, $unit, $bounds, $scale, $nudge, $doc,
+                |e, name| Some(read(e, name).$($field).+),
+                |e, name, value| change(e, name).$($field).+ = value)
         }
     };
 }

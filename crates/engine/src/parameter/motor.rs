@@ -1,8 +1,7 @@
 //! Servos that are motors behind gears: what a robot's file states of them, for all such servos at once.
 
 use super::member::{change, shared};
-use super::{Nudge, Parameter, Scale};
-use realgap_core::unit::Unit;
+use super::{Nudge, Parameter, entry};
 use realgap_robot::morphology::MOST_LOAD;
 
 /// Whether a parameter is one of motors behind gears.
@@ -13,25 +12,17 @@ pub(super) fn is_of_motor(parameter: &Parameter) -> bool {
 
 macro_rules! motor {
     ($name:literal, $unit:ident, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $($field:ident).+) => {
-        Parameter {
-            name: $name,
-            unit: Unit::$unit,
-            bounds: $bounds,
-            whole: false,
-            scale: Scale::$scale,
-            nudge: $nudge,
-            doc: $doc,
-            subject: "",
-            get: |e, of| shared(e, of, |h, _| Some(h.actuator?.servo.law.motor()?.$($field).+)),
-            set: |e, of, value| {
+        entry!(
+            $name, $unit, $bounds, $scale, $nudge, $doc,
+            |e, of| shared(e, of, |h, _| Some(h.actuator?.servo.law.motor()?.$($field).+)),
+            |e, of, value| {
                 change(e, of, |hinge| {
                     let law = hinge.actuator.as_mut().map(|a| &mut a.servo.law);
                     if let Some(motor) = law.and_then(|law| law.motor_mut()) {
                         motor.$($field).+ = value;
                     }
                 })
-            },
-        }
+            })
     };
 }
 

@@ -1,28 +1,25 @@
 //! Servos: laws, limits, latency and play.
 
 use super::member::{adjust, change, shared};
-use super::{Nudge, Parameter, Scale};
+use super::{Nudge, Parameter, entry};
 use crate::HingeAdjustment;
-use realgap_core::unit::Unit;
 use realgap_robot::morphology::{Hinge, Servo, ServoLaw};
 
 /// What the robot's file states of a servo: the place of a number in it, where its law has one.
 macro_rules! stated {
     ($name:literal, $unit:ident, $high:literal, $doc:literal, $servo:ident => $place:expr) => {
-        Parameter {
-            name: $name,
-            unit: Unit::$unit,
-            bounds: (0.0, $high),
-            whole: false,
-            scale: Scale::Log,
-            nudge: Nudge::Share(0.1),
-            doc: $doc,
-            subject: "",
-            get: |e, of| {
+        entry!(
+            $name,
+            $unit,
+            (0.0, $high),
+            Log,
+            Nudge::Share(0.1),
+            $doc,
+            |e, of| {
                 let own = |$servo: &mut Servo| -> Option<f64> { $place.map(|place| *place) };
                 shared(e, of, |hinge, _| own(&mut hinge.actuator?.servo))
             },
-            set: |e, of, value| {
+            |e, of, value| {
                 change(e, of, |hinge| {
                     if let Some(actuator) = &mut hinge.actuator {
                         let $servo = &mut actuator.servo;
@@ -32,32 +29,30 @@ macro_rules! stated {
                         }
                     }
                 })
-            },
-        }
+            }
+        )
     };
 }
 
 /// What a study says of a servo beside that.
 macro_rules! adjusted {
     ($name:literal, $unit:ident, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $field:ident) => {
-        Parameter {
-            name: $name,
-            unit: Unit::$unit,
-            bounds: $bounds,
-            whole: false,
-            scale: Scale::$scale,
-            nudge: $nudge,
-            doc: $doc,
-            subject: "",
-            get: |e, of| {
+        entry!(
+            $name,
+            $unit,
+            $bounds,
+            $scale,
+            $nudge,
+            $doc,
+            |e, of| {
                 let own =
                     |hinge: &Hinge, change: &HingeAdjustment| hinge.actuator.map(|_| change.$field);
                 let hinges = &e.assembly.hinges;
                 let has_none = hinges.iter().all(|hinge| hinge.actuator.is_none());
                 shared(e, of, own).or(has_none.then(|| HingeAdjustment::default().$field))
             },
-            set: |e, of, value| adjust(e, of, |change| change.$field = value),
-        }
+            |e, of, value| adjust(e, of, |change| change.$field = value)
+        )
     };
 }
 

@@ -1,6 +1,6 @@
 //! Numerical settings: worth a sweep of their own, because they change results too.
 
-use super::{Nudge, Parameter, Scale, field};
+use super::{Nudge, Parameter, Scale, entry, field};
 use crate::{ENGINES, EngineChoice, JointKind};
 use realgap_core::unit::Unit;
 
@@ -8,16 +8,17 @@ use realgap_core::unit::Unit;
 macro_rules! count {
     ($name:literal, $bounds:expr, $scale:ident, $nudge:expr, $doc:literal, $field:ident) => {
         Parameter {
-            name: $name,
-            unit: Unit::One,
-            bounds: $bounds,
             whole: true,
-            scale: Scale::$scale,
-            nudge: $nudge,
-            doc: $doc,
-            subject: "",
-            get: |e, _| Some(e.solver.$field as f64),
-            set: |e, _, value| e.solver.$field = value as usize,
+            ..entry!(
+                $name,
+                One,
+                $bounds,
+                $scale,
+                $nudge,
+                $doc,
+                |e, _| Some(e.solver.$field as f64),
+                |e, _, value| e.solver.$field = value as usize
+            )
         }
     };
 }
