@@ -13,7 +13,7 @@ use super::option::Format;
 use super::{output, terminal};
 
 /// Largest file of a robot, bytes.
-pub(super) const MOST_BYTES: u64 = 16_000_000;
+const MOST_BYTES: u64 = 16_000_000;
 /// How a file begins that this command wrote.
 const HEAD: &str = "// Imported by realgap from ";
 
@@ -110,18 +110,7 @@ impl Import {
             )
             .hint("add -o robot.ron"));
         }
-        let bytes = read_limited(&self.robot, MOST_BYTES, "robot")?;
-        let xml = match String::from_utf8(bytes) {
-            Ok(xml) => xml,
-            Err(error) => {
-                let at = error.utf8_error().valid_up_to();
-                terminal::note(format!(
-                    "changed: byte {at} is no UTF-8: such bytes are read as ?; save the file as UTF-8"
-                ));
-                String::from_utf8_lossy(error.as_bytes()).into_owned()
-            }
-        };
-        let source = Source::new(&self.robot, xml.trim_start_matches('\u{feff}'));
+        let source = source(&self.robot)?;
         let options = Options {
             packages: self.package.clone(),
             mounted: self.mounted,
@@ -169,6 +158,25 @@ impl Import {
         ));
         Ok(())
     }
+}
+
+/// The XML of a robot; bytes that are no UTF-8 are said.
+///
+/// # Errors
+/// A file that cannot be read, or is too large.
+pub(super) fn source(file: &Path) -> Result<Source> {
+    let bytes = read_limited(file, MOST_BYTES, "robot")?;
+    let xml = match String::from_utf8(bytes) {
+        Ok(xml) => xml,
+        Err(error) => {
+            let at = error.utf8_error().valid_up_to();
+            terminal::note(format!(
+                "changed: byte {at} is no UTF-8: such bytes are read as ?; save the file as UTF-8"
+            ));
+            String::from_utf8_lossy(error.as_bytes()).into_owned()
+        }
+    };
+    Ok(Source::new(file, xml.trim_start_matches('\u{feff}')))
 }
 
 /// The robot's text, in whose first lines stands what there is to say of its import.

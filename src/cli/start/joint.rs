@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use realgap::file::{Source, read_limited};
+use realgap::calibration::{Commands, Unmatched};
 use realgap::import::{AssumedLaw, Options, is_foreign};
-use realgap::robot::morphology::{Hinge, Morphology, ServoLaw};
+use realgap::robot::morphology::{Freedom, Hinge, Morphology, ServoLaw, Summary};
 use realgap::trajectory::{Recording, Trajectory};
 use realgap::unit::counted;
 use realgap::{Error, Result};
@@ -12,10 +12,6 @@ use realgap::{Error, Result};
 use super::super::{import, output};
 use super::{Draft, Subject};
 
-/// What a column is called that holds what a joint was told, after the joint's name.
-const COMMANDS: [&str; 3] = ["_command", "_command_rad_s", "_command_nm"];
-/// What a column is called that says whether a servo is on.
-const ON: &str = "_on";
 /// What people call what a servo was told.
 const GOALS: [&str; 5] = ["command", "goal", "target", "setpoint", "cmd"];
 /// Simulations a parameter that least squares get.
@@ -27,14 +23,12 @@ const LONGEST_STEP_S: f64 = 0.01;
 /// Whether the robot has a servo that a recording says the commands of.
 pub(super) fn is_commanded(robot: &Morphology, recordings: &[Recording]) -> bool {
     let hinges = robot.assemble().hinges;
-    let mut servos = hinges.iter().filter(|hinge| hinge.actuator.is_some());
-    servos.any(|hinge| recordings.iter().any(|r| tells(&r.trajectory, hinge)))
-}
-
-/// Whether a column holds what the hinge was told.
-fn tells(motion: &Trajectory, hinge: &Hinge) -> bool {
-    let mut names = COMMANDS.iter().map(|e| format!("{}{e}", hinge.name));
-    names.any(|name| motion.joint(&name).is_some() || motion.signal(&name).is_some())
+    let told = |r: &Recording| {
+        !Commands::default()
+            .columns_of(&hinges, &r.trajectory)
+            .is_empty()
+    };
+    recordings.iter().any(told)
 }
 
 /// The study of servos and joints. A free robot of another program is held, and written beside the study.
@@ -59,18 +53,12 @@ pub(super) fn draft(
     }
     let hinges = subject.robot.assemble().hinges;
     let motion = &recordings[0].trajectory;
-    let (recorded, lacking): (Vec<&Hinge>, Vec<&Hinge>) = hinges
-        .iter()
-        .partition(|hinge| motion.joint(&hinge.name).is_some());
-    let own = |name: &str| {
-        let ends = COMMANDS.iter().chain([&ON, &""]);
-        let mut bare = ends.filter_map(|end| name.strip_suffix(end));
-        bare.any(|bare| recorded.iter().any(|hinge| hinge.name == bare))
-    };
-    let joints = motion.joints().iter().map(|joint| joint.name.as_str());
-    let signals = motion.signals().iter().map(|signal| signal.name.as_str());
-    let strange: Vec<&str> = joints.chain(signals).filter(|name| !own(name)).collect();
-    let lacking: Vec<&str> = lacking.iter().map(|hinge| hinge.name.as_str()).collect();
+    let Unmatched {
+        joints: lacking,
+        columns: strange,
+    } = Unmatched::of(&hinges, motion, Some(&Commands::default()));
+    let is_recorded = |hinge: &&Hinge| !lacking.contains(&hinge.name.as_str());
+    let recorded: Vec<&Hinge> = hinges.iter().filter(is_recorded).collect();
     if recorded.is_empty() {
         return Err(Error::usage("no column is called after a joint of the robot")
             .at_file(&recordings[0].path)
@@ -90,7 +78,9 @@ pub(super) fn draft(
             ),
         ));
     }
-    let is_told = |hinge: &Hinge| only.is_some() || tells(motion, hinge);
+    let told = Commands::default().columns_of(&hinges, motion);
+    let is_told =
+        |hinge: &Hinge| only.is_some() || told.iter().any(|command| command.hinge == hinge.name);
     let untold: Vec<&str> = recorded
         .iter()
         .filter(|hinge| hinge.actuator.is_some() && !is_told(hinge))
@@ -102,9 +92,10 @@ pub(super) fn draft(
             format!("no column NAME_command_rad for {}; what swings freely is made by: realgap robot import --passive", untold.join(", ")),
         ));
     }
+    let summary = subject.robot.summary();
     let parameters: Vec<(String, f64, f64)> = recorded
         .iter()
-        .flat_map(|hinge| ranges(hinge, is_told(hinge), &subject.robot))
+        .flat_map(|hinge| ranges(hinge, is_told(hinge), &summary))
         .collect();
     let is_any_told = recorded.iter().any(|hinge| is_told(hinge));
     let commands = only.map(|column| (recorded[0].name.as_str(), column));
@@ -163,14 +154,12 @@ fn before(
 
 /// Reads the robot again with its root held, and its assumed servos as springs: those of arms give way under load.
 fn hold(subject: &mut Subject, study: &Path) -> Result<()> {
-    let bytes = read_limited(&subject.robot_file, import::MOST_BYTES, "robot")?;
-    let text = String::from_utf8_lossy(&bytes).into_owned();
+    let source = import::source(&subject.robot_file)?;
     let options = Options {
         mounted: true,
         law: AssumedLaw::Torque,
         ..Options::default()
     };
-    let source = Source::new(&subject.robot_file, text);
     let (robot, notes) = Morphology::import(&source, &options)?;
     let stem = study.file_stem().unwrap_or_default().to_string_lossy();
     let file = study.with_file_name(format!("{stem}_robot.ron"));
@@ -181,7 +170,7 @@ fn hold(subject: &mut Subject, study: &Path) -> Result<()> {
 }
 
 /// What is looked for at a joint, and where: ten times around what the robot's file says, else what a servo of its size may have.
-fn ranges(hinge: &Hinge, is_told: bool, robot: &Morphology) -> Vec<(String, f64, f64)> {
+fn ranges(hinge: &Hinge, is_told: bool, summary: &Summary) -> Vec<(String, f64, f64)> {
     let name = &hinge.name;
     let around = |parameter: &str, value: f64| {
         (
@@ -192,7 +181,6 @@ fn ranges(hinge: &Hinge, is_told: bool, robot: &Morphology) -> Vec<(String, f64,
     };
     let mut all = Vec::new();
     // What gravity may do about the joint, for those that nothing drives.
-    let summary = robot.summary();
     let mut torque_nm = summary.mass_kg * 9.81 * summary.body_length_m;
     if let Some(actuator) = hinge.actuator {
         torque_nm = actuator.servo.max_torque_nm;
@@ -217,7 +205,7 @@ fn ranges(hinge: &Hinge, is_told: bool, robot: &Morphology) -> Vec<(String, f64,
             )),
         }
     }
-    let is_slide = hinge.freedom == realgap::robot::morphology::Freedom::Slide;
+    let is_slide = hinge.freedom == Freedom::Slide;
     let offset = if is_slide { 0.01 } else { 0.1 };
     let part = if hinge.actuator.is_some() { 0.2 } else { 0.1 };
     all.push((

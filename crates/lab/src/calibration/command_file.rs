@@ -13,7 +13,7 @@ use realgap_robot::morphology::{Hinge, ServoLaw};
 
 /// What the recordings of a study say of its servos: `Commands()` where columns are called after the joints, `NAME_command_rad`
 /// (angles), `NAME_command_rad_s` (speeds) or `NAME_command_nm` (torques), and `NAME_on` where servos are switched.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename = "Commands")]
 pub struct Commands {
@@ -87,7 +87,7 @@ pub struct Off {
 
 impl Commands {
     /// The columns of a recording that command hinges of a robot.
-    pub(super) fn columns_of(&self, hinges: &[Hinge], motion: &Trajectory) -> Vec<CommandColumn> {
+    pub fn columns_of(&self, hinges: &[Hinge], motion: &Trajectory) -> Vec<CommandColumn> {
         if !self.columns.is_empty() {
             return self.columns.clone();
         }

@@ -5,7 +5,8 @@ use super::matching::name_matches;
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::{Code, Warning};
 use realgap_engine::{Experiment, JointState};
-use realgap_path::trajectory::{Recording, may_be_attitude};
+use realgap_path::trajectory::{Recording, Trajectory, may_be_attitude};
+use realgap_robot::morphology::Hinge;
 
 /// Starts the robot's joints as recorded, has the run record them and the servos do what they were told, where the recording has any
 /// of the robot's joints.
@@ -48,6 +49,35 @@ pub(super) fn set_up(
     }
 }
 
+/// What of a robot's joints and a recording's columns has no partner, by name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Unmatched<'a> {
+    /// Joints without a column of their angle.
+    pub joints: Vec<&'a str>,
+    /// Columns of joints, commands and switches without a joint.
+    pub columns: Vec<&'a str>,
+}
+
+impl<'a> Unmatched<'a> {
+    /// Those of this robot and recording; columns that command its servos have their partner where there are `commands`.
+    pub fn of(hinges: &'a [Hinge], motion: &'a Trajectory, commands: Option<&Commands>) -> Self {
+        let is_hinge = |name: &str| hinges.iter().any(|hinge| hinge.name == name);
+        let taken = commands.map_or_else(Vec::new, |c| c.columns_of(hinges, motion));
+        let is_taken = |name: &str| {
+            let switches = || commands.is_some() && name.strip_suffix(ON).is_some_and(is_hinge);
+            taken.iter().any(|command| command.column == name) || switches()
+        };
+        let joints = motion.joints().iter().map(|joint| joint.name.as_str());
+        let signals = motion.signals().iter().map(|signal| signal.name.as_str());
+        let columns = joints.filter(|name| !is_hinge(name)).chain(signals);
+        let names = hinges.iter().map(|hinge| hinge.name.as_str());
+        Self {
+            joints: names.filter(|name| motion.joint(name).is_none()).collect(),
+            columns: columns.filter(|name| !is_taken(name)).collect(),
+        }
+    }
+}
+
 /// Whether every joint has its column and every column its joint.
 fn check_names(
     experiment: &Experiment,
@@ -60,27 +90,17 @@ fn check_names(
     if motion.joints().is_empty() && motion.signals().is_empty() {
         return Ok(None);
     }
-    let is_hinge = |name: &str| hinges.iter().any(|hinge| hinge.name == name);
-    let is_left_out = |name: &str| left_out.iter().any(|form| name_matches(form, name));
-    let taken = commands.map_or_else(Vec::new, |c| c.columns_of(hinges, motion));
-    let is_taken = |name: &str| {
-        let switches = || commands.is_some() && name.strip_suffix(ON).is_some_and(is_hinge);
-        taken.iter().any(|command| command.column == name) || switches()
-    };
-    let joints = motion.joints().iter().map(|joint| joint.name.as_str());
-    let signals = motion.signals().iter().map(|signal| signal.name.as_str());
-    let others: Vec<&str> = joints
-        .filter(|name| !is_hinge(name))
-        .chain(signals)
-        .filter(|name| !is_taken(name) && !is_left_out(name))
-        .collect();
+    let is_left_out = |name: &&str| left_out.iter().any(|form| name_matches(form, name));
+    let Unmatched {
+        joints: mut missing,
+        columns: mut others,
+    } = Unmatched::of(hinges, motion, commands);
+    missing.retain(|name| !is_left_out(name));
+    others.retain(|name| !is_left_out(name));
     // Beside a pose, an angle of this name is the body's.
     let (attitude, others): (Vec<&str>, Vec<&str>) = others
         .into_iter()
         .partition(|name| may_be_attitude(name) && !motion.is_of_joints());
-    let lacks = |name: &str| motion.joint(name).is_none() && !is_left_out(name);
-    let mut missing: Vec<&str> = hinges.iter().map(|hinge| hinge.name.as_str()).collect();
-    missing.retain(|name| lacks(name));
     if hinges.is_empty() || (missing.len() == hinges.len() && !motion.is_of_joints()) {
         // A recording of poses, whose other columns are nobody's.
         let all: Vec<&str> = attitude.into_iter().chain(others).collect();

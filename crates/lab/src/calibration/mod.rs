@@ -98,6 +98,7 @@ pub use fleet::Member;
 pub use horizon::Horizon;
 pub use inference::LEVEL;
 pub use joint_evaluation::{JointErrors, JointEvaluation};
+pub use joints::Unmatched;
 pub use method::{Estimated, Method, Termination, Tuned};
 pub use misfit::{Change, Misfit};
 pub use motion::MotionTells;
