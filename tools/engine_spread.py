@@ -37,16 +37,22 @@ BODY_LENGTH_M = 0.058
 NOWHERE = 0.1
 
 
-def arguments():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def parser(about, modules, least):
+    """What every tool is told that draws robots by seed."""
+    p = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("output", type=pathlib.Path, help="folder: one below it for every robot")
-    p.add_argument("--realgap", default="target/release/realgap", help="the program (default target/release/realgap)")
+    p.add_argument("--realgap", default="target/release/realgap", help="the program (default %(default)s)")
     p.add_argument("--seeds", type=int, nargs=2, required=True, help="first and last")
-    p.add_argument("--modules", type=int, nargs=2, default=[2, 5], help="fewest and most modules (default 2 5)")
+    p.add_argument("--modules", type=int, nargs=2, default=modules, help="fewest and most modules (default %(default)s)")
+    p.add_argument("--duration", type=float, default=8.0, help="seconds (default %(default)s)")
+    p.add_argument("--least", type=float, default=least, help="body lengths that a kept robot goes (default %(default)s)")
+    return p
+
+
+def arguments():
+    p = parser(__doc__, [2, 5], 0.1)
     p.add_argument("--repeats", type=int, default=2, help="repeats in MuJoCo (default 2)")
     p.add_argument("--ours", type=int, default=6, help="repeats in each engine of realgap (default 6)")
-    p.add_argument("--duration", type=float, default=8.0, help="seconds (default 8)")
-    p.add_argument("--least", type=float, default=0.1, help="body lengths (default 0.1)")
     return p.parse_args()
 
 

@@ -13,17 +13,15 @@ than its defaults or finer than half of them. A sweep of friction and restitutio
 program's ensemble at the sweep's best point by `realgap gap` (energy test, metric rms).
 """
 
-import argparse
 import csv
 import json
-import pathlib
 import shutil
 import subprocess
 
 import numpy as np
 
 import record_standin
-from engine_spread import BODY_LENGTH_M, drawn, known, said
+from engine_spread import BODY_LENGTH_M, drawn, known, parser
 from standin import Robot
 
 FIELDS = ["seed", "modules", "friction", "hidden", "noise_floors", "p", "flagged", "explained_by", "low", "high", "determined", "holds", "further_p"]
@@ -46,16 +44,10 @@ STUDY = """Study(
 
 
 def arguments():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("output", type=pathlib.Path, help="folder: one below it for every robot and recorder")
-    p.add_argument("--realgap", default="target/release/realgap", help="the program (default target/release/realgap)")
+    p = parser(__doc__, [2, 4], 1.0)
     p.add_argument("--recorder", choices=["mujoco", "own"], required=True)
-    p.add_argument("--seeds", type=int, nargs=2, required=True, help="first and last")
-    p.add_argument("--modules", type=int, nargs=2, default=[2, 4], help="fewest and most modules (default 2 4)")
     p.add_argument("--recordings", type=int, default=10, help="recordings that the sweep gets (default 10)")
     p.add_argument("--further", type=int, default=100, help="further repeats, 0 for none (default 100)")
-    p.add_argument("--duration", type=float, default=8.0, help="seconds (default 8)")
-    p.add_argument("--least", type=float, default=1.0, help="body lengths that a kept robot goes (default 1)")
     return p.parse_args()
 
 

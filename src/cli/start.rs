@@ -10,6 +10,7 @@ use clap::Args;
 use realgap::calibration::{Overrides, Study};
 use realgap::file::{Source, write_ron};
 use realgap::import::is_foreign;
+use realgap::prediction::ensemble::rms_m;
 use realgap::robot::morphology::Morphology;
 use realgap::trajectory::{
     Ask, Axes, Guess, Open, Prepared, Reading, Recording, prepare, read_all,
@@ -232,14 +233,10 @@ fn alike(recordings: &[Recording]) -> Option<String> {
         .map(|recording| prepare(&recording.trajectory).ok());
     let paths: Vec<Prepared> = prepared.collect::<Option<_>>()?;
     let (first, others) = paths.split_first()?;
-    let far = |path: &Prepared| {
-        let points = path.xy_m().iter().zip(first.xy_m());
-        let sum: f64 = points
-            .map(|(a, b)| (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2))
-            .sum();
-        (sum / path.xy_m().len() as f64).sqrt()
-    };
-    let farthest_m = others.iter().map(far).fold(0.0, f64::max);
+    let farthest_m = others
+        .iter()
+        .map(|path| rms_m(path, first))
+        .fold(0.0, f64::max);
     let reach_m = first
         .xy_m()
         .iter()

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::nearness::{Nearest, QUARTERS, middle, square};
+use super::nearness::{Nearest, QUARTERS, middle};
+use crate::prediction::ensemble::mean_square_m2;
 use realgap_path::trajectory::{Prepared, turned};
 
 /// Where what no parameters explain is worst, and what it looks like, in the run that comes nearest.
@@ -55,7 +56,7 @@ impl Misfit {
         // Compared over the points that both have: a faster run is there sooner.
         let left = |path_m: &[[f64; 2]]| {
             let (path_m, middle_m) = (turned(path_m), turned(&middle_m[..path_m.len()]));
-            square(&path_m, &middle_m)
+            mean_square_m2(&path_m, &middle_m)
         };
         let share = |path_m: &[[f64; 2]]| 1.0 - left(path_m) / left(&run_m[..path_m.len()]);
         let mirrored: Vec<[f64; 2]> = run_m.iter().map(|p| [p[0], -p[1]]).collect();

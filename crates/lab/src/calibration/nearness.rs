@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use crate::prediction::ensemble::mean_square_m2;
 use realgap_core::statistics::{fisher_tail, mean};
 use realgap_path::trajectory::{POINTS, Prepared};
 
@@ -120,7 +121,10 @@ impl Output {
         let off: Vec<Path> = real.iter().map(|path| between(path, &middle)).collect();
         Self {
             recordings: Spread::of(&off, real.len() as f64 - 1.0),
-            squares: runs.iter().map(|run| square(run, &middle)).collect(),
+            squares: runs
+                .iter()
+                .map(|run| mean_square_m2(run, &middle))
+                .collect(),
             runs,
         }
     }
@@ -156,15 +160,6 @@ fn product(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     products.sum::<f64>() / a.len() as f64
 }
 
-/// Mean square distance.
-pub(super) fn square(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
-    let squares = a
-        .iter()
-        .zip(b)
-        .map(|(a, b)| (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2));
-    squares.sum::<f64>() / a.len() as f64
-}
-
 impl Nearest {
     /// Of all runs of a study, at any of its points, to three recordings at least; `None` without a run.
     pub fn new(real: &[&Prepared], runs: &[Prepared]) -> Option<Self> {
@@ -185,7 +180,7 @@ impl Nearest {
         let neighbours = order.iter().filter_map(|&(run, _)| {
             let others = (0..runs.len()).filter(|other| *other != run);
             let far = others.map(|other| {
-                let apart = worst(&|o| square(&o.runs[run], &o.runs[other]));
+                let apart = worst(&|o| mean_square_m2(&o.runs[run], &o.runs[other]));
                 (other, apart)
             });
             Some((run, far.min_by(|a, b| a.1.total_cmp(&b.1))?.0))

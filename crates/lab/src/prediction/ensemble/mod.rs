@@ -31,6 +31,7 @@ mod reality;
 mod run;
 
 pub use behaviour::{BEHAVIOURS, Behaviour, Behaviours, Kind, behaviours, cut_m};
+pub(crate) use distance::mean_square_m2;
 pub use distance::rms_m;
 pub use envelope::{Envelope, LEAST_PATHS, LEVELS, Region};
 pub use forecast::Forecast;
