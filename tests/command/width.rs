@@ -17,6 +17,21 @@ fn no_table_of_a_command_is_wider_than_eighty_columns() {
         .map(|run| format!("real_trajectories/tripod_mujoco/run_{run:02}.csv"))
         .collect();
     let runs = runs.join(" ");
+    let search = folder.path().join("search.ron");
+    let few = [
+        ("evaluations: 100", "evaluations: 8"),
+        ("duration_s: 20.0", "duration_s: 1.0"),
+        ("repeats: 8", "repeats: 2"),
+        ("count: 5, repeats: 50", "count: 2, repeats: 4"),
+        ("..", &project().display().to_string()),
+    ];
+    let small = (few.iter()).fold(
+        std::fs::read_to_string(project().join("sweeps/best_tripod_gait.ron")).unwrap(),
+        |text, (from, to)| text.replace(from, to),
+    );
+    std::fs::write(&search, small).unwrap();
+    let scans = "real_trajectories/radio_flat/scans.csv";
+    let radio = "real_trajectories/radio_flat/poses.csv --session 0 --arena arenas/flat.ron";
     let commands = [
         "check sweeps/tripod_self.ron morphologies/tripod.ron vehicles/two_wheel.ron".to_owned(),
         format!("check {runs}"),
@@ -33,6 +48,22 @@ fn no_table_of_a_command_is_wider_than_eighty_columns() {
         "gap --recordings real_trajectories/tripod_mujoco/*.csv".to_owned(),
         format!("predict morphologies/two_module.ron --duration 1 --repeats 4 -o {}", results("predict")),
         format!("ensemble sweeps/two_wheel_us1.ron --repeats 20 -o {}", results("ensemble")),
+        format!("search {} -o {}", search.display(), results("search")),
+        format!("study results {}", results("search")),
+        format!("robot genome random -o {}", results("genome.ron")),
+        format!("robot develop {} -o {}", results("genome.ron"), results("robot.ron")),
+        "study identify sweeps/cube_toss_fit.ron".to_owned(),
+        "study sensitivity sweeps/two_wheel_us1.ron".to_owned(),
+        format!("sense draw ultrasonic --readings 300 -o {}", results("log.csv")),
+        format!("sense characterise {}", results("log.csv")),
+        format!("sense belief ultrasonic --distances 2,20 --log {}", results("log.csv")),
+        format!("sense graph fit {scans} --to 0.7 -o {}", results("graph.ron")),
+        format!("sense graph evaluate {scans} --from 0.7 --parameters {}", results("graph.ron")),
+        format!("sense radio fit {radio} -o {}", results("radio.ron")),
+        format!("sense radio evaluate {radio} --parameters {}", results("radio.ron")),
+        format!("cluster plan sweeps/two_wheel_us1.ron --shards 3 -o {} -- --points 2", results("plan")),
+        format!("cluster run {} --shard 0-1", results("plan")),
+        format!("cluster status {}", results("plan")),
         "study parameters".to_owned(),
         "study schema".to_owned(),
         "study examples list".to_owned(),

@@ -116,7 +116,7 @@ impl fmt::Display for FittedRadio {
         writeln!(f, "{}", tried.render(false))?;
         writeln!(
             f,
-            "{}: {}   (log to base {}, d0 = {} m{})\n",
+            "{}: {}\n  (log to base {}, d0 = {} m{})\n",
             self.propagation,
             self.formula,
             self.log_base,
