@@ -19,6 +19,7 @@ use realgap::warning::Code;
 use realgap::{Error, Result, Warning};
 use serde::Serialize;
 
+use super::kind::{Kind, explain};
 use super::option::{Print, TimeOption};
 use super::reading::ReadingOptions;
 use super::{output, terminal};
@@ -156,6 +157,7 @@ impl Compare {
         let files = 1 + self.trajectories.len();
         let read = |index: usize, path: &PathBuf| {
             trajectory::read(path, self.reading.of_file(index, files)?)
+                .map_err(|error| explain(path, Kind::Trajectory, error))
         };
         let mut reference = read(0, &self.reference)?;
         let mut others: Vec<Recording> = self

@@ -194,7 +194,7 @@ fn behind(path: &Path, overrides: &Overrides) -> Result<(PathBuf, Overrides)> {
 }
 
 /// The error of reading `path` as `wanted`; where the file is clearly of another kind, an error that says so.
-fn explain(path: &Path, wanted: Kind, error: Error) -> Error {
+pub fn explain(path: &Path, wanted: Kind, error: Error) -> Error {
     let found = if trajectory::format_of(path).is_ok() {
         path.is_file().then_some(Kind::Trajectory)
     } else {

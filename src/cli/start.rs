@@ -95,7 +95,7 @@ impl Start {
         }
         let draft = match recordings.iter().all(|r| r.trajectory.is_of_joints()) {
             true => joint::draft(&mut subject, &recordings, &self.output)?,
-            false => path::draft(&subject, &recordings),
+            false => path::draft(&subject, &recordings, guess.falls)?,
         };
         let text = self.text(&subject, &guess, &draft)?;
         let source = Source::new(&self.output, text.clone());
@@ -127,6 +127,10 @@ impl Start {
             is_foreign(path) || path.extension().is_some_and(|ending| ending == "ron")
         };
         let (robots, recordings): (Vec<_>, Vec<_>) = self.files.iter().cloned().partition(is_robot);
+        // A file of another kind is called what it is, before it is counted among the robots.
+        for file in robots.iter().filter(|file| !is_foreign(file)) {
+            read_morphology(file)?;
+        }
         if recordings.is_empty() {
             return Err(Error::usage("no recording is named")
                 .found("robots alone")
@@ -141,12 +145,10 @@ impl Start {
                     .allowed("a robot's file (.ron, .urdf, .xml), or --cube SIDE_M MASS_KG"));
             }
             (all, _) => {
-                return Err(
-                    Error::usage("recordings of one study are of one robot").found(counted(
-                        all.len() + usize::from(self.cube.is_some()),
-                        "robot",
-                    )),
-                );
+                let count = all.len() + usize::from(self.cube.is_some());
+                return Err(Error::usage("recordings of one study are of one robot")
+                    .found(counted(count, "robot"))
+                    .hint("name the one that was recorded; for each robot a start of its own"));
             }
         };
         Ok(Subject {
@@ -167,7 +169,10 @@ impl Start {
         let text = format!(
             "// A cube without servo.\n(\n    name: \"cube\",\n    modules: [\n        (name: \"cube\", kind: Passive(side_m: {side_m:?}, mass_kg: {mass_kg:?})),\n    ],\n)\n"
         );
-        Morphology::parse(&Source::new("--cube", text.clone())).map_err(Error::into_usage)?;
+        Morphology::parse(&Source::new("--cube", text.clone())).map_err(|error| {
+            let hint = "metres and kilograms: --cube 0.1 0.37 is a cube of 10 cm and 370 g";
+            error.hint(hint).into_usage()
+        })?;
         output::write_ron(&file, &text)?;
         Ok(file)
     }

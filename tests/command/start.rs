@@ -143,6 +143,14 @@ fn what_a_newcomer_gets_wrong_is_asked_or_refused_with_what_to_do() {
     );
     let robot = common::project().join("morphologies/tripod.ron");
     let own_study = common::project().join("sweeps/tripod_floor.ron");
+    let whole = std::fs::read_to_string(&files[0]).unwrap();
+    let half = put("half.csv", &whole[..whole.rfind(';').unwrap()]);
+    let joints = put(
+        "joints.csv",
+        &table("t_s,elbow_command,elbow", &|i| {
+            format!("{},{},0", path(i).0, path(i).1)
+        }),
+    );
     let far = put(
         "far.csv",
         &table("t_s,x_m,y_m", &|i| {
@@ -163,7 +171,7 @@ fn what_a_newcomer_gets_wrong_is_asked_or_refused_with_what_to_do() {
         ),
         (
             vec![],
-            vec![files[0].clone(), own_study],
+            vec![files[0].clone(), own_study.clone()],
             "not a morphology",
         ),
         (
@@ -172,7 +180,30 @@ fn what_a_newcomer_gets_wrong_is_asked_or_refused_with_what_to_do() {
             "gone.csv",
         ),
         (CUBE.to_vec(), vec![folder.path().to_path_buf()], "allowed"),
-        (CUBE.to_vec(), vec![put("empty.csv", "")], "empty"),
+        (
+            CUBE.to_vec(),
+            vec![put("none.csv", "")],
+            "the file is empty",
+        ),
+        (
+            CUBE.to_vec(),
+            vec![put("names.csv", "t_s,x_m,y_m\n")],
+            "copy it again",
+        ),
+        (CUBE.to_vec(), vec![files[0].clone(), half], "copy it again"),
+        (CUBE.to_vec(), vec![joints], "NAME_rad or NAME_deg"),
+        (
+            vec!["--cube", "104.8", "370"],
+            files.clone(),
+            "metres and kilograms",
+        ),
+        (CUBE.to_vec(), vec![own_study], "a study, not a morphology"),
+        // What falls freely is not what stands on the floor and walks.
+        (
+            vec![],
+            vec![files[0].clone(), robot.clone()],
+            "name the robot that was thrown",
+        ),
         (
             CUBE.to_vec(),
             vec![put("short.csv", "t_s,x_m,y_m\n0,0,0\n")],
@@ -266,9 +297,75 @@ fn what_only_the_robot_can_tell_is_doubted() {
         std::fs::remove_file(&study).unwrap();
     }
     let (_, said) = start(&CUBE, &files, &study);
-    for word in ["unlikely", "off-floor", "same-run"] {
+    for word in ["unlikely", "off-floor", "same-run", "other-robot"] {
         assert!(!said.contains(word), "{said}");
     }
+    std::fs::remove_file(&study).unwrap();
+    // Quaternions whose columns leave open which is which.
+    let renamed: Vec<PathBuf> = (0..)
+        .zip(&files)
+        .map(|(index, file)| {
+            let table = std::fs::read_to_string(file).unwrap();
+            let path = folder.path().join(format!("renamed_{index}.csv"));
+            let table = table.replace("Rot W;Rot X;Rot Y;Rot Z", "q0;q1;q2;q3");
+            std::fs::write(&path, table).unwrap();
+            path
+        })
+        .collect();
+    let (code, said) = start(&CUBE, &renamed, &study);
+    assert!(
+        code != 0 && said.contains("--column qw=NAME"),
+        "{code} {said}"
+    );
+    // An arm that is held at its root was not thrown.
+    let arm = common::project().join("morphologies/so101_arm.ron");
+    let (_, said) = start(&[], &[files[0].clone(), arm.clone()], &study);
+    assert!(said.contains("falls freely"), "{said}");
+    let walk = folder.path().join("walk.csv");
+    let rows: String = (0..100)
+        .map(|i| format!("{},{},0\n", f64::from(i) * 0.02, f64::from(i) * 0.01))
+        .collect();
+    std::fs::write(&walk, format!("t_s,x_m,y_m\n{rows}")).unwrap();
+    let (_, said) = start(&[], &[walk, arm], &study);
+    assert!(said.contains("is held at its root"), "{said}");
+}
+
+#[test]
+fn a_robot_among_trajectories_and_a_file_that_is_not_there_are_called_so() {
+    let toss = "real_trajectories/cube_tosses/toss_003.csv";
+    for (words, says) in [
+        (
+            ["compare", toss, "morphologies/tripod.ron"],
+            "a morphology, not a trajectory",
+        ),
+        (["check", toss, "nowhere"], "No such file"),
+    ] {
+        let said = realgap()
+            .current_dir(common::project())
+            .args(words)
+            .output()
+            .unwrap();
+        let error = text(&said.stderr);
+        assert!(
+            !said.status.success() && error.contains(says) && error.contains("hint"),
+            "{words:?}: {error}"
+        );
+    }
+}
+
+#[test]
+fn boxes_with_a_free_hinge_go_on_from_where_they_were_seen_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("mine.ron");
+    let root = common::project();
+    let files = [
+        root.join("real_trajectories/elbow_tosses/toss_002.csv"),
+        root.join("morphologies/elbow.ron"),
+    ];
+    let (code, said) = start(&["--axes", "world"], &files, &study);
+    assert_eq!(code, 0, "{said}");
+    let written = std::fs::read_to_string(&study).unwrap();
+    assert!(written.contains("start: FromRecording"), "{written}");
 }
 
 /// A forearm as a URDF states it: a free base, limits of its motor, not what its servo is.

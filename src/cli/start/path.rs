@@ -1,12 +1,17 @@
 //! The study of recorded paths: which floor makes the robot move like this?
 
+use realgap::robot::morphology::Hinge;
 use realgap::trajectory::Recording;
+use realgap::{Error, Result};
 
 use super::joint::is_commanded;
 use super::{Draft, Subject};
 
-/// The study of friction and restitution.
-pub(super) fn draft(subject: &Subject, recordings: &[Recording]) -> Draft {
+/// The study of friction and restitution; `falls` says that the recordings fall freely.
+///
+/// # Errors
+/// Recordings that fall freely, of a robot that stands on the floor when its run begins.
+pub(super) fn draft(subject: &Subject, recordings: &[Recording], falls: bool) -> Result<Draft> {
     let is_posed = recordings.iter().all(|recording| {
         let motion = &recording.trajectory;
         !motion.is_planar() && motion.orientations_world_from_body().is_some()
@@ -15,9 +20,32 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording]) -> Draft {
         .iter()
         .all(|r| r.trajectory.velocities_world_m_s().is_some());
     // What drives itself starts from rest; what is thrown goes on from where it was seen first.
-    let is_thrown = is_posed && subject.robot.summary().hinges == 0;
+    let is_passive = |hinge: &Hinge| {
+        let is_known = |r: &Recording| r.trajectory.joint(&hinge.name).is_some();
+        hinge.actuator.is_none() && recordings.iter().all(is_known)
+    };
+    let is_thrown = is_posed && subject.robot.assemble().hinges.iter().all(is_passive);
     let is_commanded = is_posed && is_commanded(&subject.robot, recordings);
     let starts_as_seen = is_thrown || is_commanded;
+    if falls && !starts_as_seen {
+        let (found, hint) = match is_posed {
+            true => (
+                "servos, or joints that were not recorded",
+                "name the robot that was thrown",
+            ),
+            false => (
+                "no orientations (qw, qx, qy, qz)",
+                "say which columns hold them, e.g. --column qw=NAME",
+            ),
+        };
+        return Err(
+            Error::usage("what was recorded falls freely, and would start standing on the floor")
+                .at_file(&recordings[0].path)
+                .found(format!("{found}; the robot is \"{}\"", subject.robot.name()))
+                .allowed("a robot without servos goes on from where it was seen first, with orientations and all of its joints")
+                .hint(format!("{hint}, or take the part after it has come down: --crop FROM:TO")),
+        );
+    }
     let mut before = match starts_as_seen {
         true if is_commanded => "    start: FromRecording, // it goes on from the first sample, as its commands do\n    commands: Commands(), // columns NAME_command_rad, each held until the next\n",
         true => "    start: FromRecording, // nothing drives it: it goes on from the first sample\n",
@@ -28,7 +56,7 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording]) -> Draft {
         before += "    start_state: HalfSampleCorrected, // no velocities are recorded: differences stand for them\n";
     }
     let metric = if is_thrown { "pose" } else { "rms" };
-    Draft {
+    Ok(Draft {
         head: "\
 // Which friction and restitution make the simulated robot move like the recorded one?
 //   realgap check STUDY     what is in this file, and is it sound?
@@ -41,5 +69,5 @@ pub(super) fn draft(subject: &Subject, recordings: &[Recording]) -> Draft {
         after: format!("    metric: \"{metric}\",\n"),
         clues: Vec::new(),
         next: "sweep STUDY".to_owned(),
-    }
+    })
 }

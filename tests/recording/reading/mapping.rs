@@ -332,7 +332,7 @@ fn every_refusal_of_a_recording_names_a_remedy_of_this_tool() {
     );
     assert_eq!(
         sorted.warnings[1].message,
-        "1 sample at times that others had already left out"
+        "1 sample at times that others had already left out, up to 11.3 m from them: are these several objects?"
     );
     let found = read(
         "t_s,x_m,y_m\n0,0,0\n1,,1\n1.5,NaN,1\n2,2,2\n",

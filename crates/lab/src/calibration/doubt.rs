@@ -64,11 +64,12 @@ pub(super) fn axes(robot: &Morphology, recordings: &[Recording]) -> Option<Warni
 /// A recorded angle is doubted where it lies beyond its joint's limits by more than this share of their size.
 const BEYOND: f64 = 0.25;
 
-/// Angles far beyond the limits of their joint: mostly degrees that are read as radians.
+/// Angles and commands far beyond the limits of their joint: mostly degrees that are read as radians.
 pub(super) fn angles(robot: &Morphology, recordings: &[Recording]) -> Vec<Warning> {
     let assembly = robot.assemble();
     let limited = |name: &str| {
-        let hinge = assembly.hinges.iter().find(|hinge| hinge.name == name)?;
+        let whose = name.strip_suffix("_command").unwrap_or(name);
+        let hinge = assembly.hinges.iter().find(|hinge| hinge.name == whose)?;
         hinge.bearing.limits_rad
     };
     let of = |recording: &Recording| {
@@ -90,6 +91,29 @@ pub(super) fn angles(robot: &Morphology, recordings: &[Recording]) -> Vec<Warnin
         Some(Warning::new(Code::UnlikelyAngle, found))
     };
     recordings.iter().filter_map(of).collect()
+}
+
+/// Recordings of a body that goes somewhere, of a robot that is held at its root.
+pub(super) fn held(robot: &Morphology, recordings: &[Recording]) -> Vec<Warning> {
+    let of = |recording: &Recording| {
+        let motion = &recording.trajectory;
+        if motion.is_of_joints() || motion.extent_m() <= NEAR * robot.summary().body_length_m {
+            return None;
+        }
+        let message = format!(
+            "{}: goes {} m from where it starts, and \"{}\" is held at its root: is this the robot that was recorded?",
+            recording.name,
+            number(motion.extent_m()),
+            robot.name()
+        );
+        Some(Warning::new(Code::OtherRobot, message))
+    };
+    let is_held = robot.assemble().world_from_mount.is_some();
+    recordings
+        .iter()
+        .filter(|_| is_held)
+        .filter_map(of)
+        .collect()
 }
 
 /// One run that is counted twice makes reality look more repeatable than it is.
@@ -191,10 +215,19 @@ mod tests {
         let rad = vec![0.0, 0.4, 0.8, 1.2];
         let deg: Vec<f64> = rad.iter().map(|angle: &f64| angle.to_degrees()).collect();
         assert!(angles(&robot, &[recorded(rad.clone())]).is_empty());
-        let [doubt] = &angles(&robot, &[recorded(deg)])[..] else {
-            panic!("one doubt");
-        };
-        assert_eq!(doubt.code, Code::UnlikelyAngle);
+        let mut told = recorded(rad.clone());
+        let mut joints = recorded(rad.clone()).trajectory.joints().to_vec();
+        joints[0].name += "_command";
+        joints[0].angles_rad.clone_from(&deg);
+        joints.extend_from_slice(told.trajectory.joints());
+        told.trajectory = told.trajectory.with_joints(joints).unwrap();
+        for (odd, name) in [(recorded(deg), "elbow_flex"), (told, "elbow_flex_command")] {
+            let [doubt] = &angles(&robot, &[odd])[..] else {
+                panic!("one doubt of {name}");
+            };
+            assert_eq!(doubt.code, Code::UnlikelyAngle);
+            assert!(doubt.message.contains(&format!("`{name}`")), "{doubt}");
+        }
         let all = [recorded(rad.clone()), recorded(vec![0.0; 4]), recorded(rad)];
         assert_eq!(twins(&all).len(), 1);
     }

@@ -208,6 +208,7 @@ pub(super) fn warnings_for(robot: &Morphology, recordings: &[Recording]) -> Vec<
     warnings.extend(doubt::lengths(robot, recordings));
     warnings.extend(doubt::axes(robot, recordings));
     warnings.extend(doubt::angles(robot, recordings));
+    warnings.extend(doubt::held(robot, recordings));
     warnings.extend(doubt::twins(recordings));
     warnings.extend(stand_in(recordings));
     in_short(warnings)
@@ -283,9 +284,10 @@ pub(super) fn in_short(mut warnings: Vec<Warning>) -> Vec<Warning> {
 }
 
 /// What is said of single recordings.
-const OF_ONE_RECORDING: [Code; 11] = [
+const OF_ONE_RECORDING: [Code; 12] = [
     Code::Hole,
     Code::OffFloor,
+    Code::OtherRobot,
     Code::QuaternionOrder,
     Code::SameRun,
     Code::StaleSamples,

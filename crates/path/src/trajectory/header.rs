@@ -284,11 +284,20 @@ impl<'c, 'a> Header<'c, 'a> {
     pub(super) fn ignored_warning(&self) -> Option<Warning> {
         let ignored = self.unused();
         let ignored: Vec<&str> = ignored.iter().map(|i| self.cells[*i].text).collect();
+        // Four columns of an orientation are often called q0 to q3, which leaves open where the real part stands.
+        let is_turn = ignored
+            .iter()
+            .filter(|name| name.starts_with(['q', 'Q']))
+            .count()
+            == 4;
+        let turn = if is_turn {
+            ": are four of them an orientation? Say which is which of qw, qx, qy, qz (`columns: {\"qw\": \"NAME\", ...}` of a reading)"
+        } else {
+            ""
+        };
         (!ignored.is_empty()).then(|| {
-            Warning::new(
-                Code::ColumnsIgnored,
-                format!("columns not used: {}", excerpt_list(&ignored)),
-            )
+            let message = format!("columns not used: {}{turn}", excerpt_list(&ignored));
+            Warning::new(Code::ColumnsIgnored, message)
         })
     }
 }

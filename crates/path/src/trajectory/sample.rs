@@ -7,7 +7,7 @@ use super::reading::Reading;
 use super::text::{Cell, check_rows};
 use super::{JointTrack, Signal, Trajectory};
 use realgap_core::error::{Advice, Error, Result};
-use realgap_core::unit::counted;
+use realgap_core::unit::{counted, number};
 use realgap_core::warning::{Code, Warning};
 
 /// Largest | |q| − 1 | that is kept bit for bit, so that writing and reading back changes nothing.
@@ -177,12 +177,20 @@ impl Samples {
         self.times_s.is_empty()
     }
 
-    /// Sorts all columns by time; of samples at one time the first stays.
-    fn sort(&mut self) {
+    /// Sorts all columns by time; of samples at one time the first stays. How far the others were from it at most, metres.
+    fn sort(&mut self) -> f64 {
         let times_s = &self.times_s;
         let mut order: Vec<usize> = (0..times_s.len()).collect();
         order.sort_by(|a, b| times_s[*a].total_cmp(&times_s[*b]));
-        order.dedup_by(|a, b| times_s[*a] == times_s[*b]);
+        let mut farthest_m = 0.0_f64;
+        order.dedup_by(|a, b| {
+            let is_same = times_s[*a] == times_s[*b];
+            if is_same {
+                let apart_m = self.positions_m[*a] - self.positions_m[*b];
+                farthest_m = farthest_m.max(apart_m.norm());
+            }
+            is_same
+        });
         fn sorted<T: Copy>(all: &mut Vec<T>, order: &[usize]) {
             if !all.is_empty() {
                 *all = order.iter().map(|index| all[*index]).collect();
@@ -202,6 +210,7 @@ impl Samples {
             sorted(&mut signal.values, &order);
         }
         sorted(&mut self.times_s, &order);
+        farthest_m
     }
 
     fn unit(&mut self, q: Quaternion<f64>, first: &Cell<'_>) -> Result<UnitQuaternion<f64>> {
@@ -238,9 +247,7 @@ impl Samples {
     /// The trajectory, and what the reader should know about it.
     pub(super) fn finish(mut self, layout: &Layout) -> Result<(Trajectory, Vec<Warning>)> {
         let given = self.times_s.len();
-        if self.late > 0 {
-            self.sort();
-        }
+        let farthest_m = if self.late > 0 { self.sort() } else { 0.0 };
         let at_one_time = given - self.times_s.len();
         if self.times_s.len() < 2 {
             return Err(Error::invalid("too few points for a trajectory")
@@ -249,7 +256,8 @@ impl Samples {
                     0 => "no sample",
                     _ => "1 sample",
                 })
-                .allowed("at least 2 samples"));
+                .allowed("at least 2 samples")
+                .hint("was it recorded, and copied whole? Leave it out, or copy it again"));
         }
         let mut warnings = Vec::new();
         let mut left_out = |code: Code, count: usize, why: &str| {
@@ -272,7 +280,13 @@ impl Samples {
         left_out(
             Code::SamplesSorted,
             at_one_time,
-            "at times that others had already left out",
+            &match farthest_m > 0.0 {
+                true => format!(
+                    "at times that others had already left out, up to {} m from them: are these several objects?",
+                    number(farthest_m)
+                ),
+                false => "at times that others had already left out".to_owned(),
+            },
         );
         if self.renormalised > 0 {
             warnings.push(Warning::new(
@@ -307,6 +321,12 @@ fn check_columns(layout: &Layout, cells: &[Cell<'_>], line: usize) -> Result<()>
     let error = Error::invalid("wrong number of columns")
         .found(format!("{found} columns"))
         .allowed(format!("{allowed} columns: {}", layout.names.join(", ")));
+    let error = match found < allowed {
+        true => error.hint(
+            "where this is the last line, the file is only a part: copy it again, or delete the line",
+        ),
+        false => error,
+    };
     // Where the line goes wrong: at the first cell too many, or at the end of a short line.
     Err(match (cells.get(allowed), cells.last()) {
         (Some(cell), _) | (None, Some(cell)) => cell.locate(error),

@@ -23,7 +23,8 @@ impl<'a> Table<'a> {
         let Some((index, header)) = header_line(&mut lines, reading) else {
             return Err(Error::invalid("the file is empty")
                 .at_line(1, 1)
-                .allowed("a header such as t_s,x_m,y_m and at least 2 samples"));
+                .allowed("a header such as t_s,x_m,y_m and at least 2 samples")
+                .hint("was it recorded, and copied whole? Leave it out, or copy it again"));
         };
         let separator = Separator::of_header(header);
         let mut cells = Vec::new();

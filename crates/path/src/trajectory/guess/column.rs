@@ -134,8 +134,10 @@ fn lines_before(text: &str) -> Option<usize> {
 /// # Errors
 /// No column of times or of positions.
 pub(super) fn name(text: &str, guess: &mut Guess) -> Result<()> {
-    if Table::open(text, &guess.reading, &[]).is_ok() {
-        return heading_in_degrees(text, guess);
+    match Table::open(text, &guess.reading, &[]) {
+        Ok(_) => return heading_in_degrees(text, guess),
+        Err(empty) if text.trim().is_empty() => return Err(empty),
+        Err(_) => {}
     }
     if several_bodies(text, guess) {
         return Ok(());
@@ -182,7 +184,8 @@ pub(super) fn name(text: &str, guess: &mut Guess) -> Result<()> {
             .hint("a path without times cannot be simulated: record them, or add a column t_s"));
     }
     if !has(Role::X) || !has(Role::Y) {
-        return Err(lacks("both x and y"));
+        return Err(lacks("both x and y")
+            .hint("angles of joints, and what they were told, are columns NAME_rad or NAME_deg"));
     }
     if let Some(twice) = twice.first() {
         return Err(Error::invalid("two columns look like the same thing")

@@ -28,6 +28,8 @@ pub struct Guess {
     pub clues: Vec<Clue>,
     /// What somebody has to say.
     pub open: Vec<Open>,
+    /// Whether the first recording falls freely somewhere.
+    pub falls: bool,
 }
 
 /// A guess and its evidence.
@@ -98,6 +100,7 @@ impl Guess {
             return Ok(guess);
         }
         let fall = motion::free_fall(&recording.trajectory);
+        guess.falls = fall.is_some();
         if guess.length(&recording, fall, body_m) {
             recording = guess.first(path, &bytes)?;
         }
