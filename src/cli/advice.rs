@@ -90,6 +90,10 @@ fn option(advice: &Advice) -> String {
         Advice::HoldRoot => {
             "a URDF or MJCF is held by: realgap robot import ROBOT --mounted -o held.ron".to_owned()
         }
+        Advice::LeastSquares => {
+            "which parameters logs of joints tell, and what each log adds, says: realgap tune STUDY --optimizer gauss-newton"
+                .to_owned()
+        }
         Advice::ListParameters => "`realgap study parameters` lists all of them".to_owned(),
         other => other.to_string(),
     }

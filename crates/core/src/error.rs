@@ -128,6 +128,7 @@ advice! {
     MetricWithoutBasis "Compare with a metric that needs no basis of principal components." "choose a metric without a basis, e.g. rms, which needs no first design";
     LetOptimizerChoose "Let an optimizer choose the points instead of evaluating a whole grid." "let an optimizer choose the points";
     HoldRoot "Hold the root of an imported robot." "import the robot as mounted, and name what was written";
+    LeastSquares "Fit logs of joints by least squares." "least squares say which parameters logs of joints tell, and what each log adds: the optimizer gauss-newton";
     ListParameters "Look up the names of all parameters." "look up the names in the registry of parameters";
 }
 

@@ -254,7 +254,7 @@ impl Point {
     }
 
     /// One visit of a sweep; changes the velocities and returns the change of the impulse.
-    #[inline]
+    #[inline(always)]
     pub fn solve(&mut self, a: &mut Spatial, mut b: Option<(&Side, &mut Spatial)>) -> [f64; 3] {
         let reads = |point: &Self, i: usize, a: &Spatial, b: &Option<(&Side, &mut Spatial)>| {
             let mut speed = point.a.reads[i].dot(a) - point.led[i];
@@ -332,6 +332,7 @@ impl Point {
 /// `wish` is K · before − slip along the principal tangents. What is left, K · new − wish = −s · new, has the solution
 /// new = wish / (K + s); s by Newton's method on the secular equation 1 / |new| = 1 / most (Moré and Sorensen 1983), starting from
 /// where it was in the sweep before.
+#[inline(always)]
 fn friction(k: &[f64; 2], wish: [f64; 2], most: f64, start: &mut f64) -> [f64; 2] {
     let sticks = [wish[0] / k[0], wish[1] / k[1]];
     if sticks[0] * sticks[0] + sticks[1] * sticks[1] <= most * most {
@@ -343,7 +344,10 @@ fn friction(k: &[f64; 2], wish: [f64; 2], most: f64, start: &mut f64) -> [f64; 2
     // Between these s lies, as K stretches nothing by more than its larger and less than its smaller value.
     let whole = length_of(wish) / most;
     let (least, greatest) = ((whole - k[0]).max(0.0), whole - k[1]);
-    let mut s = start.clamp(least, greatest.max(least));
+    let mut s = *start;
+    if s < least || s > greatest {
+        s = within(s, least, greatest);
+    }
     let mut now = sticks;
     let mut length = most;
     for _ in 0..8 {
@@ -356,11 +360,20 @@ fn friction(k: &[f64; 2], wish: [f64; 2], most: f64, start: &mut f64) -> [f64; 2
             break;
         }
         s += over * length * length / (squares[0] * x + squares[1] * y);
-        s = s.clamp(least, greatest.max(least));
+        if s < least || s > greatest {
+            s = within(s, least, greatest);
+        }
     }
     *start = s;
     let scale = most / length;
     [now[0] * scale, now[1] * scale]
+}
+
+/// Seldom needed: out of the way, so that nothing waits for the bounds before it is known that they hold.
+#[cold]
+#[inline(never)]
+fn within(s: f64, least: f64, greatest: f64) -> f64 {
+    s.clamp(least, greatest.max(least))
 }
 
 #[inline]

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::linkage::Linkage;
 
-use realgap_core::error::{Error, Result};
+use realgap_core::error::{Advice, Error, Result};
 use realgap_engine::{Experiment, Floor};
 use realgap_path::trajectory::Trajectory;
 use realgap_robot::morphology::{Part, Solid};
@@ -51,7 +51,8 @@ impl Body {
                 Error::invalid("free flight says something about robots without servos only")
                     .found(format!("a robot with {servos} servos and {} hinges", robot.hinges.len()))
                     .allowed("one rigid part, or parts on passive hinges whose root is tracked")
-                    .hint("walkers have no free flight to learn from; toss the body without its servos, if it can be had"),
+                    .hint("walkers have no free flight to learn from; toss the body without its servos, if it can be had")
+                    .advise(Advice::LeastSquares),
             );
         }
         let track_from_robot = robot.robot_from_track.inverse();
