@@ -164,9 +164,8 @@ class PyBullet:
 
 
 # Steps per second of the curves; the last is the limit that the others are compared with, with contacts of this natural frequency.
-REALGAP_HZ = [120, 240, 480, 960, 1920, 7680]
-TREE_HZ = [120, 240, 360, 480, 960, 1920, 7680]
-MUJOCO_HZ = [250, 500, 1000, 2000, 4000, 16000]
+REALGAP_HZ = [120, 180, 240, 300, 360, 420, 480, 600, 720, 840, 960, 1920, 7680]
+MUJOCO_HZ = [250, 333, 400, 500, 600, 667, 750, 800, 900, 1000, 2000, 4000, 16000]
 LIMIT_HZ = 600
 CURVE_RATE_HZ = 20
 
@@ -199,7 +198,6 @@ class TreeCurve(RealgapCurve):
     """One solve a step."""
 
     name = "realgap, tree"
-    rates = TREE_HZ
     engine = ["--engine", "tree", "--substeps", "1"]
 
 
