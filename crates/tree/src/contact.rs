@@ -344,10 +344,7 @@ fn friction(k: &[f64; 2], wish: [f64; 2], most: f64, start: &mut f64) -> [f64; 2
     // Between these s lies, as K stretches nothing by more than its larger and less than its smaller value.
     let whole = length_of(wish) / most;
     let (least, greatest) = ((whole - k[0]).max(0.0), whole - k[1]);
-    let mut s = *start;
-    if s < least || s > greatest {
-        s = within(s, least, greatest);
-    }
+    let mut s = within(*start, least, greatest);
     let mut now = sticks;
     let mut length = most;
     for _ in 0..8 {
@@ -360,20 +357,26 @@ fn friction(k: &[f64; 2], wish: [f64; 2], most: f64, start: &mut f64) -> [f64; 2
             break;
         }
         s += over * length * length / (squares[0] * x + squares[1] * y);
-        if s < least || s > greatest {
-            s = within(s, least, greatest);
-        }
+        s = within(s, least, greatest);
     }
     *start = s;
     let scale = most / length;
     [now[0] * scale, now[1] * scale]
 }
 
-/// Seldom needed: out of the way, so that nothing waits for the bounds before it is known that they hold.
-#[cold]
-#[inline(never)]
+/// The value between bounds that mostly hold: a branch, so that nothing waits for them.
+#[inline(always)]
 fn within(s: f64, least: f64, greatest: f64) -> f64 {
-    s.clamp(least, greatest.max(least))
+    #[cold]
+    #[inline(never)]
+    fn clamped(s: f64, least: f64, greatest: f64) -> f64 {
+        s.clamp(least, greatest.max(least))
+    }
+    if s < least || s > greatest {
+        clamped(s, least, greatest)
+    } else {
+        s
+    }
 }
 
 #[inline]
