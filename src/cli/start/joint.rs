@@ -106,8 +106,7 @@ pub(super) fn draft(
             "\
 // Which servos and joints make the simulated robot move like the recorded one (docs/joints.md)?
 //   realgap check STUDY     what is in this file, and is it sound?
-//   realgap {tune}
-//   realgap study identify STUDY     which of them do these motions tell of?
+//   realgap {tune}     and which of them do these motions tell of?
 "
         ),
         before: before(motion, commands, is_any_told, &left_out),
