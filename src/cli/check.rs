@@ -162,10 +162,6 @@ fn describe(
         );
     }
     if path.extension().is_none_or(|extension| extension != "ron") && !is_foreign(path) {
-        // Whether it is there comes before what its name ends in.
-        if let Err(error) = path.metadata() {
-            return Err(Error::io("read the file", path, &error));
-        }
         return motion(path, reading);
     }
     let source = Source::read(path, "RON file")?;

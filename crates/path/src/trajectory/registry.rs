@@ -78,8 +78,7 @@ pub fn format_of(path: &Path) -> Result<&'static dyn Format> {
 /// trajectory (with file, line and column), or a broken `meta.ron`.
 pub fn read(path: impl AsRef<Path>, reading: impl Into<Reading>) -> Result<Recording> {
     let path = path.as_ref();
-    format_of(path)?;
-    File::new(path, read_bytes(path)?, reading)?.single()
+    File::new(path, named_bytes(path)?, reading)?.single()
 }
 
 /// Reads every recording in a CSV file with grouping columns, e.g. `condition,run,sample,t_s,x_m,y_m`.
@@ -95,8 +94,7 @@ pub fn read_groups(
     group_columns: &[&str],
 ) -> Result<Vec<Recording>> {
     let path = path.as_ref();
-    format_of(path)?;
-    File::new(path, read_bytes(path)?, reading)?.groups(group_columns)
+    File::new(path, named_bytes(path)?, reading)?.groups(group_columns)
 }
 
 /// Reads whatever is in the file: its groups if it is a CSV file with a column `run`, else one recording.
@@ -105,8 +103,7 @@ pub fn read_groups(
 /// As [`read`].
 pub fn read_all(path: impl AsRef<Path>, reading: impl Into<Reading>) -> Result<Vec<Recording>> {
     let path = path.as_ref();
-    format_of(path)?;
-    parse_all(path, read_bytes(path)?, reading)
+    parse_all(path, named_bytes(path)?, reading)
 }
 
 /// The bytes of a trajectory file, for [`parse_all`] and for hashing: what is hashed is then what is read.
@@ -119,6 +116,14 @@ pub fn read_bytes(path: impl AsRef<Path>) -> Result<Vec<u8>> {
     match format_of(path) {
         Ok(format) => format.bytes(path, MAX_FILE_BYTES),
         Err(_) => read_limited(path, MAX_FILE_BYTES, "trajectory"),
+    }
+}
+
+/// The bytes of a file whose name says which format it has; whether it is there comes before what its name ends in.
+fn named_bytes(path: &Path) -> Result<Vec<u8>> {
+    match format_of(path) {
+        Err(unknown) if path.exists() => Err(unknown),
+        _ => read_bytes(path),
     }
 }
 
@@ -155,8 +160,7 @@ pub fn read_sets(
     set_column: Option<&str>,
 ) -> Result<Vec<(String, Recording)>> {
     let path = path.as_ref();
-    format_of(path)?;
-    let file = File::new(path, read_bytes(path)?, reading)?;
+    let file = File::new(path, named_bytes(path)?, reading)?;
     let [outer, run] = file.group_columns();
     let columns = file.columns();
     let has = |name: &str| columns.contains(&name);
