@@ -8,7 +8,7 @@ use super::matching::name_matches;
 use realgap_core::error::{Error, Result};
 use realgap_core::file::unknown_name;
 use realgap_engine::{Between, CommandTrack, Experiment, Quantity};
-use realgap_path::trajectory::{Recording, Trajectory};
+use realgap_path::trajectory::{COMMAND, Recording, Trajectory};
 use realgap_robot::morphology::{Hinge, ServoLaw};
 
 /// What the recordings of a study say of its servos: `Commands()` where columns are called after the joints, `NAME_command_rad`
@@ -56,7 +56,7 @@ pub struct CommandColumn {
 
 /// What a command is called after its joint, and what it is of.
 const ENDINGS: [(&str, Quantity); 3] = [
-    ("_command", Quantity::Position),
+    (COMMAND, Quantity::Position),
     ("_command_rad_s", Quantity::Velocity),
     ("_command_nm", Quantity::Torque),
 ];

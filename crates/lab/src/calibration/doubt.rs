@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Translation3};
 use realgap_core::unit::{LengthUnit, number};
 use realgap_core::warning::{Code, Warning};
 use realgap_engine::{Experiment, Posture};
-use realgap_path::trajectory::{Recording, odd_axes};
+use realgap_path::trajectory::{COMMAND, Recording, odd_axes};
 use realgap_robot::morphology::Morphology;
 
 /// A robot that seems to go farther than this, in its own lengths, may have been measured in another unit.
@@ -68,7 +68,7 @@ const BEYOND: f64 = 0.25;
 pub(super) fn angles(robot: &Morphology, recordings: &[Recording]) -> Vec<Warning> {
     let assembly = robot.assemble();
     let limited = |name: &str| {
-        let whose = name.strip_suffix("_command").unwrap_or(name);
+        let whose = name.strip_suffix(COMMAND).unwrap_or(name);
         let hinge = assembly.hinges.iter().find(|hinge| hinge.name == whose)?;
         hinge.bearing.limits_rad
     };
@@ -95,6 +95,9 @@ pub(super) fn angles(robot: &Morphology, recordings: &[Recording]) -> Vec<Warnin
 
 /// Recordings of a body that goes somewhere, of a robot that is held at its root.
 pub(super) fn held(robot: &Morphology, recordings: &[Recording]) -> Vec<Warning> {
+    if robot.assemble().world_from_mount.is_none() {
+        return Vec::new();
+    }
     let of = |recording: &Recording| {
         let motion = &recording.trajectory;
         if motion.is_of_joints() || motion.extent_m() <= NEAR * robot.summary().body_length_m {
@@ -108,12 +111,7 @@ pub(super) fn held(robot: &Morphology, recordings: &[Recording]) -> Vec<Warning>
         );
         Some(Warning::new(Code::OtherRobot, message))
     };
-    let is_held = robot.assemble().world_from_mount.is_some();
-    recordings
-        .iter()
-        .filter(|_| is_held)
-        .filter_map(of)
-        .collect()
+    recordings.iter().filter_map(of).collect()
 }
 
 /// One run that is counted twice makes reality look more repeatable than it is.

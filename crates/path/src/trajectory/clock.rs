@@ -1,6 +1,6 @@
 //! Whether what joints were told and what they did were stamped by clocks that agree.
 
-use super::{JointTrack, Trajectory};
+use super::{COMMAND, JointTrack, Trajectory};
 use realgap_core::statistics::{mean, standard_deviation};
 
 /// Delays that are looked at, seconds either way.
@@ -21,12 +21,18 @@ const ENOUGH: usize = 60;
 /// A joint with what it was told.
 type Told<'a> = (&'a JointTrack, &'a JointTrack);
 
+/// Joints whose commanded angles were recorded, too.
+pub(super) fn told(trajectory: &Trajectory) -> Vec<Told<'_>> {
+    let command = |joint: &JointTrack| trajectory.joint(&format!("{}{COMMAND}", joint.name));
+    let joints = trajectory.joints().iter();
+    joints
+        .filter_map(|joint| Some((joint, command(joint)?)))
+        .collect()
+}
+
 /// What is wrong with the clocks of angles and commands: angles that lead, or a delay that grows.
 pub(super) fn doubt(trajectory: &Trajectory, interval_s: f64) -> Option<String> {
-    let told = |joint: &JointTrack| trajectory.joint(&format!("{}_command", joint.name));
-    let joints: Vec<Told<'_>> = (trajectory.joints().iter())
-        .filter_map(|joint| Some((joint, told(joint)?)))
-        .collect();
+    let joints = told(trajectory);
     let all = 0..trajectory.len();
     let reach = ((REACH_S / interval_s) as usize).min(trajectory.len() / 8) as i64;
     if joints.is_empty() || reach < 2 || all.len() < ENOUGH {

@@ -20,6 +20,8 @@ const ANGLES: [(&str, &str, f64); 2] = [
     ("_rad", "_rad_s", 1.0),
     ("_deg", "_deg_s", std::f64::consts::PI / 180.0),
 ];
+/// What the angle that a joint was told is called after the joint.
+pub const COMMAND: &str = "_command";
 /// Endings of what is read beside joints: commanded speeds and torques, and whether a servo is on.
 const SIGNALS: [&str; 3] = ["_command_rad_s", "_command_nm", "_on"];
 /// Angles that may be of the whole body.

@@ -44,7 +44,7 @@ pub use csv::Csv;
 pub use euroc::Euroc;
 pub use format::{Format, Parsed, Rendered};
 pub use guess::{Ask, Clue, Guess, Open, odd_axes};
-pub use joint_column::may_be_attitude;
+pub use joint_column::{COMMAND, may_be_attitude};
 pub use kitti::Kitti;
 pub use log::{Mcap, Rosbag};
 pub use meta::{META_FILE, read_meta, read_meta_beside, write_meta};

@@ -10,6 +10,10 @@ use realgap_core::error::{Advice, Error, Result};
 use realgap_core::unit::{counted, number};
 use realgap_core::warning::{Code, Warning};
 
+/// The way out where a file has hardly anything in it.
+pub(super) const COPY_AGAIN: &str =
+    "was it recorded, and copied whole? Leave it out, or copy it again";
+
 /// Largest | |q| − 1 | that is kept bit for bit, so that writing and reading back changes nothing.
 const UNIT_EXACT: f64 = 1e-9;
 /// Largest | |q| − 1 | that is renormalised silently: rounding of files with few digits.
@@ -257,7 +261,7 @@ impl Samples {
                     _ => "1 sample",
                 })
                 .allowed("at least 2 samples")
-                .hint("was it recorded, and copied whole? Leave it out, or copy it again"));
+                .hint(COPY_AGAIN));
         }
         let mut warnings = Vec::new();
         let mut left_out = |code: Code, count: usize, why: &str| {
@@ -277,17 +281,12 @@ impl Samples {
             self.late,
             "no later than the one before, all sorted by time",
         );
-        left_out(
-            Code::SamplesSorted,
-            at_one_time,
-            &match farthest_m > 0.0 {
-                true => format!(
-                    "at times that others had already left out, up to {} m from them: are these several objects?",
-                    number(farthest_m)
-                ),
-                false => "at times that others had already left out".to_owned(),
-            },
-        );
+        let mut why = "at times that others had already left out".to_owned();
+        if farthest_m > 0.0 {
+            let far = number(farthest_m);
+            why += &format!(", up to {far} m from them: are these several objects?");
+        }
+        left_out(Code::SamplesSorted, at_one_time, &why);
         if self.renormalised > 0 {
             warnings.push(Warning::new(
                 Code::QuaternionsRenormalised,

@@ -3,7 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::reading::{QuaternionOrder, Reading};
-use super::{JointTrack, Trajectory, clock};
+use super::{Trajectory, clock};
 use realgap_core::unit::TimeUnit;
 use realgap_core::warning::{Code, Warning};
 
@@ -63,10 +63,7 @@ pub(super) fn of(
 
 /// Samples that repeat all joints of the one before although what these were told has changed.
 fn stale(trajectory: &Trajectory) -> Option<String> {
-    let told = |joint: &&JointTrack| trajectory.joint(&format!("{}_command", joint.name));
-    let joints: Vec<(&JointTrack, &JointTrack)> = (trajectory.joints().iter())
-        .filter_map(|joint| Some((joint, told(&joint)?)))
-        .collect();
+    let joints = clock::told(trajectory);
     let differs = |angles: &[f64], k: usize| angles[k] != angles[k - 1];
     let is_told = |k: &usize| joints.iter().any(|(_, c)| differs(&c.angles_rad, *k));
     let repeats = |k: &usize| !joints.iter().any(|(j, _)| differs(&j.angles_rad, *k));

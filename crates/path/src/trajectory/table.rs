@@ -2,7 +2,7 @@
 
 use super::header::{Header, excerpt_list};
 use super::reading::{Only, Reading};
-use super::sample::Layout;
+use super::sample::{COPY_AGAIN, Layout};
 use super::text::{Cell, Separator, cut, excerpt};
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::Warning;
@@ -24,7 +24,7 @@ impl<'a> Table<'a> {
             return Err(Error::invalid("the file is empty")
                 .at_line(1, 1)
                 .allowed("a header such as t_s,x_m,y_m and at least 2 samples")
-                .hint("was it recorded, and copied whole? Leave it out, or copy it again"));
+                .hint(COPY_AGAIN));
         };
         let separator = Separator::of_header(header);
         let mut cells = Vec::new();
