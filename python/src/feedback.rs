@@ -6,7 +6,9 @@ use std::sync::{Mutex, PoisonError};
 
 use pyo3::prelude::*;
 use realgap::robot::morphology::Assembly;
-use realgap::simulation::{Controller, Experiment, Film, Log, Run, Sensed, Steer, steered_film};
+use realgap::simulation::{
+    Attendance, Controller, Experiment, Film, Log, Run, Sensed, Steer, attended_film,
+};
 use realgap::{Error, Result};
 use serde::Deserialize;
 
@@ -128,26 +130,31 @@ impl<'a> Names<'a> {
     }
 }
 
-/// Simulates an experiment; with a `step` it is asked at every decision, and Ctrl-C ends the run at the next.
+/// Simulates an experiment, which `stop` ends; with a `step` it is asked at every decision.
 pub fn film(
     experiment: &Experiment,
     step: Option<&Step>,
-    stop: Option<&AtomicBool>,
+    stop: &AtomicBool,
 ) -> Result<(Run, Option<Film>, Log)> {
-    let Some(controller) = &experiment.controller else {
-        return steered_film(experiment, None);
-    };
-    let names = Names::of(&experiment.assembly, controller);
-    let mut feedback = |sensed: &Sensed, steering: &mut [Steer]| {
-        if stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+    let mut clock = |share: f64| {
+        if stop.load(Ordering::Relaxed) {
+            let at_s = share * experiment.duration_s;
             return Err(
-                Error::interrupted(format!("interrupted at t_s = {:.3}", sensed.time_s))
+                Error::interrupted(format!("interrupted at t_s = {at_s:.3}"))
                     .hint("run it again; the same numbers come out"),
             );
         }
-        let Some(step) = step else {
-            return Ok(());
-        };
+        Ok(())
+    };
+    let attendance = Attendance {
+        clock: Some(&mut clock),
+        ..Attendance::default()
+    };
+    let (Some(controller), Some(step)) = (&experiment.controller, step) else {
+        return attended_film(experiment, attendance);
+    };
+    let names = Names::of(&experiment.assembly, controller);
+    let mut feedback = |sensed: &Sensed, steering: &mut [Steer]| {
         for (name, value) in step.ask(&names, sensed)? {
             let mut hinges = experiment.assembly.hinges.iter();
             let hinge = hinges.position(|h| h.name == name && h.actuator.is_some());
@@ -164,5 +171,9 @@ pub fn film(
         }
         Ok(())
     };
-    steered_film(experiment, Some(&mut feedback))
+    let attendance = Attendance {
+        feedback: Some(&mut feedback),
+        ..attendance
+    };
+    attended_film(experiment, attendance)
 }

@@ -101,7 +101,7 @@ pub fn simulate(
         progress: None,
     };
     let filmed = running::run(py, &way, |options| {
-        feedback::film(&experiment, step.as_ref(), options.stop)
+        feedback::film(&experiment, step.as_ref(), options.stop_flag())
     });
     let (run, film, log) = filmed.map_err(|raised| {
         let thrown = step.as_ref().and_then(Step::thrown);

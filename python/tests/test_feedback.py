@@ -168,7 +168,8 @@ def test_options_that_do_not_go_together_are_refused(tripod, options, words):
         realgap.simulate(tripod, duration_s=0.5, **options)
 
 
-def test_ctrl_c_ends_a_run_with_feedback_at_the_next_decision(tripod):
+@pytest.mark.parametrize("step", [None, spring])
+def test_ctrl_c_ends_a_long_run_with_and_without_feedback_within_a_second(tripod, step):
     pressed_s = []
 
     def press():
@@ -178,7 +179,7 @@ def test_ctrl_c_ends_a_run_with_feedback_at_the_next_decision(tripod):
     timer = threading.Timer(0.5, press)
     timer.start()
     with pytest.raises(realgap.Interrupted, match="interrupted at t_s"):
-        realgap.simulate(tripod, duration_s=3600.0, rate_hz=1.0, step=spring)
+        realgap.simulate(tripod, duration_s=3600.0, rate_hz=1.0, step=step)
     ended_s = time.process_time()
     timer.join()
     assert ended_s - pressed_s[0] < 1.0

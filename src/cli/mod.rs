@@ -124,6 +124,34 @@ const NOTES: &str = "\
 `-` where one file is meant is standard input; behind -o it is standard output.
 Exit codes: 0 fine, 1 failed, 2 wrong usage, 130 interrupted (the work so far is saved).";
 
+const ROBOT: &str = "\
+Examples:
+  realgap robot import robot.urdf -o robot.ron               # any robot, in RON
+  realgap robot export robot.ron --format mjcf -o robot.xml  # for MuJoCo
+  realgap robot genome random --modules 5 -o genome.ron      # ten numbers a module
+  realgap robot develop genome.ron -o robot.ron              # and the robot they say";
+
+const STUDY: &str = "\
+Examples:
+  realgap study new study > study.ron                       # a commented file to fill in
+  realgap study parameters                                  # what can be tuned?
+  realgap study sensitivity sweeps/tripod_floor.ron         # what of it matters?
+  realgap study identify sweeps/cube_toss_fit.ron           # what does free flight tell?
+  realgap study results results/tripod_floor                # the points of a sweep";
+
+const SENSE: &str = "\
+Examples:
+  realgap sense characterise log.csv -o sensor.ron          # a sensor's model of its log
+  realgap sense belief sensor.ron --distances 5,20          # how sure is it of a distance?
+  realgap sense radio fit poses.csv --arena arenas/flat.ron # how far does radio reach?";
+
+const CLUSTER: &str = "\
+Examples:
+  realgap cluster plan sweeps/tripod_floor.ron --shards 9 -o plan
+  realgap cluster run plan --shard 0                        # on any machine
+  realgap cluster merge plan                                # and so on, until the answer
+  realgap cluster submit slurm plan                         # or Slurm does it";
+
 /// How the help of a command is laid out: examples before everything that takes long to read.
 const LAYOUT: &str = "{about}{after-help}\n\n{usage-heading} {usage}\n\n{all-args}";
 
@@ -143,13 +171,13 @@ commands! {
     Ensemble(ensemble::Ensemble),
     Search(search::Search),
     Report(report::ReportCommand),
-    #[command(subcommand)]
+    #[command(subcommand, after_help = ROBOT)]
     Robot(RobotCommand),
-    #[command(subcommand)]
+    #[command(subcommand, after_help = STUDY)]
     Study(StudyCommand),
-    #[command(subcommand)]
+    #[command(subcommand, after_help = SENSE)]
     Sense(SenseCommand),
-    #[command(subcommand)]
+    #[command(subcommand, after_help = CLUSTER)]
     Cluster(ClusterCommand),
     #[command(hide = true)]
     Verify(verify::Verify),

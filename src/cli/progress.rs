@@ -10,6 +10,7 @@ use realgap::Result;
 use super::terminal;
 use realgap::optimization::{Progress, RunOptions};
 use realgap::plan::time;
+use realgap::simulation::Attendance;
 
 /// How often a log hears how far the work is.
 const MINUTE: Duration = Duration::from_secs(60);
@@ -29,6 +30,29 @@ pub fn during<T>(
     let done = work(&RunOptions {
         progress: Some(&follow),
         ..run
+    });
+    bar.finish_and_clear();
+    done
+}
+
+/// Simulates one run of so many seconds under a bar.
+///
+/// # Errors
+/// As the run.
+pub fn during_one<T>(duration_s: f64, run: impl FnOnce(Attendance<'_>) -> Result<T>) -> Result<T> {
+    let bar = bar(duration_s.ceil() as usize, "simulating, seconds");
+    let mut shown = 0;
+    let mut clock = |share: f64| {
+        let now = (share * duration_s) as u64;
+        if now > shown {
+            shown = now;
+            bar.set_position(now);
+        }
+        Ok(())
+    };
+    let done = run(Attendance {
+        clock: Some(&mut clock),
+        ..Attendance::default()
     });
     bar.finish_and_clear();
     done

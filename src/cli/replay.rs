@@ -8,7 +8,7 @@ use realgap::comparison;
 use realgap::file::{look_up, sha256, write_atomic};
 use realgap::report::{Replay, SIMULATION};
 use realgap::robot::morphology::Morphology;
-use realgap::simulation::{Divergence, Experiment, Film, Floor, Outcome, Sampling, film};
+use realgap::simulation::{Divergence, Experiment, Film, Floor, Outcome, Sampling, attended_film};
 use realgap::trajectory::{self, Reading, Recording};
 use realgap::{Error, Result, Warning};
 
@@ -16,7 +16,7 @@ use super::kind::{self, read_morphology, read_repeatable};
 use super::option::{Values, recording_unused};
 use super::page;
 use super::reading::ReadingOptions;
-use super::{output, shell, terminal};
+use super::{output, progress, shell, terminal};
 
 /// Show a run in space, over its recordings: a page that needs no network, an animation, or a file for Foxglove or a 3D program
 ///
@@ -108,7 +108,9 @@ impl ReplayCommand {
         warnings.extend(values.without_effect(&experiment));
         warnings.extend(recording_unused(&values));
         experiment.check().map_err(Error::into_usage)?;
-        let (run, film) = film(&experiment)?;
+        let (run, film, _) = progress::during_one(experiment.duration_s, |attendance| {
+            attended_film(&experiment, attendance)
+        })?;
         warnings.extend(run.warnings);
         if let Outcome::Diverged(divergence) = run.outcome {
             return Err(diverged(&divergence, &self.run));
@@ -146,7 +148,9 @@ impl ReplayCommand {
             experiment.sampling = Sampling::Rate(60.0);
         }
         experiment.check().map_err(Error::into_usage)?;
-        let (run, film) = film(&experiment)?;
+        let (run, film, _) = progress::during_one(experiment.duration_s, |attendance| {
+            attended_film(&experiment, attendance)
+        })?;
         if let Outcome::Diverged(divergence) = run.outcome {
             return Err(diverged(&divergence, &self.run));
         }

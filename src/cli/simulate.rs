@@ -8,8 +8,8 @@ use realgap::plot::quantity;
 use realgap::report::SIMULATION;
 use realgap::robot::morphology::Morphology;
 use realgap::simulation::{
-    self, Controller, Divergence, EnergyBalance, Experiment, Film, Log, Outcome, Run, Sampling,
-    SceneBody, steer, steered_film,
+    Controller, Divergence, EnergyBalance, Experiment, Film, Outcome, Run, Sampling, SceneBody,
+    attend, attended_film,
 };
 use realgap::trajectory;
 use realgap::unit::{Unit, decimals};
@@ -19,7 +19,7 @@ use serde::Serialize;
 use super::kind::read_morphology;
 use super::option::{Print, SolverOptions, Values};
 use super::replay::{Shown, check_replay, diverged};
-use super::{output, terminal};
+use super::{output, progress, terminal};
 
 /// Simulate one run of a robot from rest and print what it did
 ///
@@ -190,14 +190,13 @@ impl Simulate {
             experiment.energy_from_s = Some(0.0);
         }
         experiment.check().map_err(Error::into_usage)?;
-        let (run, film, log) = if self.parts.is_some() || self.replay.is_some() {
-            steered_film(&experiment, None)?
-        } else if experiment.controller.is_some() {
-            let (run, log) = steer(&experiment, None, None)?;
-            (run, None, log)
-        } else {
-            (simulation::run(&experiment)?, None, Log::default())
-        };
+        let (run, film, log) = progress::during_one(self.duration, |attendance| {
+            if self.parts.is_some() || self.replay.is_some() {
+                return attended_film(&experiment, attendance);
+            }
+            let (run, log) = attend(&experiment, attendance)?;
+            Ok((run, None, log))
+        })?;
         terminal::print_warnings(&run.warnings);
         if let (Some(output), Some(motion)) = (&self.output, run.outcome.get()) {
             if log.others.is_empty() {

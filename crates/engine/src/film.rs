@@ -2,10 +2,10 @@
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use super::control::{Feedback, Log};
+use super::control::Log;
 use super::experiment::Experiment;
 use super::kinematics::{part_from_track, robot_from_part_at_zero, robot_from_parts};
-use super::run::{Run, steer, watch};
+use super::run::{Attendance, Run, attend};
 use super::watch::Snapshot;
 use realgap_core::error::{Error, Result};
 use realgap_path::trajectory::{Recording, Trajectory};
@@ -29,17 +29,20 @@ pub struct Film {
 /// # Errors
 /// As [`watch`]: a vehicle has no parts.
 pub fn film(experiment: &Experiment) -> Result<(Run, Option<Film>)> {
-    steered_film(experiment, None).map(|(run, film, _)| (run, film))
+    attended_film(experiment, Attendance::default()).map(|(run, film, _)| (run, film))
 }
 
-/// As [`film`], of an experiment whose controller `feedback` may overrule ([`steer`]); with what was decided.
+/// As [`film`], before those who attend, with what a controller decided.
 ///
 /// # Errors
-/// As [`film`] and [`steer`].
-pub fn steered_film(
+/// As [`film`] and [`attend`].
+pub fn attended_film(
     experiment: &Experiment,
-    feedback: Option<Feedback<'_>>,
+    attendance: Attendance<'_>,
 ) -> Result<(Run, Option<Film>, Log)> {
+    if experiment.vehicle.is_some() {
+        return Err(Error::invalid("a vehicle has no parts to watch"));
+    }
     let mut experiment = experiment.clone();
     experiment.records_joints = !experiment.assembly.hinges.is_empty();
     let times_s = experiment.sample_times_s();
@@ -48,7 +51,11 @@ pub fn steered_film(
     let mut before: Option<Snapshot> = None;
     let mut scene = vec![Vec::with_capacity(times_s.len()); experiment.scene.len()];
     let mut next = 0;
+    let mut further = attendance.observer;
     let mut observer = |now: &Snapshot| {
+        if let Some(further) = &mut further {
+            further(now);
+        }
         while next < times_s.len() && times_s[next] <= now.time_s + slack_s {
             let share = before.as_ref().map_or(1.0, |before| {
                 let share = (times_s[next] - before.time_s) / (now.time_s - before.time_s);
@@ -68,10 +75,13 @@ pub fn steered_film(
         }
         before = Some(now.clone());
     };
-    let (run, log) = match (&experiment.controller, feedback) {
-        (None, None) => (watch(&experiment, &[], &mut observer)?, Log::default()),
-        (_, feedback) => steer(&experiment, Some(&mut observer), feedback)?,
+    // Who came with the caller stays as long as the observer only.
+    let attendance = Attendance {
+        observer: Some(&mut observer),
+        feedback: attendance.feedback.map(|feedback| feedback as _),
+        clock: attendance.clock.map(|clock| clock as _),
     };
+    let (run, log) = attend(&experiment, attendance)?;
     let film = run.outcome.get().map(|track| Film {
         track: track.clone(),
         parts: parts.into_iter().map(Some).collect(),

@@ -52,14 +52,14 @@ pub use experiment::{
     Contact, Experiment, Floor, FrictionModel, JointKind, JointState, Perturbation, Sampling,
     Solver, Start,
 };
-pub use film::{Film, film, part_from_solid, part_name, steered_film};
+pub use film::{Film, attended_film, film, part_from_solid, part_name};
 pub use motor::Effort;
 pub use noise::Noise;
 pub use outcome::{Divergence, Outcome};
 pub use part_state::PartState;
 pub use posture::Posture;
 pub use rapier::{ENGINE_VERSION, RAPIER, Rapier};
-pub use run::{Run, run, steer, watch};
+pub use run::{Attendance, Observer, Run, attend, run, steer, watch};
 pub use scene::{SceneBody, SceneBox, SceneMotion};
 pub use servo::Command;
 pub use settle::{Settling, settle};

@@ -63,44 +63,74 @@ const REST_WINDOW_S: f64 = 0.1;
 /// Settings that cannot be simulated (see [`Experiment::check`]). A simulation that diverges is not an
 /// error but an [`Outcome`].
 pub fn run(experiment: &Experiment) -> Result<Run> {
+    attend(experiment, Attendance::default()).map(|(run, _)| run)
+}
+
+/// Who sees every step, if anybody.
+pub type Observer<'a> = Option<&'a mut dyn FnMut(&Snapshot)>;
+
+/// Who attends a run; nobody unless said.
+#[derive(Default)]
+pub struct Attendance<'a> {
+    /// Sees every step as in [`watch`]; a vehicle has no parts to see.
+    pub observer: Observer<'a>,
+    /// Has the last word of every decision of a controller.
+    pub feedback: Option<Feedback<'a>>,
+    /// Hears before every step which share of the run is done, from 0 to 1; its error ends the run. A vehicle's run is over at once.
+    pub clock: Option<&'a mut dyn FnMut(f64) -> Result<()>>,
+}
+
+impl Attendance<'_> {
+    /// Tells the clock that so many steps are done.
+    pub(super) fn tell(&mut self, done: u64, steps: u64) -> Result<()> {
+        match &mut self.clock {
+            Some(clock) => clock(done as f64 / steps.max(1) as f64),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Simulates an experiment before those who attend, and says what its controller read and decided: nothing where it has none.
+///
+/// # Errors
+/// As [`run`]; whatever the clock and the feedback refuse.
+pub fn attend(experiment: &Experiment, mut attendance: Attendance<'_>) -> Result<(Run, Log)> {
     experiment.check()?;
     let started = thread_cpu_time();
-    if let Some(vehicle) = &experiment.vehicle {
-        let mut run = vehicle::run(experiment, vehicle)?;
-        run.cpu = thread_cpu_time().saturating_sub(started);
-        return Ok(run);
-    }
-    if let Some(controller) = &experiment.controller {
-        let (mut run, _) = steered(experiment, controller, None, None)?;
-        run.cpu = thread_cpu_time().saturating_sub(started);
-        return Ok(run);
-    }
-    let assembly = experiment.adjusted_assembly();
-    let mut rollout = Rollout::new(experiment, &assembly)?;
-    let mut run = rollout.run(experiment, None)?;
+    let (mut run, log) = if let Some(vehicle) = &experiment.vehicle {
+        (vehicle::run(experiment, vehicle)?, Log::default())
+    } else if let Some(controller) = &experiment.controller {
+        steered(experiment, controller, attendance)?
+    } else {
+        let assembly = experiment.adjusted_assembly();
+        let mut rollout = Rollout::new(experiment, &assembly)?;
+        let run = rollout.run(experiment, &mut attendance)?;
+        (run, Log::default())
+    };
     run.cpu = thread_cpu_time().saturating_sub(started);
-    Ok(run)
+    Ok((run, log))
 }
 
 /// Simulates an experiment with its controller, and says what was read and decided; `feedback` has the last word of every decision.
 /// `observer` sees every step as in [`watch`].
 ///
 /// # Errors
-/// As [`run`]; an experiment without a controller; whatever `feedback` refuses.
-pub fn steer(
+/// As [`attend`]; an experiment without a controller.
+pub fn steer<'a>(
     experiment: &Experiment,
-    observer: Observer<'_>,
-    feedback: Option<Feedback<'_>>,
+    observer: Observer<'a>,
+    feedback: Option<Feedback<'a>>,
 ) -> Result<(Run, Log)> {
-    experiment.check()?;
-    let Some(controller) = &experiment.controller else {
+    if experiment.controller.is_none() {
         return Err(Error::invalid("the experiment has no controller")
             .hint("give it one with `with_controller`"));
+    }
+    let attendance = Attendance {
+        observer,
+        feedback,
+        clock: None,
     };
-    let started = thread_cpu_time();
-    let (mut run, log) = steered(experiment, controller, observer, feedback)?;
-    run.cpu = thread_cpu_time().saturating_sub(started);
-    Ok((run, log))
+    attend(experiment, attendance)
 }
 
 /// Simulates the experiment and shows every part and hinge to `observer`: at time 0 and after every step
@@ -132,7 +162,11 @@ pub fn watch(
     for push in pushes {
         rollout.world.push(push.part, &push.velocity_world_m_s);
     }
-    let mut run = rollout.run(experiment, Some(observer))?;
+    let mut attendance = Attendance {
+        observer: Some(observer),
+        ..Attendance::default()
+    };
+    let mut run = rollout.run(experiment, &mut attendance)?;
     run.cpu = thread_cpu_time().saturating_sub(started);
     Ok(run)
 }
@@ -154,7 +188,7 @@ fn thread_cpu_time() -> Duration {
     START.get_or_init(std::time::Instant::now).elapsed()
 }
 
-pub(super) use course::{Course, Observer};
+pub(super) use course::Course;
 
 /// A world in motion, with the servos' memory.
 pub(super) struct Rollout<'a> {

@@ -6,8 +6,8 @@ use std::path::Path;
 use crate::common;
 
 use realgap_engine::{
-    Controller, Decision, EngineChoice, Experiment, Log, Run, Sampling, Steer, engine_by_name,
-    steer, watch,
+    Attendance, Controller, Decision, EngineChoice, Experiment, Log, Run, Sampling, Steer, attend,
+    engine_by_name, steer, watch,
 };
 use realgap_path::trajectory::Trajectory;
 use realgap_robot::morphology::Morphology;
@@ -240,6 +240,45 @@ fn a_callback_has_the_last_word_at_a_fixed_rate() {
         Some(&mut |_, _| Err(realgap_core::Error::invalid("no more"))),
     );
     assert!(refused.unwrap_err().to_string().contains("no more"));
+}
+
+/// With and without a controller.
+#[test]
+fn a_run_tells_its_clock_how_far_it_is_and_ends_where_the_clock_refuses() {
+    let mut free = chain();
+    free.duration_s = 1.0;
+    let steered = free
+        .clone()
+        .with_controller(Controller::bare(10.0))
+        .unwrap();
+    for experiment in [free, steered] {
+        let heard = |until: f64| {
+            let mut shares = Vec::new();
+            let mut clock = |share: f64| {
+                shares.push(share);
+                match share < until {
+                    true => Ok(()),
+                    false => Err(realgap_core::Error::interrupted("enough")),
+                }
+            };
+            let attendance = Attendance {
+                clock: Some(&mut clock),
+                ..Attendance::default()
+            };
+            let run = attend(&experiment, attendance).map(|(run, _)| run);
+            (shares, run)
+        };
+        let (shares, run) = heard(1.0);
+        let run = run.unwrap();
+        let steps = run.steps as f64;
+        let expected: Vec<f64> = (0..run.steps).map(|step| step as f64 / steps).collect();
+        assert_eq!(shares, expected);
+        let alone = realgap_engine::run(&experiment).unwrap();
+        assert_eq!(run.outcome, alone.outcome);
+        let (shares, cut) = heard(0.3);
+        assert!(cut.unwrap_err().to_string().contains("enough"));
+        assert!((shares[shares.len() - 1] - 0.3).abs() < 1.5 / steps);
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use nalgebra::Isometry3;
 
 use super::super::experiment::Experiment;
 use super::super::outcome::Outcome;
-use super::super::run::{Course, Observer, Rollout, Run};
+use super::super::run::{Attendance, Course, Rollout, Run};
 use super::super::scene::SceneBody;
 use super::mount::{Eye, plan};
 use super::rule::Mind;
@@ -27,12 +27,11 @@ struct Member<'a> {
     inbox: Vec<Heard>,
 }
 
-/// Simulates an experiment with its controller. `feedback` decides after the rules; `observer` sees the experiment's own robot.
+/// Simulates an experiment with its controller. The feedback decides after the rules; the observer sees the experiment's own robot.
 pub(in super::super) fn steered(
     experiment: &Experiment,
     controller: &Controller,
-    mut observer: Observer<'_>,
-    mut feedback: Option<Feedback<'_>>,
+    mut attendance: Attendance<'_>,
 ) -> Result<(Run, Log)> {
     controller.check(experiment)?;
     let start = controller.arena.start.unwrap_or([0.0; 3]);
@@ -52,7 +51,7 @@ pub(in super::super) fn steered(
         let mut rollout = Rollout::new(&experiments[robot], &assemblies[robot])?;
         let mut nobody = None;
         let watched = if robot == 0 {
-            &mut observer
+            &mut attendance.observer
         } else {
             &mut nobody
         };
@@ -84,6 +83,7 @@ pub(in super::super) fn steered(
     let timestep_s = experiment.solver.timestep_s;
     let (mut decisions, mut sendings) = (0_u64, 0_u64);
     for step in 1..=crew[0].course.steps {
+        attendance.tell(step - 1, crew[0].course.steps)?;
         let now_s = (step - 1) as f64 * timestep_s;
         // Times of decisions are whole multiples of the period, so that rounding does not add up.
         if now_s + 1e-9 >= decisions as f64 / controller.rate_hz {
@@ -99,14 +99,14 @@ pub(in super::super) fn steered(
                 &poses,
                 &mut crew,
                 now_s,
-                &mut feedback,
+                &mut attendance.feedback,
                 &mut log,
             )?;
         }
         for (robot, member) in crew.iter_mut().enumerate() {
             let mut nobody = None;
             let watched = if robot == 0 {
-                &mut observer
+                &mut attendance.observer
             } else {
                 &mut nobody
             };

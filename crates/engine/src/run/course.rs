@@ -9,13 +9,10 @@ use super::super::experiment::{Experiment, JointState, Start};
 use super::super::outcome::{Divergence, Outcome};
 use super::super::path::{Path, between};
 use super::super::watch::Snapshot;
-use super::{Rollout, Run, SETTLE_LIMIT_S};
+use super::{Attendance, Observer, Rollout, Run, SETTLE_LIMIT_S};
 use crate::control::Steer;
 use realgap_core::error::Result;
 use realgap_path::trajectory::{State, Trajectory};
-
-/// Who sees every step, if anybody.
-pub(in super::super) type Observer<'a> = Option<&'a mut dyn FnMut(&Snapshot)>;
 
 /// How far a run has come.
 pub(in super::super) struct Course {
@@ -52,14 +49,15 @@ impl Rollout<'_> {
     pub(super) fn run(
         &mut self,
         experiment: &Experiment,
-        mut observer: Observer<'_>,
+        attendance: &mut Attendance<'_>,
     ) -> Result<Run> {
-        let mut course = match self.begin(experiment, &mut observer)? {
+        let mut course = match self.begin(experiment, &mut attendance.observer)? {
             Ok(course) => course,
             Err(divergence) => return Ok(self.told(Outcome::Diverged(divergence))),
         };
         for step in 1..=course.steps {
-            if let Some(divergence) = self.advance(&mut course, step, &mut observer) {
+            attendance.tell(step - 1, course.steps)?;
+            if let Some(divergence) = self.advance(&mut course, step, &mut attendance.observer) {
                 return Ok(self.told(Outcome::Diverged(divergence)));
             }
         }
