@@ -6,5 +6,6 @@ mod common;
 mod documentation;
 mod house;
 mod licence;
+mod readme;
 mod schema;
 mod tutorial;

@@ -12,11 +12,29 @@ fn tutorial() -> String {
 }
 
 /// Fenced blocks of the language `sh`.
-fn commands(page: &str) -> Vec<&str> {
+pub fn commands(page: &str) -> Vec<&str> {
     page.split("```sh\n")
         .skip(1)
         .map(|rest| rest.split_once("```").unwrap().0)
         .collect()
+}
+
+/// Runs lines of a shell in a folder, with the program of these tests as `realgap`.
+pub fn shell(lines: &str, folder: &Path) {
+    let binary = Path::new(env!("CARGO_BIN_EXE_realgap")).parent().unwrap();
+    let search_path = format!("{}:{}", binary.display(), std::env::var("PATH").unwrap());
+    let output = Command::new("bash")
+        .args(["-euo", "pipefail", "-c", lines])
+        .current_dir(folder)
+        .env("PATH", &search_path)
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{lines}\n{}{}",
+        common::text(&output.stdout),
+        common::text(&output.stderr)
+    );
 }
 
 /// Files that the text, outside of the commands, sends its reader to.
@@ -34,21 +52,8 @@ fn every_command_works_and_writes_what_the_text_promises() {
     let blocks = commands(&page);
     assert!(blocks.len() >= 10, "{} blocks", blocks.len());
     let folder = tempfile::tempdir().unwrap();
-    let binary = Path::new(env!("CARGO_BIN_EXE_realgap")).parent().unwrap();
-    let search_path = format!("{}:{}", binary.display(), std::env::var("PATH").unwrap());
     for block in blocks {
-        let output = Command::new("bash")
-            .args(["-euo", "pipefail", "-c", block])
-            .current_dir(folder.path())
-            .env("PATH", &search_path)
-            .output()
-            .unwrap();
-        assert!(
-            output.status.success(),
-            "{block}\n{}{}",
-            common::text(&output.stdout),
-            common::text(&output.stderr)
-        );
+        shell(block, folder.path());
     }
     let promised = promised(&page);
     assert!(promised.len() >= 8, "{promised:?}");
