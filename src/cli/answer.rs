@@ -185,6 +185,9 @@ impl StudyOptions {
     }
 }
 
+/// More pictures of one kind than these are counted, not named.
+const NAMED: usize = 6;
+
 /// Names of the pictures in a folder.
 fn pictures(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)
@@ -195,5 +198,11 @@ fn pictures(folder: &Path) -> Vec<String> {
         .filter(|name| name.ends_with(".png"))
         .collect();
     names.sort();
+    let is_profile = |name: &String| name.starts_with("profile_");
+    let profiles = names.iter().filter(|name| is_profile(name)).count();
+    if profiles > NAMED {
+        names.retain(|name| !is_profile(name));
+        names.push(format!("{profiles} of profile_*.png"));
+    }
     names
 }

@@ -193,7 +193,11 @@ impl Evidence<'_> {
                 format!(
                     "finer timesteps, more substeps or hard contact change the best score by {}, more than the whole range of {}: these scores cannot tell",
                     quantity(audit.largest_change, scores.unit),
-                    audit.unresolved.join(", ")
+                    match audit.unresolved.as_slice() {
+                        [first, .., _] if audit.unresolved.len() > claim::NAMED =>
+                            format!("{} parameters, such as {first}", audit.unresolved.len()),
+                        few => few.join(", "),
+                    }
                 ),
             ));
         }
@@ -241,7 +245,10 @@ impl fmt::Display for Report {
             write!(
                 f,
                 "\n  best: {}\n  {} discrepancy {}",
-                values.join(", "),
+                match values.len() {
+                    ..=claim::NAMED => values.join(", "),
+                    many => format!("{many} parameters, each below"),
+                },
                 self.metric,
                 quantity(best.score, self.unit)
             )?;

@@ -20,7 +20,7 @@ pub(crate) use ensemble::{recorded, region};
 pub(crate) use fit::{engines, model, nearest, set};
 pub(crate) use forecast::{reach, success};
 pub(crate) use gap::{called, distance, floor, likeness, over_time};
-pub(crate) use parameter::{Found, least_squares, parameter, summary};
+pub(crate) use parameter::{Found, NAMED, least_squares, parameter, summary};
 
 /// Below this probability two samples are said not to be drawn alike.
 pub(crate) const SIGNIFICANT: f64 = 0.05;

@@ -212,7 +212,7 @@ impl fmt::Display for Estimated {
 }
 
 /// So many parameters are named in a sentence; more are counted, since nobody reads a page of them.
-pub(super) const NAMED: usize = 6;
+pub(crate) const NAMED: usize = 6;
 
 /// All parameters in one sentence, caveats kept where they are named; `None` for none.
 pub(crate) fn summary(parameters: &[Claim]) -> Option<Claim> {
