@@ -9,14 +9,16 @@ macro_rules! shipped {
     };
 }
 
-/// By path; a test holds the list to what is there. Of the recordings those of the first commands, to keep the program small; the
-/// others stay in the repository.
+/// By path; a test holds the list to what is there. Of the recordings all that a shipped study or a page's command reads.
 const SHIPPED: &[Shipped] = shipped![
     "arenas": "cartons.ron" "flat.ron" "paper000.ron" "pen.ron";
     "controllers": "tripod_avoid.ron" "two_tripods.ron";
     "morphologies": "chain3.ron" "chain30.ron" "chain5.ron" "cube.ron" "double_pendulum.ron" "elbow.ron" "push_cube.ron" "servo_pendulum.ron"
         "so101_arm.ron" "so101_feetech.ron" "spider8.ron" "tripod.ron" "turtlebot3_burger.ron" "two_module.ron" "unitree_a1.ron";
     "radios": "paper002.ron";
+    "real_trajectories/cube_pushes": "README.md" "meta.ron" "push_01.csv" "push_02.csv" "push_04.csv" "push_06.csv"
+        "push_09.csv" "push_12.csv" "push_13.csv" "push_14.csv" "push_16.csv" "push_17.csv" "push_18.csv"
+        "push_19.csv";
     "real_trajectories/cube_tosses": "README.md" "meta.ron" "toss_003.csv" "toss_015.csv" "toss_026.csv" "toss_037.csv"
         "toss_051.csv" "toss_063.csv" "toss_074.csv" "toss_086.csv" "toss_101.csv" "toss_112.csv" "toss_133.csv"
         "toss_147.csv" "toss_161.csv" "toss_175.csv" "toss_190.csv" "toss_205.csv" "toss_217.csv" "toss_231.csv"
@@ -24,6 +26,49 @@ const SHIPPED: &[Shipped] = shipped![
         "toss_347.csv" "toss_361.csv" "toss_381.csv" "toss_396.csv" "toss_408.csv" "toss_419.csv" "toss_433.csv"
         "toss_450.csv" "toss_465.csv" "toss_478.csv" "toss_496.csv" "toss_511.csv" "toss_530.csv" "toss_544.csv"
         "toss_554.csv";
+    "real_trajectories/double_pendulum": "README.md" "acrobot_ilqr_tvlqr_lqr_01.csv" "meta.ron"
+        "pendubot_ilqr_tvlqr_lqr_01.csv";
+    "real_trajectories/elbow_tosses": "README.md" "meta.ron" "toss_002.csv" "toss_022.csv" "toss_041.csv"
+        "toss_074.csv" "toss_101.csv" "toss_122.csv" "toss_143.csv" "toss_173.csv" "toss_192.csv" "toss_214.csv"
+        "toss_235.csv" "toss_259.csv" "toss_299.csv" "toss_333.csv" "toss_376.csv" "toss_401.csv" "toss_425.csv"
+        "toss_455.csv" "toss_479.csv" "toss_506.csv";
+    "real_trajectories/fleet_mujoco": "README.md";
+    "real_trajectories/fleet_mujoco/random_0005": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0009": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0014": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0022": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0030": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0041": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0046": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0050": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0058": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0065": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0068": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0072": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0089": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0091": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0107": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0108": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0119": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0120": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0135": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0153": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0157": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0159": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0186": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0197": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0210": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0211": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0216": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0217": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0218": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/fleet_mujoco/random_0224": "meta.ron" "robot.ron" "run_00.csv" "run_01.csv";
+    "real_trajectories/radio_flat": "README.md" "poses.csv" "scans.csv";
+    "real_trajectories/servo_pendulum": "README.md" "kp100_lift_and_drop.csv" "kp100_sin_time_square.csv"
+        "kp200_lift_and_drop.csv" "kp200_sin_time_square.csv" "kp800_lift_and_drop.csv" "kp800_sin_time_square.csv"
+        "meta.ron";
+    "real_trajectories/so101_arm": "README.md" "meta.ron" "ramp_motion.csv" "random_waypoints.csv"
+        "slow_precision.csv" "staircase_motion.csv";
     "real_trajectories/so101_arm_standin": "meta.ron" "run_00.csv" "run_01.csv" "run_02.csv";
     "real_trajectories/tripod_mujoco": "README.md" "meta.ron" "run_00.csv" "run_01.csv" "run_02.csv" "run_03.csv" "run_04.csv"
         "run_05.csv" "run_06.csv" "run_07.csv" "run_08.csv" "run_09.csv";

@@ -62,7 +62,7 @@ impl CopyOptions {
         }
         let folder = self.folder.display();
         terminal::print(format!(
-            "{} in {folder}; begin with: cd {folder} && realgap sweep sweeps/tripod_floor.ron --points 5",
+            "{} in {folder}; begin with: cd {folder} && realgap sweep sweeps/cube_toss.ron",
             counted(files().count(), "file")
         ));
         Ok(())
