@@ -309,6 +309,20 @@ fn axes_that_nobody_named_are_doubted_where_the_robot_tells_and_no_shipped_run_i
     };
     let usual = odd(OURS, &|t, x, y, [w, k]| vec![t, x, y, 0.05, w, 0.0, 0.0, k]);
     assert_eq!(usual, None);
+    // It rocks more than it walks, straight on.
+    let rocking = odd(OURS, &|t, x, _, _| {
+        vec![
+            t,
+            0.1 * x,
+            0.0125,
+            0.05 + 0.03 * (9.0 * t).sin(),
+            1.0,
+            0.0,
+            0.0,
+            0.0,
+        ]
+    });
+    assert_eq!(rocking, None);
     let y_up = odd(OURS, &|t, x, y, [w, k]| vec![t, y, 0.05, x, w, 0.0, k, 0.0]);
     assert!(y_up.is_some_and(|said| said.contains("`axes: \"y-up\"`")));
     let mirrored = odd(OURS, &|t, x, y, [w, k]| {

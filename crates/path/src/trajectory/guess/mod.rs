@@ -399,7 +399,7 @@ pub fn odd_axes(recordings: &[Recording], body_m: f64) -> Option<String> {
         let (up, because) = match fall {
             Some(found) => found,
             None => match motion::above_floor(motion, body_m) {
-                Some((up, level_m)) if motion::roams_along_z(motion) => {
+                Some((up, level_m)) if motion::roams_along_z(motion, body_m) => {
                     (up, format!("it stays near {} m along it", number(level_m)))
                 }
                 _ => continue,

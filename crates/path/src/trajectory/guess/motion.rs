@@ -128,18 +128,21 @@ pub(super) fn above_floor(trajectory: &Trajectory, body_m: f64) -> Option<(Up, f
     Some((Up::along(axis, level_m > 0.0), level_m))
 }
 
-/// Whether it goes along z as far as along another axis, or nearly: no floor is there.
-pub(super) fn roams_along_z(trajectory: &Trajectory) -> bool {
-    let range = |axis: usize| {
+/// Whether it goes along z as far as along another axis, or nearly, and not only between a tenth and twice of its size above zero:
+/// no floor is there.
+pub(super) fn roams_along_z(trajectory: &Trajectory, body_m: f64) -> bool {
+    let ends_m = |axis: usize| {
         let along = || {
-            trajectory
-                .positions_world_m()
-                .iter()
-                .map(|place| place[axis])
+            let places = trajectory.positions_world_m().iter();
+            places.map(move |place| place[axis])
         };
-        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+        let low_m = along().fold(f64::INFINITY, f64::min);
+        (low_m, along().fold(f64::NEG_INFINITY, f64::max))
     };
-    range(2) > 0.3 * range(0).max(range(1))
+    let range_m = |axis: usize| ends_m(axis).1 - ends_m(axis).0;
+    let (low_m, high_m) = ends_m(2);
+    let is_over_floor = low_m > 0.1 * body_m && high_m < 2.0 * body_m;
+    !is_over_floor && range_m(2) > 0.3 * range_m(0).max(range_m(1))
 }
 
 /// Sums of products, and of their sizes: whether two things go together.
