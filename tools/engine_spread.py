@@ -119,9 +119,10 @@ def row(a, seed):
         return None
     tree = known(folder / "tree.json", lambda: predicted(a, folder, found, "tree", *stated))
     # Under the noise of a robot that nobody has measured, as many repeats as crates/lab/src/prediction/model.rs has.
-    felt = known(folder / "felt.json", lambda: predicted(a, folder, found, "tree", "--repeats", 8))
+    felt = known(folder / "felt.json", lambda: predicted(a, folder, found, "tree", "--repeats", 32))
     theirs_m = known(folder / "mujoco.json", lambda: in_mujoco(a, folder, found))[: a.repeats]
-    numbers = [rapier["mean"], rapier["standard_deviation"], tree["mean"], felt["standard_deviation"]]
+    spread = (felt["q75"] - felt["q25"]) / 1.349
+    numbers = [rapier["mean"], rapier["standard_deviation"], tree["mean"], spread]
     runs = " ".join(f"{m:.4f}" for m in theirs_m)
     return [seed, found["modules"], found["friction"], BODY_LENGTH_M, *(f"{m:.4f}" for m in numbers), runs]
 

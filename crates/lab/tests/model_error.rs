@@ -207,7 +207,7 @@ fn of_robots_that_it_has_not_learned_from_as_many_runs_end_where_it_says_as_is_w
     }
     assert_eq!(
         (held, runs),
-        ([39, 58], 60),
+        ([42, 70], 76),
         "as docs/fidelity/ensembles.md says"
     );
     let share = |sum: f64| sum / runs as f64;

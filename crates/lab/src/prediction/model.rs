@@ -26,7 +26,9 @@ const REPEATS_A_REPEAT: usize = 25;
 /// A model has no fewer and no more repeats than this.
 const REPEATS: std::ops::RangeInclusive<usize> = 4..=40;
 /// Repeats that say how much a robot feels of what nobody can measure, as many as of those that were learned from.
-const SENSITIVITY_REPEATS: u64 = 8;
+const SENSITIVITY_REPEATS: u64 = 32;
+/// Interquartile range of a standard normal distribution.
+const NORMAL_QUARTILES: f64 = 1.349;
 /// A robot that gets less far than this share of its body length goes nowhere.
 const NOWHERE_BODY_LENGTHS: f64 = 0.1;
 /// Level of the ranges that another engine is part of.
@@ -334,7 +336,7 @@ impl ModelError {
 }
 
 /// What the repeats and the models say about the robot. Values that fit as well were open for no robot that was learned from, so
-/// that what they change adds to the spread.
+/// that what they change adds to what it feels.
 fn own_engines(ensemble: &Ensemble, models: &[Model], sensitivity_m: f64) -> OwnEngines {
     let far_m = displacements_m(ensemble);
     let own_m = mean(&far_m);
@@ -347,14 +349,14 @@ fn own_engines(ensemble: &Ensemble, models: &[Model], sensitivity_m: f64) -> Own
     OwnEngines {
         own_m,
         second_m: ratios(Source::Engine).next().map(|ratio| ratio * own_m),
-        spread_m: standard_deviation(&far_m).hypot(of_points_m),
-        sensitivity_m,
+        spread_m: standard_deviation(&far_m),
+        sensitivity_m: sensitivity_m.hypot(of_points_m),
         body_length_m: ensemble.body_length_m,
     }
 }
 
-/// How much the robot feels of what nobody can measure: the standard deviation of its net displacement under the noise of a robot
-/// that nobody has measured, metres, in the second engine, which is cheap, or else in its own. `None` where the run is stopped.
+/// How much the robot feels of what nobody can measure: how its net displacement spreads (by its quartiles) under the noise of a robot
+/// that nobody has measured, metres, in the second engine, which is cheap, or else in its own. `None` where the run is stopped or no repeat comes to its end.
 fn sensitivity_m(experiment: &Experiment, seed: u64, run: &RunOptions<'_>) -> Result<Option<f64>> {
     let mut own = experiment.clone();
     own.solver.engine = experiment.second_engine().unwrap_or(own.solver.engine);
@@ -372,7 +374,8 @@ fn sensitivity_m(experiment: &Experiment, seed: u64, run: &RunOptions<'_>) -> Re
         numbers.map(far_m).collect::<Result<Vec<Option<f64>>>>()
     })??;
     let far_m: Vec<f64> = all.into_iter().flatten().collect();
-    Ok((!run.is_stopped()).then(|| standard_deviation(&far_m)))
+    let range_m = || quantile(&far_m, 0.75) - quantile(&far_m, 0.25);
+    Ok((!run.is_stopped() && !far_m.is_empty()).then(|| range_m() / NORMAL_QUARTILES))
 }
 
 fn displacements_m(ensemble: &Ensemble) -> Vec<f64> {

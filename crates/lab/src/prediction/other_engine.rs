@@ -11,9 +11,9 @@ use super::model::Range;
 const LEARNED: &str = include_str!("engines.csv");
 /// Expected displacement as a share of the geometric mean of both own engines.
 const SHARE: f64 = 0.9;
-/// The distance is, squared and summed: both spreads, and this share of the expected displacement and of what the own engines part
-/// by. Both numbers were chosen on the learned robots, one of them left out at a time.
-const FIFTH: f64 = 0.2;
+/// The distance is, squared and summed: half of the repeats' spread, what the robot feels, and this share of the expected displacement
+/// and of what the own engines part by. All of these numbers were chosen on the learned robots, one of them left out at a time.
+const TENTH: f64 = 0.1;
 
 /// What the own engines say about a robot; all in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +24,8 @@ pub struct OwnEngines {
     pub second_m: Option<f64>,
     /// Standard deviation of the repeats' net displacements.
     pub spread_m: f64,
-    /// The same of repeats in the second engine under the noise of a robot that nobody has measured.
+    /// How repeats in the second engine spread under the noise of a robot that nobody has measured: their interquartile range over
+    /// that of a standard normal distribution, for a repeat that falls over is none of what the others feel.
     pub sensitivity_m: f64,
     /// Edge length of the tracked module.
     pub body_length_m: f64,
@@ -41,10 +42,10 @@ impl OwnEngines {
         let second_m = self.second_m.unwrap_or(self.own_m);
         let expected_m = SHARE * (self.own_m * second_m).sqrt();
         let parts_m = [
-            self.spread_m,
+            0.5 * self.spread_m,
             self.sensitivity_m,
-            FIFTH * expected_m,
-            FIFTH * (self.own_m - second_m),
+            TENTH * expected_m,
+            TENTH * (self.own_m - second_m),
         ];
         let squared: f64 = parts_m.iter().map(|part_m| part_m * part_m).sum();
         (expected_m, squared.sqrt())
