@@ -1,5 +1,7 @@
 //! An optimizer on a function that is cheap enough to be evaluated at once.
 
+use rayon::prelude::*;
+
 use super::optimizer::{Brief, History, Optimizer, Proposal, Told, UnitPoint};
 use realgap_core::error::Result;
 
@@ -20,7 +22,7 @@ use realgap_core::error::Result;
 pub fn minimise(
     optimizer: &dyn Optimizer,
     brief: &Brief,
-    score: impl Fn(&UnitPoint) -> Option<f64>,
+    score: impl Fn(&UnitPoint) -> Option<f64> + Sync,
 ) -> Result<Vec<Told>> {
     let mut told: Vec<Told> = Vec::new();
     while told.len() < brief.budget {
@@ -31,11 +33,12 @@ pub fn minimise(
         let Proposal::Evaluate(points) = optimizer.propose(brief, &history)? else {
             break;
         };
-        told.extend(points.into_iter().map(|point| Told {
+        let scored = points.into_par_iter().map(|point| Told {
             score: score(&point),
             point,
             errors: Vec::new(),
-        }));
+        });
+        told.par_extend(scored);
     }
     Ok(told)
 }

@@ -6,6 +6,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 
 use super::setting::Setting;
 use realgap_core::error::Result;
@@ -223,14 +224,18 @@ impl Fitted<'_> {
         };
         let mut with = with;
         loop {
-            let active = (0..with.active.len()).filter(|axis| with.active[*axis]);
-            let without = active.filter_map(|axis| {
+            let active = (0..with.active.len()).into_par_iter();
+            let without = active.filter(|axis| with.active[*axis]).filter_map(|axis| {
                 let (mut active, at) = (with.active.clone(), with.at.clone());
                 active[axis] = false;
                 let misfit = self.misfit(&at, &active)?;
                 Some(self.descended(Likeliest { active, at, misfit }))
             });
-            let least = without.min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
+            // In order, so that the first of equals is the same on any number of threads.
+            let without: Vec<Likeliest> = without.collect();
+            let least = without
+                .into_iter()
+                .min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
             match least.filter(|least| deviance(least) - deviance(&with) < TELLS) {
                 Some(least) => with = least,
                 None => return with,
