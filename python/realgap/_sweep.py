@@ -234,7 +234,6 @@ class Misfit:
     change: Literal["mirrored", "lengths", "pace", "turning"]
     size: float
     share: float
-    turned_deviations: Optional[float] = None
 
 
 @dataclass(frozen=True)

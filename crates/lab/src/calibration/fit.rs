@@ -1,13 +1,9 @@
 //! Does the model explain the recordings at all? Judged before its numbers.
 
-use std::collections::{BTreeMap, BTreeSet};
-
-use nalgebra::Vector3;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::misfit::Misfit;
-use super::nearness::{Directions, Nearest, Path};
+use super::nearness::Nearest;
 use super::score::{PointScore, Scores};
 use super::study::Study;
 use crate::claim::{self, SIGNIFICANT};
@@ -15,7 +11,7 @@ use crate::prediction::ensemble::rms_m;
 use realgap_core::error::Result;
 use realgap_core::statistics::{energy_test, mean};
 use realgap_core::warning::{Code, Warning};
-use realgap_path::trajectory::{Prepared, prepare};
+use realgap_path::trajectory::Prepared;
 
 /// The best point's runs against the recordings, both against what repeats differ by; distances are those of the metric `rms`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -28,8 +24,7 @@ pub struct Fit {
     /// fewer than three recordings.
     pub p_value: Option<f64>,
     /// False where the energy test tells the recordings from the best point's runs, and no
-    /// run of any point comes as near them as one more recording would, in its path and, where that is known, in how its body is
-    /// turned on the way: no parameters of this model explain these recordings.
+    /// run of any point comes as near them as one more recording would: no parameters of this model explain these recordings.
     pub explains: bool,
     /// Variance of the model's discrepancy in those of a recording, which widens the intervals; 0 where the model explains the
     /// recordings.
@@ -77,14 +72,10 @@ impl Fit {
         let Some(fit) = fit.filter(|fit| !fit.explains) else {
             return Ok(fit);
         };
-        let scored: Vec<&PointScore> = (scores.runs.iter())
-            .filter(|run| run.score.is_some())
-            .collect();
-        let runs = scored.iter().map(|run| path(run));
-        let runs = runs.collect::<Result<Vec<_>>>()?;
+        let runs = scores.runs.iter().filter(|run| run.score.is_some());
+        let runs = runs.map(path).collect::<Result<Vec<_>>>()?;
         let real = study.part_of(&study.real_paths(), false);
-        let directions = |wanted: &BTreeSet<usize>| directions(study, &real, &scored, wanted);
-        let nearest = Nearest::new(&real, &runs, directions)?;
+        let nearest = Nearest::new(&real, &runs);
         let misfit = nearest.filter(|nearest| nearest.p_value < SIGNIFICANT);
         let misfit = misfit.map(|nearest| {
             let duration_s = study.cases()[0].experiment.duration_s;
@@ -144,40 +135,4 @@ impl Fit {
         let said = claim::model(self, recordings).text;
         (!self.explains).then(|| Warning::new(Code::ModelContradicted, said))
     }
-}
-
-/// How bodies are turned on the way, in the recordings and in the runs that are wanted, which are simulated once more: a study keeps
-/// their paths alone. `None` where recordings do not say it.
-fn directions(
-    study: &Study,
-    real: &[&Prepared],
-    scored: &[&PointScore],
-    wanted: &BTreeSet<usize>,
-) -> Result<Option<Directions>> {
-    let of = |path: &Prepared| -> Option<Path> {
-        let axes = path.orientations()?.iter().flat_map(|turn| {
-            let (a, b) = (turn * Vector3::x(), turn * Vector3::y());
-            [[a.x, a.y], [a.z, b.x], [b.y, b.z]]
-        });
-        Some(axes.collect())
-    };
-    let Some(recorded) = real.iter().map(|path| of(path)).collect() else {
-        return Ok(None);
-    };
-    let settings = study.settings();
-    let again = |position: &usize| -> Result<Option<(usize, Path)>> {
-        let PointScore { index, values, .. } = scored[*position];
-        let experiment = study.experiment(0, values)?;
-        let setting = settings.of_trial(*index);
-        let run = realgap_engine::run(&settings.apply(setting, &experiment))?;
-        let path = run.outcome.get().map(prepare).transpose()?;
-        Ok(path.and_then(|path| Some((*position, of(&path)?))))
-    };
-    let wanted: Vec<usize> = wanted.iter().copied().collect();
-    let runs: Vec<Option<(usize, Path)>> = wanted.par_iter().map(again).collect::<Result<_>>()?;
-    let runs: Option<BTreeMap<usize, Path>> = runs.into_iter().collect();
-    Ok(runs.map(|runs| Directions {
-        real: recorded,
-        runs,
-    }))
 }

@@ -22,10 +22,6 @@ pub struct Misfit {
     pub size: f64,
     /// Share of the mean square distance that the change takes away.
     pub share: f64,
-    /// How far its body's directions are off on the way, in such standard deviations, where they are what nothing explains: the path
-    /// alone would be no reason to doubt.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub turned_deviations: Option<f64>,
 }
 
 /// What one number could change of a path.
@@ -83,7 +79,6 @@ impl Misfit {
             change,
             size,
             share,
-            turned_deviations: nearest.turned,
         }
     }
 }
@@ -147,7 +142,6 @@ mod tests {
             p_value: 0.0,
             quarter: 1,
             deviations: 3.0,
-            turned: None,
         };
         for (recorded, change, size) in cases {
             let real = prepared(&recorded);

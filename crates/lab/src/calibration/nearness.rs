@@ -5,17 +5,14 @@
 //! 2010), which are off by more than recordings differ and runs lie apart that are neighbours. One run that comes near is enough:
 //! reality has parameters and a setting of its own, and is as near to a run as runs are to one another.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use crate::claim::SIGNIFICANT;
 use crate::prediction::ensemble::mean_square_m2;
-use realgap_core::error::Result;
 use realgap_core::statistics::{fisher_tail, mean};
 use realgap_path::trajectory::{POINTS, Prepared};
 
-/// A path in the plane, metres; or directions, two of their numbers at a time.
-pub(super) type Path = Vec<[f64; 2]>;
+/// A path in the plane, metres.
+type Path = Vec<[f64; 2]>;
 
 /// Parts of the path beside the whole.
 pub(super) const QUARTERS: usize = 4;
@@ -33,16 +30,6 @@ pub(super) struct Nearest {
     pub quarter: usize,
     /// How far off it is there, in what recordings and neighbouring runs part.
     pub deviations: f64,
-    /// How far its body's directions are off, where they are what makes it unlikely.
-    pub turned: Option<f64>,
-}
-
-/// How bodies are turned on the way: directions of two of their axes, as paths.
-pub(super) struct Directions {
-    /// Of the recordings.
-    pub real: Vec<Path>,
-    /// Of runs by their position, at least of those that were asked for.
-    pub runs: BTreeMap<usize, Path>,
 }
 
 /// Deviations of paths: how large they are, in how many directions, and of how many that is known.
@@ -128,21 +115,15 @@ struct Output {
 impl Output {
     fn new(real: &[&Prepared], runs: &[Prepared], points: Range<usize>) -> Self {
         let cut = |path: &Prepared| path.part_xy_m(points.clone());
-        let real = real.iter().map(|path| cut(path)).collect();
-        Self::of(real, runs.iter().map(cut).collect())
-    }
-
-    fn of(real: Vec<Path>, runs: Vec<Path>) -> Self {
+        let real: Vec<Path> = real.iter().map(|path| cut(path)).collect();
+        let runs: Vec<Path> = runs.iter().map(cut).collect();
         let middle = middle(&real.iter().map(Vec::as_slice).collect::<Vec<_>>());
         let off: Vec<Path> = real.iter().map(|path| between(path, &middle)).collect();
         Self {
             recordings: Spread::of(&off, real.len() as f64 - 1.0),
             squares: runs
                 .iter()
-                .map(|run| match run.is_empty() {
-                    true => f64::INFINITY,
-                    false => mean_square_m2(run, &middle),
-                })
+                .map(|run| mean_square_m2(run, &middle))
                 .collect(),
             runs,
         }
@@ -180,19 +161,11 @@ fn product(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
 }
 
 impl Nearest {
-    /// Of all runs of a study, at any of its points, to three recordings at least; `None` without a run. `directions` are asked for
-    /// of few runs, where no path is a reason to doubt; it gives none where nobody knows them.
-    ///
-    /// # Errors
-    /// As `directions`.
-    pub fn new(
-        real: &[&Prepared],
-        runs: &[Prepared],
-        directions: impl FnOnce(&BTreeSet<usize>) -> Result<Option<Directions>>,
-    ) -> Result<Option<Self>> {
+    /// Of all runs of a study, at any of its points, to three recordings at least; `None` without a run.
+    pub fn new(real: &[&Prepared], runs: &[Prepared]) -> Option<Self> {
         let quarter = |at: usize| at * POINTS / QUARTERS..(at + 1) * POINTS / QUARTERS;
         let ranges = std::iter::once(0..POINTS).chain((0..QUARTERS).map(quarter));
-        let mut outputs: Vec<Output> = ranges
+        let outputs: Vec<Output> = ranges
             .map(|points| Output::new(real, runs, points))
             .collect();
         let worst = |of: &dyn Fn(&Output) -> f64| {
@@ -213,50 +186,22 @@ impl Nearest {
             Some((run, far.min_by(|a, b| a.1.total_cmp(&b.1))?.0))
         });
         let neighbours: Vec<(usize, usize)> = neighbours.collect();
-        let near: Vec<usize> = order.iter().map(|(run, _)| *run).collect();
-        let nearest = Self::likeliest(&outputs, &near, &neighbours, real.len());
-        if nearest.is_none_or(|nearest| nearest.p_value < SIGNIFICANT) {
-            return Ok(nearest);
-        }
-        let wanted = neighbours.iter().flat_map(|(a, b)| [*a, *b]);
-        let Some(Directions { real, mut runs }) =
-            directions(&wanted.chain(near.clone()).collect())?
-        else {
-            return Ok(nearest);
-        };
-        let count = outputs[0].runs.len();
-        let runs = (0..count).map(|run| runs.remove(&run).unwrap_or_default());
-        outputs.push(Output::of(real, runs.collect()));
-        let recordings = outputs[0].recordings.freedom as usize + 1;
-        Ok(Self::likeliest(&outputs, &near, &neighbours, recordings))
-    }
-
-    /// The likeliest of the runs that are `near`, by its worst output.
-    fn likeliest(
-        outputs: &[Output],
-        near: &[usize],
-        neighbours: &[(usize, usize)],
-        recordings: usize,
-    ) -> Option<Self> {
-        let unknown = outputs.iter().map(|o| o.unknown(recordings, neighbours));
+        let unknown = outputs.iter().map(|o| o.unknown(real.len(), &neighbours));
         let unknown: Vec<Spread> = unknown.collect();
-        let seen = near.iter().map(|&run| {
-            let both = || unknown.iter().zip(outputs);
+        let seen = order.iter().map(|&(run, _)| {
+            let both = || unknown.iter().zip(&outputs);
             let tails = both().map(|(unknown, o)| unknown.tail(o.squares[run]));
-            let tails: Vec<f64> = tails.collect();
-            let least = tails.iter().copied().fold(1.0, f64::min);
+            let least = tails.fold(1.0, f64::min);
             let off = both().map(|(unknown, o)| unknown.in_variances(o.squares[run]));
             let off: Vec<f64> = off.collect();
             let quarter = (0..QUARTERS).max_by(|a, b| off[a + 1].total_cmp(&off[b + 1]));
             let quarter = quarter.unwrap_or(0);
-            let turned = tails.get(1 + QUARTERS).filter(|tail| **tail <= least);
             Self {
                 run,
                 // Any of the outputs might have been the worst (Bonferroni).
                 p_value: (least * outputs.len() as f64).min(1.0),
                 quarter,
                 deviations: off[quarter + 1].sqrt(),
-                turned: turned.map(|_| off[1 + QUARTERS].sqrt()),
             }
         });
         seen.max_by(|a, b| {
@@ -291,11 +236,6 @@ mod tests {
         Prepared::from_xy_m(realgap_path::trajectory::turned(&seen)).unwrap()
     }
 
-    /// By paths alone.
-    fn near(real: &[&Prepared], runs: &[Prepared]) -> Option<Nearest> {
-        Nearest::new(real, runs, |_| Ok(None)).unwrap()
-    }
-
     /// How many of 200 realities no run comes near to: settings bend a way by 1 cm in so many directions, what repeats
     /// differ by bends it by `repeat` cm, and reality is `off` cm beyond them.
     fn unexplained(directions: usize, recordings: usize, repeat: f64, off: f64) -> usize {
@@ -323,7 +263,7 @@ mod tests {
                 })
                 .collect();
             let real: Vec<&Prepared> = real.iter().collect();
-            near(&real, &runs).unwrap().p_value < 0.05
+            Nearest::new(&real, &runs).unwrap().p_value < 0.05
         };
         (0..200).filter(alarm).count()
     }
@@ -350,62 +290,13 @@ mod tests {
         }
     }
 
-    /// Bodies that wobble by 0.1 as they go, turned by an angle besides.
-    #[test]
-    fn bodies_that_are_turned_otherwise_are_seen_where_paths_are_alike_and_asked_for_only_there() {
-        let mut rng = Generator::seed_from_u64(3);
-        let mut body = |angle_rad: f64| -> Path {
-            let normal: f64 = StandardNormal.sample(&mut rng);
-            let at = |at: usize| {
-                let turned = angle_rad + 0.1 * normal * libm::sin(at as f64 / 30.0);
-                [libm::cos(turned), libm::sin(turned)]
-            };
-            (0..POINTS).map(at).collect()
-        };
-        let real: Vec<Path> = (0..5).map(|_| body(0.0)).collect();
-        let [alike, turned] = [0.0, 1.0].map(|angle_rad| -> BTreeMap<usize, Path> {
-            (0..60).map(|run| (run, body(angle_rad))).collect()
-        });
-        let mut rng = Generator::seed_from_u64(4);
-        let mut paths = |count: usize, off: f64| -> Vec<Prepared> {
-            let mut one = || {
-                let bend: f64 = StandardNormal.sample(&mut rng);
-                path(&[0.01 * (bend + off)], 0.001, &mut rng)
-            };
-            (0..count).map(|_| one()).collect()
-        };
-        let (seen, near, far) = (paths(5, 0.0), paths(60, 0.0), paths(60, 30.0));
-        let seen: Vec<&Prepared> = seen.iter().collect();
-        let known = |runs: &[Prepared], bodies: &BTreeMap<usize, Path>| {
-            let mut asked = 0;
-            let nearest = Nearest::new(&seen, runs, |wanted| {
-                asked = wanted.len();
-                let wanted = wanted.iter().map(|run| (*run, bodies[run].clone()));
-                Ok(Some(Directions {
-                    real: real.clone(),
-                    runs: wanted.collect(),
-                }))
-            });
-            (nearest.unwrap().unwrap(), asked)
-        };
-        let (found, asked) = known(&near, &alike);
-        assert!(found.p_value >= SIGNIFICANT, "{found:?}");
-        assert!((NEAR..=2 * NEAR).contains(&asked), "{asked}");
-        let (found, _) = known(&near, &turned);
-        assert!(found.p_value < SIGNIFICANT, "{found:?}");
-        assert!(found.turned.unwrap() > 3.0, "{found:?}");
-        let (found, asked) = known(&far, &alike);
-        assert!(found.p_value < SIGNIFICANT && found.turned.is_none());
-        assert_eq!(asked, 0);
-    }
-
     #[test]
     fn no_run_and_recordings_that_are_all_the_same_are_no_accident() {
         let mut rng = Generator::seed_from_u64(1);
         let (same, other) = (path(&[0.0], 0.0, &mut rng), path(&[0.1], 0.0, &mut rng));
         let real = [&same, &same, &same];
-        assert!(near(&real, &[]).is_none());
-        let nearest = |runs: &[Prepared]| near(&real, runs).unwrap();
+        assert!(Nearest::new(&real, &[]).is_none());
+        let nearest = |runs: &[Prepared]| Nearest::new(&real, runs).unwrap();
         assert_eq!(nearest(std::slice::from_ref(&other)).p_value, 0.0);
         let found = nearest(&[other, same.clone()]);
         assert_eq!((found.run, found.p_value), (1, 1.0));

@@ -37,12 +37,6 @@ const TELLING: f64 = 0.5;
 
 /// Where the run that comes nearest is worst, and what to look at.
 fn worst(misfit: &Misfit) -> String {
-    if let Some(deviations) = misfit.turned_deviations {
-        let deviations = number(deviations);
-        return format!(
-            ". Some runs go the recorded path, but turned otherwise on the way, by {deviations} standard deviations: look at contacts and servo zeros first"
-        );
-    }
     let (from_s, to_s) = (number(misfit.from_s), number(misfit.to_s));
     let deviations = number(misfit.deviations);
     let size = number(misfit.size);
