@@ -27,7 +27,7 @@ pub struct Film {
 /// a run that diverged.
 ///
 /// # Errors
-/// As [`watch`]: a vehicle has no parts.
+/// As [`attend`]; a vehicle has no parts.
 pub fn film(experiment: &Experiment) -> Result<(Run, Option<Film>)> {
     attended_film(experiment, Attendance::default()).map(|(run, film, _)| (run, film))
 }
