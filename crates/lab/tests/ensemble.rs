@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use nalgebra::Vector3;
@@ -15,7 +15,7 @@ use realgap_lab::prediction::ensemble::{
     BEHAVIOURS, Ensemble, Envelope, Forecast, Kind, LEAST_PATHS, LEVELS, Motion, Quantiles,
     Reality, Repeat, behaviours, cut_m, repeat, rms_m, run,
 };
-use realgap_optimize::RunOptions;
+use realgap_optimize::{Progress, RunOptions};
 use realgap_path::trajectory::{Prepared, Trajectory, prepare};
 use realgap_robot::morphology::Morphology;
 
@@ -401,12 +401,19 @@ fn the_same_bits_come_out_on_one_thread_and_on_two_and_for_one_repeat_alone() {
 
 #[test]
 fn a_stopped_ensemble_says_that_it_is_incomplete() {
-    let stop = AtomicBool::new(true);
+    let stop = AtomicBool::new(false);
+    let say = |progress: Progress| stop.store(progress.done >= 2, Ordering::Relaxed);
     let options = RunOptions {
+        jobs: 1,
         stop: Some(&stop),
-        ..RunOptions::default()
+        progress: Some(&say),
     };
-    let found = run(&tripod(0.5), &Noise::careful_repeat(), 1, 10, &options).unwrap();
+    let simulate = || run(&tripod(0.5), &Noise::careful_repeat(), 1, 10, &options);
+    let found = simulate().unwrap();
+    assert_eq!((found.is_complete(), found.repeats.len()), (false, 2));
+    assert!(Forecast::new(&found).unwrap().displacement_m.is_some());
+    // Stopped at once.
+    let found = simulate().unwrap();
     assert!(!found.is_complete() && found.repeats.is_empty());
     let summary = Forecast::new(&found).unwrap();
     assert!(!summary.complete && summary.displacement_m.is_none());

@@ -344,19 +344,26 @@ fn own_engines(ensemble: &Ensemble, models: &[Model], sensitivity_m: f64) -> Own
         let of_source = models.iter().filter(move |model| model.source == source);
         of_source.filter_map(|model| model.ratio)
     };
-    let of_points: Vec<f64> = ratios(Source::Indistinguishable).collect();
-    let of_points_m = own_m * standard_deviation(&of_points);
+    let spread_m = standard_deviation(&far_m);
+    // They are drawn with the repeats, or models of their own.
+    let of_values_m = if ensemble.uncertain.is_empty() {
+        let of_points: Vec<f64> = ratios(Source::Indistinguishable).collect();
+        own_m * standard_deviation(&of_points)
+    } else {
+        spread_m
+    };
     OwnEngines {
         own_m,
         second_m: ratios(Source::Engine).next().map(|ratio| ratio * own_m),
-        spread_m: standard_deviation(&far_m),
-        sensitivity_m: sensitivity_m.hypot(of_points_m),
+        spread_m,
+        sensitivity_m: sensitivity_m.hypot(of_values_m),
         body_length_m: ensemble.body_length_m,
     }
 }
 
 /// How much the robot feels of what nobody can measure: how its net displacement spreads (by its quartiles) under the noise of a robot
-/// that nobody has measured, metres, in the second engine, which is cheap, or else in its own. `None` where the run is stopped or no repeat comes to its end.
+/// that nobody has measured, metres, in the second engine, which is cheap, or else in its own. `None` where the run is stopped or no
+/// repeat comes to its end.
 fn sensitivity_m(experiment: &Experiment, seed: u64, run: &RunOptions<'_>) -> Result<Option<f64>> {
     let mut own = experiment.clone();
     own.solver.engine = experiment.second_engine().unwrap_or(own.solver.engine);

@@ -6,9 +6,11 @@ use std::time::Duration;
 use rayon::prelude::*;
 
 use crate::prediction::uncertain::UncertainParameters;
-use realgap_core::error::{Error, Result};
+use realgap_core::error::{Error, ErrorKind, Result};
 use realgap_core::warning::{Code, Warning};
-use realgap_engine::{EnergyBalance, Experiment, Noise, Outcome, Perturbation, Run};
+use realgap_engine::{
+    Attendance, EnergyBalance, Experiment, Noise, Outcome, Perturbation, Run, attend,
+};
 use realgap_optimize::RunOptions;
 use realgap_path::trajectory::{Prepared, prepare};
 
@@ -152,6 +154,7 @@ pub fn run_each(
         perturbation: Perturbation::default(),
         ..experiment.clone()
     };
+    // Whoever stops at once gets this run at least.
     let intended = realgap_engine::run(&intended)?;
     let run_warnings = intended.warnings.clone();
     let (noise_free, first_cpu) = outcome(intended)?;
@@ -166,7 +169,10 @@ pub fn run_each(
             let drawn = noise.perturb(&own, seed, number);
             let simulated = match recall(number as usize)? {
                 Some(known) => known,
-                None => recorded(realgap_engine::run(&drawn)?, noise, seed, number)?,
+                None => match unless_stopped(&drawn, run)? {
+                    Some(run) => recorded(run, noise, seed, number)?,
+                    None => return Ok(None),
+                },
             };
             let (outcome, cpu) = outcome(simulated)?;
             run.tell(done.fetch_add(1, Ordering::Relaxed) + 1, repeats, None);
@@ -200,6 +206,19 @@ pub fn run_each(
     ensemble.warnings.extend(own);
     ensemble.warnings.extend(uncertain.warning());
     Ok(ensemble)
+}
+
+/// One run; `None` where the work is stopped before its end.
+fn unless_stopped(experiment: &Experiment, run: &RunOptions<'_>) -> Result<Option<Run>> {
+    let mut clock = |_| run.go_on();
+    let attendance = Attendance {
+        clock: Some(&mut clock),
+        ..Attendance::default()
+    };
+    match attend(experiment, attendance) {
+        Err(error) if run.is_stopped() && error.kind() == ErrorKind::Interrupted => Ok(None),
+        simulated => simulated.map(|(run, _)| Some(run)),
+    }
 }
 
 /// Refuses an ensemble of nothing.
