@@ -1,22 +1,10 @@
-//! The README does what it says: every command in it is run, in its order, beside copies of what it ships. Grids and the search are
+//! The README does what it says: every command in it is run, in its order, beside the examples that the program holds. Grids and the search are
 //! smaller than there.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use crate::common::project;
 use crate::tutorial::{commands, shell};
-
-/// What is shipped beside the program and named by commands.
-const SHIPPED: [&str; 8] = [
-    "arenas",
-    "controllers",
-    "morphologies",
-    "real_trajectories",
-    "scenes",
-    "sensors",
-    "sweeps",
-    "vehicles",
-];
 
 /// Whole commands, one a line; those that build something are left out, as other tests are those builds.
 fn programs(readme: &str) -> Vec<String> {
@@ -36,10 +24,7 @@ fn every_command_of_the_readme_works_where_it_is_shipped() {
     let programs = programs(&readme);
     assert!(programs.len() >= 20, "{programs:?}");
     let folder = tempfile::tempdir().unwrap();
-    for name in SHIPPED {
-        let from = project().join(name);
-        shell(&format!("cp -r '{}' .", from.display()), folder.path());
-    }
+    shell("realgap study examples copy .", folder.path());
     let search = folder.path().join("sweeps/best_robot.ron");
     let few = [
         ("initial: 60", "initial: 20"),

@@ -5,8 +5,8 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use super::control::Log;
 use super::experiment::Experiment;
 use super::kinematics::{part_from_track, robot_from_part_at_zero, robot_from_parts};
-use super::run::{Attendance, Run, attend};
-use super::watch::Snapshot;
+use super::run::{Run, attend};
+use super::watch::{Attendance, Snapshot};
 use realgap_core::error::{Error, Result};
 use realgap_path::trajectory::{Recording, Trajectory};
 use realgap_robot::morphology::{Assembly, Solid};
@@ -40,9 +40,6 @@ pub fn attended_film(
     experiment: &Experiment,
     attendance: Attendance<'_>,
 ) -> Result<(Run, Option<Film>, Log)> {
-    if experiment.vehicle.is_some() {
-        return Err(Error::invalid("a vehicle has no parts to watch"));
-    }
     let mut experiment = experiment.clone();
     experiment.records_joints = !experiment.assembly.hinges.is_empty();
     let times_s = experiment.sample_times_s();

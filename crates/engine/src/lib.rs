@@ -59,7 +59,7 @@ pub use outcome::{Divergence, Outcome};
 pub use part_state::PartState;
 pub use posture::Posture;
 pub use rapier::{ENGINE_VERSION, RAPIER, Rapier};
-pub use run::{Attendance, Observer, Run, attend, run, steer, watch};
+pub use run::{Run, attend, run, steer, watch};
 pub use scene::{SceneBody, SceneBox, SceneMotion};
 pub use servo::Command;
 pub use settle::{Settling, settle};
@@ -68,4 +68,4 @@ pub use tree::{TREE, Tree};
 #[cfg(feature = "schema")]
 pub use vehicle::VehicleFile;
 pub use vehicle::{Drive, Vehicle};
-pub use watch::{HingeState, Push, Snapshot};
+pub use watch::{Attendance, HingeState, Observer, Push, Snapshot};

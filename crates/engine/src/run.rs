@@ -18,7 +18,7 @@ use super::outcome::Outcome;
 use super::scene::{Guide, SceneMotion};
 use super::servo::{NOTHING, command, error_beyond_play};
 use super::vehicle;
-use super::watch::{Push, Snapshot};
+use super::watch::{Attendance, Observer, Push, Snapshot};
 use realgap_core::error::{Error, Result};
 use realgap_core::warning::{Code, Warning};
 use realgap_path::trajectory::{State, Trajectory};
@@ -66,49 +66,52 @@ pub fn run(experiment: &Experiment) -> Result<Run> {
     attend(experiment, Attendance::default()).map(|(run, _)| run)
 }
 
-/// Who sees every step, if anybody.
-pub type Observer<'a> = Option<&'a mut dyn FnMut(&Snapshot)>;
-
-/// Who attends a run; nobody unless said.
-#[derive(Default)]
-pub struct Attendance<'a> {
-    /// Sees every step as in [`watch`]; a vehicle has no parts to see.
-    pub observer: Observer<'a>,
-    /// Has the last word of every decision of a controller.
-    pub feedback: Option<Feedback<'a>>,
-    /// Hears before every step which share of the run is done, from 0 to 1; its error ends the run. A vehicle's run is over at once.
-    pub clock: Option<&'a mut dyn FnMut(f64) -> Result<()>>,
-}
-
-impl Attendance<'_> {
-    /// Tells the clock that so many steps are done.
-    pub(super) fn tell(&mut self, done: u64, steps: u64) -> Result<()> {
-        match &mut self.clock {
-            Some(clock) => clock(done as f64 / steps.max(1) as f64),
-            None => Ok(()),
-        }
-    }
-}
-
 /// Simulates an experiment before those who attend, and says what its controller read and decided: nothing where it has none.
 ///
 /// # Errors
-/// As [`run`]; whatever the clock and the feedback refuse.
-pub fn attend(experiment: &Experiment, mut attendance: Attendance<'_>) -> Result<(Run, Log)> {
+/// As [`run`]; whatever the clock and the feedback refuse; an observer of a vehicle, feedback without a controller.
+pub fn attend(experiment: &Experiment, attendance: Attendance<'_>) -> Result<(Run, Log)> {
+    pushed(experiment, &[], attendance)
+}
+
+fn pushed(
+    experiment: &Experiment,
+    pushes: &[Push],
+    mut attendance: Attendance<'_>,
+) -> Result<(Run, Log)> {
     experiment.check()?;
     let started = thread_cpu_time();
     let (mut run, log) = if let Some(vehicle) = &experiment.vehicle {
+        if attendance.observer.is_some() {
+            return Err(Error::invalid("a vehicle has no parts to watch"));
+        }
         (vehicle::run(experiment, vehicle)?, Log::default())
     } else if let Some(controller) = &experiment.controller {
+        if !pushes.is_empty() {
+            return Err(Error::invalid("a robot with a controller is not pushed"));
+        }
         steered(experiment, controller, attendance)?
     } else {
+        if attendance.feedback.is_some() {
+            return Err(no_controller());
+        }
         let assembly = experiment.adjusted_assembly();
+        for push in pushes {
+            push.check(&assembly)?;
+        }
         let mut rollout = Rollout::new(experiment, &assembly)?;
+        for push in pushes {
+            rollout.world.push(push.part, &push.velocity_world_m_s);
+        }
         let run = rollout.run(experiment, &mut attendance)?;
         (run, Log::default())
     };
     run.cpu = thread_cpu_time().saturating_sub(started);
     Ok((run, log))
+}
+
+fn no_controller() -> Error {
+    Error::invalid("the experiment has no controller").hint("give it one with `with_controller`")
 }
 
 /// Simulates an experiment with its controller, and says what was read and decided; `feedback` has the last word of every decision.
@@ -122,8 +125,7 @@ pub fn steer<'a>(
     feedback: Option<Feedback<'a>>,
 ) -> Result<(Run, Log)> {
     if experiment.controller.is_none() {
-        return Err(Error::invalid("the experiment has no controller")
-            .hint("give it one with `with_controller`"));
+        return Err(no_controller());
     }
     let attendance = Attendance {
         observer,
@@ -143,32 +145,11 @@ pub fn watch(
     pushes: &[Push],
     observer: &mut dyn FnMut(&Snapshot),
 ) -> Result<Run> {
-    experiment.check()?;
-    if experiment.vehicle.is_some() {
-        return Err(Error::invalid("a vehicle has no parts to watch"));
-    }
-    if experiment.controller.is_some() {
-        return match pushes {
-            [] => steer(experiment, Some(observer), None).map(|(run, _)| run),
-            _ => Err(Error::invalid("a robot with a controller is not pushed")),
-        };
-    }
-    let started = thread_cpu_time();
-    let assembly = experiment.adjusted_assembly();
-    for push in pushes {
-        push.check(&assembly)?;
-    }
-    let mut rollout = Rollout::new(experiment, &assembly)?;
-    for push in pushes {
-        rollout.world.push(push.part, &push.velocity_world_m_s);
-    }
-    let mut attendance = Attendance {
+    let attendance = Attendance {
         observer: Some(observer),
         ..Attendance::default()
     };
-    let mut run = rollout.run(experiment, &mut attendance)?;
-    run.cpu = thread_cpu_time().saturating_sub(started);
-    Ok(run)
+    pushed(experiment, pushes, attendance).map(|(run, _)| run)
 }
 
 /// CPU time of the calling thread; wall time where the platform has no such clock.

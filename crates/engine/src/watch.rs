@@ -2,11 +2,36 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use super::control::Feedback;
 use super::engine::World;
 use super::kinematics::robot_from_part_at_zero;
 use super::part_state::PartState;
 use realgap_core::error::{Error, Result};
 use realgap_robot::morphology::Assembly;
+
+/// Who sees every step, if anybody.
+pub type Observer<'a> = Option<&'a mut dyn FnMut(&Snapshot)>;
+
+/// Who attends a run; nobody unless said.
+#[derive(Default)]
+pub struct Attendance<'a> {
+    /// Sees every step as in [`watch`](super::run::watch); a vehicle has no parts to see.
+    pub observer: Observer<'a>,
+    /// Has the last word of every decision of a controller.
+    pub feedback: Option<Feedback<'a>>,
+    /// Hears before every step which share of the run is done, from 0 to 1; its error ends the run. A vehicle's run is over at once.
+    pub clock: Option<&'a mut dyn FnMut(f64) -> Result<()>>,
+}
+
+impl Attendance<'_> {
+    /// Tells the clock that so many steps are done.
+    pub(super) fn tell(&mut self, done: u64, steps: u64) -> Result<()> {
+        match &mut self.clock {
+            Some(clock) => clock(done as f64 / steps.max(1) as f64),
+            None => Ok(()),
+        }
+    }
+}
 
 /// A velocity added to one loose part at time 0.
 #[derive(Debug, Clone, Copy, PartialEq)]

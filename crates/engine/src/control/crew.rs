@@ -4,8 +4,9 @@ use nalgebra::Isometry3;
 
 use super::super::experiment::Experiment;
 use super::super::outcome::Outcome;
-use super::super::run::{Attendance, Course, Rollout, Run};
+use super::super::run::{Course, Rollout, Run};
 use super::super::scene::SceneBody;
+use super::super::watch::Attendance;
 use super::mount::{Eye, plan};
 use super::rule::Mind;
 use super::{Controller, Decision, Feedback, Heard, Log, Sensed, Steer, arena_from_start};
