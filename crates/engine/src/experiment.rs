@@ -119,13 +119,15 @@ impl JointKind {
     }
 }
 
-/// Rapier's friction models.
+/// Friction models: Rapier has the first two, the tree solver the last two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrictionModel {
     /// One friction pyramid and twist per manifold.
     Simplified,
     /// A friction cone at every contact point, opposite to its slip.
     Coulomb,
+    /// A cone that is relaxed to a convex problem, as MuJoCo's is (Anitescu 2006; Todorov 2014): what slides hops over the floor.
+    Relaxed,
 }
 
 /// Contact model of the solver.
@@ -184,6 +186,9 @@ impl Default for Solver {
     }
 }
 
+/// Steps and contacts with a relaxed cone, [`Experiment::relaxed`]: one over 2 ms is the angular frequency.
+const RELAXED_STEP_S: f64 = 1.0 / 2000.0;
+const RELAXED_HZ: f64 = 500.0 / std::f64::consts::TAU;
 /// Damping ratio and sweeps at the limit, [`Experiment::at_limit`].
 const LIMIT_DAMPING_RATIO: f64 = 3.0;
 const LIMIT_SWEEPS: usize = 4;
@@ -392,6 +397,21 @@ impl Experiment {
         contact.natural_frequency_hz = contact.natural_frequency_hz.max(frequency_hz);
         contact.damping_ratio = contact.damping_ratio.min(LIMIT_DAMPING_RATIO);
         limit
+    }
+
+    /// The same experiment with contacts as MuJoCo has them with what [`export`](crate::export) writes (`solref` 0.002 1): a relaxed
+    /// cone, and a spring and damper that need 2 ms, in the tree solver. `None` where that cannot simulate it.
+    pub fn relaxed(&self) -> Option<Self> {
+        let mut relaxed = self.clone();
+        relaxed.solver.engine = self.second_engine()?;
+        (relaxed.solver.timestep_s, relaxed.solver.substeps) = (RELAXED_STEP_S, 1);
+        relaxed.contact = Contact {
+            natural_frequency_hz: RELAXED_HZ,
+            damping_ratio: 1.0,
+            friction_model: FrictionModel::Relaxed,
+            ..self.contact
+        };
+        Some(relaxed)
     }
 
     /// What is changed about a joint and its servo.

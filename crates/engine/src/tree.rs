@@ -7,11 +7,11 @@ use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Vector3};
 use realgap_tree::parry::math::{Mat3, Pose, Vec3};
 use realgap_tree::parry::shape::SharedShape;
 use realgap_tree::{
-    Attachment, Collider, Fixture, Joint, JointKind, Link, Model, Partner, Settings,
+    Attachment, Collider, Cone, Fixture, Joint, JointKind, Link, Model, Partner, Settings,
 };
 
 use super::engine::{Engine, Load, Setup, World};
-use super::experiment::Experiment;
+use super::experiment::{Experiment, FrictionModel};
 use super::kinematics::{joint_turns, robot_from_part_at_zero};
 use super::motor::Effort;
 use super::part_state::PartState;
@@ -100,6 +100,10 @@ impl TreeWorld {
                 sweeps: solver.sweeps,
                 contact_frequency_hz: contact.natural_frequency_hz,
                 contact_damping_ratio: contact.damping_ratio,
+                cone: match contact.friction_model {
+                    FrictionModel::Relaxed => Cone::Relaxed,
+                    FrictionModel::Simplified | FrictionModel::Coulomb => Cone::Exact,
+                },
                 prediction_m: contact.prediction_m,
                 ..Settings::default()
             },

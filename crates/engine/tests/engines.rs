@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use crate::common;
-use realgap_engine::{ENGINES, EngineChoice, Experiment, engine_by_name, run};
+use realgap_engine::{ENGINES, EngineChoice, Experiment, FrictionModel, engine_by_name, run};
 use realgap_path::trajectory::Trajectory;
 use realgap_robot::morphology::Morphology;
 
@@ -72,4 +72,22 @@ fn an_engine_that_is_not_there_is_named_with_those_that_are() {
         error.contains("rapier") && error.contains("tree"),
         "{error}"
     );
+}
+
+#[test]
+fn only_the_tree_solver_relaxes_the_cone_and_what_it_is_refused_says_where_to_go() {
+    let mut experiment = shipped("two_module");
+    experiment.duration_s = 1.0;
+    let tree = engine_by_name("tree").unwrap();
+    let relaxed = experiment.relaxed().unwrap();
+    assert!(apart_m(&motion(&experiment, tree), &motion(&relaxed, tree)) > 1e-3);
+    assert!(relaxed.relaxed().is_none(), "it is relaxed already");
+
+    experiment.contact.friction_model = FrictionModel::Relaxed;
+    let error = experiment.check().unwrap_err().to_string();
+    for words in ["contact.friction_model", "rapier", "`tree`"] {
+        assert!(error.contains(words), "{words}: {error}");
+    }
+    experiment.solver.engine = tree;
+    experiment.check().unwrap();
 }

@@ -1,10 +1,10 @@
-//! Contact rows: a soft normal with restitution, and friction within Coulomb's cone, opposite to slip.
+//! Contact rows: a soft normal with restitution, and friction within Coulomb's cone, opposite to slip; or both within a relaxed one.
 
 use parry3d_f64::math::Vec3;
 
 use crate::forest::{Forest, Freedom, NONE};
 use crate::kinematics::Node;
-use crate::model::Settings;
+use crate::model::{Cone, Settings};
 use crate::spatial::Spatial;
 use crate::touch::{Memory, Touch};
 
@@ -17,13 +17,30 @@ pub(crate) struct Softness {
     /// How much the row gives, as a share of its inverse mass.
     pub slack: f64,
     time_s: f64,
+    relaxed: Option<Relaxed>,
+}
+
+/// What rows of a relaxed cone aim at: accelerations of a spring and a damper of unit mass, whatever the contact feels (the reference
+/// of Todorov 2014), in an implicit step.
+#[derive(Debug, Clone, Copy)]
+struct Relaxed {
+    /// Share of a velocity that is left after the step.
+    kept: f64,
+    /// Speed that undoes a depth, 1/s.
+    recovery_1_s: f64,
 }
 
 impl Softness {
     pub fn new(settings: &Settings, time_s: f64) -> Self {
         let omega = std::f64::consts::TAU * settings.contact_frequency_hz;
         let implicit = time_s * omega + 2.0 * settings.contact_damping_ratio;
+        let kept = 1.0 / (1.0 + time_s * omega * implicit);
+        let relaxed = (settings.cone == Cone::Relaxed).then_some(Relaxed {
+            kept,
+            recovery_1_s: time_s * omega * omega * kept,
+        });
         Self {
+            relaxed,
             recovery_1_s: omega / implicit,
             most_recovery_m_s: settings.most_recovery_m_s,
             slack: 1.0 / (time_s * omega * implicit),
@@ -72,6 +89,8 @@ pub(crate) struct Point {
     wanted: f64,
     slack: f64,
     friction: f64,
+    /// Speed apart per slip, within a relaxed cone.
+    lift: f64,
     pub impulse: [f64; 3],
     pub memory: Memory,
     pub touch: usize,
@@ -93,6 +112,9 @@ pub(crate) struct Group {
 
 /// A normal gives at least this share of what the tangents or the trees as a whole would.
 const RIGID: f64 = 0.01;
+
+/// Share of its inverse mass that a row of a relaxed cone gives, as MuJoCo's do at an impedance of 0.97.
+const GIVES: f64 = 0.03;
 
 /// How much more than friction may press together a contact gives where it jams.
 const JAMMING: f64 = 1.1;
@@ -139,6 +161,7 @@ impl Point {
             wanted: step.softness.wanted_speed(touch.distance_m),
             slack: step.softness.slack,
             friction: touch.friction,
+            lift: 0.0,
             impulse: basis.map(|axis| touch.impulse_world_n_s.dot(axis)),
             memory: touch.memory,
             touch: index,
@@ -159,6 +182,10 @@ impl Point {
                 pull = 0.0;
             }
         }
+        if let Some(relaxed) = step.softness.relaxed {
+            point.relax(relaxed, touch, nodes);
+            return point;
+        }
         point.is_impact = point.bounce(touch, approach, pull, step);
         // Over the step a point travels by its velocity and by half of what velocity products do to it.
         for (k, axis) in basis.iter().enumerate() {
@@ -169,6 +196,22 @@ impl Point {
             }
         }
         point
+    }
+
+    /// Rows of a relaxed cone: what is left of every velocity and what undoes the depth are what the rows aim at, and the normal takes
+    /// its share of the slip beyond that.
+    fn relax(&mut self, relaxed: Relaxed, touch: &Touch, nodes: &[Node]) {
+        for (k, axis) in self.basis.iter().enumerate() {
+            let mut speed = self.a.reads[k].dot(&nodes[touch.a].velocity) - self.led[k];
+            if touch.b != NONE {
+                let other = nodes[touch.b].velocity.velocity_at(self.arm_b);
+                speed -= other.dot(*axis);
+            }
+            self.led[k] += relaxed.kept * speed;
+        }
+        self.wanted = -touch.distance_m * relaxed.recovery_1_s;
+        self.slack = GIVES;
+        self.lift = touch.friction;
     }
 
     /// Restitution (Newton's), where the surfaces meet within the step faster than gravity makes them in four.
@@ -264,7 +307,10 @@ impl Point {
             speed
         };
         let slack = self.slack.max(self.jam());
-        let residual = reads(self, 0, a, &b) - self.wanted + slack * self.impulse[0];
+        let mut residual = reads(self, 0, a, &b) - self.wanted + slack * self.impulse[0];
+        if self.lift > 0.0 {
+            residual -= self.lift * length_of([reads(self, 1, a, &b), reads(self, 2, a, &b)]);
+        }
         let normal = (self.impulse[0] - residual / (self.normal_k + slack)).max(0.0);
         let mut more = [normal - self.impulse[0], 0.0, 0.0];
         self.impulse[0] = normal;

@@ -173,6 +173,17 @@ impl Fixture {
     }
 }
 
+/// How friction and what parts the surfaces go together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cone {
+    /// Coulomb's: surfaces that slide stay together.
+    Exact,
+    /// Relaxed to a convex problem (Anitescu 2006), as MuJoCo's is (Todorov 2014): what slides is pressed apart by the coefficient of
+    /// friction times its slip, so that it hops, and friction takes slip away as slowly as the spring and damper push. Nothing is done
+    /// before surfaces overlap, and nothing bounces.
+    Relaxed,
+}
+
 /// How time passes and how contacts give.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -188,7 +199,9 @@ pub struct Settings {
     pub contact_frequency_hz: f64,
     /// ζ of the same.
     pub contact_damping_ratio: f64,
-    /// Overlap is undone no faster than this, m/s.
+    /// Cone of friction.
+    pub cone: Cone,
+    /// Overlap is undone no faster than this, m/s; not with a relaxed cone.
     pub most_recovery_m_s: f64,
     /// Surfaces that come closer than this are watched, m; fast ones are from further away.
     pub prediction_m: f64,
@@ -205,6 +218,7 @@ impl Default for Settings {
             tolerance_m_s2: 1e-4,
             contact_frequency_hz: 300.0,
             contact_damping_ratio: 3.0,
+            cone: Cone::Exact,
             most_recovery_m_s: 3.0,
             prediction_m: 0.002,
             max_turn_rad: 0.25,

@@ -7,6 +7,7 @@ use crate::contact::{Group, Point, Side, Softness, Step};
 use crate::forest::{Forest, NONE};
 use crate::joint::{Actor, JointImpulse, limit_reach};
 use crate::kinematics::{self, Node};
+use crate::model::Cone;
 use crate::spatial::Spatial;
 use crate::sweep::{close, open, respond, tops};
 use crate::world::World;
@@ -45,6 +46,9 @@ impl World {
     fn part(&mut self, time_s: f64) {
         self.touches.clear();
         self.collision.find(&self.nodes, time_s, &mut self.touches);
+        if self.settings.cone == Cone::Relaxed {
+            self.touches.retain(|touch| touch.distance_m <= 0.0);
+        }
         self.before.clear();
         let state = self.nodes.iter().map(|node| (node.velocity, node.speed));
         self.before.extend(state);

@@ -6,6 +6,7 @@
 )]
 
 mod common;
+mod cone;
 mod contact;
 mod flight;
 mod joint;

@@ -1,6 +1,6 @@
 //! What an experiment must be to be simulated.
 
-use super::{Experiment, FrictionModel, JointKind, Sampling};
+use super::{EngineChoice, Experiment, FrictionModel, JointKind, Sampling};
 use realgap_core::error::{Error, Result};
 use realgap_robot::morphology::Role;
 
@@ -22,6 +22,7 @@ impl Experiment {
             };
         self.check_edges()?;
         self.check_energy()?;
+        self.check_friction()?;
         for body in &self.scene {
             body.check()?;
             body.check_clear(self)?;
@@ -93,6 +94,21 @@ impl Experiment {
             );
         }
         Ok(())
+    }
+
+    /// Rapier's cones are exact.
+    fn check_friction(&self) -> Result<()> {
+        let is_relaxed = self.contact.friction_model == FrictionModel::Relaxed;
+        if !is_relaxed || EngineChoice::new(self.engine()) != EngineChoice::default() {
+            return Ok(());
+        }
+        Err(
+            Error::invalid("this engine has no relaxed cone of friction")
+                .field("contact.friction_model")
+                .found(format!("Relaxed (2), in {}", self.engine_version()))
+                .allowed("Simplified (0) and Coulomb (1)")
+                .hint("choose the engine `tree`, whose number in `solver.engine` is 1"),
+        )
     }
 
     /// A cube cannot be rounder than a ball.

@@ -15,24 +15,27 @@ pub(super) static PARAMETERS: &[Parameter] = &[
     Parameter {
         name: "contact.friction_model",
         unit: Unit::One,
-        bounds: (0.0, 1.0),
+        bounds: (0.0, (MODELS.len() - 1) as f64),
         whole: true,
         scale: Scale::Linear,
         nudge: Nudge::Absolute(1.0),
-        doc: "0: Simplified, a friction pyramid per contact area; 1: Coulomb, a cone at every contact point.",
+        doc: "0: Simplified, a friction pyramid per contact area (Rapier); 1: Coulomb, a cone at every contact point; 2: Relaxed, a convex cone as MuJoCo's (tree solver).",
         subject: "",
         get: |e, _| {
-            Some(match e.contact.friction_model {
-                FrictionModel::Simplified => 0.0,
-                FrictionModel::Coulomb => 1.0,
-            })
+            let is_it = |model: &FrictionModel| *model == e.contact.friction_model;
+            MODELS.iter().position(is_it).map(|index| index as f64)
         },
         set: |e, _, value| {
-            e.contact.friction_model = if value == 0.0 {
-                FrictionModel::Simplified
-            } else {
-                FrictionModel::Coulomb
-            };
+            if let Some(model) = MODELS.get(value as usize) {
+                e.contact.friction_model = *model;
+            }
         },
     },
+];
+
+/// By their numbers.
+const MODELS: [FrictionModel; 3] = [
+    FrictionModel::Simplified,
+    FrictionModel::Coulomb,
+    FrictionModel::Relaxed,
 ];

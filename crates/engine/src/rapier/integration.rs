@@ -16,7 +16,7 @@ pub(super) fn parameters(experiment: &Experiment) -> IntegrationParameters {
         normalized_max_linear_velocity: Real::MAX,
         friction_model: match contact.friction_model {
             FrictionModel::Simplified => EngineFriction::Simplified,
-            FrictionModel::Coulomb => EngineFriction::Coulomb,
+            FrictionModel::Coulomb | FrictionModel::Relaxed => EngineFriction::Coulomb,
         },
         ..IntegrationParameters::default()
     };

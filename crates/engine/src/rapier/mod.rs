@@ -163,7 +163,7 @@ impl RapierWorld {
             parts: Vec::with_capacity(assembly.parts.len()),
             axles: Vec::with_capacity(assembly.hinges.len()),
             hooks: Hooks {
-                friction: (experiment.contact.friction_model == FrictionModel::Coulomb)
+                friction: (experiment.contact.friction_model != FrictionModel::Simplified)
                     .then(Friction::default),
                 apart: assembly.apart.iter().copied().collect(),
                 ..Hooks::default()

@@ -45,18 +45,23 @@ pub enum Source {
     Joints,
     /// The engine: the second one of the program.
     Engine,
+    /// The cone of friction: relaxed, as other engines have it.
+    Contact,
     /// Parameter values that recordings cannot tell apart.
     Indistinguishable,
 }
 
 impl Source {
     /// In the order of the table.
-    const ALL: [Self; 4] = [
+    const ALL: [Self; 5] = [
         Self::Numerics,
         Self::Joints,
         Self::Engine,
+        Self::Contact,
         Self::Indistinguishable,
     ];
+    /// What is part of what another engine may do, once, and not multiplied on the rest.
+    const OTHERS: [Self; 2] = [Self::Engine, Self::Contact];
 
     /// For people.
     pub fn label(self) -> &'static str {
@@ -64,6 +69,7 @@ impl Source {
             Self::Numerics => "numerics",
             Self::Joints => "joint kind",
             Self::Engine => "second engine",
+            Self::Contact => "relaxed contact",
             Self::Indistinguishable => "indistinguishable set",
         }
     }
@@ -121,7 +127,7 @@ pub struct ModelError {
     /// Repeats of each.
     pub repeats: usize,
     /// By which factors displacements differ: every combination of one model (or the one asked for) a source. The second engine
-    /// is none of them: it is part of what another engine may do, once.
+    /// and relaxed contacts are none of them: they are part of what another engine may do, once.
     #[serde(skip)]
     factors: Vec<f64>,
     /// Where runs in another engine end; `None` for a vehicle, which no engine simulates.
@@ -254,7 +260,7 @@ impl ModelError {
         let mut factors = vec![1.0];
         for source in Source::ALL
             .into_iter()
-            .filter(|source| *source != Source::Engine)
+            .filter(|source| !Source::OTHERS.contains(source))
         {
             let of_source = models.iter().filter(|model| model.source == source);
             let ratios: Vec<f64> = std::iter::once(1.0)
@@ -355,6 +361,7 @@ fn own_engines(ensemble: &Ensemble, models: &[Model], sensitivity_m: f64) -> Own
     OwnEngines {
         own_m,
         second_m: ratios(Source::Engine).next().map(|ratio| ratio * own_m),
+        relaxed_m: ratios(Source::Contact).next().map(|ratio| ratio * own_m),
         spread_m,
         sensitivity_m: sensitivity_m.hypot(of_values_m),
         body_length_m: ensemble.body_length_m,
