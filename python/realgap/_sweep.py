@@ -250,6 +250,7 @@ class Fit:
     discrepancy: float
     engine: Optional[str] = None
     misfit: Optional[Misfit] = None
+    neighbours_p_value: Optional[float] = None
 
 
 @dataclass(frozen=True)

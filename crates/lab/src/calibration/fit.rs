@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::likeness::likeness;
 use super::misfit::Misfit;
 use super::nearness::Nearest;
 use super::score::{PointScore, Scores};
@@ -23,8 +24,12 @@ pub struct Fit {
     /// How likely the runs are as unlike the recordings if both are drawn alike (energy test; Székely & Rizzo 2013); `None` for
     /// fewer than three recordings.
     pub p_value: Option<f64>,
-    /// False where the energy test tells the recordings from the best point's runs, and no
-    /// run of any point comes as near them as one more recording would: no parameters of this model explain these recordings.
+    /// How likely the recordings are as unlike every set of repeats of the runs near them, if they are one more such set; `None` where
+    /// that need not be asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub neighbours_p_value: Option<f64>,
+    /// False where no parameters of this model explain these recordings: the energy test tells them from the best point's runs, and
+    /// no run of any point comes as near them as one more recording would; or they are not drawn like repeats of any run near them.
     pub explains: bool,
     /// Variance of the model's discrepancy in those of a recording, which widens the intervals; 0 where the model explains the
     /// recordings.
@@ -39,6 +44,8 @@ pub struct Fit {
 
 /// Fewer recordings than this cannot be told from anything.
 const LEAST: usize = 3;
+/// From this p-value on the best point's runs are like the recordings, and nothing more is asked.
+const ALIKE: f64 = 0.2;
 
 impl Fit {
     /// `None` without a best point, for fewer than two recordings of one start, or for recordings that do not differ.
@@ -69,21 +76,35 @@ impl Fit {
             b.explains.cmp(&a.explains).then(by_distance)
         };
         let fit = fits.into_iter().min_by(order);
-        let Some(fit) = fit.filter(|fit| !fit.explains) else {
-            return Ok(fit);
+        let is_doubted = |fit: &Self| fit.p_value.is_some_and(|p| p < ALIKE);
+        let fit = match fit {
+            Some(fit) if is_doubted(&fit) => fit,
+            fit => {
+                return Ok(fit.map(|fit| Self {
+                    discrepancy: 0.0,
+                    ..fit
+                }));
+            }
         };
         let runs = scores.runs.iter().filter(|run| run.score.is_some());
-        let runs = runs.map(path).collect::<Result<Vec<_>>>()?;
+        let paths = runs.clone().map(path).collect::<Result<Vec<_>>>()?;
         let real = study.part_of(&study.real_paths(), false);
-        let nearest = Nearest::new(&real, &runs);
-        let misfit = nearest.filter(|nearest| nearest.p_value < SIGNIFICANT);
-        let misfit = misfit.map(|nearest| {
+        let nearest = Nearest::new(&real, &paths);
+        let is_far = nearest.is_some_and(|nearest| nearest.p_value < SIGNIFICANT);
+        let neighbours_p_value = match !fit.explains && is_far {
+            true => None,
+            false => likeness(study, &real, &runs.zip(&paths).collect::<Vec<_>>())?,
+        };
+        let explains =
+            neighbours_p_value.is_none_or(|p| p >= SIGNIFICANT) && (fit.explains || !is_far);
+        let misfit = nearest.filter(|_| !explains).map(|nearest| {
             let duration_s = study.cases()[0].experiment.duration_s;
-            Misfit::new(nearest, &runs[nearest.run], &real, duration_s)
+            Misfit::new(nearest, &paths[nearest.run], &real, duration_s)
         });
         Ok(Some(Self {
-            explains: misfit.is_none(),
-            discrepancy: misfit.map_or(0.0, |_| fit.discrepancy),
+            explains,
+            neighbours_p_value,
+            discrepancy: if explains { 0.0 } else { fit.discrepancy },
             misfit,
             ..fit
         }))
@@ -116,15 +137,12 @@ impl Fit {
         };
         let (recordings, simulated) = (0.5 * over(0, 2), 0.5 * over(2, 2));
         let excess = over(1, 2) - recordings - simulated;
-        let explains = p_value.is_none_or(|p| p >= SIGNIFICANT);
         Ok(Some(Self {
             noise_floors,
             p_value,
-            explains,
-            discrepancy: match explains {
-                true => 0.0,
-                false => (excess / recordings).max(0.0),
-            },
+            neighbours_p_value: None,
+            explains: p_value.is_none_or(|p| p >= SIGNIFICANT),
+            discrepancy: (excess / recordings).max(0.0),
             engine: None,
             misfit: None,
         }))

@@ -48,6 +48,7 @@ mod joint_evaluation;
 mod joints;
 mod keeping;
 mod kernel;
+mod likeness;
 mod matching;
 mod method;
 mod misfit;

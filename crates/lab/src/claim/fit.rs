@@ -10,6 +10,9 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
     let alike = fit.p_value.map_or_else(String::new, |p| {
         format!("; drawn alike? p = {} (energy test)", number(p))
     });
+    let neighbours = fit.neighbours_p_value.map_or_else(String::new, |p| {
+        format!("; like repeats of runs near them? p = {} (rank)", number(p))
+    });
     let (says, word, rest) = match fit.explains {
         true => (Says::Holds, "explained", ""),
         false => (
@@ -23,10 +26,15 @@ pub(crate) fn model(fit: &Fit, recordings: usize) -> Claim {
         .engine
         .map_or_else(String::new, |engine| format!(" (runs of {engine})"));
     let worst = fit.misfit.as_ref().map_or_else(String::new, worst);
-    let text = format!("the best is {floors} noise floors away{of}{alike}{rest}{worst}");
+    let text =
+        format!("the best is {floors} noise floors away{of}{alike}{neighbours}{rest}{worst}");
     let numbers = [
         ("noise_floors", fit.noise_floors),
         ("p_value", fit.p_value.unwrap_or(f64::NAN)),
+        (
+            "neighbours_p_value",
+            fit.neighbours_p_value.unwrap_or(f64::NAN),
+        ),
         ("discrepancy", fit.discrepancy),
     ];
     Claim::new(About::Model, says, word, text).resting_on(recordings, &numbers)
